@@ -1,0 +1,63 @@
+//! What is known of a rig from measurement.
+
+use serde::{Deserialize, Serialize};
+
+/// A rig's calibration: what a capture must be corrected by, and how well each sensor sees.
+///
+/// Kept beside every capture as TOML.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// Inertia that turns with the knob beyond the torque sensor (gripper, half the coupling), mNm·s²/rad.
+    pub gripper_inertia: f64,
+    /// Inertia on the motor's side of the torque sensor, mNm·s²/rad.
+    pub motor_inertia: f64,
+    /// Stiffness of the torque sensor, mNm/rad: the knob is behind the encoder by torque over stiffness.
+    pub torque_sensor_stiffness_mnm_rad: f64,
+    /// Torque sensor's reading with nothing attached, mNm.
+    pub torque_zero_mnm: f64,
+    /// Delay of the torque channel behind the encoder, s.
+    pub torque_delay_s: f64,
+    /// Accelerometer's reading at rest, gravity apart, rad/s².
+    pub acceleration_zero_rad_s2: f64,
+    /// Delay of the acceleration channel behind the encoder, s.
+    pub acceleration_delay_s: f64,
+    /// Amplitude of gravity in the acceleration signal, rad/s²: g over the sensor's radius.
+    pub gravity_amplitude_rad_s2: f64,
+    /// Phase of gravity: the signal is amplitude · sin(angle + phase), rad.
+    pub gravity_phase_rad: f64,
+    /// Step of the encoder, rad.
+    pub angle_step_rad: f64,
+    /// Step of the torque channel, mNm.
+    pub torque_step_mnm: f64,
+    /// Step of the acceleration channel, rad/s².
+    pub acceleration_step_rad_s2: f64,
+}
+
+/// A calibration that cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("the calibration cannot be read: {0}")]
+pub struct CalibrationError(String);
+
+impl Calibration {
+    /// Reads a calibration from TOML.
+    ///
+    /// # Errors
+    /// [`CalibrationError`] with the parser's word for it.
+    pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
+        toml::from_str(text).map_err(|error| CalibrationError(error.to_string().trim().replace('\n', " ")))
+    }
+
+    /// The calibration as TOML.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        // A struct of numbers always has a TOML form.
+        toml::to_string(self).unwrap_or_default()
+    }
+
+    /// Gravity in the acceleration signal at an angle, rad/s².
+    #[must_use]
+    pub fn gravity_rad_s2(&self, angle_rad: f64) -> f64 {
+        self.gravity_amplitude_rad_s2 * (angle_rad + self.gravity_phase_rad).sin()
+    }
+}

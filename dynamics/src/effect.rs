@@ -1,0 +1,176 @@
+//! What an effect is: a kind, known to the whole program, and its parameter values on one knob.
+
+use crate::Motion;
+
+/// Most parameters that one effect has.
+pub(crate) const MAX_PARAMETERS: usize = 8;
+
+/// A physical effect as the instrument knows it.
+#[derive(Debug)]
+pub struct EffectKind {
+    /// Standard name, as used in model files and reports.
+    pub name: &'static str,
+    /// One line that says what the knob does.
+    pub description: &'static str,
+    /// Where the law comes from.
+    pub source: &'static str,
+    /// The parameters in the order of an effect's values.
+    pub parameters: &'static [ParameterKind],
+    /// The part it plays in the equation of motion.
+    pub part: Part,
+    /// The part it plays in a fit of torque to motion; `None` if it has none there.
+    pub regressors: Option<Regressors>,
+}
+
+/// A parameter of an effect.
+#[derive(Debug)]
+pub struct ParameterKind {
+    /// Name, unique over all effects: the key in model files and in JSON.
+    pub name: &'static str,
+    /// Unit, as printed.
+    pub unit: &'static str,
+    /// Symbol in the equations.
+    pub symbol: &'static str,
+    /// What it is.
+    pub description: &'static str,
+    /// Smallest value that means something.
+    pub minimum: Minimum,
+}
+
+/// A parameter's lower bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Minimum {
+    /// Any finite number.
+    None,
+    /// Zero or more.
+    Zero,
+    /// More than zero.
+    AboveZero,
+}
+
+impl Minimum {
+    /// Whether `value` is permitted; a value that is not finite never is.
+    #[must_use]
+    pub fn permits(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::None => true,
+                Self::Zero => value >= 0.0,
+                Self::AboveZero => value > 0.0,
+            }
+    }
+}
+
+/// Direction in which the knob slides, or is about to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// Towards smaller angles.
+    Negative,
+    /// Towards larger angles.
+    Positive,
+}
+
+impl Direction {
+    /// Direction of a velocity or torque; zero counts as positive.
+    #[must_use]
+    pub fn of(value: f64) -> Self {
+        if value < 0.0 { Self::Negative } else { Self::Positive }
+    }
+
+    /// −1 or +1.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Negative => -1.0,
+            Self::Positive => 1.0,
+        }
+    }
+}
+
+/// The torques up to which a resting knob holds, and the speed below which it can come to rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StickLimits {
+    /// Magnitude of the torque that a knob at rest bears in the negative direction, mNm.
+    pub negative_mnm: f64,
+    /// Torque that a knob at rest bears in the positive direction, mNm.
+    pub positive_mnm: f64,
+    /// Speed below which the knob sticks, rad/s.
+    pub velocity_rad_s: f64,
+}
+
+/// The part that an effect plays in the equation of motion.
+///
+/// The functions take the effect's values in the order of its kind's parameters.
+#[derive(Clone, Copy, Debug)]
+pub enum Part {
+    /// Adds to the mass matrix; gives the inertia, mNm·s²/rad.
+    Inertia(fn(&[f64]) -> f64),
+    /// A torque that depends on angle, velocity and time but not on the direction of sliding, mNm.
+    Torque(fn(&[f64], &Motion) -> f64),
+    /// The torque of friction while sliding in the given direction, mNm: positive when sliding positively.
+    Friction(fn(&[f64], &Motion, Direction) -> f64),
+    /// What holds the knob at rest.
+    Stick(fn(&[f64]) -> StickLimits),
+}
+
+/// An effect's columns in a fit: torque = Σ coefficient · column.
+///
+/// The coefficients are linear; parameters on which the columns themselves depend are searched.
+#[derive(Clone, Copy, Debug)]
+pub struct Regressors {
+    /// Number of columns.
+    pub columns: usize,
+    /// Indices of the parameters that must be searched because columns depend on them.
+    pub searched: &'static [usize],
+    /// Writes the columns for one motion, given the effect's values (only the searched ones are read).
+    pub fill: fn(&[f64], &Motion, &mut [f64]),
+    /// Writes the effect's values from the fitted coefficients; the searched ones are already in place.
+    pub values: fn(&[f64], &mut [f64]),
+}
+
+/// An effect with its values on one knob.
+#[derive(Clone, Copy, Debug)]
+pub struct Effect {
+    kind: &'static EffectKind,
+    values: [f64; MAX_PARAMETERS],
+}
+
+impl PartialEq for Effect {
+    fn eq(&self, other: &Self) -> bool {
+        self.kind.name == other.kind.name && self.values() == other.values()
+    }
+}
+
+impl Effect {
+    /// An effect of `kind` with the values given, in the order of the kind's parameters; values left out are zero.
+    #[must_use]
+    pub fn new(kind: &'static EffectKind, values: &[f64]) -> Self {
+        let mut stored = [0.0; MAX_PARAMETERS];
+        for (slot, value) in stored.iter_mut().zip(values) {
+            *slot = *value;
+        }
+        Self { kind, values: stored }
+    }
+
+    /// What effect this is.
+    #[must_use]
+    pub fn kind(&self) -> &'static EffectKind {
+        self.kind
+    }
+
+    /// The values in the order of the kind's parameters.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values[..self.kind.parameters.len()]
+    }
+
+    /// The values, to be changed.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values[..self.kind.parameters.len()]
+    }
+
+    /// The parameters with their values.
+    pub fn parameters(&self) -> impl Iterator<Item = (&'static ParameterKind, f64)> + '_ {
+        self.kind.parameters.iter().zip(self.values().iter().copied())
+    }
+}

@@ -1,0 +1,151 @@
+//! Excitations: the motions and torques with which a knob is asked.
+//!
+//! An [`Excitation`] is plain data without heap, so that a real-time loop can own one, and a pure
+//! function of time: where ticks are missed it goes on as if they had not been.
+
+mod chirp;
+mod jet;
+mod multisine;
+mod stepped;
+
+use serde::{Deserialize, Serialize};
+
+pub use chirp::{ChirpForm, ChirpSweep};
+use jet::Jet;
+pub use multisine::Multisine;
+pub use stepped::SteppedAmplitude;
+
+/// What an excitation commands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Drive {
+    /// An angle, which the position servo follows.
+    Position,
+    /// A torque of the motor.
+    Torque,
+}
+
+/// The commanded value at one moment, with its first two derivatives by time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Setpoint {
+    /// Angle in rad, or torque in mNm.
+    pub value: f64,
+    /// Its rate, per s.
+    pub rate: f64,
+    /// Its second derivative, per s².
+    pub acceleration: f64,
+}
+
+/// The shape of an excitation over time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "shape", rename_all = "kebab-case")]
+pub enum Shape {
+    /// The paper's swept sine (equation 2), as printed or as a linear chirp.
+    Chirp(ChirpSweep),
+    /// Many sines at once.
+    Multisine(Multisine),
+    /// Sweeps whose amplitude rises step by step.
+    SteppedAmplitude(SteppedAmplitude),
+    /// No excitation: the start position held, or no torque.
+    Hold,
+}
+
+/// A commanded angle or torque as a function of time.
+///
+/// ```
+/// use dynamics::{Drive, Excitation};
+///
+/// let sweep = Excitation::named("linear-chirp", Drive::Position)?;
+/// let quarter = sweep.at(1.0); // 0.5·t Hz: phase π/2 after one second
+/// assert!((quarter.value - 1.0).abs() < 1e-12);
+/// # Ok::<(), dynamics::excitation::ExcitationError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Excitation {
+    /// Whether angle or torque is commanded.
+    pub drive: Drive,
+    /// Largest commanded value, rad or mNm.
+    pub amplitude: f64,
+    /// The shape over time.
+    #[serde(flatten)]
+    pub shape: Shape,
+}
+
+/// An excitation that cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ExcitationError {
+    /// A name that is not among the known ones.
+    #[error("there is no sweep '{name}'; choose one of {}", NAMES.join(", "))]
+    UnknownName {
+        /// The name asked for.
+        name: String,
+    },
+    /// An amplitude that is not a positive number.
+    #[error("the sweep's amplitude is {amplitude}, but it must be more than zero, and finite")]
+    Amplitude {
+        /// The amplitude asked for.
+        amplitude: f64,
+    },
+}
+
+/// The names of the excitations, as the command line takes them.
+pub const NAMES: [&str; 5] = ["paper", "linear-chirp", "multisine", "stepped-amplitude", "hold"];
+
+/// Amplitude in rad of a position excitation unless told otherwise: the paper's c.
+pub const POSITION_AMPLITUDE_RAD: f64 = 1.0;
+/// Amplitude in mNm of a torque excitation unless told otherwise: the paper's 0.02 Nm.
+pub const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
+
+impl Excitation {
+    /// The excitation called `name` with the paper's constants.
+    ///
+    /// # Errors
+    /// [`ExcitationError::UnknownName`] for a name not in [`NAMES`].
+    pub fn named(name: &str, drive: Drive) -> Result<Self, ExcitationError> {
+        let shape = match name {
+            "paper" => Shape::Chirp(ChirpSweep::paper()),
+            "linear-chirp" => Shape::Chirp(ChirpSweep::linear()),
+            "multisine" => Shape::Multisine(Multisine::default()),
+            "stepped-amplitude" => Shape::SteppedAmplitude(SteppedAmplitude::default()),
+            "hold" => Shape::Hold,
+            _ => {
+                return Err(ExcitationError::UnknownName { name: name.to_owned() });
+            }
+        };
+        let amplitude = match drive {
+            Drive::Position => POSITION_AMPLITUDE_RAD,
+            Drive::Torque => TORQUE_AMPLITUDE_MNM,
+        };
+        Ok(Self { drive, amplitude, shape })
+    }
+
+    /// The same excitation with another amplitude, in rad or mNm.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Amplitude`] unless it is finite and above zero.
+    pub fn with_amplitude(self, amplitude: f64) -> Result<Self, ExcitationError> {
+        if amplitude.is_finite() && amplitude > 0.0 {
+            Ok(Self { amplitude, ..self })
+        } else {
+            Err(ExcitationError::Amplitude { amplitude })
+        }
+    }
+
+    /// The commanded value at `time_s` after the start, with its derivatives.
+    ///
+    /// Starts from zero; value and rate are continuous.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> Setpoint {
+        let unit = match &self.shape {
+            Shape::Chirp(sweep) => sweep.at(time_s),
+            Shape::Multisine(sum) => sum.at(time_s),
+            Shape::SteppedAmplitude(steps) => steps.at(time_s),
+            Shape::Hold => Jet::constant(0.0),
+        };
+        Setpoint {
+            value: self.amplitude * unit.value,
+            rate: self.amplitude * unit.first,
+            acceleration: self.amplitude * unit.second,
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! What a knob is, in numbers: effects, models, excitations, forward simulation.
+//!
+//! A [`Model`] is a list of [`Effect`]s. Equation 1 of Swindells and MacLean, *Capturing the
+//! Dynamics of Mechanical Knobs* (World Haptics 2007), is the list inertia, friction, detent:
+//!
+//! ```text
+//! τ = M·θ̈ + [θ̇<0]·(−C₋ + B₋·θ̇) + [θ̇>0]·(C₊ + B₊·θ̇) + A·sin(θ/P + S)
+//! ```
+//!
+//! with τ the torque that the knob takes from whoever turns it, positive towards positive angle.
+//! Units: rad, rad/s, rad/s², mNm, s.
+//!
+//! An effect is one file in [`effects`]: its standard name, its parameters with units, its source,
+//! its torque and its columns in a fit. Simulation, fit, diagnosis and replay read the same list.
+//!
+//! ```
+//! use dynamics::{Motion, knobs};
+//!
+//! let knob = knobs::paper_knob(3)?;
+//! let motion = Motion { velocity_rad_s: 1.0, acceleration_rad_s2: 10.0, ..Motion::default() };
+//! let torque_mnm = knob.torque_mnm(&motion);
+//! assert!((torque_mnm - (0.35 + 2.3 - 0.24 + 1.1 * 0.16_f64.sin())).abs() < 1e-12);
+//! # Ok::<(), dynamics::ModelError>(())
+//! ```
+
+mod calibration;
+mod effect;
+pub mod effects;
+pub mod excitation;
+pub mod knobs;
+mod model;
+mod motion;
+pub mod simulate;
+
+pub use calibration::{Calibration, CalibrationError};
+pub use effect::{Direction, Effect, EffectKind, Minimum, ParameterKind, Part, Regressors, StickLimits};
+pub use excitation::{Drive, Excitation, Setpoint};
+pub use model::{Model, ModelError};
+pub use motion::Motion;

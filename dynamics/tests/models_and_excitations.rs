@@ -1,0 +1,87 @@
+//! Model files and excitations against the paper's numbers and against finite differences.
+#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+use dynamics::effects::detent::canonical;
+use dynamics::excitation::NAMES;
+use dynamics::{Drive, Excitation, Model, knobs};
+
+#[test]
+fn a_model_survives_its_own_file() {
+    for number in 1..=5 {
+        let knob = knobs::paper_knob(number).unwrap();
+        assert_eq!(Model::from_toml(&knob.to_toml(), "written").unwrap(), knob);
+    }
+}
+
+#[test]
+fn a_wrong_model_file_gets_one_sentence_that_names_what_is_wrong() {
+    let cases = [
+        ("[[effects]]\neffect = \"wobble\"\n", "names the effect 'wobble', which is unknown"),
+        (
+            "[[effects]]\neffect = \"inertia\"\ninertia = -0.1\n",
+            "inertia is -0.1 mNm s²/rad, but it must be zero or more",
+        ),
+        ("[[effects]]\neffect = \"inertia\"\ninertia = nan\n", "must be zero or more, and finite"),
+        ("[[effects]]\neffect = \"inertia\"\n", "lacks 'inertia'"),
+        ("[[effects]]\neffect = \"inertia\"\ninertia = 1\nmass = 2\n", "has no parameter 'mass'"),
+        ("name = \"empty\"\n", "has no [[effects]]"),
+        ("colour = 3\n", "'colour' is not part of a model"),
+        ("not toml at all", "is not a model file"),
+    ];
+    for (text, expected) in cases {
+        let message = Model::from_toml(text, "knob.toml").unwrap_err().to_string();
+        assert!(message.contains(expected) && message.starts_with("knob.toml"), "{message}");
+        assert!(!message.contains('\n'), "one line: {message}");
+    }
+}
+
+#[test]
+fn the_printed_sweep_is_equation_2_digit_for_digit() {
+    let sweep = Excitation::named("paper", Drive::Position).unwrap();
+    let (a, b, c, d) = (0.0_f64, 1.5, 1.0, 3.0);
+    for n in 1..=30_000_u32 {
+        let t = f64::from(n) / 5_000.0;
+        let printed = c * (std::f64::consts::PI / (b - a) * ((b - a) * t / d + a).powi(2) - a * a).sin();
+        assert!((sweep.at(t).value - printed).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn every_excitation_starts_at_zero_and_its_derivatives_are_those_of_its_value() {
+    for name in NAMES {
+        let sweep = Excitation::named(name, Drive::Position).unwrap();
+        assert!(sweep.at(0.0).value.abs() < 1e-12, "{name} starts with a jump");
+        let step = 1e-5;
+        for index in 1..2_000_u32 {
+            let t = f64::from(index) * 0.009_973;
+            let (before, here, after) = (sweep.at(t - step), sweep.at(t), sweep.at(t + step));
+            let rate = (after.value - before.value) / (2.0 * step);
+            let acceleration = (after.rate - before.rate) / (2.0 * step);
+            assert!((rate - here.rate).abs() < 1e-4 * (1.0 + here.rate.abs()), "{name} at {t} s: rate");
+            assert!(
+                (acceleration - here.acceleration).abs() < 2e-3 * (1.0 + here.acceleration.abs()) || near_a_fold(t),
+                "{name} at {t} s: acceleration {acceleration} against {}",
+                here.acceleration
+            );
+            assert!(here.value.abs() <= 1.05, "{name} exceeds its amplitude at {t} s: {}", here.value);
+        }
+    }
+}
+
+/// Where a sweep turns from rising to falling its acceleration has a corner or a step.
+fn near_a_fold(time_s: f64) -> bool {
+    let within = time_s.rem_euclid(1.0);
+    !(2e-5..=1.0 - 2e-5).contains(&within)
+}
+
+#[test]
+fn a_detent_is_the_same_torque_in_its_canonical_form() {
+    for (amplitude, phase) in [(-11.0, -0.2), (1.1, 0.16), (-130.0, -1.0), (2.0, 7.0), (-2.0, 3.1)] {
+        let (positive, wrapped) = canonical(amplitude, phase);
+        assert!(positive >= 0.0 && wrapped > -std::f64::consts::PI && wrapped <= std::f64::consts::PI);
+        for x in [0.0, 0.3, 1.7, -2.2] {
+            let difference: f64 = amplitude * f64::sin(x + phase) - positive * f64::sin(x + wrapped);
+            assert!(difference.abs() < 1e-12 * positive.max(1.0));
+        }
+    }
+}

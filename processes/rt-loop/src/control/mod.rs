@@ -1,0 +1,11 @@
+//! The control step: state, measurement and tick in; torque and what to record out.
+//!
+//! Nothing here reads a clock or touches hardware: a recorded run, fed through again, gives the
+//! same torques bit for bit.
+
+mod lowpass;
+mod servo;
+mod step;
+
+pub use servo::ServoGains;
+pub use step::{ControlPlan, ControlState, Reading, Request, StepOutput};

@@ -1,0 +1,324 @@
+//! The state machine and the torque of one tick.
+
+use dynamics::{Drive, Excitation, Setpoint};
+use hal::{ApparatusError, Limits, Measurement};
+use shared_types::{Fault, LoopState, Sample};
+
+use super::ServoGains;
+use super::lowpass::ButterworthLowPass;
+
+/// Edge of the published velocity's filter, Hz: the paper's 10th-order Butterworth.
+const VELOCITY_EDGE_HZ: f64 = 500.0;
+/// Edge of the servo's own velocity filter, Hz: second order, for a short delay.
+const SERVO_VELOCITY_EDGE_HZ: f64 = 800.0;
+/// Time over which the torque comes up when the rig is armed, s.
+const ARMING_S: f64 = 0.05;
+/// Time over which the last torque gives way to braking at a stop, s.
+const RELEASE_S: f64 = 0.02;
+/// Time over which braking fades until the rig is torque-free, s.
+const STOPPING_S: f64 = 0.2;
+
+/// What a run consists of; plain data, made outside the real-time thread.
+#[derive(Clone, Copy, Debug)]
+pub struct ControlPlan {
+    /// What is commanded.
+    pub excitation: Excitation,
+    /// The servo's gains.
+    pub gains: ServoGains,
+    /// What the rig must not exceed.
+    pub limits: Limits,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// Ticks of the run.
+    pub planned_ticks: u64,
+}
+
+/// What is asked of the state machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Begin the run.
+    Start,
+    /// End it, ramping the torque down.
+    Stop,
+}
+
+/// What was read at a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Ticks since the previous step: one, or more after a stall.
+    pub elapsed_ticks: u64,
+    /// The sensors, or why there is nothing to read.
+    pub measurement: Result<Measurement, ApparatusError>,
+}
+
+/// What a step gives.
+#[derive(Clone, Copy, Debug)]
+pub struct StepOutput {
+    /// Torque for the motor, mNm, clipped to its limit.
+    pub torque_mnm: f64,
+    /// The sample to publish; `None` outside a run. Times and durations are left for the loop to fill in.
+    pub sample: Option<Sample>,
+}
+
+/// Everything that one step passes to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct ControlState {
+    plan: ControlPlan,
+    state: LoopState,
+    fault: Option<Fault>,
+    /// Ticks since the state was entered; within a run, the scheduled tick.
+    tick: u64,
+    missed_ticks: u64,
+    next_seq: u64,
+    start_angle_rad: f64,
+    previous_angle_rad: Option<f64>,
+    velocity_filter: ButterworthLowPass<5>,
+    servo_filter: ButterworthLowPass<1>,
+    velocity_rad_s: f64,
+    servo_velocity_rad_s: f64,
+    integral_mnm: f64,
+    release_torque_mnm: f64,
+    last_torque_mnm: f64,
+}
+
+impl ControlState {
+    /// Idle, ready for `plan`; `None` when the rate is too low for the velocity filters.
+    #[must_use]
+    pub fn new(plan: ControlPlan) -> Option<Self> {
+        Some(Self {
+            plan,
+            state: LoopState::Idle,
+            fault: None,
+            tick: 0,
+            missed_ticks: 0,
+            next_seq: 0,
+            start_angle_rad: 0.0,
+            previous_angle_rad: None,
+            velocity_filter: ButterworthLowPass::new(VELOCITY_EDGE_HZ, plan.rate_hz)?,
+            servo_filter: ButterworthLowPass::new(SERVO_VELOCITY_EDGE_HZ, plan.rate_hz)?,
+            velocity_rad_s: 0.0,
+            servo_velocity_rad_s: 0.0,
+            integral_mnm: 0.0,
+            release_torque_mnm: 0.0,
+            last_torque_mnm: 0.0,
+        })
+    }
+
+    /// The state the loop is in.
+    #[must_use]
+    pub fn state(&self) -> LoopState {
+        self.state
+    }
+
+    /// Why the loop went torque-free, if it did.
+    #[must_use]
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// Takes the amplifier's being on as given and holds the angle found at the next step.
+    pub fn arm(&mut self) {
+        if self.state == LoopState::Idle {
+            self.enter(LoopState::Armed);
+            self.previous_angle_rad = None;
+        }
+    }
+
+    /// Takes up a request; `false` when the state does not permit it.
+    pub fn request(&mut self, request: Request) -> bool {
+        match (request, self.state) {
+            (Request::Start, LoopState::Armed) => {
+                self.next_seq = 0;
+                self.enter(LoopState::Running);
+                true
+            }
+            (Request::Stop, LoopState::Armed | LoopState::Running) => {
+                self.release_torque_mnm = self.last_torque_mnm;
+                self.enter(LoopState::Stopping);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// One tick: torque and sample from what was read.
+    pub fn step(&mut self, reading: &Reading) -> StepOutput {
+        self.account_for_missed_ticks(reading.elapsed_ticks);
+        let measurement = match reading.measurement {
+            Ok(measurement) => measurement,
+            Err(_) => return self.fail(Fault::Apparatus, &Measurement::default()),
+        };
+        if !(measurement.angle_rad.is_finite()
+            && measurement.torque_mnm.is_finite()
+            && measurement.acceleration_rad_s2.is_finite())
+        {
+            return self.fail(Fault::Sensor, &measurement);
+        }
+        self.follow_velocity(&measurement, reading.elapsed_ticks);
+
+        match self.state {
+            LoopState::Idle | LoopState::Fault => self.silent(0.0),
+            LoopState::Armed => {
+                if self.tick == 0 {
+                    self.start_angle_rad = measurement.angle_rad;
+                    self.integral_mnm = 0.0;
+                }
+                let rise = (self.seconds(self.tick) / ARMING_S).min(1.0);
+                let hold = Setpoint { value: self.start_angle_rad, ..Setpoint::default() };
+                let torque = match self.plan.excitation.drive {
+                    Drive::Position => rise * self.servo(&hold, &measurement, reading.elapsed_ticks),
+                    Drive::Torque => 0.0,
+                };
+                self.silent(torque)
+            }
+            LoopState::Running => self.run(&measurement, reading),
+            LoopState::Stopping => {
+                let time_s = self.seconds(self.tick);
+                let release = (1.0 - time_s / RELEASE_S).max(0.0);
+                let brake = (1.0 - time_s / STOPPING_S).max(0.0) * (1.0 - release);
+                let torque = release * self.release_torque_mnm
+                    - brake * self.plan.gains.derivative_mnm_s_rad * self.servo_velocity_rad_s;
+                if time_s >= STOPPING_S {
+                    self.enter(LoopState::Idle);
+                    return StepOutput { torque_mnm: 0.0, sample: None };
+                }
+                self.silent(torque)
+            }
+        }
+    }
+
+    fn run(&mut self, measurement: &Measurement, reading: &Reading) -> StepOutput {
+        let setpoint = self.plan.excitation.at(self.seconds(self.tick));
+        let (torque, commanded_angle_rad) = match self.plan.excitation.drive {
+            Drive::Position => {
+                let absolute = Setpoint { value: self.start_angle_rad + setpoint.value, ..setpoint };
+                (self.servo(&absolute, measurement, reading.elapsed_ticks), absolute.value)
+            }
+            Drive::Torque => (setpoint.value, f64::NAN),
+        };
+        if let Some(fault) = self.exceeded(measurement, commanded_angle_rad) {
+            return self.fail(fault, measurement);
+        }
+        let clipped = self.clip(torque);
+        let flags = if clipped == torque { 0 } else { Sample::TORQUE_CLIPPED };
+        let sample = self.sample(measurement, clipped, commanded_angle_rad, flags);
+        self.last_torque_mnm = clipped;
+        self.next_seq += 1;
+        self.tick += 1;
+        if self.tick >= self.plan.planned_ticks {
+            self.release_torque_mnm = clipped;
+            self.enter(LoopState::Stopping);
+        }
+        StepOutput { torque_mnm: clipped, sample: Some(sample) }
+    }
+
+    fn servo(&mut self, setpoint: &Setpoint, measurement: &Measurement, elapsed_ticks: u64) -> f64 {
+        let step_s = self.seconds(elapsed_ticks);
+        self.plan.gains.torque_mnm(
+            setpoint,
+            measurement.angle_rad,
+            self.servo_velocity_rad_s,
+            step_s,
+            &mut self.integral_mnm,
+        )
+    }
+
+    fn exceeded(&self, measurement: &Measurement, commanded_angle_rad: f64) -> Option<Fault> {
+        let limits = &self.plan.limits;
+        let turned_rad = measurement.angle_rad - self.start_angle_rad;
+        let behind_rad = measurement.angle_rad - commanded_angle_rad;
+        if measurement.torque_mnm.abs() > limits.sensor_torque_mnm {
+            Some(Fault::Torque)
+        } else if self.servo_velocity_rad_s.abs() > limits.speed_rad_s {
+            Some(Fault::Speed)
+        } else if turned_rad.abs() > limits.angle_rad {
+            Some(Fault::Angle)
+        } else if behind_rad.abs() > limits.following_error_rad {
+            Some(Fault::FollowingError)
+        } else {
+            None
+        }
+    }
+
+    /// Goes torque-free; within a run the sample that shows the cause is the last one.
+    fn fail(&mut self, fault: Fault, measurement: &Measurement) -> StepOutput {
+        self.last_torque_mnm = 0.0;
+        if self.state == LoopState::Fault {
+            return StepOutput { torque_mnm: 0.0, sample: None };
+        }
+        let running = self.state == LoopState::Running;
+        self.state = LoopState::Fault;
+        self.fault = Some(fault);
+        let sample = running.then(|| self.sample(measurement, 0.0, f64::NAN, 0));
+        self.next_seq += u64::from(running);
+        StepOutput { torque_mnm: 0.0, sample }
+    }
+
+    /// Moves the tick on over what was missed.
+    ///
+    /// Nothing is missed between a request and the first tick of the state it leads to. A stall
+    /// over the end of a run ends it at its last tick, so that samples and missed ticks add up to
+    /// what was planned.
+    fn account_for_missed_ticks(&mut self, elapsed_ticks: u64) {
+        let skipped = if self.tick == 0 { 0 } else { elapsed_ticks.saturating_sub(1) };
+        let expected = self.tick;
+        self.tick += skipped;
+        if self.state == LoopState::Running {
+            self.tick = self.tick.min(self.plan.planned_ticks.saturating_sub(1));
+        }
+        self.missed_ticks = self.tick - expected;
+    }
+
+    fn silent(&mut self, torque_mnm: f64) -> StepOutput {
+        self.tick += 1;
+        self.last_torque_mnm = self.clip(torque_mnm);
+        StepOutput { torque_mnm: self.last_torque_mnm, sample: None }
+    }
+
+    fn sample(
+        &self,
+        measurement: &Measurement,
+        commanded_torque_mnm: f64,
+        commanded_angle_rad: f64,
+        flags: u32,
+    ) -> Sample {
+        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm } = *measurement;
+        Sample {
+            seq: self.next_seq,
+            tick: self.tick,
+            angle_rad,
+            velocity_rad_s: self.velocity_rad_s,
+            acceleration_rad_s2,
+            torque_mnm,
+            commanded_angle_rad,
+            commanded_torque_mnm,
+            missed_ticks: u32::try_from(self.missed_ticks).unwrap_or(u32::MAX),
+            state: self.state.code(),
+            fault: self.fault.map_or(0, Fault::code),
+            flags,
+            ..Sample::default()
+        }
+    }
+
+    fn follow_velocity(&mut self, measurement: &Measurement, elapsed_ticks: u64) {
+        let previous = self.previous_angle_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
+        let velocity = (measurement.angle_rad - previous) / self.seconds(elapsed_ticks);
+        self.velocity_rad_s = self.velocity_filter.run(velocity);
+        self.servo_velocity_rad_s = self.servo_filter.run(velocity);
+    }
+
+    fn clip(&self, torque_mnm: f64) -> f64 {
+        let limit = self.plan.limits.motor_torque_mnm;
+        torque_mnm.clamp(-limit, limit)
+    }
+
+    fn enter(&mut self, state: LoopState) {
+        self.state = state;
+        self.tick = 0;
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    fn seconds(&self, ticks: u64) -> f64 {
+        ticks as f64 / self.plan.rate_hz
+    }
+}

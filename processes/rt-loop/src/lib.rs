@@ -1,0 +1,21 @@
+//! The real-time process: it turns the knob and publishes what it measures.
+//!
+//! Constraints first. The real-time thread runs on a core of its own under SCHED_FIFO with its
+//! memory locked. Between two ticks it allocates nothing, locks nothing, logs nothing and makes no
+//! system call but its sleep; it never touches iceoryx2, whose `send` opens shared memory when a
+//! subscriber comes or goes. It hands samples to the publisher thread through a wait-free ring and
+//! takes commands from it through another.
+//!
+//! - [`control`]: the control step, a pure function of state, measurement and tick.
+//! - [`realtime`]: permission, clock and the loop itself.
+//! - [`publisher`]: the other thread; ring to shared memory, status, commands.
+//! - [`plan`]: what the process was asked to do, checked against the rig.
+//!
+//! It reads nothing but control requests, publishes samples, status and the run's description, and
+//! when it dies the amplifier's watchdog takes the torque away; consumers see the stream end.
+
+pub mod control;
+pub mod plan;
+pub mod publisher;
+pub mod realtime;
+pub mod rig_lock;

@@ -1,0 +1,89 @@
+//! The real-time process: parse, take the rig, start the loop, publish, stop.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc;
+
+use anyhow::Context as _;
+use clap::Parser as _;
+use rt_loop::control::ControlState;
+use rt_loop::plan::{Options, Plan};
+use rt_loop::publisher::StreamPublisher;
+use rt_loop::realtime::{Permission, TickLoop, keep_off_core};
+use rt_loop::rig_lock::RigLock;
+use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
+use shared_types::{ClockMapping, RunDescription};
+
+fn main() -> ExitCode {
+    tracing_subscriber::fmt()
+        .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
+        .with_writer(std::io::stderr)
+        .init();
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            tracing::debug!("{error:?}");
+            #[allow(clippy::print_stderr, reason = "the one place where this process tells its error")]
+            {
+                eprintln!("error: {error:#}");
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> anyhow::Result<()> {
+    let stop_signal = stop_signal()?;
+    let plan = Plan::new(options)?;
+    let _lock = RigLock::take()?;
+    let control = ControlState::new(plan.control).context("the rate is too low for the velocity filters")?;
+    let description = RunDescription {
+        run_id: wall_clock_time_ns() ^ (u64::from(std::process::id()) << 32),
+        software_version: env!("CARGO_PKG_VERSION").to_owned(),
+        apparatus: plan.rig.name.clone(),
+        knob: plan.knob.clone(),
+        rate_hz: plan.control.rate_hz,
+        planned_ticks: plan.control.planned_ticks,
+        clock: ClockMapping { monotonic_time_ns: monotonic_time_ns(), wall_clock_time_ns: wall_clock_time_ns() },
+        realtime: 0,
+        excitation_toml: toml::to_string(&plan.control.excitation)?,
+        calibration_toml: plan.rig.calibration.to_toml(),
+        simulated_knob_toml: Some(plan.simulated_knob.to_toml()),
+        notes: plan.rig.notes.clone(),
+    };
+    let (tick_loop, port) = TickLoop::new(plan.apparatus, control, plan.control.rate_hz);
+    let shared = Arc::clone(&port.shared);
+    let (tell_permission, permission) = mpsc::channel();
+    let (start, may_start) = mpsc::channel::<()>();
+    let core = plan.core;
+    let real_time = std::thread::Builder::new().name("real-time".to_owned()).spawn(move || {
+        let _ = tell_permission.send(Permission::acquire(core));
+        // Until the stream is open; if it cannot be opened the amplifier stays off.
+        if may_start.recv().is_err() {
+            return Ok(());
+        }
+        tick_loop.run()
+    })?;
+    let permission = permission.recv().context("the real-time thread ended before it began")?;
+    keep_off_core(core);
+    if let Some(refused) = permission.refused() {
+        tracing::warn!("running without {refused}: ticks may be late, and the capture says so");
+    }
+    let description = RunDescription { realtime: permission.granted, ..description };
+    let mut publisher = StreamPublisher::new(port, &description, permission.core)?;
+    start.send(()).context("the real-time thread ended before it began")?;
+    publisher.serve(&stop_signal, || !real_time.is_finished());
+    shared.quit();
+    let outcome = real_time.join().map_err(|_| anyhow::anyhow!("the real-time thread panicked"))?;
+    Ok(outcome?)
+}
+
+/// Set by SIGINT, SIGTERM and the death of the parent process.
+fn stop_signal() -> anyhow::Result<Arc<AtomicBool>> {
+    let flag = Arc::new(AtomicBool::new(false));
+    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(&flag))?;
+    signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&flag))?;
+    nix::sys::prctl::set_pdeathsig(nix::sys::signal::Signal::SIGTERM)?;
+    Ok(flag)
+}

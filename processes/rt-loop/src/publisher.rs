@@ -1,0 +1,193 @@
+//! The publisher thread: ring to shared memory, status, commands.
+//!
+//! Runs on any core but the loop's, at ordinary priority. If it stalls, the ring holds four
+//! seconds; nothing it does can hold up the loop.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use iceoryx2::port::update_connections::UpdateConnections as _;
+use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
+use shared_types::services::{
+    self, ControlServer, LOOP_STATUS, MessagePublisher, RigNode, SAMPLES_PER_BLOCK, SamplePublisher, ServiceError,
+};
+use shared_types::{CommandKind, ControlResponse, LoopState, LoopStatus, RunDescription, Sample};
+
+use crate::control::Request;
+use crate::realtime::LoopPort;
+
+/// Pause between two looks at the ring.
+const CYCLE: Duration = Duration::from_millis(1);
+/// Time between two statuses while nothing changes, ns.
+const STATUS_INTERVAL_NS: u64 = 100_000_000;
+
+/// Why the stream cannot be published.
+#[derive(Debug, thiserror::Error)]
+pub enum PublisherError {
+    /// A service is not to be had.
+    #[error(transparent)]
+    Service(#[from] ServiceError),
+    /// The run's description did not go out.
+    #[error("the run's description could not be published ({0}); free space in /dev/shm and start again")]
+    Description(String),
+}
+
+/// The publisher's side of the process.
+pub struct StreamPublisher {
+    samples: SamplePublisher,
+    status: MessagePublisher<LoopStatus>,
+    description: iceoryx2::port::publisher::Publisher<iceoryx2::prelude::ipc::Service, [u8], ()>,
+    control: ControlServer,
+    port: LoopPort,
+    current: LoopStatus,
+    has_run: bool,
+    shutdown: bool,
+    // Last, since ports go before the node they belong to.
+    _node: RigNode,
+}
+
+impl StreamPublisher {
+    /// Opens the services and publishes the run's description.
+    ///
+    /// # Errors
+    /// [`PublisherError`] when shared memory is not to be had.
+    pub fn new(port: LoopPort, description: &RunDescription, core: u32) -> Result<Self, PublisherError> {
+        let node = services::attach("rt-loop")?;
+        let publisher = Self {
+            samples: services::sample_publisher(&node)?,
+            status: LOOP_STATUS.publisher(&node)?,
+            description: services::description_publisher(&node)?,
+            control: services::control_server(&node)?,
+            port,
+            current: LoopStatus {
+                run_id: description.run_id,
+                planned_ticks: description.planned_ticks,
+                rate_hz: description.rate_hz,
+                realtime: description.realtime,
+                core,
+                process_id: std::process::id(),
+                ..LoopStatus::default()
+            },
+            has_run: false,
+            shutdown: false,
+            _node: node,
+        };
+        let text =
+            serde_json::to_string(description).map_err(|error| PublisherError::Description(error.to_string()))?;
+        publisher
+            .description
+            .loan_slice_uninit(text.len())
+            .map_err(|error| PublisherError::Description(format!("{error:?}")))?
+            .write_from_slice(text.as_bytes())
+            .send()
+            .map_err(|error| PublisherError::Description(format!("{error:?}")))?;
+        Ok(publisher)
+    }
+
+    /// Publishes until the process is asked to end, by request or by `stop_signal`, and the torque is
+    /// down; or until the loop is no longer `alive`.
+    pub fn serve(&mut self, stop_signal: &AtomicBool, alive: impl Fn() -> bool) {
+        let mut next_status_ns = 0;
+        let mut shown = LoopState::Idle;
+        loop {
+            let state = self.port.shared.state();
+            self.publish_samples();
+            self.answer_requests();
+            if stop_signal.load(Ordering::Acquire) && !self.shutdown {
+                self.begin_shutdown();
+            }
+            self.has_run |= matches!(state, LoopState::Running | LoopState::Fault);
+            let at_rest = matches!(state, LoopState::Idle | LoopState::Fault);
+            // `state` was read before the ring was emptied: nothing of the run can still be in it.
+            let finished = self.has_run && at_rest;
+            let now_ns = monotonic_time_ns();
+            if now_ns >= next_status_ns || state != shown || finished != (self.current.finished == 1) {
+                self.current.finished = u32::from(finished);
+                self.publish_status(state, now_ns);
+                next_status_ns = now_ns + STATUS_INTERVAL_NS;
+                shown = state;
+            }
+            if (self.shutdown && at_rest) || !alive() {
+                return;
+            }
+            std::thread::sleep(CYCLE);
+        }
+    }
+
+    fn publish_samples(&mut self) {
+        loop {
+            let waiting = self.port.samples.slots().min(SAMPLES_PER_BLOCK);
+            if waiting == 0 {
+                return;
+            }
+            let Ok(mut block) = self.samples.loan_slice_uninit(waiting) else {
+                // Out of shared memory: the samples stay in the ring until the next cycle.
+                return;
+            };
+            block.user_header_mut().run_id = self.current.run_id;
+            let block = block.write_from_fn(|_| {
+                let sample = self.port.samples.pop().unwrap_or_default();
+                count(&mut self.current, &sample);
+                sample
+            });
+            if let Err(error) = block.send() {
+                tracing::error!("a block of {waiting} samples could not be sent ({error:?})");
+            }
+        }
+    }
+
+    fn answer_requests(&mut self) {
+        while let Ok(Some(request)) = self.control.receive() {
+            let state = self.port.shared.state();
+            let accepted = match CommandKind::from_code(request.kind) {
+                Some(CommandKind::Query) => true,
+                Some(CommandKind::Start) => state == LoopState::Armed && self.ask(Request::Start),
+                Some(CommandKind::Stop) => {
+                    matches!(state, LoopState::Armed | LoopState::Running) && self.ask(Request::Stop)
+                }
+                Some(CommandKind::Shutdown) => {
+                    self.begin_shutdown();
+                    true
+                }
+                None => false,
+            };
+            let response = ControlResponse { accepted: u32::from(accepted), state: state.code() };
+            if let Err(error) = request.send_copy(response) {
+                tracing::warn!("a control request could not be answered ({error:?})");
+            }
+        }
+    }
+
+    fn begin_shutdown(&mut self) {
+        self.shutdown = true;
+        self.ask(Request::Stop);
+    }
+
+    fn ask(&mut self, request: Request) -> bool {
+        self.port.requests.push(request).is_ok()
+    }
+
+    fn publish_status(&mut self, state: LoopState, now_ns: u64) {
+        self.current.monotonic_time_ns = now_ns;
+        self.current.wall_clock_time_ns = wall_clock_time_ns();
+        self.current.state = state.code();
+        self.current.fault = self.port.shared.fault_code();
+        self.current.angle_rad = self.port.shared.angle_rad();
+        if let Err(error) = self.status.send_copy(self.current) {
+            tracing::warn!("the status could not be sent ({error:?})");
+        }
+        // Consumers that come between two messages get the history now.
+        let _ = self.description.update_connections();
+        let _ = self.samples.update_connections();
+    }
+}
+
+/// Adds one sample to the counts of the status.
+fn count(status: &mut LoopStatus, sample: &Sample) {
+    status.published_samples += 1;
+    status.missed_ticks += u64::from(sample.missed_ticks);
+    status.overruns += u64::from(sample.missed_ticks > 0);
+    status.dropped_samples += u64::from(sample.dropped_samples);
+    status.max_lateness_ns = status.max_lateness_ns.max(sample.lateness_ns);
+    status.lateness_counts[LoopStatus::lateness_bin(sample.lateness_ns)] += 1;
+}

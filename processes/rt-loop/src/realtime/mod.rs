@@ -1,0 +1,8 @@
+//! Real-time permission, the clock and the loop itself.
+
+mod clock;
+mod permission;
+mod tick_loop;
+
+pub use permission::{Permission, keep_off_core, last_core};
+pub use tick_loop::{LoopEnds, LoopPort, SharedState, TickLoop};

@@ -1,0 +1,80 @@
+//! What the operating system grants the loop: a priority, locked memory, a core of its own.
+
+use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
+use nix::sys::mman::{MlockAllFlags, mlockall};
+use nix::unistd::Pid;
+use shared_types::realtime;
+
+/// SCHED_FIFO priority of the loop: above everything ordinary, below the kernel's own threads.
+const PRIORITY: i32 = 80;
+
+/// The permissions that the calling thread was given.
+#[derive(Clone, Copy, Debug)]
+pub struct Permission {
+    /// Bits of [`realtime`].
+    pub granted: u32,
+    /// The core the thread runs on.
+    pub core: u32,
+}
+
+impl Permission {
+    /// Asks for all of it on `core`, for the calling thread. What is refused is left out of `granted`.
+    #[must_use]
+    pub fn acquire(core: usize) -> Self {
+        let mut granted = 0;
+        let mut set = CpuSet::new();
+        if set.set(core).is_ok() && sched_setaffinity(Pid::from_raw(0), &set).is_ok() {
+            granted |= realtime::PINNED;
+        }
+        // Only what is mapped now: the loop touches nothing that comes later, and locking later
+        // mappings too would pull the whole of the shared memory into RAM.
+        if mlockall(MlockAllFlags::MCL_CURRENT).is_ok() {
+            granted |= realtime::LOCKED;
+        }
+        if set_fifo_priority() {
+            granted |= realtime::FIFO;
+        }
+        Self { granted, core: u32::try_from(core).unwrap_or(u32::MAX) }
+    }
+
+    /// The permissions that were refused, in words; `None` when nothing was.
+    #[must_use]
+    pub fn refused(&self) -> Option<String> {
+        let missing: Vec<&str> = [
+            (realtime::FIFO, "a real-time priority (SCHED_FIFO)"),
+            (realtime::LOCKED, "locked memory"),
+            (realtime::PINNED, "a core of its own"),
+        ]
+        .iter()
+        .filter(|(bit, _)| self.granted & bit == 0)
+        .map(|(_, words)| *words)
+        .collect();
+        (!missing.is_empty()).then(|| missing.join(", "))
+    }
+}
+
+#[allow(unsafe_code, reason = "no safe crate in use here sets a scheduling policy")]
+fn set_fifo_priority() -> bool {
+    let parameters = libc::sched_param { sched_priority: PRIORITY };
+    // SAFETY: the pointer is to a live, initialised sched_param; pid 0 is the calling thread.
+    unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) == 0 }
+}
+
+/// The last core that the process may run on: the one furthest from where interrupts usually go.
+#[must_use]
+pub fn last_core() -> usize {
+    let Ok(allowed) = sched_getaffinity(Pid::from_raw(0)) else {
+        return 0;
+    };
+    (0..CpuSet::count()).rev().find(|&core| allowed.is_set(core).unwrap_or(false)).unwrap_or(0)
+}
+
+/// Keeps the calling thread off `core`, where there is another.
+pub fn keep_off_core(core: usize) {
+    if let Ok(mut allowed) = sched_getaffinity(Pid::from_raw(0))
+        && allowed.unset(core).is_ok()
+    {
+        // With one core only the set is empty and the call fails: then the core is shared.
+        let _ = sched_setaffinity(Pid::from_raw(0), &allowed);
+    }
+}

@@ -1,0 +1,189 @@
+//! The loop on the real-time thread: wait, read, step, write, push.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+
+use hal::Apparatus;
+use rtrb::{Consumer, Producer, RingBuffer};
+use shared_types::rig::monotonic_time_ns;
+use shared_types::{LoopState, Sample};
+
+use super::clock::wait_until;
+use crate::control::{ControlState, Reading, Request};
+
+/// Seconds of samples that the ring to the publisher holds.
+const RING_S: f64 = 4.0;
+/// Requests that may wait for the loop.
+const REQUESTS: usize = 8;
+
+/// What the loop shows of itself besides samples.
+#[derive(Debug, Default)]
+pub struct SharedState {
+    state: AtomicU32,
+    fault: AtomicU32,
+    angle_bits: AtomicU64,
+    quit: AtomicBool,
+}
+
+impl SharedState {
+    /// State of the loop.
+    #[must_use]
+    pub fn state(&self) -> LoopState {
+        LoopState::from_code(self.state.load(Ordering::Acquire)).unwrap_or(LoopState::Idle)
+    }
+
+    /// Code of the fault, 0 for none.
+    #[must_use]
+    pub fn fault_code(&self) -> u32 {
+        self.fault.load(Ordering::Acquire)
+    }
+
+    /// Angle at the newest tick, rad.
+    #[must_use]
+    pub fn angle_rad(&self) -> f64 {
+        f64::from_bits(self.angle_bits.load(Ordering::Relaxed))
+    }
+
+    /// Ends the loop after its next tick; the amplifier is switched off.
+    pub fn quit(&self) {
+        self.quit.store(true, Ordering::Release);
+    }
+}
+
+/// The loop's ends of the rings.
+#[derive(Debug)]
+pub struct LoopEnds {
+    samples: Producer<Sample>,
+    requests: Consumer<Request>,
+}
+
+/// The publisher's ends of the rings.
+#[derive(Debug)]
+pub struct LoopPort {
+    /// Samples from the loop.
+    pub samples: Consumer<Sample>,
+    /// Requests to the loop.
+    pub requests: Producer<Request>,
+    /// State of the loop.
+    pub shared: Arc<SharedState>,
+}
+
+/// The real-time loop, before it is moved to its thread.
+pub struct TickLoop {
+    apparatus: Box<dyn Apparatus>,
+    control: ControlState,
+    period_ns: f64,
+    ends: LoopEnds,
+    shared: Arc<SharedState>,
+}
+
+impl TickLoop {
+    /// A loop over `apparatus` at `rate_hz`, and the port through which it is reached.
+    ///
+    /// Everything that the loop will touch is allocated here.
+    #[must_use]
+    pub fn new(apparatus: Box<dyn Apparatus>, control: ControlState, rate_hz: f64) -> (Self, LoopPort) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive, small number")]
+        let capacity = (RING_S * rate_hz) as usize;
+        let (mut sample_producer, mut sample_consumer) = RingBuffer::new(capacity);
+        let (request_producer, request_consumer) = RingBuffer::new(REQUESTS);
+        // Touch every page of the ring now, so that the loop does not fault them in one by one.
+        while sample_producer.push(Sample::default()).is_ok() {}
+        while sample_consumer.pop().is_ok() {}
+        let shared = Arc::new(SharedState::default());
+        let ends = LoopEnds { samples: sample_producer, requests: request_consumer };
+        let port = LoopPort { samples: sample_consumer, requests: request_producer, shared: Arc::clone(&shared) };
+        (Self { apparatus, control, period_ns: 1e9 / rate_hz, ends, shared }, port)
+    }
+
+    /// Runs until told to quit. The amplifier is on from here and off when this returns.
+    ///
+    /// Nothing in here allocates, locks, logs or makes a system call but the sleep in the wait.
+    ///
+    /// # Errors
+    /// The apparatus's error when the amplifier does not come on.
+    pub fn run(mut self) -> Result<(), hal::ApparatusError> {
+        self.apparatus.enable()?;
+        self.control.arm();
+        let result = self.tick_until_quit();
+        self.apparatus.disable();
+        result
+    }
+
+    fn tick_until_quit(&mut self) -> Result<(), hal::ApparatusError> {
+        let origin_ns = monotonic_time_ns() + 1_000_000;
+        let mut tick: u64 = 0;
+        let mut push_ns = 0;
+        let mut dropped_samples = 0;
+        while !self.shared.quit.load(Ordering::Acquire) {
+            let begun_ns = wait_until(self.due_ns(origin_ns, tick));
+            // After a stall the newest tick that is due is served; those before it are missed.
+            let newest = self.ticks_at(origin_ns, begun_ns).max(tick);
+            let elapsed_ticks = newest - tick + 1;
+            tick = newest;
+            let due_ns = self.due_ns(origin_ns, tick);
+
+            let measurement = self.apparatus.read(due_ns);
+            let read_ns = monotonic_time_ns();
+            while let Ok(request) = self.ends.requests.pop() {
+                self.control.request(request);
+            }
+            let output = self.control.step(&Reading { elapsed_ticks, measurement });
+            let stepped_ns = monotonic_time_ns();
+            // A refused torque shows as an error of the next read.
+            let _ = self.apparatus.write_torque(output.torque_mnm);
+            if self.control.state() == LoopState::Fault {
+                self.apparatus.disable();
+            }
+            if let Some(sample) = output.sample {
+                let sample = Sample {
+                    monotonic_time_ns: due_ns,
+                    lateness_ns: begun_ns.saturating_sub(due_ns),
+                    sensor_read_ns: saturating_u32(read_ns - begun_ns),
+                    control_ns: saturating_u32(stepped_ns - read_ns),
+                    push_ns,
+                    dropped_samples,
+                    ..sample
+                };
+                match self.ends.samples.push(sample) {
+                    Ok(()) => dropped_samples = 0,
+                    Err(_) => dropped_samples += 1,
+                }
+            }
+            self.show(measurement.map_or(f64::NAN, |measurement| measurement.angle_rad));
+            push_ns = saturating_u32(monotonic_time_ns() - stepped_ns);
+            tick += 1;
+        }
+        Ok(())
+    }
+
+    fn show(&self, angle_rad: f64) {
+        self.shared.angle_bits.store(angle_rad.to_bits(), Ordering::Relaxed);
+        self.shared.fault.store(self.control.fault().map_or(0, shared_types::Fault::code), Ordering::Release);
+        self.shared.state.store(self.control.state().code(), Ordering::Release);
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "ticks and their nanoseconds stay far below 2^53"
+    )]
+    fn due_ns(&self, origin_ns: u64, tick: u64) -> u64 {
+        origin_ns + (tick as f64 * self.period_ns) as u64
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "ticks and their nanoseconds stay far below 2^53"
+    )]
+    fn ticks_at(&self, origin_ns: u64, now_ns: u64) -> u64 {
+        (now_ns.saturating_sub(origin_ns) as f64 / self.period_ns) as u64
+    }
+}
+
+fn saturating_u32(value: u64) -> u32 {
+    u32::try_from(value).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,62 @@
+//! One run at a time on a rig.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read as _, Seek as _, Write as _};
+
+use nix::fcntl::{Flock, FlockArg};
+use shared_types::rig;
+
+/// Holds the rig; the kernel lets go of it when the process ends, however it ends.
+#[derive(Debug)]
+pub struct RigLock {
+    _lock: Flock<File>,
+}
+
+/// Why the rig could not be had.
+#[derive(Debug, thiserror::Error)]
+pub enum RigLockError {
+    /// Another process has it.
+    #[error("the rig is in use by process {holder}; wait for its run to end, or stop it")]
+    InUse {
+        /// Process id of the holder, or "unknown".
+        holder: String,
+    },
+    /// The lock file cannot be used.
+    #[error("the rig's lock in {directory} cannot be used ({reason}); check the folder's permissions")]
+    Unusable {
+        /// The runtime directory.
+        directory: String,
+        /// The system's word for it.
+        reason: std::io::Error,
+    },
+}
+
+impl RigLock {
+    /// Takes the rig.
+    ///
+    /// # Errors
+    /// [`RigLockError`] when another process has it or the lock file cannot be used.
+    pub fn take() -> Result<Self, RigLockError> {
+        let unusable = |reason: std::io::Error| RigLockError::Unusable {
+            directory: rig::runtime_dir().display().to_string(),
+            reason,
+        };
+        let path = rig::create_runtime_dir().map_err(unusable)?.join("rig.lock");
+        let file =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(unusable)?;
+        let mut lock = match Flock::lock(file, FlockArg::LockExclusiveNonblock) {
+            Ok(lock) => lock,
+            Err((mut file, nix::errno::Errno::EWOULDBLOCK)) => {
+                let mut holder = String::new();
+                let _ = file.read_to_string(&mut holder);
+                let holder = if holder.trim().is_empty() { "unknown".to_owned() } else { holder.trim().to_owned() };
+                return Err(RigLockError::InUse { holder });
+            }
+            Err((_, error)) => return Err(unusable(error.into())),
+        };
+        lock.set_len(0).map_err(unusable)?;
+        lock.rewind().map_err(unusable)?;
+        write!(lock, "{}", std::process::id()).map_err(unusable)?;
+        Ok(Self { _lock: lock })
+    }
+}

@@ -1,0 +1,86 @@
+//! What the live fitter publishes.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::wire_code;
+
+wire_message! {
+    /// One parameter as fitted so far.
+    pub struct Estimate as "haptic_camera/msg/Estimate" {
+        /// Fitted value, in the parameter's own unit; NaN when it cannot be told.
+        pub value: f64,
+        /// Lower end of the 95 % interval.
+        pub ci95_low: f64,
+        /// Upper end of the 95 % interval.
+        pub ci95_high: f64,
+        /// 1 excited enough to tell, 0 not yet, 2 not part of the model.
+        pub verdict: u32,
+        /// Always 0.
+        pub reserved: u32,
+    }
+}
+
+wire_message! {
+    /// The model of Equation 1 fitted to the stream so far.
+    pub struct FitUpdate as "haptic_camera/msg/FitUpdate" {
+        /// Identity of the run.
+        pub run_id: u64,
+        /// CLOCK_MONOTONIC of the newest sample that went into the fit, ns.
+        pub monotonic_time_ns: u64,
+        /// Tick of the newest sample that went into the fit.
+        pub latest_tick: u64,
+        /// Samples that went into the fit.
+        pub samples: u64,
+        /// Samples that never reached the fitter.
+        pub lost_samples: u64,
+        /// CPU time that this update cost, ns.
+        pub update_ns: u64,
+        /// RMS of the torque that the model leaves unexplained, mNm.
+        pub residual_rms_mnm: f64,
+        /// Inertia of the knob, mNm s^2/rad.
+        pub inertia: Estimate,
+        /// Coulomb friction when turning in the negative direction, mNm.
+        pub coulomb_negative: Estimate,
+        /// Coulomb friction when turning in the positive direction, mNm.
+        pub coulomb_positive: Estimate,
+        /// Viscous friction when turning in the negative direction, mNm s/rad.
+        pub viscous_negative: Estimate,
+        /// Viscous friction when turning in the positive direction, mNm s/rad.
+        pub viscous_positive: Estimate,
+        /// Amplitude of the detent torque, mNm.
+        pub detent_amplitude: Estimate,
+        /// Detent period P in sin(angle/P + S), rad.
+        pub detent_period: Estimate,
+        /// Detent phase S in sin(angle/P + S), rad.
+        pub detent_phase: Estimate,
+    }
+}
+
+wire_code! {
+    /// Whether the data so far can tell a parameter.
+    pub enum Verdict {
+        /// The sweep has not yet excited the parameter enough.
+        NotYet = 0,
+        /// Excited enough: value and interval mean what they say.
+        Enough = 1,
+        /// The model that was fitted does not have this parameter.
+        Absent = 2,
+    }
+}
+
+impl FitUpdate {
+    /// The parameters with their standard names, in the order of Equation 1.
+    #[must_use]
+    pub fn estimates(&self) -> [(&'static str, Estimate); 8] {
+        [
+            ("inertia", self.inertia),
+            ("coulomb_negative", self.coulomb_negative),
+            ("coulomb_positive", self.coulomb_positive),
+            ("viscous_negative", self.viscous_negative),
+            ("viscous_positive", self.viscous_positive),
+            ("detent_amplitude", self.detent_amplitude),
+            ("detent_period", self.detent_period),
+            ("detent_phase", self.detent_phase),
+        ]
+    }
+}

@@ -1,0 +1,61 @@
+//! Everything that crosses a process border, defined once.
+//!
+//! - **Payloads** ([`Sample`], [`FitUpdate`], [`LoopStatus`], [`ProcessHealth`]) are `#[repr(C)]`
+//!   structs without padding. Their bytes are at once what lies in shared memory and the body of
+//!   a little-endian CDR message; struct and `ros2msg` schema come from one definition
+//!   ([`wire_message!`](crate::wire)), so neither can drift from the other.
+//! - **Services** ([`services`]) name the iceoryx2 services, their queue depths and history, and
+//!   carry each payload's layout as an attribute: a process built from another definition is
+//!   refused with [`ServiceError::OtherLayout`](services::ServiceError) and never reads garbage.
+//! - **[`RunDescription`]** is what a consumer must know about a run besides its samples.
+//! - **[`rig`]** says where a rig's shared memory and lock live, so that rigs do not meet.
+//!
+//! ```
+//! use shared_types::{Sample, wire::WireMessage};
+//!
+//! let sample = Sample { seq: 7, torque_mnm: -1.5, ..Sample::default() };
+//! assert_eq!(sample.wire_bytes().len(), 120);
+//! assert!(Sample::schema_text().starts_with("uint64 seq"));
+//! ```
+
+#[macro_use]
+pub mod wire;
+
+mod command;
+mod description;
+mod fit_update;
+mod health;
+pub mod rig;
+mod sample;
+pub mod services;
+mod status;
+
+pub use command::{CommandKind, ControlRequest, ControlResponse};
+pub use description::{ClockMapping, RunDescription};
+pub use fit_update::{Estimate, FitUpdate, Verdict};
+pub use health::{ProcessHealth, ProcessKind};
+pub use sample::{BlockHeader, Fault, LoopState, Sample};
+pub use status::{LATENESS_BIN_EDGES_NS, LoopStatus, realtime};
+
+/// Conversion between a wire code (`u32`) and the enum it stands for.
+macro_rules! wire_code {
+    ($(#[doc = $doc:literal])* pub enum $name:ident { $($(#[doc = $vdoc:literal])* $variant:ident = $code:literal,)+ }) => {
+        $(#[doc = $doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[repr(u32)]
+        pub enum $name { $($(#[doc = $vdoc])* $variant = $code,)+ }
+
+        impl $name {
+            /// The number that stands for this on the wire.
+            #[must_use]
+            pub const fn code(self) -> u32 { self as u32 }
+
+            /// The meaning of a wire code; `None` for a code this version does not know.
+            #[must_use]
+            pub const fn from_code(code: u32) -> Option<Self> {
+                match code { $($code => Some(Self::$variant),)+ _ => None }
+            }
+        }
+    };
+}
+pub(crate) use wire_code;

@@ -1,0 +1,118 @@
+//! What the control loop publishes at every tick.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::wire_code;
+
+wire_message! {
+    /// One tick of the control loop: what was measured, commanded and how the tick went.
+    ///
+    /// `seq` counts published samples without a gap; `tick` counts scheduled ticks, so that
+    /// `tick - seq` is the number of ticks the loop has missed so far. Time in the run is
+    /// `tick / rate`, which follows the clock even where ticks were missed.
+    pub struct Sample as "haptic_camera/msg/Sample" {
+        /// Samples published before this one in the run; a jump means that samples were lost.
+        pub seq: u64,
+        /// Scheduled tick, counted from the start of the run; time in the run is tick / rate.
+        pub tick: u64,
+        /// CLOCK_MONOTONIC at which the tick was due, ns.
+        pub monotonic_time_ns: u64,
+        /// How long after the due time the loop began the tick, ns.
+        pub lateness_ns: u64,
+        /// Encoder angle, rad.
+        pub angle_rad: f64,
+        /// Encoder angle differentiated and low-passed (causal Butterworth, late), rad/s.
+        pub velocity_rad_s: f64,
+        /// Accelerometer as read, gravity included, rad/s^2.
+        pub acceleration_rad_s2: f64,
+        /// Torque sensor as read: what the knob and its gripper take from the rig, mNm.
+        pub torque_mnm: f64,
+        /// Angle that the excitation asks for; NaN in torque mode, rad.
+        pub commanded_angle_rad: f64,
+        /// Torque commanded from the motor in this tick, mNm.
+        pub commanded_torque_mnm: f64,
+        /// Duration of reading the sensors, ns.
+        pub sensor_read_ns: u32,
+        /// Duration of the control step, ns.
+        pub control_ns: u32,
+        /// Duration of writing the torque and pushing the previous sample, ns.
+        pub push_ns: u32,
+        /// Ticks missed directly before this one.
+        pub missed_ticks: u32,
+        /// Samples lost directly before this one because the ring to the publisher was full.
+        pub dropped_samples: u32,
+        /// State of the loop: 0 idle, 1 armed, 2 running, 3 stopping, 4 fault.
+        pub state: u32,
+        /// Cause of the fault, 0 for none: 1 torque, 2 speed, 3 angle, 4 following error, 5 sensor, 6 apparatus.
+        pub fault: u32,
+        /// Bits: 1 the torque command was clipped at the motor's limit.
+        pub flags: u32,
+    }
+}
+
+wire_message! {
+    /// Header of a block of samples in shared memory.
+    pub struct BlockHeader as "haptic_camera/msg/BlockHeader" {
+        /// Identity of the run; see [`RunDescription`](crate::RunDescription).
+        pub run_id: u64,
+    }
+}
+
+impl Sample {
+    /// Bit of [`Sample::flags`]: the torque command was clipped at the motor's limit.
+    pub const TORQUE_CLIPPED: u32 = 1;
+
+    /// Time since the start of the run, s.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    pub fn time_s(&self, rate_hz: f64) -> f64 {
+        self.tick as f64 / rate_hz
+    }
+}
+
+wire_code! {
+    /// State of the control loop.
+    pub enum LoopState {
+        /// Torque-free, not sampling for anyone.
+        Idle = 0,
+        /// Amplifier on, holding the start position, waiting for the start command.
+        Armed = 1,
+        /// The excitation runs and samples are published.
+        Running = 2,
+        /// The torque is being ramped down.
+        Stopping = 3,
+        /// A limit was passed or the apparatus failed; torque-free until cleared.
+        Fault = 4,
+    }
+}
+
+wire_code! {
+    /// Why the loop went torque-free.
+    pub enum Fault {
+        /// The torque sensor read more than the rig's limit.
+        Torque = 1,
+        /// The shaft turned faster than the rig's limit.
+        Speed = 2,
+        /// The shaft left the permitted range of angles.
+        Angle = 3,
+        /// The shaft fell too far behind the commanded angle.
+        FollowingError = 4,
+        /// A sensor gave a value that is not a number.
+        Sensor = 5,
+        /// The apparatus reported a failure of its own.
+        Apparatus = 6,
+    }
+}
+
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Torque => "the measured torque passed the rig's limit",
+            Self::Speed => "the speed passed the rig's limit",
+            Self::Angle => "the angle left the permitted range",
+            Self::FollowingError => "the knob fell too far behind the commanded angle",
+            Self::Sensor => "a sensor gave a value that is not a number",
+            Self::Apparatus => "the apparatus reported a failure",
+        })
+    }
+}

@@ -1,0 +1,311 @@
+//! The iceoryx2 services: names, queue depths, history, and how to open them.
+//!
+//! Every port is made here, so that publisher and subscriber cannot disagree. Whichever process
+//! comes first creates a service, the others open it. The payload's layout identity is an
+//! attribute of the service: a process built from another definition of the payload gets
+//! [`ServiceError::OtherLayout`].
+//!
+//! When a subscriber dies nothing happens to the publisher; when it comes back, the history of a
+//! few seconds that the publisher keeps is delivered to it first. When the publisher dies, its
+//! subscribers simply receive nothing more.
+
+use std::fmt::Debug;
+
+use iceoryx2::config::Config;
+use iceoryx2::node::{Node, NodeBuilder};
+use iceoryx2::port::client::Client;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::server::Server;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::{SignalHandlingMode, ZeroCopySend, ipc};
+use iceoryx2::service::attribute::AttributeVerifier;
+use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError};
+
+use crate::wire::WireMessage;
+use crate::{BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, ProcessHealth, Sample, rig};
+
+/// Most samples in one block: 1.6 ms at 20 kHz.
+pub const SAMPLES_PER_BLOCK: usize = 32;
+/// Blocks kept for a subscriber that comes later: about 4 s, since a block is sent every millisecond.
+pub const SAMPLE_HISTORY_BLOCKS: usize = 4096;
+/// Blocks that a stalled subscriber may leave waiting: about 8 s. Then the oldest go first.
+pub const SAMPLE_QUEUE_BLOCKS: usize = 8192;
+/// Longest run description, bytes of JSON.
+pub const DESCRIPTION_MAX_BYTES: usize = 64 * 1024;
+/// Consumers that can follow a rig at once.
+const MAX_CONSUMERS: usize = 6;
+/// Processes that can be attached to a rig at once.
+const MAX_NODES: usize = 16;
+
+/// Our kind of iceoryx2 node: between processes, for a single thread.
+pub type RigNode = Node<ipc::Service>;
+/// Sends blocks of samples.
+pub type SamplePublisher = Publisher<ipc::Service, [Sample], BlockHeader>;
+/// Receives blocks of samples.
+pub type SampleSubscriber = Subscriber<ipc::Service, [Sample], BlockHeader>;
+/// Sends single messages of one kind.
+pub type MessagePublisher<Payload> = Publisher<ipc::Service, Payload, ()>;
+/// Receives single messages of one kind.
+pub type MessageSubscriber<Payload> = Subscriber<ipc::Service, Payload, ()>;
+/// Asks the control loop.
+pub type ControlClient = Client<ipc::Service, ControlRequest, (), ControlResponse, ()>;
+/// Answers for the control loop.
+pub type ControlServer = Server<ipc::Service, ControlRequest, (), ControlResponse, ()>;
+
+/// Why a port could not be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ServiceError {
+    /// The running processes were built from another definition of the payload.
+    #[error(
+        "the stream '{service}' that is running on this rig was built with another payload layout than this program's \
+         ({layout:016x}): stop the running capture, or use the programs of one build together"
+    )]
+    OtherLayout {
+        /// Service name.
+        service: &'static str,
+        /// Layout identity of this program's payload.
+        layout: u64,
+    },
+    /// As many processes as the service allows are attached.
+    #[error("'{service}' has no place left for another process; stop one that follows the rig")]
+    Full {
+        /// Service name.
+        service: &'static str,
+    },
+    /// iceoryx2 could not give the service or port.
+    #[error("shared memory for '{service}' is not to be had ({reason}); check permissions and space in /dev/shm")]
+    Unavailable {
+        /// Service name.
+        service: &'static str,
+        /// iceoryx2's word for it.
+        reason: String,
+    },
+}
+
+/// A service that carries single messages of one kind.
+#[derive(Debug)]
+pub struct Topic<Payload> {
+    name: &'static str,
+    history: usize,
+    queue: usize,
+    max_publishers: usize,
+    payload: std::marker::PhantomData<Payload>,
+}
+
+/// Health of the control loop, ten times a second.
+pub const LOOP_STATUS: Topic<LoopStatus> = Topic::new("loop-status", 1, 64, 1);
+/// The model fitted so far, at 20 Hz or more.
+pub const FIT_UPDATES: Topic<FitUpdate> = Topic::new("fit-updates", 128, 512, 2);
+/// Health of the consumers, twice a second each.
+pub const PROCESS_HEALTH: Topic<ProcessHealth> = Topic::new("process-health", 1, 64, MAX_CONSUMERS);
+
+const SAMPLES: &str = "samples";
+const DESCRIPTION: &str = "run-description";
+const CONTROL: &str = "control";
+
+impl<Payload> Topic<Payload> {
+    const fn new(name: &'static str, history: usize, queue: usize, max_publishers: usize) -> Self {
+        Self { name, history, queue, max_publishers, payload: std::marker::PhantomData }
+    }
+}
+
+impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload> {
+    /// A port that sends this topic's messages.
+    ///
+    /// # Errors
+    /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
+    pub fn publisher(&self, node: &RigNode) -> Result<MessagePublisher<Payload>, ServiceError> {
+        self.service(node)?.publisher_builder().create().map_err(|error| unavailable(self.name, &error))
+    }
+
+    /// A port that receives this topic's messages, those in the history first.
+    ///
+    /// # Errors
+    /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
+    pub fn subscriber(&self, node: &RigNode) -> Result<MessageSubscriber<Payload>, ServiceError> {
+        self.service(node)?.subscriber_builder().create().map_err(|error| unavailable(self.name, &error))
+    }
+
+    fn service(
+        &self,
+        node: &RigNode,
+    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, Payload, ()>, ServiceError>
+    {
+        node.service_builder(&service_name(self.name)?)
+            .publish_subscribe::<Payload>()
+            .history_size(self.history)
+            .subscriber_max_buffer_size(self.queue)
+            .max_publishers(self.max_publishers)
+            .max_subscribers(MAX_CONSUMERS)
+            .max_nodes(MAX_NODES)
+            .enable_safe_overflow(true)
+            .open_or_create_with_attributes(&layout_attribute(self.name, Payload::layout_id())?)
+            .map_err(|error| open_error(self.name, Payload::layout_id(), error))
+    }
+}
+
+/// Attaches the calling process to the rig, clearing away what dead processes left.
+///
+/// # Errors
+/// [`ServiceError::Unavailable`] when the runtime directory or shared memory cannot be used.
+pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
+    let name = process_name.try_into().map_err(|error| unavailable("node", &error))?;
+    let node = NodeBuilder::new()
+        .name(&name)
+        .signal_handling_mode(SignalHandlingMode::Disabled)
+        .config(&config()?)
+        .create::<ipc::Service>()
+        .map_err(|error| unavailable("node", &error))?;
+    node.try_cleanup_dead_nodes();
+    Ok(node)
+}
+
+/// iceoryx2's configuration for this rig: its own prefix and its own folder.
+fn config() -> Result<Config, ServiceError> {
+    let mut config = Config::default();
+    let directory = rig::create_runtime_dir().map_err(|error| unavailable("runtime directory", &error))?;
+    let path = directory.to_string_lossy();
+    let root = path.as_ref().try_into().map_err(|error| unavailable("runtime directory", &error))?;
+    config.global.set_root_path(&root);
+    config.global.prefix =
+        rig::shared_memory_prefix().as_str().try_into().map_err(|error| unavailable("prefix", &error))?;
+    Ok(config)
+}
+
+/// The port that sends blocks of up to [`SAMPLES_PER_BLOCK`] samples.
+///
+/// # Errors
+/// [`ServiceError`] when the layout differs, another loop publishes, or shared memory is not to be had.
+pub fn sample_publisher(node: &RigNode) -> Result<SamplePublisher, ServiceError> {
+    sample_service(node)?
+        .publisher_builder()
+        .initial_max_slice_len(SAMPLES_PER_BLOCK)
+        .create()
+        .map_err(|error| unavailable(SAMPLES, &error))
+}
+
+/// A port that receives blocks of samples, up to [`SAMPLE_HISTORY_BLOCKS`] past ones first.
+///
+/// # Errors
+/// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
+pub fn sample_subscriber(node: &RigNode) -> Result<SampleSubscriber, ServiceError> {
+    sample_service(node)?.subscriber_builder().create().map_err(|error| unavailable(SAMPLES, &error))
+}
+
+fn sample_service(
+    node: &RigNode,
+) -> Result<
+    iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, [Sample], BlockHeader>,
+    ServiceError,
+> {
+    node.service_builder(&service_name(SAMPLES)?)
+        .publish_subscribe::<[Sample]>()
+        .user_header::<BlockHeader>()
+        .history_size(SAMPLE_HISTORY_BLOCKS)
+        .subscriber_max_buffer_size(SAMPLE_QUEUE_BLOCKS)
+        .max_publishers(1)
+        .max_subscribers(MAX_CONSUMERS)
+        .max_nodes(MAX_NODES)
+        .enable_safe_overflow(true)
+        .open_or_create_with_attributes(&layout_attribute(SAMPLES, Sample::layout_id())?)
+        .map_err(|error| open_error(SAMPLES, Sample::layout_id(), error))
+}
+
+/// The port that sends the run's description as JSON.
+///
+/// # Errors
+/// [`ServiceError`] when shared memory is not to be had.
+pub fn description_publisher(node: &RigNode) -> Result<Publisher<ipc::Service, [u8], ()>, ServiceError> {
+    description_service(node)?
+        .publisher_builder()
+        .initial_max_slice_len(DESCRIPTION_MAX_BYTES)
+        .create()
+        .map_err(|error| unavailable(DESCRIPTION, &error))
+}
+
+/// A port that receives the run's description as JSON.
+///
+/// # Errors
+/// [`ServiceError`] when shared memory is not to be had.
+pub fn description_subscriber(node: &RigNode) -> Result<Subscriber<ipc::Service, [u8], ()>, ServiceError> {
+    description_service(node)?.subscriber_builder().create().map_err(|error| unavailable(DESCRIPTION, &error))
+}
+
+fn description_service(
+    node: &RigNode,
+) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, [u8], ()>, ServiceError> {
+    node.service_builder(&service_name(DESCRIPTION)?)
+        .publish_subscribe::<[u8]>()
+        .history_size(1)
+        .subscriber_max_buffer_size(2)
+        .max_publishers(1)
+        .max_subscribers(MAX_CONSUMERS)
+        .max_nodes(MAX_NODES)
+        .open_or_create()
+        .map_err(|error| open_error(DESCRIPTION, 0, error))
+}
+
+/// The port through which the control loop is asked.
+///
+/// # Errors
+/// [`ServiceError`] when the layout differs or shared memory is not to be had.
+pub fn control_client(node: &RigNode) -> Result<ControlClient, ServiceError> {
+    control_service(node)?.client_builder().create().map_err(|error| unavailable(CONTROL, &error))
+}
+
+/// The port through which the control loop answers.
+///
+/// # Errors
+/// [`ServiceError`] when the layout differs or shared memory is not to be had.
+pub fn control_server(node: &RigNode) -> Result<ControlServer, ServiceError> {
+    control_service(node)?.server_builder().create().map_err(|error| unavailable(CONTROL, &error))
+}
+
+fn control_service(
+    node: &RigNode,
+) -> Result<
+    iceoryx2::service::port_factory::request_response::PortFactory<
+        ipc::Service,
+        ControlRequest,
+        (),
+        ControlResponse,
+        (),
+    >,
+    ServiceError,
+> {
+    let layout = ControlRequest::layout_id() ^ ControlResponse::layout_id();
+    node.service_builder(&service_name(CONTROL)?)
+        .request_response::<ControlRequest, ControlResponse>()
+        .max_servers(1)
+        .max_clients(4)
+        .max_nodes(MAX_NODES)
+        .open_or_create_with_attributes(&layout_attribute(CONTROL, layout)?)
+        .map_err(|error| unavailable(CONTROL, &error))
+}
+
+fn service_name(name: &'static str) -> Result<iceoryx2::service::service_name::ServiceName, ServiceError> {
+    format!("haptic-camera/{name}").as_str().try_into().map_err(|error| unavailable(name, &error))
+}
+
+fn layout_attribute(service: &'static str, layout: u64) -> Result<AttributeVerifier, ServiceError> {
+    let key = "layout".try_into().map_err(|error| unavailable(service, &error))?;
+    let value = format!("{layout:016x}").as_str().try_into().map_err(|error| unavailable(service, &error))?;
+    AttributeVerifier::new().require(&key, &value).map_err(|error| unavailable(service, &error))
+}
+
+fn open_error(service: &'static str, layout: u64, error: PublishSubscribeOpenOrCreateError) -> ServiceError {
+    use PublishSubscribeOpenError as Open;
+    match error {
+        PublishSubscribeOpenOrCreateError::PublishSubscribeOpenError(
+            Open::IncompatibleTypes | Open::IncompatibleAttributes,
+        ) => ServiceError::OtherLayout { service, layout },
+        PublishSubscribeOpenOrCreateError::PublishSubscribeOpenError(Open::ExceedsMaxNumberOfNodes) => {
+            ServiceError::Full { service }
+        }
+        other => unavailable(service, &other),
+    }
+}
+
+fn unavailable(service: &'static str, error: &dyn Debug) -> ServiceError {
+    ServiceError::Unavailable { service, reason: format!("{error:?}") }
+}

@@ -1,0 +1,72 @@
+//! What the control loop says about itself, ten times a second.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Upper edges of the lateness bins, ns; the last bin counts everything above the last edge.
+///
+/// Powers of two from 32 ns to 2.1 s would need more bins than a glance needs: these are two per
+/// decade from 30 ns to 10 ms.
+pub const LATENESS_BIN_EDGES_NS: [u64; 11] =
+    [30, 100, 300, 1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 10_000_000];
+
+wire_message! {
+    /// Health of the control loop.
+    pub struct LoopStatus as "haptic_camera/msg/LoopStatus" {
+        /// Identity of the run.
+        pub run_id: u64,
+        /// CLOCK_MONOTONIC when this was written, ns.
+        pub monotonic_time_ns: u64,
+        /// System clock when this was written, ns since 1970; for the log only.
+        pub wall_clock_time_ns: u64,
+        /// Ticks that the run will have; 0 when it has no planned end.
+        pub planned_ticks: u64,
+        /// Samples published so far: the next `seq`.
+        pub published_samples: u64,
+        /// Ticks missed so far because the loop was not given the processor in time.
+        pub missed_ticks: u64,
+        /// Times at which one or more ticks were missed.
+        pub overruns: u64,
+        /// Samples lost because the ring to the publisher was full.
+        pub dropped_samples: u64,
+        /// Longest lateness so far, ns.
+        pub max_lateness_ns: u64,
+        /// Ticks by lateness: up to 30 ns, 100 ns, 300 ns, 1 us ... 10 ms, and above.
+        pub lateness_counts: [u64; 12],
+        /// Sample rate, Hz.
+        pub rate_hz: f64,
+        /// Knob angle of the newest sample, rad.
+        pub angle_rad: f64,
+        /// State of the loop: 0 idle, 1 armed, 2 running, 3 stopping, 4 fault.
+        pub state: u32,
+        /// Cause of the fault, 0 for none.
+        pub fault: u32,
+        /// Bits: 1 SCHED_FIFO, 2 memory locked, 4 pinned to a core.
+        pub realtime: u32,
+        /// Core that the loop runs on.
+        pub core: u32,
+        /// 1 once the run has ended and every sample of it was published.
+        pub finished: u32,
+        /// Process id of the loop.
+        pub process_id: u32,
+    }
+}
+
+/// Bits of [`LoopStatus::realtime`].
+pub mod realtime {
+    /// The loop runs under SCHED_FIFO.
+    pub const FIFO: u32 = 1;
+    /// The loop's memory is locked.
+    pub const LOCKED: u32 = 2;
+    /// The loop is pinned to one core.
+    pub const PINNED: u32 = 4;
+    /// All of them: real-time permission was granted in full.
+    pub const FULL: u32 = FIFO | LOCKED | PINNED;
+}
+
+impl LoopStatus {
+    /// The bin of [`LoopStatus::lateness_counts`] for a lateness in ns.
+    #[must_use]
+    pub fn lateness_bin(lateness_ns: u64) -> usize {
+        LATENESS_BIN_EDGES_NS.partition_point(|&edge| edge < lateness_ns)
+    }
+}
