@@ -21,6 +21,7 @@
 #[macro_use]
 pub mod wire;
 
+pub mod clean_up;
 mod command;
 mod description;
 mod fit_update;

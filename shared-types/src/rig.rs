@@ -5,7 +5,7 @@
 //! belongs to the rig carries a prefix made from that path: two rigs never meet, and what one
 //! leaves behind can be found.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Names the directory that stands for the rig.
 pub const RUNTIME_DIR_VARIABLE: &str = "HAPTIC_CAMERA_RUNTIME_DIR";
@@ -36,12 +36,18 @@ pub fn create_runtime_dir() -> std::io::Result<PathBuf> {
 /// The prefix of every shared-memory file of the rig, such as `hc_0123456789abcdef_`.
 #[must_use]
 pub fn shared_memory_prefix() -> String {
-    let path = runtime_dir();
-    let hash = path
-        .to_string_lossy()
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
-    format!("hc_{hash:016x}_")
+    shared_memory_prefix_of(&runtime_dir())
+}
+
+/// The prefix of every shared-memory file of the rig with the given runtime directory.
+#[must_use]
+pub fn shared_memory_prefix_of(runtime_dir: &Path) -> String {
+    format!("hc_{:016x}_", fnv1a(runtime_dir.as_os_str().as_encoded_bytes()))
+}
+
+/// FNV-1a, 64 bit: a short name for a long one.
+pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 /// CLOCK_MONOTONIC now, ns: the clock of every `monotonic_time_ns`.

@@ -78,16 +78,11 @@ pub trait WireMessage: zerocopy::IntoBytes + zerocopy::Immutable + Sized {
     /// Comments do not count, so that a reworded comment does not part two processes.
     #[must_use]
     fn layout_id() -> u64 {
-        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-        let mut eat = |text: &str| {
-            for byte in text.bytes().chain([b'\n']) {
-                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-            }
-        };
-        for line in Self::schema_text().lines() {
-            eat(line.split('#').next().unwrap_or_default().trim_end());
-        }
-        hash
+        let types_and_names: String = Self::schema_text()
+            .lines()
+            .flat_map(|line| [line.split('#').next().unwrap_or_default().trim_end(), "\n"])
+            .collect();
+        crate::rig::fnv1a(types_and_names.as_bytes())
     }
 
     /// The message's bytes as they lie in shared memory: the CDR body.

@@ -142,7 +142,7 @@ impl Plan {
         let planned_ticks = ((options.rate_hz * options.duration_s).round() as u64).max(1);
         let control = ControlPlan {
             excitation,
-            gains: ServoGains::for_rig(&rig.calibration),
+            gains: ServoGains::default(),
             limits: rig.limits,
             rate_hz: options.rate_hz,
             planned_ticks,

@@ -188,6 +188,10 @@ fn count(status: &mut LoopStatus, sample: &Sample) {
     status.missed_ticks += u64::from(sample.missed_ticks);
     status.overruns += u64::from(sample.missed_ticks > 0);
     status.dropped_samples += u64::from(sample.dropped_samples);
-    status.max_lateness_ns = status.max_lateness_ns.max(sample.lateness_ns);
-    status.lateness_counts[LoopStatus::lateness_bin(sample.lateness_ns)] += 1;
+    // After a stall the loop came this much too late for the first tick that it missed.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a period is a small, positive number")]
+    let stall_ns = u64::from(sample.missed_ticks) * (1e9 / status.rate_hz) as u64;
+    let lateness_ns = sample.lateness_ns + stall_ns;
+    status.max_lateness_ns = status.max_lateness_ns.max(lateness_ns);
+    status.lateness_counts[LoopStatus::lateness_bin(lateness_ns)] += 1;
 }

@@ -1,16 +1,14 @@
 //! The state machine and the torque of one tick.
 
-use dynamics::{Drive, Excitation, Setpoint};
+use dynamics::{Calibration, Drive, Excitation, Setpoint};
 use hal::{ApparatusError, Limits, Measurement};
 use shared_types::{Fault, LoopState, Sample};
 
-use super::ServoGains;
 use super::lowpass::ButterworthLowPass;
+use super::servo::{Servo, ServoGains};
 
 /// Edge of the published velocity's filter, Hz: the paper's 10th-order Butterworth.
 const VELOCITY_EDGE_HZ: f64 = 500.0;
-/// Edge of the servo's own velocity filter, Hz: second order, for a short delay.
-const SERVO_VELOCITY_EDGE_HZ: f64 = 800.0;
 /// Time over which the torque comes up when the rig is armed, s.
 const ARMING_S: f64 = 0.05;
 /// Time over which the last torque gives way to braking at a stop, s.
@@ -73,18 +71,19 @@ pub struct ControlState {
     start_angle_rad: f64,
     previous_angle_rad: Option<f64>,
     velocity_filter: ButterworthLowPass<5>,
-    servo_filter: ButterworthLowPass<1>,
+    servo: Servo,
+    /// Filtered, as published.
     velocity_rad_s: f64,
-    servo_velocity_rad_s: f64,
-    integral_mnm: f64,
+    /// The difference of two angles: half a tick old, less than any filter would make it.
+    difference_rad_s: f64,
     release_torque_mnm: f64,
     last_torque_mnm: f64,
 }
 
 impl ControlState {
-    /// Idle, ready for `plan`; `None` when the rate is too low for the velocity filters.
+    /// Idle, ready for `plan` on a rig with this calibration; `None` when the rate is too low for the filters.
     #[must_use]
-    pub fn new(plan: ControlPlan) -> Option<Self> {
+    pub fn new(plan: ControlPlan, calibration: &Calibration) -> Option<Self> {
         Some(Self {
             plan,
             state: LoopState::Idle,
@@ -95,10 +94,9 @@ impl ControlState {
             start_angle_rad: 0.0,
             previous_angle_rad: None,
             velocity_filter: ButterworthLowPass::new(VELOCITY_EDGE_HZ, plan.rate_hz)?,
-            servo_filter: ButterworthLowPass::new(SERVO_VELOCITY_EDGE_HZ, plan.rate_hz)?,
+            servo: Servo::new(plan.gains, calibration, plan.rate_hz)?,
             velocity_rad_s: 0.0,
-            servo_velocity_rad_s: 0.0,
-            integral_mnm: 0.0,
+            difference_rad_s: 0.0,
             release_torque_mnm: 0.0,
             last_torque_mnm: 0.0,
         })
@@ -154,19 +152,18 @@ impl ControlState {
         {
             return self.fail(Fault::Sensor, &measurement);
         }
-        self.follow_velocity(&measurement, reading.elapsed_ticks);
+        self.track_velocity(&measurement, reading.elapsed_ticks);
 
         match self.state {
             LoopState::Idle | LoopState::Fault => self.silent(0.0),
             LoopState::Armed => {
                 if self.tick == 0 {
                     self.start_angle_rad = measurement.angle_rad;
-                    self.integral_mnm = 0.0;
                 }
                 let rise = (self.seconds(self.tick) / ARMING_S).min(1.0);
                 let hold = Setpoint { value: self.start_angle_rad, ..Setpoint::default() };
                 let torque = match self.plan.excitation.drive {
-                    Drive::Position => rise * self.servo(&hold, &measurement, reading.elapsed_ticks),
+                    Drive::Position => rise * self.follow(&hold, &measurement, reading.elapsed_ticks),
                     Drive::Torque => 0.0,
                 };
                 self.silent(torque)
@@ -177,7 +174,7 @@ impl ControlState {
                 let release = (1.0 - time_s / RELEASE_S).max(0.0);
                 let brake = (1.0 - time_s / STOPPING_S).max(0.0) * (1.0 - release);
                 let torque = release * self.release_torque_mnm
-                    - brake * self.plan.gains.derivative_mnm_s_rad * self.servo_velocity_rad_s;
+                    - brake * self.plan.gains.derivative_mnm_s_rad * self.difference_rad_s;
                 if time_s >= STOPPING_S {
                     self.enter(LoopState::Idle);
                     return StepOutput { torque_mnm: 0.0, sample: None };
@@ -192,7 +189,7 @@ impl ControlState {
         let (torque, commanded_angle_rad) = match self.plan.excitation.drive {
             Drive::Position => {
                 let absolute = Setpoint { value: self.start_angle_rad + setpoint.value, ..setpoint };
-                (self.servo(&absolute, measurement, reading.elapsed_ticks), absolute.value)
+                (self.follow(&absolute, measurement, reading.elapsed_ticks), absolute.value)
             }
             Drive::Torque => (setpoint.value, f64::NAN),
         };
@@ -212,15 +209,9 @@ impl ControlState {
         StepOutput { torque_mnm: clipped, sample: Some(sample) }
     }
 
-    fn servo(&mut self, setpoint: &Setpoint, measurement: &Measurement, elapsed_ticks: u64) -> f64 {
+    fn follow(&mut self, setpoint: &Setpoint, measurement: &Measurement, elapsed_ticks: u64) -> f64 {
         let step_s = self.seconds(elapsed_ticks);
-        self.plan.gains.torque_mnm(
-            setpoint,
-            measurement.angle_rad,
-            self.servo_velocity_rad_s,
-            step_s,
-            &mut self.integral_mnm,
-        )
+        self.servo.torque_mnm(setpoint, measurement, self.difference_rad_s, step_s)
     }
 
     fn exceeded(&self, measurement: &Measurement, commanded_angle_rad: f64) -> Option<Fault> {
@@ -229,7 +220,7 @@ impl ControlState {
         let behind_rad = measurement.angle_rad - commanded_angle_rad;
         if measurement.torque_mnm.abs() > limits.sensor_torque_mnm {
             Some(Fault::Torque)
-        } else if self.servo_velocity_rad_s.abs() > limits.speed_rad_s {
+        } else if self.difference_rad_s.abs() > limits.speed_rad_s {
             Some(Fault::Speed)
         } else if turned_rad.abs() > limits.angle_rad {
             Some(Fault::Angle)
@@ -300,11 +291,11 @@ impl ControlState {
         }
     }
 
-    fn follow_velocity(&mut self, measurement: &Measurement, elapsed_ticks: u64) {
+    fn track_velocity(&mut self, measurement: &Measurement, elapsed_ticks: u64) {
         let previous = self.previous_angle_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
         let velocity = (measurement.angle_rad - previous) / self.seconds(elapsed_ticks);
         self.velocity_rad_s = self.velocity_filter.run(velocity);
-        self.servo_velocity_rad_s = self.servo_filter.run(velocity);
+        self.difference_rad_s = velocity;
     }
 
     fn clip(&self, torque_mnm: f64) -> f64 {

@@ -1,0 +1,270 @@
+//! A capture in memory: one column per quantity, from an MCAP archive or a CSV table.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use shared_types::{ClockMapping, RunDescription, Sample};
+
+use crate::description::attachment;
+use crate::error::ArchiveError;
+use crate::sequence::Gap;
+use crate::whole_file;
+use crate::write::CaptureWriter;
+use crate::{csv_file, mcap_file};
+
+/// A capture, row by row in the order of time. All columns have the same length, at least three.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Capture {
+    /// Where it was read from; empty for one made in memory.
+    pub source: PathBuf,
+    /// Sample rate, Hz: as described in an archive, from the median interval of a table.
+    pub rate_hz: f64,
+    /// Number of each sample in its run; rows of a table are counted from 0.
+    pub seq: Vec<u64>,
+    /// Scheduled tick of each sample; jumps where ticks were missed or samples lost.
+    pub tick: Vec<u64>,
+    /// State of the control loop at each sample, see [`shared_types::LoopState`]; `None` from a table.
+    pub state: Option<Vec<u32>>,
+    /// Time since the start of the run, s: tick / rate, or as the table gives it.
+    pub t_s: Vec<f64>,
+    /// Encoder angle, rad.
+    pub angle_rad: Vec<f64>,
+    /// Angular velocity, rad/s.
+    pub velocity_rad_s: Option<Vec<f64>>,
+    /// Angular acceleration, rad/s^2.
+    pub acceleration_rad_s2: Option<Vec<f64>>,
+    /// Torque that the knob takes from the rig, mNm.
+    pub torque_mnm: Vec<f64>,
+    /// Angle that the excitation asked for, rad; NaN where it asked for none.
+    pub commanded_angle_rad: Option<Vec<f64>>,
+    /// Torque commanded from the motor, mNm; NaN where it is unknown.
+    pub commanded_torque_mnm: Option<Vec<f64>>,
+    /// Samples that were taken and are not in the archive.
+    pub gaps: Vec<Gap>,
+    /// The run's description; `None` from a table.
+    pub description: Option<RunDescription>,
+    /// Metadata records of the archive by name.
+    pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// Attachments of the archive by name, see [`attachment`].
+    pub attachments: BTreeMap<String, Vec<u8>>,
+}
+
+impl Capture {
+    /// Reads an MCAP archive or a CSV table; which of them it is shows in the content.
+    ///
+    /// # Errors
+    /// [`ArchiveError`], one sentence that names file, row and column where there is one.
+    pub fn load(path: &Path) -> Result<Self, ArchiveError> {
+        let first_bytes = first_bytes(path)?;
+        if first_bytes.is_empty() {
+            return Err(ArchiveError::Empty { path: path.to_owned() });
+        }
+        let capture = if first_bytes == mcap::MAGIC {
+            mcap_file::load(path)?
+        } else if mcap::MAGIC.starts_with(&first_bytes) {
+            return Err(ArchiveError::Truncated { path: path.to_owned() });
+        } else if first_bytes.contains(&0) || path.extension().is_some_and(|extension| extension == "mcap") {
+            return Err(ArchiveError::NotACapture { path: path.to_owned() });
+        } else {
+            csv_file::load(path)?
+        };
+        capture.validate()?;
+        Ok(capture)
+    }
+
+    /// A capture of evenly spaced samples from tick 0 on.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    pub fn from_columns(rate_hz: f64, angle_rad: Vec<f64>, torque_mnm: Vec<f64>) -> Self {
+        let tick: Vec<u64> = (0..angle_rad.len() as u64).collect();
+        let t_s = tick.iter().map(|&tick| tick as f64 / rate_hz).collect();
+        Self { rate_hz, seq: tick.clone(), tick, t_s, angle_rad, torque_mnm, ..Self::default() }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.angle_rad.len()
+    }
+
+    /// True without any row; a capture that was loaded never is.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.angle_rad.is_empty()
+    }
+
+    /// Ticks between the first row and the last at which there is no row, whatever the reason.
+    #[must_use]
+    pub fn ticks_without_sample(&self) -> u64 {
+        self.tick.windows(2).map(|pair| pair[1].saturating_sub(pair[0]).saturating_sub(1)).sum()
+    }
+
+    /// The attachment of that name, as text.
+    #[must_use]
+    pub fn attached_text(&self, name: &str) -> Option<&str> {
+        std::str::from_utf8(self.attachments.get(name)?).ok()
+    }
+
+    /// Checks what every capture promises: equal columns, three rows, finite values, rising time.
+    ///
+    /// # Errors
+    /// [`ArchiveError::Ragged`], [`ArchiveError::TooShort`], [`ArchiveError::NotFinite`] or
+    /// [`ArchiveError::Unordered`].
+    pub fn validate(&self) -> Result<(), ArchiveError> {
+        let rows = self.len();
+        let measured: Vec<(&'static str, &[f64])> = [
+            ("t_s", Some(&self.t_s)),
+            ("angle_rad", Some(&self.angle_rad)),
+            ("velocity_rad_s", self.velocity_rad_s.as_ref()),
+            ("acceleration_rad_s2", self.acceleration_rad_s2.as_ref()),
+            ("torque_mnm", Some(&self.torque_mnm)),
+        ]
+        .into_iter()
+        .filter_map(|(name, column)| Some((name, column?.as_slice())))
+        .collect();
+        let commanded = [
+            ("commanded_angle_rad", self.commanded_angle_rad.as_ref()),
+            ("commanded_torque_mnm", self.commanded_torque_mnm.as_ref()),
+        ];
+        let lengths = measured
+            .iter()
+            .map(|(name, column)| (*name, column.len()))
+            .chain(commanded.into_iter().filter_map(|(name, column)| Some((name, column?.len()))))
+            .chain([("seq", self.seq.len()), ("tick", self.tick.len())])
+            .chain(self.state.as_ref().map(|state| ("state", state.len())));
+        for (column, length) in lengths {
+            if length != rows {
+                return Err(ArchiveError::Ragged { column, rows: length, expected: rows });
+            }
+        }
+        if rows < 3 {
+            return Err(ArchiveError::TooShort { path: self.source.clone(), rows });
+        }
+        for row in 0..rows {
+            for (column, values) in &measured {
+                let value = values[row];
+                if !value.is_finite() {
+                    return Err(ArchiveError::NotFinite { path: self.source.clone(), row: row + 1, column, value });
+                }
+            }
+            if row > 0 && self.t_s[row] <= self.t_s[row - 1] {
+                return Err(ArchiveError::Unordered {
+                    path: self.source.clone(),
+                    row: row + 1,
+                    time_s: self.t_s[row],
+                    previous_s: self.t_s[row - 1],
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the capture as an MCAP archive, with its description and attachments.
+    ///
+    /// Columns that the capture does not have become NaN, which reads back as absent.
+    ///
+    /// # Errors
+    /// What [`validate`](Self::validate) reports, [`ArchiveError::SharedTick`] when the rows are not
+    /// evenly spaced, or the operating system's refusal.
+    pub fn write_mcap(&self, path: &Path) -> Result<(), ArchiveError> {
+        self.validate()?;
+        whole_file::write_whole(path, |place| {
+            let run = self.description_or_default();
+            let mut writer = CaptureWriter::new(place, &run)?;
+            for (name, content) in &self.attachments {
+                if !is_described_by_run(name, &run) {
+                    writer.attach(name, media_type(name), content)?;
+                }
+            }
+            for row in 0..self.len() {
+                if row > 0 && self.tick[row] <= self.tick[row - 1] {
+                    return Err(ArchiveError::SharedTick { row: row + 1, rate_hz: self.rate_hz });
+                }
+                writer.sample(&self.sample(row, &run))?;
+            }
+            writer.finish()?;
+            Ok(())
+        })
+    }
+
+    /// Writes the capture as a CSV table; every number reads back to the last bit.
+    ///
+    /// # Errors
+    /// What [`validate`](Self::validate) reports, or the operating system's refusal.
+    pub fn write_csv(&self, path: &Path) -> Result<(), ArchiveError> {
+        self.validate()?;
+        whole_file::write_whole(path, |place| csv_file::write(self, place))
+    }
+
+    fn description_or_default(&self) -> RunDescription {
+        let mut run = self.description.clone().unwrap_or_else(|| RunDescription {
+            run_id: 0,
+            software_version: env!("CARGO_PKG_VERSION").to_owned(),
+            apparatus: "unknown".to_owned(),
+            knob: "unknown".to_owned(),
+            rate_hz: self.rate_hz,
+            planned_ticks: self.len() as u64,
+            clock: ClockMapping { monotonic_time_ns: 0, wall_clock_time_ns: 0 },
+            realtime: 0,
+            excitation_toml: String::new(),
+            calibration_toml: String::new(),
+            simulated_knob_toml: None,
+            notes: Vec::new(),
+        });
+        run.rate_hz = self.rate_hz;
+        run
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "a run's nanoseconds fit both types"
+    )]
+    fn sample(&self, row: usize, run: &RunDescription) -> Sample {
+        let or_nan = |column: &Option<Vec<f64>>| column.as_ref().map_or(f64::NAN, |column| column[row]);
+        let since_start_ns = (self.tick[row] as f64 * 1e9 / self.rate_hz).round() as u64;
+        Sample {
+            seq: self.seq[row],
+            tick: self.tick[row],
+            monotonic_time_ns: run.clock.monotonic_time_ns.saturating_add(since_start_ns),
+            angle_rad: self.angle_rad[row],
+            velocity_rad_s: or_nan(&self.velocity_rad_s),
+            acceleration_rad_s2: or_nan(&self.acceleration_rad_s2),
+            torque_mnm: self.torque_mnm[row],
+            commanded_angle_rad: or_nan(&self.commanded_angle_rad),
+            commanded_torque_mnm: or_nan(&self.commanded_torque_mnm),
+            state: self.state.as_ref().map_or(shared_types::LoopState::Running.code(), |state| state[row]),
+            ..Sample::default()
+        }
+    }
+}
+
+/// True for attachments that the writer makes from the run's description.
+fn is_described_by_run(name: &str, run: &RunDescription) -> bool {
+    match name {
+        attachment::RUN | attachment::CHANNELS => true,
+        attachment::EXCITATION => !run.excitation_toml.is_empty(),
+        attachment::CALIBRATION => !run.calibration_toml.is_empty(),
+        attachment::MODEL => run.simulated_knob_toml.is_some(),
+        _ => false,
+    }
+}
+
+fn media_type(name: &str) -> &'static str {
+    match name.rsplit('.').next() {
+        Some("toml") => "application/toml",
+        Some("json") => "application/json",
+        Some("csv") => "text/csv",
+        _ => "application/octet-stream",
+    }
+}
+
+fn first_bytes(path: &Path) -> Result<Vec<u8>, ArchiveError> {
+    use std::io::Read as _;
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(mcap::MAGIC.len() as u64).read_to_end(&mut bytes))
+        .map_err(|error| ArchiveError::file(path, error))?;
+    Ok(bytes)
+}

@@ -1,0 +1,85 @@
+//! The channels of a capture and how they are told apart.
+
+use std::collections::BTreeMap;
+use std::io::{Seek, Write};
+
+use serde::{Deserialize, Serialize};
+use shared_types::wire::WireMessage;
+use shared_types::{FitUpdate, LoopStatus, ProcessHealth, Sample};
+
+use crate::schema::{FieldLayout, Layout};
+
+/// Topic of the samples.
+pub(crate) const SAMPLE_TOPIC: &str = "/sample";
+/// Topic of the live fitter's estimates.
+pub(crate) const FIT_TOPIC: &str = "/fit";
+/// Topic of the control loop's status.
+pub(crate) const STATUS_TOPIC: &str = "/status";
+/// Topic of the consumers' health.
+pub(crate) const HEALTH_TOPIC: &str = "/health";
+
+/// Encoding of the schemas: the message definition language of ROS 2.
+const SCHEMA_ENCODING: &str = "ros2msg";
+/// Encoding of the messages: plain CDR with its four-byte header.
+const MESSAGE_ENCODING: &str = "cdr";
+
+/// What a channel holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct ChannelDefinition {
+    pub(crate) topic: String,
+    pub(crate) message_encoding: String,
+    pub(crate) metadata: BTreeMap<String, String>,
+    pub(crate) schema_name: String,
+    pub(crate) schema_encoding: String,
+    pub(crate) schema_text: String,
+}
+
+impl ChannelDefinition {
+    fn of<Payload: WireMessage>(topic: &str) -> Self {
+        Self {
+            topic: topic.to_owned(),
+            message_encoding: MESSAGE_ENCODING.to_owned(),
+            metadata: BTreeMap::new(),
+            schema_name: Payload::SCHEMA_NAME.to_owned(),
+            schema_encoding: SCHEMA_ENCODING.to_owned(),
+            schema_text: Payload::schema_text(),
+        }
+    }
+
+    /// The channels of a capture that this program writes.
+    pub(crate) fn all() -> [Self; 4] {
+        [
+            Self::of::<Sample>(SAMPLE_TOPIC),
+            Self::of::<FitUpdate>(FIT_TOPIC),
+            Self::of::<LoopStatus>(STATUS_TOPIC),
+            Self::of::<ProcessHealth>(HEALTH_TOPIC),
+        ]
+    }
+
+    /// True for the channel of the samples.
+    pub(crate) fn holds_samples(&self) -> bool {
+        self.topic == SAMPLE_TOPIC
+            && self.schema_encoding == SCHEMA_ENCODING
+            && self.message_encoding == MESSAGE_ENCODING
+    }
+
+    /// The field `seq` and the message's size, on the channel of the samples.
+    pub(crate) fn sample_layout(&self) -> Option<(FieldLayout, Option<usize>)> {
+        if !self.holds_samples() {
+            return None;
+        }
+        let layout = Layout::parse(&self.schema_text).ok()?;
+        Some((layout.field("seq")?.clone(), layout.size))
+    }
+
+    /// Adds schema and channel to `mcap`; the id that its messages carry.
+    pub(crate) fn register<W: Write + Seek>(&self, mcap: &mut mcap::Writer<W>) -> mcap::McapResult<u16> {
+        let Self { topic, message_encoding, metadata, schema_name, schema_encoding, schema_text } = self;
+        let schema = if schema_encoding.is_empty() && schema_name.is_empty() {
+            0
+        } else {
+            mcap.add_schema(schema_name, schema_encoding, schema_text.as_bytes())?
+        };
+        mcap.add_channel(schema, topic, message_encoding, metadata)
+    }
+}

@@ -1,0 +1,229 @@
+//! What can go wrong with a capture, one sentence each.
+
+use std::path::PathBuf;
+
+/// Why a capture could not be read, written, merged or recovered.
+#[derive(Debug, thiserror::Error)]
+pub enum ArchiveError {
+    /// There is no such file.
+    #[error("{} does not exist; check the path", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The operating system refused.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Its reason.
+        error: std::io::Error,
+    },
+    /// The file holds nothing.
+    #[error("{} is empty: it holds neither an MCAP archive nor a CSV table", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is neither MCAP nor text.
+    #[error("{} is not an MCAP archive (its first bytes are not MCAP's) and not a CSV table either", path.display())]
+    NotACapture {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An MCAP file ends too early.
+    #[error(
+        "{path} ends in the middle (was its recorder killed?): run `haptic-camera recover {path} --out FIXED.mcap`",
+        path = path.display()
+    )]
+    Truncated {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An MCAP file contradicts its own checksums or structure.
+    #[error(
+        "{path} is damaged ({reason}): run `haptic-camera recover {path} --out FIXED.mcap`",
+        path = path.display()
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit.
+        reason: String,
+    },
+    /// An MCAP file without our samples.
+    #[error("{} is an MCAP archive without a channel `/sample` of `ros2msg` CDR messages, so it is not a capture", path.display())]
+    NoSamples {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The samples lack a field without which there is no capture.
+    #[error("{} stores samples without the field `{field}`; it has: {found}", path.display())]
+    MissingField {
+        /// The file.
+        path: PathBuf,
+        /// The field that a capture must have.
+        field: &'static str,
+        /// The fields that are there.
+        found: String,
+    },
+    /// The schema in the file is not understood.
+    #[error("{}: the schema of its samples is not understood: {error}", path.display())]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: crate::schema::SchemaError,
+    },
+    /// The archive does not say at which rate it was sampled.
+    #[error("{} does not say at which rate it was sampled: neither `run.json` nor the metadata record `capture` is in it", path.display())]
+    NoRate {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The table's columns are not those of a capture.
+    #[error(
+        "{} has the columns `{found}`; a capture has \
+         `t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm`",
+        path.display()
+    )]
+    WrongHeader {
+        /// The file.
+        path: PathBuf,
+        /// The columns that were found.
+        found: String,
+    },
+    /// A cell or line of the table is not readable as numbers.
+    #[error("{}, row {row}: {reason}", path.display())]
+    BadRow {
+        /// The file.
+        path: PathBuf,
+        /// Row, counted from 1 below the header.
+        row: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A value is NaN or infinite.
+    #[error("{}, row {row}: {column} is {value}; a capture holds finite numbers only", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// Row, counted from 1.
+        row: usize,
+        /// The column.
+        column: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// Time does not increase.
+    #[error(
+        "{}, row {row}: t_s = {time_s} s comes after {previous_s} s; time must increase from row to row",
+        path.display()
+    )]
+    Unordered {
+        /// The file.
+        path: PathBuf,
+        /// Row, counted from 1.
+        row: usize,
+        /// Its time, s.
+        time_s: f64,
+        /// The time of the row before, s.
+        previous_s: f64,
+    },
+    /// Too few samples to be a capture.
+    #[error("{} has {rows}; a capture needs at least three", path.display(), rows = rows_in_words(*rows))]
+    TooShort {
+        /// The file.
+        path: PathBuf,
+        /// Rows that it has.
+        rows: usize,
+    },
+    /// The columns of a capture in memory differ in length.
+    #[error("the column {column} has {rows} rows, but angle_rad has {expected}")]
+    Ragged {
+        /// The column.
+        column: &'static str,
+        /// Its rows.
+        rows: usize,
+        /// The rows of the angle.
+        expected: usize,
+    },
+    /// Two rows of a capture in memory fall on one tick.
+    #[error("row {row} falls on the same tick as the row before at {rate_hz} Hz: the samples are not evenly spaced")]
+    SharedTick {
+        /// Row, counted from 1.
+        row: usize,
+        /// The rate, Hz.
+        rate_hz: f64,
+    },
+    /// MCAP could not be written.
+    #[error("the archive could not be written: {reason}")]
+    Write {
+        /// What mcap or the operating system said.
+        reason: String,
+    },
+    /// Nothing in the file could be kept.
+    #[error("{} holds nothing that can be recovered: no complete MCAP record with a valid checksum", path.display())]
+    NothingToRecover {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Output and input are one file.
+    #[error("{} is both the broken archive and the place for the whole one; give --out another name", path.display())]
+    SameFile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A part belongs to another run.
+    #[error("{} belongs to run {found:016x}, not to run {expected:016x}; merge the parts of one run only", path.display())]
+    OtherRun {
+        /// The part.
+        path: PathBuf,
+        /// Its run.
+        found: u64,
+        /// The run of the first part.
+        expected: u64,
+    },
+    /// No parts were given.
+    #[error("there are no parts to merge into {}", path.display())]
+    NoParts {
+        /// The place for the whole archive.
+        path: PathBuf,
+    },
+}
+
+impl ArchiveError {
+    /// The operating system's refusal of `path`.
+    pub(crate) fn file(path: &std::path::Path, error: std::io::Error) -> Self {
+        if error.kind() == std::io::ErrorKind::NotFound {
+            Self::Missing { path: path.to_owned() }
+        } else {
+            Self::File { path: path.to_owned(), error }
+        }
+    }
+
+    /// A failure to write, with every cause that mcap knows of.
+    pub(crate) fn write(error: &(dyn std::error::Error + 'static)) -> Self {
+        Self::Write { reason: with_causes(error) }
+    }
+}
+
+/// An error and what caused it, in one line.
+pub(crate) fn with_causes(error: &(dyn std::error::Error + 'static)) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        text = format!("{text}: {inner}");
+        cause = inner.source();
+    }
+    text
+}
+
+fn rows_in_words(rows: usize) -> String {
+    match rows {
+        0 => "no rows".to_owned(),
+        1 => "one row".to_owned(),
+        2 => "two rows".to_owned(),
+        more => format!("{more} rows"),
+    }
+}

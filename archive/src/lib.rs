@@ -1,0 +1,84 @@
+//! Captures on disk: written, read, merged and recovered.
+//!
+//! A capture is an [MCAP](https://mcap.dev/spec) file with the profile `ros2`. Its channels are
+//! `/sample`, `/fit`, `/status` and `/health`; each message is a four-byte CDR header and the bytes
+//! of the payload as they lay in shared memory, and each channel carries the `ros2msg` schema that
+//! says what those bytes are. Any ROS 2, Foxglove or rerun tool opens it. Besides the messages a
+//! capture holds
+//!
+//! - the metadata record `capture`: rig, knob, rate, clock, versions and the unit of every column;
+//! - the metadata record `gaps`, where samples are missing: which ones, exactly;
+//! - attachments: `run.json` (the run's description), `channels.json` (what each channel holds, so
+//!   that a file whose first chunk is damaged can still be read), `excitation.toml`,
+//!   `calibration.toml` and, for a simulated knob, `model.toml`. Attachments carry checksums.
+//!
+//! Chunks are written whole and closed at least every half second, so that a process which is
+//! killed leaves a file that is sound up to its last chunk.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`write`] | [`CaptureWriter`]: the recorder's way in |
+//! | [`capture`] | [`Capture`]: columns, from MCAP or CSV, and back |
+//! | [`schema`] | where each field lies in a message, from the schema in the file |
+//! | [`recover`](mod@recover) | a whole file from a broken one, saying what was lost |
+//! | [`merge`](mod@merge) | one file from the parts that a restarted recorder leaves |
+//! | [`sequence`] | which samples are there and which are missing |
+//!
+//! ```
+//! use archive::CaptureWriter;
+//! use shared_types::Sample;
+//! # let description = archive::doc_example_description();
+//!
+//! # fn main() -> Result<(), archive::ArchiveError> {
+//! let mut writer = CaptureWriter::new(std::io::Cursor::new(Vec::new()), &description)?;
+//! writer.sample(&Sample { seq: 0, tick: 0, torque_mnm: 1.5, ..Sample::default() })?;
+//! writer.flush()?;
+//! let (written, _file) = writer.finish()?;
+//! assert_eq!(written.samples, 1);
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod capture;
+mod channels;
+mod combine;
+mod csv_file;
+mod description;
+mod error;
+mod mcap_file;
+pub mod merge;
+pub mod recover;
+mod records;
+pub mod schema;
+pub mod sequence;
+mod source;
+pub mod whole_file;
+pub mod write;
+
+pub use capture::Capture;
+pub use description::{CAPTURE_METADATA, GAPS_METADATA, RECOVERY_METADATA, attachment};
+pub use error::ArchiveError;
+pub use merge::{MergeSummary, merge, run_id};
+pub use recover::{RecoverySummary, recover};
+pub use sequence::{Gap, SequenceLedger};
+pub use write::{CaptureWriter, WriteSummary};
+
+/// A run description for the examples in the documentation.
+#[doc(hidden)]
+#[must_use]
+pub fn doc_example_description() -> shared_types::RunDescription {
+    shared_types::RunDescription {
+        run_id: 1,
+        software_version: "0.1.0".to_owned(),
+        apparatus: "sim".to_owned(),
+        knob: "1".to_owned(),
+        rate_hz: 10_000.0,
+        planned_ticks: 10,
+        clock: shared_types::ClockMapping { monotonic_time_ns: 0, wall_clock_time_ns: 0 },
+        realtime: 0,
+        excitation_toml: String::new(),
+        calibration_toml: String::new(),
+        simulated_knob_toml: None,
+        notes: Vec::new(),
+    }
+}

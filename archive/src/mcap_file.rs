@@ -1,0 +1,266 @@
+//! Captures from MCAP archives.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use mcap::McapError;
+use mcap::records::{Record, op};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use shared_types::RunDescription;
+use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
+
+use crate::capture::Capture;
+use crate::channels::ChannelDefinition;
+use crate::description::{CAPTURE_METADATA, GAPS_METADATA, attachment};
+use crate::error::{ArchiveError, with_causes};
+use crate::records::{MAX_RECORD_BYTES, attachment_body_length};
+use crate::schema::{FieldLayout, Layout};
+use crate::sequence::{Gap, SequenceLedger};
+
+/// Reads an archive that must be whole; every checksum is compared.
+pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
+    let file = File::open(path).map_err(|error| ArchiveError::file(path, error))?;
+    let mut file = BufReader::with_capacity(1 << 20, file);
+    let mut reader = LinearReader::new_with_options(
+        LinearReaderOptions::default()
+            .with_prevalidate_chunk_crcs(true)
+            .with_validate_data_section_crc(true)
+            .with_validate_summary_section_crc(true)
+            .with_record_length_limit(MAX_RECORD_BYTES),
+    );
+    let mut content = Content::new(path);
+    while let Some(event) = reader.next_event() {
+        match event.map_err(|error| broken(path, &error))? {
+            LinearReadEvent::ReadRequest(need) => {
+                let read =
+                    file.read(reader.insert(need.max(1))).map_err(|error| ArchiveError::file(path, error))?;
+                reader.notify_read(read);
+            }
+            LinearReadEvent::Record { data, opcode } => content.record(opcode, data)?,
+        }
+    }
+    content.into_capture()
+}
+
+fn broken(path: &Path, error: &McapError) -> ArchiveError {
+    match error {
+        McapError::UnexpectedEof => ArchiveError::Truncated { path: path.to_owned() },
+        other => ArchiveError::Damaged { path: path.to_owned(), reason: with_causes(other) },
+    }
+}
+
+/// What was read so far.
+struct Content<'a> {
+    path: &'a Path,
+    schemas: HashMap<u16, (String, String)>,
+    /// Where the fields of a sample lie, by channel.
+    samples: HashMap<u16, SampleFields>,
+    rows: Rows,
+    metadata: BTreeMap<String, BTreeMap<String, String>>,
+    attachments: BTreeMap<String, Vec<u8>>,
+    past_the_messages: bool,
+}
+
+impl<'a> Content<'a> {
+    fn new(path: &'a Path) -> Self {
+        Self {
+            path,
+            schemas: HashMap::new(),
+            samples: HashMap::new(),
+            rows: Rows::default(),
+            metadata: BTreeMap::new(),
+            attachments: BTreeMap::new(),
+            past_the_messages: false,
+        }
+    }
+
+    fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), ArchiveError> {
+        // Past this point schemas and channels are only repeated.
+        self.past_the_messages |= opcode == op::DATA_END;
+        if self.past_the_messages {
+            return Ok(());
+        }
+        if opcode == op::ATTACHMENT && attachment_body_length(body) != Some(body.len() as u64) {
+            return Err(self.damaged("an attachment's lengths do not fit its record"));
+        }
+        match mcap::parse_record(opcode, body).map_err(|error| broken(self.path, &error))? {
+            Record::Schema { header, data } => {
+                self.schemas.insert(header.id, (header.encoding, String::from_utf8_lossy(&data).into_owned()));
+            }
+            Record::Channel(channel) => self.channel(channel)?,
+            Record::Message { header, data } => {
+                if let Some(fields) = self.samples.get(&header.channel_id) {
+                    let Some(()) = self.rows.push(fields, &data) else {
+                        return Err(self.damaged("a sample is shorter than its schema says, or not little-endian CDR"));
+                    };
+                }
+            }
+            Record::Attachment { header, data, .. } => {
+                self.attachments.insert(header.name, data.into_owned());
+            }
+            Record::Metadata(metadata) => {
+                self.metadata.insert(metadata.name, metadata.metadata);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn damaged(&self, reason: &str) -> ArchiveError {
+        ArchiveError::Damaged { path: self.path.to_owned(), reason: reason.to_owned() }
+    }
+
+    fn channel(&mut self, channel: mcap::records::Channel) -> Result<(), ArchiveError> {
+        let (schema_encoding, schema_text) = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+        let definition = ChannelDefinition {
+            topic: channel.topic,
+            message_encoding: channel.message_encoding,
+            metadata: channel.metadata,
+            schema_name: String::new(),
+            schema_encoding,
+            schema_text,
+        };
+        if definition.holds_samples() {
+            let layout = Layout::parse(&definition.schema_text)
+                .map_err(|error| ArchiveError::Schema { path: self.path.to_owned(), error })?;
+            self.samples.insert(channel.id, SampleFields::find(self.path, &layout)?);
+        }
+        Ok(())
+    }
+
+    fn into_capture(self) -> Result<Capture, ArchiveError> {
+        let Self { path, schemas: _, samples, rows, metadata, attachments, past_the_messages: _ } = self;
+        if samples.is_empty() {
+            return Err(ArchiveError::NoSamples { path: path.to_owned() });
+        }
+        let description: Option<RunDescription> =
+            attachments.get(attachment::RUN).and_then(|json| serde_json::from_slice(json).ok());
+        let rate_hz = description
+            .as_ref()
+            .map(|run| run.rate_hz)
+            .or_else(|| metadata.get(CAPTURE_METADATA)?.get("rate_hz")?.parse().ok())
+            .filter(|rate: &f64| rate.is_finite() && *rate > 0.0)
+            .ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
+        let gaps = recorded_gaps(&metadata).unwrap_or_else(|| rows.gaps());
+        let Rows { seq, tick, state, angle_rad, velocity, acceleration, torque_mnm, commanded_angle, commanded_torque } =
+            rows;
+        #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+        let t_s = tick.iter().map(|&tick| tick as f64 / rate_hz).collect();
+        let state = (!state.is_empty()).then_some(state);
+        Ok(Capture {
+            source: path.to_owned(),
+            rate_hz,
+            seq,
+            tick,
+            state,
+            t_s,
+            angle_rad,
+            velocity_rad_s: present(velocity),
+            acceleration_rad_s2: present(acceleration),
+            torque_mnm,
+            commanded_angle_rad: present(commanded_angle),
+            commanded_torque_mnm: present(commanded_torque),
+            gaps,
+            description,
+            metadata,
+            attachments,
+        })
+    }
+}
+
+/// The gaps that the writer noted; it also knew what is missing at the end.
+fn recorded_gaps(metadata: &BTreeMap<String, BTreeMap<String, String>>) -> Option<Vec<Gap>> {
+    serde_json::from_str(metadata.get(GAPS_METADATA)?.get("gaps")?).ok()
+}
+
+/// A column that is NaN throughout was never measured.
+fn present(column: Vec<f64>) -> Option<Vec<f64>> {
+    column.iter().any(|value| !value.is_nan()).then_some(column)
+}
+
+/// Where a sample's fields lie.
+struct SampleFields {
+    seq: FieldLayout,
+    tick: FieldLayout,
+    angle_rad: FieldLayout,
+    torque_mnm: FieldLayout,
+    velocity_rad_s: Option<FieldLayout>,
+    acceleration_rad_s2: Option<FieldLayout>,
+    commanded_angle_rad: Option<FieldLayout>,
+    commanded_torque_mnm: Option<FieldLayout>,
+    state: Option<FieldLayout>,
+}
+
+impl SampleFields {
+    fn find(path: &Path, layout: &Layout) -> Result<Self, ArchiveError> {
+        let required = |field: &'static str| {
+            layout.field(field).cloned().ok_or_else(|| ArchiveError::MissingField {
+                path: path.to_owned(),
+                field,
+                found: layout.field_names(),
+            })
+        };
+        let optional = |field: &str| layout.field(field).cloned();
+        Ok(Self {
+            seq: required("seq")?,
+            tick: required("tick")?,
+            angle_rad: required("angle_rad")?,
+            torque_mnm: required("torque_mnm")?,
+            velocity_rad_s: optional("velocity_rad_s"),
+            acceleration_rad_s2: optional("acceleration_rad_s2"),
+            commanded_angle_rad: optional("commanded_angle_rad"),
+            commanded_torque_mnm: optional("commanded_torque_mnm"),
+            state: optional("state"),
+        })
+    }
+}
+
+/// The columns as they grow.
+#[derive(Default)]
+struct Rows {
+    seq: Vec<u64>,
+    tick: Vec<u64>,
+    state: Vec<u32>,
+    angle_rad: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    torque_mnm: Vec<f64>,
+    commanded_angle: Vec<f64>,
+    commanded_torque: Vec<f64>,
+}
+
+impl Rows {
+    /// Adds a sample; `None` when the message does not hold what its schema says.
+    fn push(&mut self, fields: &SampleFields, message: &[u8]) -> Option<()> {
+        let body = message.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER)?;
+        self.seq.push(fields.seq.as_u64(body)?);
+        self.tick.push(fields.tick.as_u64(body)?);
+        self.angle_rad.push(fields.angle_rad.as_f64(body)?);
+        self.torque_mnm.push(fields.torque_mnm.as_f64(body)?);
+        for (column, field) in [
+            (&mut self.velocity, &fields.velocity_rad_s),
+            (&mut self.acceleration, &fields.acceleration_rad_s2),
+            (&mut self.commanded_angle, &fields.commanded_angle_rad),
+            (&mut self.commanded_torque, &fields.commanded_torque_mnm),
+        ] {
+            if let Some(field) = field {
+                column.push(field.as_f64(body)?);
+            }
+        }
+        if let Some(field) = &fields.state {
+            self.state.push(u32::try_from(field.as_u64(body)?).ok()?);
+        }
+        Some(())
+    }
+
+    fn gaps(&self) -> Vec<Gap> {
+        let mut ledger = SequenceLedger::default();
+        for &seq in &self.seq {
+            // A repeated sample shows as time that does not rise.
+            let _ = ledger.admit(seq);
+        }
+        ledger.gaps().to_vec()
+    }
+}

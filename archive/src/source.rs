@@ -1,0 +1,181 @@
+//! One file's messages, in order, however broken the file is.
+
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::io::Read;
+use std::ops::Range;
+use std::rc::Rc;
+
+use mcap::records::{MessageHeader, Record, op};
+use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
+
+use crate::channels::ChannelDefinition;
+use crate::description::attachment;
+use crate::records::{Account, Sound, SoundRecords, Unpacked};
+use crate::schema::FieldLayout;
+
+/// A channel as a file defines it.
+#[derive(Debug)]
+pub(crate) struct SourceChannel {
+    pub(crate) definition: ChannelDefinition,
+    /// The field `seq` and the size of a message, on the channel of the samples.
+    sample_layout: Option<(FieldLayout, Option<usize>)>,
+}
+
+/// What a file yields.
+#[derive(Debug)]
+pub(crate) enum Item {
+    Message(SourceMessage),
+    Attachment { name: String, media_type: String, log_time: u64, content: Vec<u8> },
+    Metadata(mcap::records::Metadata),
+}
+
+/// A message; its body lies in the source until the next call.
+#[derive(Clone, Debug)]
+pub(crate) struct SourceMessage {
+    pub(crate) channel: Rc<SourceChannel>,
+    pub(crate) header: MessageHeader,
+    /// `seq` on the channel of the samples.
+    pub(crate) seq: Option<u64>,
+    /// False for a message from a chunk that the end of the file cuts off.
+    pub(crate) checked: bool,
+    body: Range<usize>,
+}
+
+/// Reads one file's messages.
+pub(crate) struct Source<R> {
+    records: SoundRecords<R>,
+    schemas: HashMap<u16, (String, String, String)>,
+    channels: HashMap<u16, Rc<SourceChannel>>,
+    chunk: Vec<u8>,
+    waiting: VecDeque<(u8, Range<usize>)>,
+    checked: bool,
+    last_seq: Option<u64>,
+    /// Messages of sound chunks whose channel nothing in the file defines.
+    pub(crate) orphans: u64,
+}
+
+impl<R: Read> Source<R> {
+    pub(crate) fn new(input: R) -> Self {
+        Self {
+            records: SoundRecords::new(input),
+            schemas: HashMap::new(),
+            channels: HashMap::new(),
+            chunk: Vec::new(),
+            waiting: VecDeque::new(),
+            checked: true,
+            last_seq: None,
+            orphans: 0,
+        }
+    }
+
+    pub(crate) fn account(&self) -> Account {
+        self.records.account()
+    }
+
+    /// The bytes of the message that was given last.
+    pub(crate) fn body(&self, message: &SourceMessage) -> &[u8] {
+        &self.chunk[message.body.clone()]
+    }
+
+    /// The next item; `None` at the end of the file.
+    pub(crate) fn next(&mut self) -> std::io::Result<Option<Item>> {
+        loop {
+            while let Some((opcode, place)) = self.waiting.pop_front() {
+                if let Some(message) = self.record(opcode, place) {
+                    return Ok(Some(Item::Message(message)));
+                }
+            }
+            match self.records.next()? {
+                None => return Ok(None),
+                Some(Sound::Chunk(unpacked)) => self.open(unpacked, true),
+                Some(Sound::UnfinishedChunk(unpacked)) => self.open(unpacked, false),
+                Some(Sound::Metadata(metadata)) => return Ok(Some(Item::Metadata(metadata))),
+                Some(Sound::Attachment { name, media_type, log_time, content }) => {
+                    if name == attachment::CHANNELS {
+                        self.learn_channels(&content);
+                    }
+                    return Ok(Some(Item::Attachment { name, media_type, log_time, content }));
+                }
+            }
+        }
+    }
+
+    fn open(&mut self, unpacked: Unpacked, checked: bool) {
+        self.chunk = unpacked.bytes;
+        self.waiting = unpacked.records.into();
+        self.checked = checked;
+    }
+
+    /// Takes up a record of the open chunk; gives messages back.
+    fn record(&mut self, opcode: u8, place: Range<usize>) -> Option<SourceMessage> {
+        // A schema or channel from a chunk without checksum could rename what follows.
+        let defines = self.checked && matches!(opcode, op::SCHEMA | op::CHANNEL);
+        if opcode != op::MESSAGE && !defines {
+            return None;
+        }
+        match mcap::parse_record(opcode, &self.chunk[place.clone()]) {
+            Ok(Record::Schema { header, data }) => {
+                let text = String::from_utf8_lossy(&data).into_owned();
+                self.schemas.insert(header.id, (header.name, header.encoding, text));
+            }
+            Ok(Record::Channel(channel)) => {
+                let (schema_name, schema_encoding, schema_text) =
+                    self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                self.define(
+                    channel.id,
+                    ChannelDefinition {
+                        topic: channel.topic,
+                        message_encoding: channel.message_encoding,
+                        metadata: channel.metadata,
+                        schema_name,
+                        schema_encoding,
+                        schema_text,
+                    },
+                );
+            }
+            Ok(Record::Message { header, data }) => {
+                let start = place.end - data.len();
+                return self.message(header, start..place.end);
+            }
+            _ => {}
+        }
+        None
+    }
+
+    fn message(&mut self, header: MessageHeader, body: Range<usize>) -> Option<SourceMessage> {
+        let Some(channel) = self.channels.get(&header.channel_id).cloned() else {
+            self.orphans += 1;
+            return None;
+        };
+        let mut seq = None;
+        if let Some((field, size)) = &channel.sample_layout {
+            let bytes = &self.chunk[body.clone()];
+            let fits = size.is_none_or(|size| bytes.len() == size + CDR_LITTLE_ENDIAN_HEADER.len());
+            seq = bytes.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER).and_then(|bytes| field.as_u64(bytes)).filter(|_| fits);
+        }
+        if !self.checked {
+            // Nothing vouches for these bytes but their order: stop at the first that is off.
+            let follows = seq.is_some() && self.last_seq.is_some_and(|last| seq == last.checked_add(1));
+            if !follows {
+                self.waiting.clear();
+                return None;
+            }
+        }
+        self.last_seq = seq.or(self.last_seq);
+        Some(SourceMessage { channel, header, seq, checked: self.checked, body })
+    }
+
+    fn define(&mut self, id: u16, definition: ChannelDefinition) {
+        let sample_layout = definition.sample_layout();
+        self.channels.insert(id, Rc::new(SourceChannel { definition, sample_layout }));
+    }
+
+    fn learn_channels(&mut self, content: &[u8]) {
+        let known: BTreeMap<u16, ChannelDefinition> = serde_json::from_slice(content).unwrap_or_default();
+        for (id, definition) in known {
+            if !self.channels.contains_key(&id) {
+                self.define(id, definition);
+            }
+        }
+    }
+}

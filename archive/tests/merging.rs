@@ -1,0 +1,117 @@
+//! Parts become one archive, each sample once.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use std::path::PathBuf;
+
+use archive::{ArchiveError, Capture, Gap, merge};
+use common::{assert_nothing_invented, chunks_of, recording, samples_in};
+use tempfile::TempDir;
+
+fn parts(directory: &TempDir, contents: &[Vec<u8>]) -> Vec<PathBuf> {
+    contents
+        .iter()
+        .enumerate()
+        .map(|(number, content)| {
+            let path = directory.path().join(format!("run.mcap.part-{number:03}"));
+            std::fs::write(&path, content).unwrap();
+            path
+        })
+        .collect()
+}
+
+#[test]
+fn overlapping_parts_give_each_sample_once_and_in_order() {
+    let directory = tempfile::tempdir().unwrap();
+    let parts = parts(&directory, &[recording(0..450, 100), recording(300..900, 100), recording(850..1000, 100)]);
+    let out = directory.path().join("run.mcap");
+    let merged = merge(&parts, &out, Some(1000)).unwrap();
+    assert_eq!((merged.ledger.admitted(), merged.ledger.missing(), merged.bytes_dropped), (1000, 0, 0));
+    let samples = samples_in(&std::fs::read(&out).unwrap());
+    assert_eq!(samples.len(), 1000);
+    assert_nothing_invented(&samples);
+    let capture = Capture::load(&out).unwrap();
+    assert_eq!(capture.gaps, []);
+    assert!(!capture.metadata.contains_key(archive::GAPS_METADATA));
+    assert_eq!(capture.description, Some(common::description()));
+}
+
+#[test]
+fn reports_that_two_parts_received_come_once() {
+    let directory = tempfile::tempdir().unwrap();
+    // The reports of both parts at sample 400 are the same bytes.
+    let parts = parts(&directory, &[recording(0..450, 100), recording(300..700, 100)]);
+    let out = directory.path().join("run.mcap");
+    let merged = merge(&parts, &out, None).unwrap();
+    // Status, estimate and health each at samples 100 to 400 and 500 to 600.
+    assert_eq!(merged.messages, 700 + 3 * 6);
+}
+
+#[test]
+fn parts_cut_off_anywhere_fill_each_other() {
+    let directory = tempfile::tempdir().unwrap();
+    let first = recording(0..500, 100);
+    let second = recording(350..800, 100);
+    let cut = chunks_of(&first)[5].start + 50;
+    for length in [cut, cut + 1000, cut + 2500] {
+        let parts = parts(&directory, &[first[..length].to_vec(), second.clone()]);
+        let out = directory.path().join("run.mcap");
+        let merged = merge(&parts, &out, Some(800)).unwrap();
+        assert_eq!((merged.ledger.admitted(), merged.ledger.missing()), (800, 0));
+        assert!(merged.bytes_dropped > 0);
+        assert_nothing_invented(&samples_in(&std::fs::read(&out).unwrap()));
+    }
+}
+
+#[test]
+fn what_no_part_has_is_a_gap_at_the_start_between_and_at_the_end() {
+    let directory = tempfile::tempdir().unwrap();
+    let parts = parts(&directory, &[recording(5..100, 100), recording(150..200, 100)]);
+    let out = directory.path().join("run.mcap");
+    let merged = merge(&parts, &out, Some(210)).unwrap();
+    let expected = [
+        Gap { first_missing_seq: 0, last_missing_seq: 4, count: 5 },
+        Gap { first_missing_seq: 100, last_missing_seq: 149, count: 50 },
+        Gap { first_missing_seq: 200, last_missing_seq: 209, count: 10 },
+    ];
+    assert_eq!(merged.ledger.gaps(), expected);
+    let capture = Capture::load(&out).unwrap();
+    assert_eq!(capture.gaps, expected);
+    assert_eq!(capture.metadata[archive::GAPS_METADATA]["missing_samples"], "65");
+}
+
+#[test]
+fn a_later_part_fills_a_hole_inside_an_earlier_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let with_hole = recording((0..100).chain(200..500), 100);
+    let parts = parts(&directory, &[with_hole, recording(90..400, 100)]);
+    let merged = merge(&parts, &directory.path().join("run.mcap"), Some(500)).unwrap();
+    assert_eq!((merged.ledger.admitted(), merged.ledger.missing()), (500, 0));
+}
+
+#[test]
+fn a_part_killed_at_birth_and_a_hundred_restarts_do_no_harm() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut contents = vec![Vec::new(), recording(0..3, 100)[..40].to_vec(), recording([], 100)];
+    contents.extend((0..100).map(|restart| recording(restart * 20..restart * 20 + 50, 100)));
+    let parts = parts(&directory, &contents);
+    let out = directory.path().join("run.mcap");
+    let merged = merge(&parts, &out, Some(2030)).unwrap();
+    assert_eq!((merged.ledger.admitted(), merged.ledger.missing()), (2030, 0));
+    assert_nothing_invented(&samples_in(&std::fs::read(&out).unwrap()));
+}
+
+#[test]
+fn parts_of_two_runs_are_not_mixed() {
+    let directory = tempfile::tempdir().unwrap();
+    let run = shared_types::RunDescription { run_id: 99, ..common::description() };
+    let writer = archive::CaptureWriter::new(std::io::Cursor::new(Vec::new()), &run).unwrap();
+    let other = writer.finish().unwrap().1.into_inner();
+    let parts = parts(&directory, &[recording(0..10, 100), other]);
+    let out = directory.path().join("run.mcap");
+    assert!(matches!(merge(&parts, &out, None), Err(ArchiveError::OtherRun { found: 99, .. })));
+    assert!(!out.exists());
+    assert_eq!(archive::run_id(&parts[0]).unwrap(), Some(common::RUN_ID));
+}

@@ -1,0 +1,156 @@
+//! What is left of a broken archive is kept, and nothing else.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use std::io::Cursor;
+use std::path::Path;
+
+use archive::recover::recover_stream;
+use archive::{ArchiveError, Capture, Gap, RecoverySummary, recover};
+use common::{assert_nothing_invented, chunks_of, recording, samples_in};
+
+fn recovered(broken: &[u8]) -> Result<(RecoverySummary, Vec<u8>), ArchiveError> {
+    let mut whole = Cursor::new(Vec::new());
+    let summary = recover_stream(broken, &mut whole, Path::new("broken.mcap"))?;
+    Ok((summary, whole.into_inner()))
+}
+
+/// Every bit with `HAPTIC_CAMERA_ALL_BITS` set, which takes minutes; else one in 11, over all bits of a byte.
+fn some_of(bits: usize) -> impl Iterator<Item = usize> {
+    (0..bits).step_by(if std::env::var_os("HAPTIC_CAMERA_ALL_BITS").is_some() { 1 } else { 11 })
+}
+
+#[test]
+fn a_whole_archive_recovers_whole() {
+    let file = recording(0..1000, 100);
+    let (summary, whole) = recovered(&file).unwrap();
+    assert_eq!((summary.samples_kept, summary.messages_kept), (1000, 1000 + 9 * 3));
+    assert_eq!((summary.bytes_dropped, summary.unchecked_samples), (0, 0));
+    assert!(summary.finished && !summary.lossy && summary.gaps.is_empty());
+    assert_eq!(samples_in(&whole), samples_in(&file));
+}
+
+#[test]
+fn every_truncation_of_the_last_two_chunks_keeps_every_complete_chunk() {
+    let file = recording(0..100, 20);
+    let chunks = chunks_of(&file);
+    let original = samples_in(&file);
+    let from = chunks[chunks.len() - 2].start;
+    for length in from..file.len() {
+        let (summary, whole) = recovered(&file[..length]).unwrap();
+        let kept = samples_in(&whole);
+        // The first chunk holds the channels only.
+        let complete = chunks.iter().skip(1).filter(|chunk| chunk.end <= length).count() * 20;
+        assert!(kept.len() >= complete, "cut at {length}: {} of {complete}", kept.len());
+        assert_eq!(kept[..], original[..kept.len()], "cut at {length}");
+        assert_eq!(summary.samples_kept, kept.len() as u64);
+        assert_eq!(summary.unchecked_samples, (kept.len() - complete.min(kept.len())) as u64, "cut at {length}");
+        assert!(summary.lossy || kept.len() == original.len(), "cut at {length}: a loss was not told");
+        assert_eq!(summary.bytes_total, length as u64);
+    }
+}
+
+#[test]
+fn whatever_bit_is_flipped_only_the_chunk_that_holds_it_is_lost() {
+    let file = recording(0..60, 20);
+    let original = samples_in(&file);
+    for bit in some_of(file.len() * 8) {
+        let mut flipped = file.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        let (summary, whole) = recovered(&flipped).unwrap();
+        let kept = samples_in(&whole);
+        assert_nothing_invented(&kept);
+        assert!(kept.len() >= 40, "bit {bit}: {} samples kept", kept.len());
+        assert!(summary.lossy || kept.len() == original.len(), "bit {bit}: a loss was not told");
+    }
+}
+
+#[test]
+fn a_flip_in_a_truncated_archive_invents_nothing_in_its_complete_chunks() {
+    let file = recording(0..60, 20);
+    let chunks = chunks_of(&file);
+    let cut = chunks[2].end;
+    for bit in some_of(cut * 8) {
+        let mut flipped = file[..cut].to_vec();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        match recovered(&flipped) {
+            Ok((summary, whole)) => {
+                assert_nothing_invented(&samples_in(&whole));
+                assert!(summary.lossy);
+            }
+            Err(error) => assert!(matches!(error, ArchiveError::NothingToRecover { .. }), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn a_hole_in_the_middle_is_a_gap_with_its_bounds() {
+    let mut file = recording(0..500, 100);
+    let hole = chunks_of(&file)[3].clone();
+    file[hole.start + 80..hole.end - 10].fill(0);
+    let (summary, whole) = recovered(&file).unwrap();
+    assert_eq!(summary.gaps, [Gap { first_missing_seq: 200, last_missing_seq: 299, count: 100 }]);
+    assert_eq!((summary.samples_kept, summary.damaged_chunks), (400, 1));
+    assert_eq!(summary.bytes_dropped, hole.len() as u64);
+    assert!(summary.lossy && summary.finished);
+    assert_nothing_invented(&samples_in(&whole));
+    assert!(summary.to_string().contains("100 samples are missing: samples 200 to 299 (100)"), "{summary}");
+}
+
+#[test]
+fn bytes_inserted_in_the_middle_cost_no_sample() {
+    let mut file = recording(0..500, 100);
+    let place = chunks_of(&file)[3].start;
+    file.splice(place..place, (0..1234_u32).map(|byte| u8::try_from(byte % 251).unwrap()));
+    let (summary, whole) = recovered(&file).unwrap();
+    assert_eq!((summary.samples_kept, summary.bytes_dropped), (500, 1234));
+    assert_eq!(samples_in(&whole).len(), 500);
+}
+
+#[test]
+fn an_archive_whose_first_chunk_is_lost_still_knows_its_channels() {
+    let mut file = recording(0..300, 100);
+    let first = chunks_of(&file)[0].clone();
+    file[first.start + 60] ^= 0x10;
+    let (summary, whole) = recovered(&file).unwrap();
+    assert_eq!(summary.samples_kept, 300);
+    assert_nothing_invented(&samples_in(&whole));
+}
+
+#[test]
+fn a_recovered_archive_loads_and_recovers_again_to_the_same_samples() {
+    let directory = tempfile::tempdir().unwrap();
+    let place = |name: &str| directory.path().join(name);
+    let file = recording(0..500, 100);
+    let broken = &file[..chunks_of(&file)[4].end + 10];
+    std::fs::write(place("broken.mcap"), broken).unwrap();
+    let summary = recover(&place("broken.mcap"), &place("whole.mcap")).unwrap();
+    assert_eq!(std::fs::read(place("broken.mcap")).unwrap(), broken, "the original is left alone");
+    let capture = Capture::load(&place("whole.mcap")).unwrap();
+    assert_eq!(capture.len() as u64, summary.samples_kept);
+    assert_eq!(capture.description, Some(common::description()));
+    assert_eq!(capture.metadata[archive::RECOVERY_METADATA]["samples_kept"], summary.samples_kept.to_string());
+    assert_eq!(capture.metadata[archive::CAPTURE_METADATA]["unit.angle_rad"], "rad");
+    let again = recover(&place("whole.mcap"), &place("again.mcap")).unwrap();
+    assert_eq!((again.samples_kept, again.bytes_dropped, again.lossy), (summary.samples_kept, 0, false));
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 3, "nothing temporary stays");
+}
+
+#[test]
+fn what_cannot_be_recovered_is_refused_without_leaving_a_file() {
+    let directory = tempfile::tempdir().unwrap();
+    let place = |name: &str| directory.path().join(name);
+    let out = place("out.mcap");
+    assert!(matches!(recover(&place("none.mcap"), &out), Err(ArchiveError::Missing { .. })));
+    for (name, content) in [("text.mcap", b"t_s,angle_rad\n".to_vec()), ("zeros.mcap", vec![0; 5_000_000])] {
+        std::fs::write(place(name), content).unwrap();
+        assert!(matches!(recover(&place(name), &out), Err(ArchiveError::NothingToRecover { .. })), "{name}");
+    }
+    std::fs::write(place("empty.mcap"), "").unwrap();
+    assert!(matches!(recover(&place("empty.mcap"), &out), Err(ArchiveError::Empty { .. })));
+    std::fs::write(place("same.mcap"), recording(0..9, 9)).unwrap();
+    assert!(matches!(recover(&place("same.mcap"), &place("same.mcap")), Err(ArchiveError::SameFile { .. })));
+    assert!(!out.exists());
+}

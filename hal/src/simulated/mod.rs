@@ -1,0 +1,46 @@
+//! The simulated rig: a motor, a torque sensor, a gripper and any knob, with the sensors' limits.
+//!
+//! ```text
+//!  command ─► amplifier ─► winding ─► rotor ══ torque sensor ══ gripper + knob
+//!             (watchdog)              encoder                   accelerometer
+//! ```
+//!
+//! [`SimulatedRig`] is an [`Apparatus`](crate::Apparatus) like any other. Time is what the caller
+//! says it is: each [`read`](crate::Apparatus::read) carries the plant from the last reading to the
+//! new one in fixed substeps counted from the first reading, so that a control loop can run it
+//! against the clock and an offline run as fast as the processor goes, with the same numbers. A
+//! seed fixes the noise bit for bit.
+//!
+//! The knob is a [`dynamics::Model`]; inertia, free torques, friction and stick act on the gripper's
+//! side of the torque sensor. What the rig is made of is in [`RigParameters`]; what it measured
+//! about itself is in its description's calibration.
+//!
+//! ```
+//! use hal::Apparatus;
+//! use hal::simulated::{RigParameters, SimulatedRig};
+//!
+//! let knob = dynamics::knobs::paper_knob(3)?;
+//! let mut rig = SimulatedRig::new(RigParameters::default(), knob, 7)?;
+//! rig.enable()?;
+//! for tick in 0..1000 {
+//!     let measurement = rig.read(tick * 100_000)?; // 10 kHz
+//!     rig.write_torque(200.0 * (0.1 - measurement.angle_rad))?;
+//! }
+//! assert!(rig.truth().knob_angle_rad > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod contact;
+mod description;
+mod drive;
+mod noise;
+mod parameters;
+mod plant;
+mod rig;
+mod sensors;
+mod shaft;
+mod watchdog;
+
+pub use parameters::{ParameterError, RigParameters};
+pub use plant::Truth;
+pub use rig::SimulatedRig;

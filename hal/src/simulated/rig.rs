@@ -1,0 +1,137 @@
+//! The simulated rig as an apparatus: where the plant meets the caller's time.
+
+use dynamics::Model;
+
+use super::description::describe;
+use super::plant::{Plant, Truth};
+use super::sensors::Sensors;
+use super::watchdog::Watchdog;
+use super::{ParameterError, RigParameters};
+use crate::{Apparatus, ApparatusError, Measurement, RigDescription};
+
+/// A rig with a knob on it that exists as numbers; see the [module](crate::simulated).
+#[derive(Debug)]
+pub struct SimulatedRig {
+    description: RigDescription,
+    substep_ns: u64,
+    catch_up_limit: u64,
+    plant: Plant,
+    sensors: Sensors,
+    watchdog: Watchdog,
+    hand_torque_mnm: f64,
+    /// Caller's time at which the plant's time is zero, ns; set by the first reading.
+    origin_ns: Option<u64>,
+    skipped: u64,
+}
+
+impl SimulatedRig {
+    /// A rig at rest at angle zero with `knob` mounted, its amplifier off.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for parameters that do not describe a rig.
+    #[allow(clippy::needless_pass_by_value, reason = "a rig is built from its parameters once")]
+    pub fn new(parameters: RigParameters, knob: Model, seed: u64) -> Result<Self, ParameterError> {
+        parameters.validate()?;
+        let substep_s = parameters.substep_s();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "both are positive; `as` saturates")]
+        let substeps = |duration_s: f64| (duration_s / substep_s).round() as u64;
+        Ok(Self {
+            description: describe(&parameters, &knob.name, seed),
+            substep_ns: parameters.substep_ns,
+            catch_up_limit: substeps(parameters.catch_up_limit_s),
+            sensors: Sensors::new(&parameters, seed),
+            watchdog: Watchdog::new(substeps(parameters.watchdog_s)),
+            plant: Plant::new(&parameters, knob),
+            hand_torque_mnm: 0.0,
+            origin_ns: None,
+            skipped: 0,
+        })
+    }
+
+    /// The plant's true state at its last substep.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        self.plant.truth()
+    }
+
+    /// Lets a hand turn the knob with this torque from now on, mNm.
+    pub fn set_hand_torque(&mut self, torque_mnm: f64) {
+        self.hand_torque_mnm = torque_mnm;
+    }
+
+    /// Times at which the amplifier's watchdog ran out.
+    #[must_use]
+    pub fn watchdog_trips(&self) -> u64 {
+        self.watchdog.trips()
+    }
+
+    /// Time that was left out of the plant's because a reading came too late to make up for, ns.
+    #[must_use]
+    pub fn skipped_time_ns(&self) -> u64 {
+        self.skipped * self.substep_ns
+    }
+
+    /// Carries the plant to the given time; gives the time that is left of a substep, ns.
+    fn advance_to(&mut self, monotonic_time_ns: u64) -> u64 {
+        let origin_ns = *self.origin_ns.get_or_insert(monotonic_time_ns);
+        let elapsed_ns = monotonic_time_ns.saturating_sub(origin_ns);
+        let mut due = (elapsed_ns / self.substep_ns).saturating_sub(self.plant.steps());
+        let late = due.saturating_sub(self.catch_up_limit);
+        if late > 0 {
+            self.origin_ns = Some(origin_ns + late * self.substep_ns);
+            self.skipped += late;
+            due = self.catch_up_limit;
+        }
+        for _ in 0..due {
+            self.plant.step(self.watchdog.torque_mnm(), self.hand_torque_mnm);
+            self.sensors.step(&self.plant.truth());
+            self.watchdog.pass(1);
+        }
+        self.watchdog.pass(late);
+        elapsed_ns % self.substep_ns
+    }
+}
+
+impl Apparatus for SimulatedRig {
+    fn description(&self) -> &RigDescription {
+        &self.description
+    }
+
+    fn enable(&mut self) -> Result<(), ApparatusError> {
+        self.watchdog.switch_on();
+        Ok(())
+    }
+
+    fn disable(&mut self) {
+        self.watchdog.switch_off();
+    }
+
+    fn read(&mut self, monotonic_time_ns: u64) -> Result<Measurement, ApparatusError> {
+        let beyond_ns = self.advance_to(monotonic_time_ns);
+        self.watchdog.noticed();
+        if self.watchdog.ran_out() {
+            return Err(ApparatusError::Watchdog);
+        }
+        #[allow(clippy::cast_precision_loss, reason = "less than a substep")]
+        let measurement = self.sensors.read(&self.plant.truth(), beyond_ns as f64 * 1e-9);
+        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm } = measurement;
+        if angle_rad.is_finite() && acceleration_rad_s2.is_finite() && torque_mnm.is_finite() {
+            Ok(measurement)
+        } else {
+            Err(ApparatusError::Sensor)
+        }
+    }
+
+    fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
+        if self.watchdog.ran_out() {
+            return Err(ApparatusError::Watchdog);
+        }
+        if !torque_mnm.is_finite() {
+            self.watchdog.command(0.0);
+            return Err(ApparatusError::Amplifier);
+        }
+        let limit_mnm = self.description.limits.motor_torque_mnm;
+        self.watchdog.command(torque_mnm.clamp(-limit_mnm, limit_mnm));
+        Ok(())
+    }
+}

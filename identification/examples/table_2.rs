@@ -1,0 +1,179 @@
+//! The paper's Table 2 many times over: errors against the Cramér–Rao bound, cover of the intervals,
+//! and random detent periods over two decades.
+#![allow(clippy::print_stdout, reason = "an example speaks to its user")]
+
+use dynamics::{Drive, Effect, Excitation, Model, Motion, effects};
+use identification::{FitOptions, Samples, fit};
+use nalgebra::{DMatrix, DVector};
+
+const RATE_HZ: f64 = 5000.0;
+const NAMES: [&str; 8] = [
+    "inertia",
+    "coulomb_negative",
+    "coulomb_positive",
+    "viscous_negative",
+    "viscous_positive",
+    "detent_amplitude",
+    "detent_period",
+    "detent_phase",
+];
+
+/// xorshift64*: uniform numbers in [0, 1).
+struct Uniform(u64);
+
+impl Uniform {
+    #[allow(clippy::cast_precision_loss, reason = "53 random bits")]
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+fn knob(values: &[f64; 8]) -> Model {
+    Model {
+        name: String::new(),
+        description: String::new(),
+        effects: vec![
+            Effect::new(&effects::inertia::KIND, &values[..1]),
+            Effect::new(&effects::friction::KIND, &values[1..5]),
+            Effect::new(&effects::detent::KIND, &values[5..]),
+        ],
+    }
+}
+
+struct Capture {
+    motion: Vec<Motion>,
+    columns: [Vec<f64>; 4],
+}
+
+fn capture(sweep: &Excitation) -> Capture {
+    let motion: Vec<Motion> = (1..=30_000)
+        .map(|n| {
+            let time_s = f64::from(n) / RATE_HZ;
+            let set = sweep.at(time_s);
+            Motion {
+                time_s,
+                angle_rad: set.value,
+                velocity_rad_s: set.rate,
+                acceleration_rad_s2: set.acceleration,
+            }
+        })
+        .collect();
+    let column = |of: fn(&Motion) -> f64| motion.iter().map(of).collect::<Vec<f64>>();
+    let columns =
+        [column(|m| m.time_s), column(|m| m.angle_rad), column(|m| m.velocity_rad_s), column(|m| m.acceleration_rad_s2)];
+    Capture { motion, columns }
+}
+
+impl Capture {
+    fn samples<'a>(&'a self, torque_mnm: &'a [f64]) -> Samples<'a> {
+        let [t_s, angle_rad, velocity, acceleration] = &self.columns;
+        Samples { t_s, angle_rad, velocity_rad_s: Some(velocity), acceleration_rad_s2: Some(acceleration), torque_mnm }
+    }
+}
+
+/// Standard deviations at the Cramér–Rao bound for white Gaussian noise.
+fn bound(capture: &Capture, values: &[f64; 8], noise_mnm: f64) -> DVector<f64> {
+    let mut information = DMatrix::<f64>::zeros(8, 8);
+    for motion in &capture.motion {
+        let gradient = DVector::from_fn(8, |index, _| {
+            let step = 1e-6 * values[index].abs().max(1e-3);
+            let torque = |shift: f64| {
+                let mut moved = *values;
+                moved[index] += shift;
+                knob(&moved).torque_mnm(motion)
+            };
+            (torque(step) - torque(-step)) / (2.0 * step)
+        });
+        information += &gradient * gradient.transpose();
+    }
+    let covariance = information.try_inverse().unwrap_or_else(|| DMatrix::zeros(8, 8));
+    covariance.diagonal().map(|variance| noise_mnm * variance.sqrt())
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let runs: u32 = std::env::args().nth(1).map_or(Ok(200), |text| text.parse())?;
+    let values = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.2, 0.9];
+    let sweep = Excitation::named("paper", Drive::Position)?;
+    let capture = capture(&sweep);
+    let clean: Vec<f64> = capture.motion.iter().map(|motion| knob(&values).torque_mnm(motion)).collect();
+    let perfect = fit(&capture.samples(&clean), &FitOptions::default())?;
+    println!("noise-free: relative error {:e} %", perfect.relative_error_percent);
+    let bound = bound(&capture, &values, 4.0 / 12_f64.sqrt());
+    let mut random = Uniform(0x9e37_79b9_7f4a_7c15);
+    let mut squares = [0.0; 8];
+    let mut covered = [0_u32; 8];
+    let mut textbook = [0_u32; 8];
+    let mut time = std::time::Duration::ZERO;
+    for _ in 0..runs {
+        let noisy: Vec<f64> = clean.iter().map(|torque| torque + 4.0 * (random.next() - 0.5)).collect();
+        let start = std::time::Instant::now();
+        let fit = fit(&capture.samples(&noisy), &FitOptions::default())?;
+        time += start.elapsed();
+        for (index, name) in NAMES.iter().enumerate() {
+            let Some((parameter, value)) = fit.parameters.get(name).and_then(|p| p.value.map(|v| (p, v))) else {
+                println!("{name} untold: {:?}", fit.parameters.get(name).and_then(|p| p.reason.clone()));
+                continue;
+            };
+            squares[index] += (value - values[index]).powi(2);
+            let holds = |interval: Option<[f64; 2]>| {
+                u32::from(interval.is_some_and(|[low, high]| low <= values[index] && values[index] <= high))
+            };
+            covered[index] += holds(parameter.ci95);
+            textbook[index] += holds(parameter.ci95_textbook);
+        }
+    }
+    println!("{runs} noisy captures of 30,000 samples, {:?} each", time / runs);
+    println!("parameter            target   RMS error   bound       ratio  cover  textbook");
+    for (index, name) in NAMES.iter().enumerate() {
+        let rms = (squares[index] / f64::from(runs)).sqrt();
+        println!(
+            "{name:20} {:6.2}   {rms:.3e}   {:.3e}   {:.3}  {:.3}  {:.3}",
+            values[index],
+            bound[index],
+            rms / bound[index],
+            f64::from(covered[index]) / f64::from(runs),
+            f64::from(textbook[index]) / f64::from(runs)
+        );
+    }
+    periods(runs, &mut random)
+}
+
+/// Random knobs with periods over two decades on the linear chirp, with as much noise.
+fn periods(runs: u32, random: &mut Uniform) -> Result<(), Box<dyn std::error::Error>> {
+    let capture = capture(&Excitation::named("linear-chirp", Drive::Position)?);
+    let (mut found, mut inside, mut worst) = (0, 0, 0.0_f64);
+    for _ in 0..runs {
+        let mut between = |low: f64, high: f64| low * (high / low).powf(random.next());
+        let values = [
+            between(0.02, 0.4),
+            between(0.5, 20.0),
+            between(0.5, 20.0),
+            between(0.05, 2.0),
+            between(0.05, 2.0),
+            between(0.5, 10.0),
+            between(0.0025, 0.25),
+            between(1.0, 7.0) - 4.0,
+        ];
+        let torque: Vec<f64> = capture.motion.iter().map(|m| knob(&values).torque_mnm(m)).collect();
+        let noisy: Vec<f64> = torque.iter().map(|torque| torque + 4.0 * (random.next() - 0.5)).collect();
+        let fit = fit(&capture.samples(&noisy), &FitOptions::default())?;
+        let period = fit.parameters.get("detent_period");
+        match period.and_then(|p| p.value.zip(p.ci95)) {
+            Some((value, [low, high])) => {
+                let error = (value / values[6] - 1.0).abs();
+                worst = worst.max(error);
+                found += u32::from(error < 0.01);
+                inside += u32::from(low <= values[6] && values[6] <= high);
+                if error > 0.01 {
+                    println!("wrong: {values:?} gave {value}");
+                }
+            }
+            None => println!("untold: {values:?}: {:?}", period.and_then(|p| p.reason.clone())),
+        }
+    }
+    println!("periods over two decades: {found} of {runs} within 1 %, {inside} inside their interval, worst {worst:.2e}");
+    Ok(())
+}

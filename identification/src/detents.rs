@@ -1,0 +1,141 @@
+//! Whether there are detents at all, and of which period.
+
+use dynamics::{Effect, effects};
+
+use crate::frame::Frame;
+use crate::least_squares::{LeastSquares, dot};
+use crate::motion::{Band, KnobMotion, rms};
+use crate::problem::Problem;
+use crate::estimate::Harmonic;
+use crate::scan::{FEWEST_PERIODS, Scan};
+
+/// Peaks of the scan that are refined, at most, …
+const CANDIDATES: usize = 3;
+/// … if they explain at least this share of what the strongest explains.
+const RIVAL: f64 = 0.5;
+/// A detent must explain this share of the sum of squares that the rest of the model leaves …
+const WORTHWHILE_SHARE: f64 = 0.25;
+/// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
+const WORTHWHILE_AMPLITUDE: f64 = 0.1;
+/// How far above the background the evidence for a period must stand beyond what the number of periods tried gives by chance.
+const MARGIN: f64 = 14.0;
+/// A period that explains less than this and does not stand out roughly is not looked at closely.
+const CLEARLY_NOT: f64 = 0.05;
+/// A model that leaves less than this share of the torque has nothing left to explain.
+const NOTHING_LEFT: f64 = 1e-9;
+/// Aliases explain at least this share of what the best period explains.
+const ALIAS: f64 = 0.9;
+
+/// What the search for detents found.
+pub(crate) enum Detents<'a> {
+    /// There are detents: the problem with them, solved.
+    Found { problem: Problem<'a>, solution: LeastSquares, aliases_rad: Vec<f64>, harmonics: Vec<Harmonic> },
+    /// None that the data can tell, and why.
+    None(String),
+}
+
+/// Searches all periods that the travel supports, refines the strongest and weighs the evidence.
+pub(crate) fn search<'a>(
+    base: &Problem<'a>,
+    base_solution: &LeastSquares,
+    frame: &Frame,
+    motion: &KnobMotion,
+    band: &Band,
+    angle_step_rad: f64,
+) -> Detents<'a> {
+    let left = dot(&base_solution.residual, &base_solution.residual);
+    if left.sqrt() <= NOTHING_LEFT * dot(&base.target, &base.target).sqrt() {
+        return Detents::None("the knob has no detents: inertia and friction explain the whole torque".to_owned());
+    }
+    let Some(scan) = Scan::new(frame, motion, band, angle_step_rad, &base.columns, &base_solution.inverse) else {
+        return Detents::None(format!(
+            "the travel is too small for detents to be told: it must hold at least {FEWEST_PERIODS} periods; sweep wider"
+        ));
+    };
+    let (longest, shortest) = scan.periods_rad();
+    let powers = scan.powers(frame, motion, &base_solution.residual);
+    let peaks = scan.peaks(&powers, 12);
+    let resolution = scan.resolution();
+    let limit = |_, period: f64| (0.25 * resolution * period * period).min(0.1 * period);
+    let best_power = peaks.first().map_or(0.0, |peak| peak.power);
+    let best = peaks
+        .iter()
+        .take(CANDIDATES)
+        .filter(|peak| peak.power > RIVAL * best_power)
+        .map(|peak| {
+            let mut problem = base.clone();
+            problem.add(Effect::new(&effects::detent::KIND, &[0.0, 1.0 / peak.wavenumber, 0.0]));
+            let solution = problem.refine(2, limit);
+            (dot(&solution.residual, &solution.residual), problem)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((close, mut problem)) = best else {
+        return Detents::None(no_detents(longest, shortest));
+    };
+    let needed = 2.0 * scan.independent().ln() + MARGIN;
+    let rough = needed * scan.background(&powers, 1.0 / problem.effects[problem.effects.len() - 1].values()[1]);
+    if 1.5 * (left - close) < rough && left - close < CLEARLY_NOT * left {
+        return Detents::None(no_detents(longest, shortest));
+    }
+    let solution = problem.refine(12, limit);
+    let detent = problem.effects.len() - 1;
+    let period_rad = problem.effects[detent].values()[1];
+    let range = problem.range(detent);
+    let amplitude_mnm = solution.coefficients[range.start].hypot(solution.coefficients[range.start + 1]);
+    let after = dot(&solution.residual, &solution.residual);
+    let share = 1.0 - after / left;
+    // The background is read with the detent taken out, whose side lobes would else stand in it.
+    let rest = scan.powers(frame, motion, &solution.residual);
+    let background = scan.background(&rest, 1.0 / period_rad);
+    let clear = left - after > needed * background;
+    let inside = period_rad < 1.2 * longest && period_rad > 0.0 && amplitude_mnm.is_finite();
+    if !clear || !inside {
+        return Detents::None(no_detents(longest, shortest));
+    }
+    if share < WORTHWHILE_SHARE && amplitude_mnm < WORTHWHILE_AMPLITUDE * rms(&problem.target) {
+        return Detents::None(format!(
+            "the knob has no detents worth the name: the strongest torque that repeats with the angle (amplitude \
+             {amplitude_mnm:.3} mNm, P {period_rad:.6} rad) is a ripple that explains only {:.0} % of what inertia and \
+             friction leave",
+            100.0 * share
+        ));
+    }
+    let aliases_rad = peaks
+        .iter()
+        .filter(|peak| {
+            peak.power > ALIAS * best_power && (peak.wavenumber - 1.0 / period_rad).abs() > 0.75 * resolution
+        })
+        .map(|peak| 1.0 / peak.wavenumber)
+        .collect();
+    let harmonics = harmonics(&problem, &solution, period_rad, background);
+    Detents::Found { problem, solution, aliases_rad, harmonics }
+}
+
+fn no_detents(longest: f64, shortest: f64) -> String {
+    format!(
+        "no detents: no torque that repeats with the angle stands out for any period P between {shortest:.4} and \
+         {longest:.4} rad, which is what the travel and the speed of the sweep can show"
+    )
+}
+
+/// The second and third harmonic in the residual, where they stand out.
+fn harmonics(problem: &Problem<'_>, solution: &LeastSquares, period_rad: f64, background: f64) -> Vec<Harmonic> {
+    let total = dot(&solution.residual, &solution.residual);
+    [2_u32, 3]
+        .into_iter()
+        .filter_map(|order| {
+            let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
+            let rows: Vec<Vec<f64>> =
+                crate::frame::columns(&effect, problem.motion).iter().map(|column| problem.frame.rows(column)).collect();
+            let (_, with) = problem.solve_with(&rows);
+            let [.., sine, cosine] = with.coefficients[..] else { return None };
+            let gain = total - dot(&with.residual, &with.residual);
+            (gain > MARGIN * background && gain > 0.01 * total).then(|| Harmonic {
+                order,
+                amplitude_mnm: sine.hypot(cosine),
+                phase_rad: cosine.atan2(sine),
+                explains_percent: 100.0 * gain / total,
+            })
+        })
+        .collect()
+}

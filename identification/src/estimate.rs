@@ -1,0 +1,204 @@
+//! What a fit tells: values with intervals, or why not.
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use dynamics::{Effect, Model, effects};
+
+/// A fitted parameter, or the reason why the data cannot tell it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Parameter {
+    /// Standard name, as in model files.
+    #[serde(skip)]
+    pub name: &'static str,
+    /// Fitted value; `None` if the data cannot tell it.
+    pub value: Option<f64>,
+    /// Unit of value and intervals.
+    pub unit: &'static str,
+    /// 95 % interval that allows for autocorrelated residuals of varying size.
+    pub ci95: Option<[f64; 2]>,
+    /// 95 % interval as textbooks have it, for independent residuals of one size; mostly too narrow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ci95_textbook: Option<[f64; 2]>,
+    /// Why there is no value, in a sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+impl Parameter {
+    /// A parameter that the data cannot tell.
+    pub(crate) fn untold(name: &'static str, unit: &'static str, reason: String) -> Self {
+        Self { name, value: None, unit, ci95: None, ci95_textbook: None, reason: Some(reason) }
+    }
+}
+
+/// The parameters of a fit in the order of the effects; serialises as a map from name to parameter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Parameters(pub Vec<Parameter>);
+
+impl Parameters {
+    /// The parameter called `name`.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<&Parameter> {
+        self.0.iter().find(|parameter| parameter.name == name)
+    }
+}
+
+impl Serialize for Parameters {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for parameter in &self.0 {
+            map.serialize_entry(parameter.name, parameter)?;
+        }
+        map.end()
+    }
+}
+
+/// One harmonic of the detents, as the residual shows it.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Harmonic {
+    /// Order; the detent itself is 1.
+    pub order: u32,
+    /// Amplitude, mNm.
+    pub amplitude_mnm: f64,
+    /// Phase in amplitude·sin(order·θ/P + phase), rad.
+    pub phase_rad: f64,
+    /// Share of the residual's sum of squares that it explains, %.
+    pub explains_percent: f64,
+}
+
+/// One point of the comparison between capture and model, for plots.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Point {
+    /// Time, s.
+    pub t_s: f64,
+    /// Angle, rad.
+    pub angle_rad: f64,
+    /// Velocity, rad/s.
+    pub velocity_rad_s: f64,
+    /// Acceleration, rad/s².
+    pub acceleration_rad_s2: f64,
+    /// Torque as measured, filtered to the fit's band, mNm.
+    pub torque_mnm: f64,
+    /// Torque of the fitted model, filtered alike, mNm.
+    pub torque_model_mnm: f64,
+    /// Half width of the 95 % interval of the model's torque, mNm.
+    pub torque_model_ci95_mnm: f64,
+    /// Measured minus model, mNm.
+    pub residual_mnm: f64,
+}
+
+/// How the data were prepared: every choice that the fit made by itself.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Preparation {
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// Samples that were lost in gaps, as the sample times tell.
+    pub lost_samples: usize,
+    /// Whether velocity and acceleration were taken as given, since they are the angle's exact derivatives.
+    pub exact_motion: bool,
+    /// Whether the accelerometer took part.
+    pub accelerometer: bool,
+    /// Edge of the zero-phase low-pass on the encoder, Hz.
+    pub angle_cutoff_hz: f64,
+    /// Edge of the zero-phase low-pass through which torque and all columns passed, Hz.
+    pub band_hz: f64,
+    /// Speed below which the knob may stick and samples are left out, rad/s.
+    pub stick_threshold_rad_s: f64,
+    /// Share of the samples that were compared with the model, %.
+    pub sliding_percent: f64,
+    /// Noise of the encoder, if white, rad.
+    pub angle_noise_rad: f64,
+    /// Noise of the torque channel at full rate, if white, mNm.
+    pub torque_noise_mnm: f64,
+}
+
+/// A fitted model with its uncertainty.
+///
+/// Serialises to the JSON that `fit --json` gives. Residual, relative error and mean interval are
+/// those of the `rows`: torque and model, both masked where the knob may stick, low-passed to
+/// [`Preparation::band_hz`] and decimated.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Fit {
+    /// The parameters with intervals or reasons.
+    pub parameters: Parameters,
+    /// RMS of measured minus model torque, mNm.
+    pub residual_rms_mnm: f64,
+    /// 100 · ‖measured − model‖ / ‖measured‖.
+    pub relative_error_percent: f64,
+    /// Mean half width of the 95 % interval of the model's torque (as `nlpredci` gives it), mNm.
+    pub mean_ci95_mnm: f64,
+    /// The same with the textbook covariance, mNm.
+    pub mean_ci95_textbook_mnm: f64,
+    /// Samples of the capture.
+    pub samples: usize,
+    /// Rows that were compared after filtering and decimation.
+    pub rows: usize,
+    /// How much later than the motion the torque was seen, s; zero where the data show no difference.
+    pub torque_delay_s: f64,
+    /// Harmonics of the detents in the residual; they are not part of the model.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub detent_harmonics: Vec<Harmonic>,
+    /// Other detent periods that explain the data nearly as well, rad.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub detent_aliases_rad: Vec<f64>,
+    /// How the data were prepared.
+    pub preparation: Preparation,
+    /// What a reader of the numbers should know.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+    /// The comparison row by row, for plots; only where the knob slides.
+    #[serde(skip)]
+    pub points: Vec<Point>,
+    /// The effects as fitted.
+    #[serde(skip)]
+    pub(crate) effects: Vec<Effect>,
+}
+
+impl Fit {
+    /// The fitted model.
+    ///
+    /// A friction that the data could not tell in one direction is taken from the other; other
+    /// parameters that could not be told are zero. Both are said in the description.
+    #[must_use]
+    pub fn model(&self, name: &str) -> Model {
+        let told = |parameter: &str| self.parameters.get(parameter).and_then(|parameter| parameter.value);
+        let mut description = format!(
+            "fitted to {} samples: residual {:.3} mNm, relative error {:.2} %",
+            self.samples, self.residual_rms_mnm, self.relative_error_percent
+        );
+        let mut model = Model { name: name.to_owned(), description: String::new(), effects: Vec::new() };
+        for effect in &self.effects {
+            let mut effect = *effect;
+            let kind = effect.kind();
+            for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
+                if told(parameter.name).is_some() {
+                    continue;
+                }
+                let opposite = opposite_direction(parameter.name).and_then(|other| told(&other).map(|v| (other, v)));
+                *slot = opposite.as_ref().map_or(0.0, |(_, value)| *value);
+                description.push_str(&match opposite {
+                    Some((other, _)) => format!("; {} taken from {other}", parameter.name),
+                    None => format!("; {} could not be told", parameter.name),
+                });
+            }
+            if kind.name == effects::inertia::KIND.name {
+                effect.values_mut().iter_mut().for_each(|inertia| *inertia = inertia.max(0.0));
+            }
+            model.effects.push(effect);
+        }
+        model.description = description;
+        model
+    }
+
+    /// The effects as fitted, gripper included; parameters that could not be told hold what the fit left there.
+    #[must_use]
+    pub fn effects(&self) -> &[Effect] {
+        &self.effects
+    }
+}
+
+fn opposite_direction(name: &str) -> Option<String> {
+    name.strip_suffix("_negative")
+        .map(|stem| format!("{stem}_positive"))
+        .or_else(|| name.strip_suffix("_positive").map(|stem| format!("{stem}_negative")))
+}

@@ -1,0 +1,107 @@
+//! Finite impulse response filters with linear phase.
+
+use std::f64::consts::PI;
+
+/// A low-pass with an odd, symmetric impulse response of unit gain at zero frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fir {
+    taps: Vec<f64>,
+}
+
+impl Fir {
+    /// Windowed-sinc low-pass (Hamming): −6 dB at `edge_hz`, `half_length` taps on each side of the middle.
+    ///
+    /// The same taps as `scipy.signal.firwin(2·half_length + 1, edge_hz, fs=rate_hz)`.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
+    pub fn low_pass(half_length: usize, edge_hz: f64, rate_hz: f64) -> Self {
+        let width = 2.0 * edge_hz / rate_hz;
+        let length = 2 * half_length + 1;
+        let mut taps: Vec<f64> = (0..length)
+            .map(|index| {
+                let offset = index as f64 - half_length as f64;
+                let angle = PI * width * offset;
+                let sinc = if offset == 0.0 { width } else { width * angle.sin() / angle };
+                let turn = 2.0 * PI * index as f64 / (length as f64 - 1.0).max(1.0);
+                sinc * (0.54 - 0.46 * turn.cos())
+            })
+            .collect();
+        let sum: f64 = taps.iter().sum();
+        taps.iter_mut().for_each(|tap| *tap /= sum);
+        Self { taps }
+    }
+
+    /// The impulse response.
+    #[must_use]
+    pub fn taps(&self) -> &[f64] {
+        &self.taps
+    }
+
+    /// Taps on each side of the middle.
+    #[must_use]
+    pub fn half_length(&self) -> usize {
+        self.taps.len() / 2
+    }
+
+    /// Filters without delay and keeps every `step`-th sample, the first included; beyond the ends the input counts as zero.
+    ///
+    /// Only the samples kept are computed: length/step · taps multiplications.
+    #[must_use]
+    pub fn decimate(&self, input: &[f64], step: usize) -> Vec<f64> {
+        let half = self.half_length();
+        (0..input.len())
+            .step_by(step)
+            .map(|centre| {
+                let first = centre.saturating_sub(half);
+                let last = (centre + half + 1).min(input.len());
+                let taps = &self.taps[first + half - centre..];
+                dot(&input[first..last], taps)
+            })
+            .collect()
+    }
+
+    /// The adjoint of [`Fir::decimate`]: spreads every kept sample back over `length` samples.
+    #[must_use]
+    pub fn spread(&self, kept: &[f64], step: usize, length: usize) -> Vec<f64> {
+        let half = self.half_length();
+        let mut output = vec![0.0; length];
+        for (index, value) in kept.iter().enumerate() {
+            let centre = index * step;
+            let first = centre.saturating_sub(half);
+            let last = (centre + half + 1).min(length);
+            let taps = &self.taps[first + half - centre..];
+            for (slot, tap) in output[first..last].iter_mut().zip(taps) {
+                *slot += value * tap;
+            }
+        }
+        output
+    }
+
+    /// Gain at a frequency; real, since the phase is zero about the middle tap.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
+    pub fn gain(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
+        let half = self.half_length();
+        let angle = 2.0 * PI * frequency_hz / rate_hz;
+        self.taps
+            .iter()
+            .enumerate()
+            .map(|(index, tap)| tap * (angle * (index as f64 - half as f64)).cos())
+            .sum()
+    }
+}
+
+/// Inner product over the shorter of both; four partial sums let the compiler use vector units.
+fn dot(left: &[f64], right: &[f64]) -> f64 {
+    let length = left.len().min(right.len());
+    let (left, right) = (&left[..length], &right[..length]);
+    let mut sums = [0.0; 4];
+    let (left_chunks, right_chunks) = (left.chunks_exact(4), right.chunks_exact(4));
+    let rest: f64 = left_chunks.remainder().iter().zip(right_chunks.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in left_chunks.zip(right_chunks) {
+        for lane in 0..4 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}

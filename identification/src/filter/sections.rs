@@ -1,0 +1,131 @@
+//! Second-order sections: a filter of any order as a chain of biquads.
+
+use nalgebra::Complex;
+
+/// Roots closer than this to the real axis count as real.
+const REAL: f64 = 1e-12;
+
+/// A digital filter as a chain of second-order sections (b0, b1, b2, 1, a1, a2).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sections {
+    sections: Vec<[f64; 6]>,
+}
+
+/// The memory of a [`Sections`] filter that runs sample by sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionState {
+    memory: Vec<[f64; 2]>,
+}
+
+impl Sections {
+    /// The sections as rows (b0, b1, b2, a0 = 1, a1, a2), the gain in the first.
+    #[must_use]
+    pub fn rows(&self) -> &[[f64; 6]] {
+        &self.sections
+    }
+
+    /// Pairs each pair of poles with its nearest zeros; the pair closest to the unit circle comes last.
+    pub(super) fn from_zeros_poles(zeros: &[Complex<f64>], poles: &[Complex<f64>], gain: f64) -> Self {
+        let (mut zeros, mut poles) = (zeros.to_vec(), poles.to_vec());
+        if poles.len() % 2 == 1 {
+            zeros.push(Complex::new(0.0, 0.0));
+            poles.push(Complex::new(0.0, 0.0));
+        }
+        let mut sections = Vec::new();
+        while !poles.is_empty() {
+            let first = take_nearest(&mut poles, |pole| (1.0 - pole.norm()).abs());
+            let second = take_partner(&mut poles, first, |pole| (1.0 - pole.norm()).abs());
+            let zero = take_nearest(&mut zeros, |zero| (zero - first).norm());
+            let other = take_partner(&mut zeros, zero, |candidate| (candidate - first).norm());
+            sections.push([1.0, -(zero + other).re, (zero * other).re, 1.0, -(first + second).re, (first * second).re]);
+        }
+        sections.reverse();
+        if let Some(section) = sections.first_mut() {
+            section[..3].iter_mut().for_each(|coefficient| *coefficient *= gain);
+        }
+        Self { sections }
+    }
+
+    /// Memory of a filter that has seen the constant `value` for ever.
+    #[must_use]
+    pub fn settled_at(&self, value: f64) -> SectionState {
+        let mut level = value;
+        let memory = self
+            .sections
+            .iter()
+            .map(|[b0, b1, b2, _, a1, a2]| {
+                let out = level * (b0 + b1 + b2) / (1.0 + a1 + a2);
+                let second = b2 * level - a2 * out;
+                let first = b1 * level - a1 * out + second;
+                level = out;
+                [first, second]
+            })
+            .collect();
+        SectionState { memory }
+    }
+
+    /// Filters one sample causally.
+    pub fn step(&self, state: &mut SectionState, input: f64) -> f64 {
+        let mut value = input;
+        for ([b0, b1, b2, _, a1, a2], [first, second]) in self.sections.iter().zip(&mut state.memory) {
+            let out = b0 * value + *first;
+            *first = b1 * value - a1 * out + *second;
+            *second = b2 * value - a2 * out;
+            value = out;
+        }
+        value
+    }
+
+    /// Filters causally, from rest at zero.
+    #[must_use]
+    pub fn filter(&self, input: &[f64]) -> Vec<f64> {
+        let mut state = self.settled_at(0.0);
+        input.iter().map(|value| self.step(&mut state, *value)).collect()
+    }
+
+    /// Filters forwards and backwards: no phase shift, the squared gain.
+    ///
+    /// The ends are extended by point reflection, as `scipy.signal.sosfiltfilt` does by default.
+    #[must_use]
+    pub fn filter_zero_phase(&self, input: &[f64]) -> Vec<f64> {
+        let (Some(first), Some(last)) = (input.first(), input.last()) else {
+            return Vec::new();
+        };
+        let pad = self.pad_length().min(input.len() - 1);
+        let before = input[1..=pad].iter().rev().map(|value| 2.0 * first - value);
+        let after = input[input.len() - 1 - pad..input.len() - 1].iter().rev().map(|value| 2.0 * last - value);
+        let mut extended: Vec<f64> = before.chain(input.iter().copied()).chain(after).collect();
+        for _ in 0..2 {
+            let mut state = self.settled_at(extended[0]);
+            for value in &mut extended {
+                *value = self.step(&mut state, *value);
+            }
+            extended.reverse();
+        }
+        extended[pad..pad + input.len()].to_vec()
+    }
+
+    /// Length of the extension at each end that `scipy.signal.sosfiltfilt` takes by default.
+    fn pad_length(&self) -> usize {
+        let vanishing = |index: usize| self.sections.iter().filter(|section| section[index] == 0.0).count();
+        3 * (2 * self.sections.len() + 1 - vanishing(2).min(vanishing(5)))
+    }
+}
+
+fn take_nearest(roots: &mut Vec<Complex<f64>>, distance: impl Fn(&Complex<f64>) -> f64) -> Complex<f64> {
+    let index = (0..roots.len()).min_by(|a, b| distance(&roots[*a]).total_cmp(&distance(&roots[*b]))).unwrap_or(0);
+    roots.remove(index)
+}
+
+/// Takes the root that makes a real section with `root`: its conjugate, or for a real one the best other real one.
+fn take_partner(
+    roots: &mut Vec<Complex<f64>>,
+    root: Complex<f64>,
+    distance: impl Fn(&Complex<f64>) -> f64,
+) -> Complex<f64> {
+    if root.im.abs() > REAL {
+        take_nearest(roots, |candidate| (candidate - root.conj()).norm())
+    } else {
+        take_nearest(roots, |candidate| distance(candidate) + if candidate.im.abs() > REAL { 1e6 } else { 0.0 })
+    }
+}

@@ -1,0 +1,272 @@
+//! From samples to a fitted model.
+
+use dynamics::{Calibration, Effect, Part, effects};
+
+use crate::detents::{self, Detents};
+use crate::estimate::{Fit, Harmonic, Preparation};
+use crate::frame::Frame;
+use crate::least_squares::{LeastSquares, dot};
+use crate::motion::{Band, KnobMotion};
+use crate::problem::Problem;
+use crate::report::Report;
+use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
+use crate::spectrum::quantile;
+use crate::uniform::Uniform;
+
+/// A delay between torque and motion is believed only up to this many samples; more is an effect of its own.
+const LARGEST_DELAY_SAMPLES: f64 = 0.5;
+/// Standard errors by which a delay must differ from zero to be allowed for.
+const DELAY_SIGNIFICANCE: f64 = 3.0;
+
+/// A delay too long for a trim is told if it explains this share of the residual's sum of squares.
+const WORTH_A_NOTE: f64 = 0.1;
+
+/// What a fit may be told; nothing need be.
+#[derive(Clone, Debug, Default)]
+pub struct FitOptions {
+    /// What is known of the rig: zeros, delays, compliance and the gripper's inertia, which are taken out.
+    pub calibration: Option<Calibration>,
+    /// Effects to fit besides inertia, friction and detents; their searched parameters start at the values given.
+    pub further_effects: Vec<Effect>,
+    /// Fit without looking for detents.
+    pub without_detents: bool,
+}
+
+/// Fits inertia, friction and detents (equation 1 of Swindells and MacLean 2007) to a capture.
+///
+/// No starting point is needed, and every choice of preparation is made from the data; [`Fit::preparation`] tells them.
+///
+/// ```
+/// use dynamics::{Drive, Excitation, Motion, knobs};
+/// use identification::{FitOptions, Samples, fit};
+///
+/// let knob = knobs::paper_knob(3)?;
+/// let sweep = Excitation::named("linear-chirp", Drive::Position)?;
+/// let t_s: Vec<f64> = (0..30_000).map(|n| f64::from(n) / 5000.0).collect();
+/// let motions: Vec<_> = t_s.iter().map(|t| sweep.at(*t)).collect();
+/// let column = |of: fn(&dynamics::Setpoint) -> f64| motions.iter().map(of).collect::<Vec<f64>>();
+/// let (angle, velocity, acceleration) = (column(|m| m.value), column(|m| m.rate), column(|m| m.acceleration));
+/// let torque: Vec<f64> = (0..t_s.len())
+///     .map(|n| {
+///         knob.torque_mnm(&Motion {
+///             time_s: t_s[n],
+///             angle_rad: angle[n],
+///             velocity_rad_s: velocity[n],
+///             acceleration_rad_s2: acceleration[n],
+///         })
+///     })
+///     .collect();
+/// let samples = Samples {
+///     t_s: &t_s,
+///     angle_rad: &angle,
+///     velocity_rad_s: Some(&velocity),
+///     acceleration_rad_s2: Some(&acceleration),
+///     torque_mnm: &torque,
+/// };
+/// let fit = fit(&samples, &FitOptions::default())?;
+/// assert!((fit.parameters.get("detent_period").unwrap().value.unwrap() - 0.034).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`FitError`] where nothing can be told; what only some parameters lack is a reason in [`Fit::parameters`].
+pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
+    samples.check()?;
+    let calibration = options.calibration.as_ref();
+    let uniform = Uniform::of(samples, calibration);
+    let exact = KnobMotion::exact(&uniform, calibration);
+    let band = Band::of(&uniform, exact.is_some());
+    let first = Prepared::new(&uniform, exact.clone(), band, calibration)?;
+    let solved = first.solve(&uniform, samples, options);
+    let Some(wider) = first.band_for(&solved) else {
+        return Ok(first.report(solved, &uniform, samples, calibration));
+    };
+    let second = Prepared::new(&uniform, exact, wider, calibration)?;
+    let solved = second.solve(&uniform, samples, options);
+    Ok(second.report(solved, &uniform, samples, calibration))
+}
+
+/// Motion, mask and filter for one band.
+struct Prepared {
+    band: Band,
+    motion: KnobMotion,
+    frame: Frame,
+}
+
+/// The problem with detents, if there are any, not yet trimmed.
+struct Solved<'a> {
+    problem: Problem<'a>,
+    solution: LeastSquares,
+    aliases_rad: Vec<f64>,
+    harmonics: Vec<Harmonic>,
+    no_detents: Option<String>,
+}
+
+impl Prepared {
+    fn new(
+        uniform: &Uniform,
+        exact: Option<KnobMotion>,
+        band: Band,
+        calibration: Option<&Calibration>,
+    ) -> Result<Self, FitError> {
+        let motion = exact.unwrap_or_else(|| KnobMotion::measured(uniform, &band, calibration));
+        let frame = Frame::new(uniform, &motion, &band);
+        let sliding = frame.sliding();
+        if sliding < FEWEST_SAMPLES / 2 {
+            return Err(FitError::HardlyMoving { threshold_rad_s: frame.threshold_rad_s, samples: sliding });
+        }
+        Ok(Self { band, motion, frame })
+    }
+
+    fn solve(&self, uniform: &Uniform, samples: &Samples<'_>, options: &FitOptions) -> Solved<'_> {
+        let Self { band, motion, frame } = self;
+        let mut base = Problem::new(frame, motion, &uniform.torque_mnm, &base_effects(&options.further_effects));
+        let solution = base.refine(20, |_, value| 0.1 * value.abs());
+        let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad);
+        let step = known_step.unwrap_or_else(|| smallest_step(samples.angle_rad));
+        let found = if options.without_detents {
+            Detents::None("detents were not asked for".to_owned())
+        } else {
+            detents::search(&base, &solution, frame, motion, band, step)
+        };
+        match found {
+            Detents::Found { problem, solution, aliases_rad, harmonics } => {
+                Solved { problem, solution, aliases_rad, harmonics, no_detents: None }
+            }
+            Detents::None(reason) => Solved {
+                problem: base,
+                solution,
+                aliases_rad: Vec::new(),
+                harmonics: Vec::new(),
+                no_detents: Some(reason),
+            },
+        }
+    }
+
+    /// A wider band, if the detents found need it.
+    fn band_for(&self, solved: &Solved<'_>) -> Option<Band> {
+        if solved.no_detents.is_some() {
+            return None;
+        }
+        let wavenumber = 1.0 / solved.problem.effects.last()?.values()[1];
+        let mut speeds: Vec<f64> = self.motion.velocity_rad_s.iter().map(|velocity| velocity.abs()).collect();
+        self.band.widened(wavenumber, quantile(&mut speeds, 0.95), self.frame.rate_hz)
+    }
+
+    fn report(
+        &self,
+        solved: Solved<'_>,
+        uniform: &Uniform,
+        samples: &Samples<'_>,
+        calibration: Option<&Calibration>,
+    ) -> Fit {
+        let Self { band, motion, frame } = self;
+        let Solved { problem, solution, aliases_rad, harmonics, no_detents } = solved;
+        let trimmed = trim(problem, &solution);
+        let report = Report { trimmed: &trimmed, motion, frame, band, calibration };
+        let (parameters, comparison) = report.parameters(no_detents);
+        let mut notes = report.notes();
+        if uniform.lost > 0 {
+            notes.push(format!("{} samples are missing from the capture; the fit leaves the gaps out", uniform.lost));
+        }
+        Fit {
+            parameters,
+            residual_rms_mnm: comparison.residual_rms_mnm,
+            relative_error_percent: comparison.relative_error_percent,
+            mean_ci95_mnm: comparison.mean_ci95_mnm,
+            mean_ci95_textbook_mnm: comparison.mean_ci95_textbook_mnm,
+            samples: samples.t_s.len(),
+            rows: comparison.points.len(),
+            torque_delay_s: trimmed.delay_s,
+            detent_harmonics: harmonics,
+            detent_aliases_rad: aliases_rad,
+            preparation: preparation(uniform, motion, frame, band),
+            notes,
+            points: comparison.points,
+            effects: trimmed.effects(),
+        }
+    }
+}
+
+/// A problem with everything settled: effects, searched parameters and the delay.
+pub(crate) struct Trimmed<'a> {
+    pub(crate) problem: Problem<'a>,
+    /// All columns: the effects' linear ones, then those of searched parameters, then that of the delay if it is fitted.
+    pub(crate) columns: Vec<Vec<f64>>,
+    pub(crate) solution: LeastSquares,
+    /// Delay of the torque behind the motion that was allowed for, s.
+    pub(crate) delay_s: f64,
+    /// Delay that the data ask for although it is too long for a trim, s.
+    pub(crate) refused_delay_s: Option<f64>,
+}
+
+impl Trimmed<'_> {
+    /// The effects with all their values filled in.
+    pub(crate) fn effects(&self) -> Vec<Effect> {
+        let mut effects = self.problem.effects.clone();
+        for (index, effect) in effects.iter_mut().enumerate() {
+            if let Some(regressors) = effect.kind().regressors {
+                (regressors.values)(&self.solution.coefficients[self.problem.range(index)], effect.values_mut());
+            }
+        }
+        effects
+    }
+}
+
+/// Fits a small delay of the torque channel, if the data show one, together with everything else.
+fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
+    let tangents: Vec<Vec<f64>> =
+        problem.searched().iter().map(|which| problem.tangent(*which, &solution.coefficients)).collect();
+    let mut with_delay = tangents.clone();
+    with_delay.push(problem.delay_column(&solution.coefficients));
+    let (columns, extended) = problem.solve_with(&with_delay);
+    let delay_index = columns.len() - 1;
+    let delay_s = extended.coefficients[delay_index];
+    let (covariance, _) = extended.robust_covariance(&columns);
+    let significant = delay_s.abs() > DELAY_SIGNIFICANCE * covariance[(delay_index, delay_index)].sqrt()
+        && extended.improves(solution);
+    let left = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
+    let worthwhile = left(&extended) < (1.0 - WORTH_A_NOTE) * left(solution);
+    let small = delay_s.abs() <= LARGEST_DELAY_SAMPLES / problem.frame.rate_hz;
+    if significant && small {
+        // The delay shifts the searched parameters too: the column takes it out, then they settle again.
+        let mut problem = problem;
+        let delay_rows = columns[delay_index].clone();
+        problem.target.iter_mut().zip(&delay_rows).for_each(|(torque, value)| *torque -= delay_s * value);
+        let settled = problem.refine(4, |_, value| 0.01 * value.abs());
+        let mut more: Vec<Vec<f64>> =
+            problem.searched().iter().map(|which| problem.tangent(*which, &settled.coefficients)).collect();
+        more.push(delay_rows);
+        let (columns, solution) = problem.solve_with(&more);
+        return Trimmed { problem, columns, solution, delay_s, refused_delay_s: None };
+    }
+    let (columns, solution) = problem.solve_with(&tangents);
+    Trimmed { problem, columns, solution, delay_s: 0.0, refused_delay_s: (significant && worthwhile).then_some(delay_s) }
+}
+
+fn base_effects(further: &[Effect]) -> Vec<Effect> {
+    let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
+    base.into_iter().chain(further.iter().copied().filter(|effect| !matches!(effect.kind().part, Part::Stick(_)))).collect()
+}
+
+/// The smallest difference between two samples that differ: the encoder's step, if it has one.
+fn smallest_step(angle_rad: &[f64]) -> f64 {
+    angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+fn preparation(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, band: &Band) -> Preparation {
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    let share = frame.sliding() as f64 / motion.len() as f64;
+    Preparation {
+        rate_hz: uniform.rate_hz,
+        lost_samples: uniform.lost,
+        exact_motion: motion.exact,
+        accelerometer: motion.accelerometer,
+        angle_cutoff_hz: motion.cutoff_hz,
+        band_hz: band.edge_hz,
+        stick_threshold_rad_s: frame.threshold_rad_s,
+        sliding_percent: 100.0 * share,
+        angle_noise_rad: (motion.angle_density * 0.5 * uniform.rate_hz).sqrt(),
+        torque_noise_mnm: band.torque_noise_mnm,
+    }
+}

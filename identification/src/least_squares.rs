@@ -1,0 +1,220 @@
+//! Linear least squares with collinear columns told, lower bounds at zero, and intervals that hold.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// A column of which less than this share of the square remains beside the others counts as collinear.
+const COLLINEAR: f64 = 1e-9;
+
+/// The solution of target ≈ Σ coefficient · column.
+#[derive(Clone, Debug)]
+pub(crate) struct LeastSquares {
+    /// One per column; zero for those left out.
+    pub(crate) coefficients: Vec<f64>,
+    /// Target minus prediction, per row.
+    pub(crate) residual: Vec<f64>,
+    /// Inverse of the columns' Gram matrix, zero in the rows and columns of those left out.
+    pub(crate) inverse: DMatrix<f64>,
+    /// Columns that are sums of earlier ones, or empty.
+    pub(crate) collinear: Vec<bool>,
+    /// Columns held at zero because their coefficient would be negative.
+    pub(crate) at_zero: Vec<bool>,
+}
+
+impl LeastSquares {
+    /// Solves for `columns` (each as long as `target`); coefficients marked in `nonnegative` stay at or above zero.
+    pub(crate) fn solve(columns: &[Vec<f64>], target: &[f64], nonnegative: &[bool]) -> Self {
+        let count = columns.len();
+        let scales: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt()).collect();
+        let mut gram = DMatrix::zeros(count, count);
+        for row in 0..count {
+            for column in 0..=row {
+                let product = dot(&columns[row], &columns[column]) / (scales[row] * scales[column]);
+                gram[(row, column)] = product;
+                gram[(column, row)] = product;
+            }
+        }
+        let collinear = find_collinear(&gram, &scales);
+        let mut at_zero = vec![false; count];
+        loop {
+            let active: Vec<usize> = (0..count).filter(|index| !collinear[*index] && !at_zero[*index]).collect();
+            let mut solution = Self::solve_active(columns, target, &gram, &scales, &active);
+            let worst = active
+                .iter()
+                .copied()
+                .filter(|index| nonnegative[*index] && solution.coefficients[*index] < 0.0)
+                .min_by(|a, b| {
+                    (solution.coefficients[*a] * scales[*a]).total_cmp(&(solution.coefficients[*b] * scales[*b]))
+                });
+            match worst {
+                Some(index) => at_zero[index] = true,
+                None => {
+                    solution.collinear = collinear;
+                    solution.at_zero = at_zero;
+                    return solution;
+                }
+            }
+        }
+    }
+
+    fn solve_active(
+        columns: &[Vec<f64>],
+        target: &[f64],
+        gram: &DMatrix<f64>,
+        scales: &[f64],
+        active: &[usize],
+    ) -> Self {
+        let count = columns.len();
+        let part = DMatrix::from_fn(active.len(), active.len(), |row, column| gram[(active[row], active[column])]);
+        let mut solution = Self {
+            coefficients: vec![0.0; count],
+            residual: target.to_vec(),
+            inverse: DMatrix::zeros(count, count),
+            collinear: Vec::new(),
+            at_zero: Vec::new(),
+        };
+        let Some(factor) = Cholesky::new(part) else {
+            return solution;
+        };
+        // Two rounds more on the residual win back the digits that the Gram matrix costs.
+        for _ in 0..3 {
+            let right = DVector::from_iterator(
+                active.len(),
+                active.iter().map(|index| dot(&columns[*index], &solution.residual) / scales[*index]),
+            );
+            let step = factor.solve(&right);
+            for (index, step) in active.iter().zip(step.iter()) {
+                solution.coefficients[*index] += step / scales[*index];
+            }
+            solution.residual = residual(columns, target, &solution.coefficients);
+        }
+        let inverse = factor.inverse();
+        for (row, at) in active.iter().enumerate() {
+            for (column, other) in active.iter().enumerate() {
+                solution.inverse[(*at, *other)] = inverse[(row, column)] / (scales[*at] * scales[*other]);
+            }
+        }
+        solution
+    }
+
+    /// Whether it leaves less than another solution of the same target.
+    pub(crate) fn improves(&self, other: &Self) -> bool {
+        dot(&self.residual, &self.residual) < (1.0 - 1e-6) * dot(&other.residual, &other.residual)
+    }
+
+    /// Number of columns that were fitted.
+    pub(crate) fn fitted(&self) -> usize {
+        self.collinear.iter().zip(&self.at_zero).filter(|(collinear, at_zero)| !**collinear && !**at_zero).count()
+    }
+
+    /// Covariance of the coefficients if the residuals were independent and alike (the textbook's).
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn textbook_covariance(&self) -> DMatrix<f64> {
+        let freedom = self.residual.len().saturating_sub(self.fitted()).max(1) as f64;
+        &self.inverse * (dot(&self.residual, &self.residual) / freedom)
+    }
+
+    /// Covariance of the coefficients for residuals of unknown autocorrelation and varying size.
+    ///
+    /// Newey and West's sandwich with Parzen's kernel and the bandwidth of Andrews (Econometrica 59,
+    /// 1991, 817–858) from first-order autocorrelations of the scores. Also returns the bandwidth as a
+    /// share of the rows.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of rows"
+    )]
+    pub(crate) fn robust_covariance(&self, columns: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
+        let (rows, count) = (self.residual.len(), columns.len());
+        let scores: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| column.iter().zip(&self.residual).map(|(value, residual)| value * residual).collect())
+            .collect();
+        let bandwidth = parzen_bandwidth(&scores, rows);
+        let kernel: Vec<f64> =
+            (1..(bandwidth.ceil() as usize).min(rows)).map(|lag| parzen(lag as f64 / bandwidth)).collect();
+        let smoothed: Vec<Vec<f64>> = scores.iter().map(|score| smooth(score, &kernel)).collect();
+        let middle = DMatrix::from_fn(count, count, |row, column| dot(&scores[row], &smoothed[column]));
+        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
+        (&self.inverse * middle * &self.inverse * freedom, bandwidth / rows as f64)
+    }
+}
+
+/// Target minus the columns' sum.
+fn residual(columns: &[Vec<f64>], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
+    let mut residual = target.to_vec();
+    for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0) {
+        residual.iter_mut().zip(column).for_each(|(left, value)| *left -= coefficient * value);
+    }
+    residual
+}
+
+pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(a, b)| a * b).sum()
+}
+
+/// Cholesky's pivots tell how much of each column is new beside the earlier ones.
+fn find_collinear(gram: &DMatrix<f64>, scales: &[f64]) -> Vec<bool> {
+    let count = scales.len();
+    let mut collinear: Vec<bool> = scales.iter().map(|scale| !(*scale > 0.0 && scale.is_finite())).collect();
+    let mut factor = DMatrix::<f64>::zeros(count, count);
+    for row in 0..count {
+        if collinear[row] {
+            continue;
+        }
+        for column in (0..row).filter(|column| !collinear[*column]).collect::<Vec<_>>() {
+            let sum: f64 = (0..column).map(|k| factor[(row, k)] * factor[(column, k)]).sum();
+            factor[(row, column)] = (gram[(row, column)] - sum) / factor[(column, column)];
+        }
+        let left = gram[(row, row)] - (0..row).map(|k| factor[(row, k)].powi(2)).sum::<f64>();
+        if left > COLLINEAR {
+            factor[(row, row)] = left.sqrt();
+        } else {
+            collinear[row] = true;
+            (0..row).for_each(|k| factor[(row, k)] = 0.0);
+        }
+    }
+    collinear
+}
+
+/// A score with its neighbours on both sides, weighted by the kernel at lags 1, 2, ….
+fn smooth(score: &[f64], kernel: &[f64]) -> Vec<f64> {
+    let mut smooth = score.to_vec();
+    for (lag, weight) in (1..).zip(kernel) {
+        for (slot, value) in smooth[lag..].iter_mut().zip(score) {
+            *slot += weight * value;
+        }
+        for (slot, value) in smooth.iter_mut().zip(&score[lag..]) {
+            *slot += weight * value;
+        }
+    }
+    smooth
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
+    let (mut above, mut below) = (0.0, 0.0);
+    for score in scores {
+        let variance = dot(score, score);
+        if variance <= 0.0 {
+            continue;
+        }
+        let correlation = (dot(&score[1..], score) / variance).clamp(-0.97, 0.97);
+        // Scores count alike whatever their unit, so the variances drop out.
+        above += 4.0 * correlation.powi(2) / (1.0 - correlation).powi(8);
+        below += 1.0 / (1.0 - correlation).powi(4);
+    }
+    let plug_in = if below > 0.0 { 2.6614 * (above / below * rows as f64).powf(0.2) } else { 0.0 };
+    // Never below the common filter's own memory of a few rows.
+    plug_in.max(8.0).min((rows as f64 / 8.0).max(1.0))
+}
+
+fn parzen(share: f64) -> f64 {
+    if share <= 0.5 {
+        1.0 - 6.0 * share.powi(2) + 6.0 * share.powi(3)
+    } else if share <= 1.0 {
+        2.0 * (1.0 - share).powi(3)
+    } else {
+        0.0
+    }
+}

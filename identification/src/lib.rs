@@ -1,0 +1,42 @@
+//! From a capture to a model: the mathematics of the instrument.
+//!
+//! The problem in symbols. A capture is torque τ and motion (θ, θ̇, θ̈) at times tₙ. A model is a sum of
+//! effects, and every effect is a sum of columns:
+//!
+//! ```text
+//! τ(tₙ) = Σⱼ cⱼ · xⱼ(θₙ, θ̇ₙ, θ̈ₙ; p) + noise
+//! ```
+//!
+//! The *coefficients* c are linear; the few *searched* parameters p, on which columns themselves depend
+//! (the detent period), are not. [`fit`] solves this without a starting point:
+//!
+//! 1. The motion comes from the encoder, low-passed without phase shift where its signal sinks into its
+//!    noise, and differentiated; above the frequency where an accelerometer is quieter, from that.
+//! 2. Samples where the knob may stick are multiplied by zero in the torque *and in every column*, then
+//!    all pass one zero-phase low-pass and are decimated: the relation stays exactly linear.
+//! 3. Base effects by linear least squares with Coulomb friction at or above zero; the detent period by
+//!    a scan over everything that the travel supports, refined by Gauss–Newton.
+//! 4. 95 % intervals allow for residuals that are correlated and of varying size.
+//!
+//! [`live::LiveFit`] does the same to a stream.
+
+mod detents;
+mod estimate;
+pub mod filter;
+mod fit;
+mod frame;
+mod knob_motion;
+mod least_squares;
+pub mod live;
+mod motion;
+mod problem;
+mod report;
+mod samples;
+mod scan;
+mod spectrum;
+mod uniform;
+
+pub use estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
+pub use fit::{FitOptions, fit};
+pub use knob_motion::knob_motion;
+pub use samples::{FEWEST_SAMPLES, FitError, Samples};

@@ -1,0 +1,244 @@
+//! Torque and base columns gathered by angle: the detent scan of a stream that is not kept.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, Matrix2, Vector2};
+use realfft::{RealFftPlanner, num_complex::Complex};
+
+use crate::scan::FEWEST_PERIODS;
+use crate::spectrum::median;
+
+/// Most bins; when the travel outgrows them, neighbours merge.
+const MOST_BINS: usize = 8192;
+/// Width of the first bins, rad.
+const FIRST_WIDTH_RAD: f64 = 1e-6;
+/// Wavenumbers tried per width of a peak.
+const OVERSAMPLING: usize = 4;
+/// Angle bins per period of the finest detent searched.
+const BINS_PER_PERIOD: f64 = 20.0;
+/// As for the fit of a whole capture: what the best period must stand above the background, …
+const MARGIN: f64 = 14.0;
+/// … and the share of the residual that it must explain, or its amplitude relative to the torque's RMS.
+const WORTHWHILE_SHARE: f64 = 0.25;
+const WORTHWHILE_AMPLITUDE: f64 = 0.1;
+
+/// Sums of unfiltered columns and torque by angle.
+#[derive(Debug)]
+pub(super) struct AngleBins {
+    width: usize,
+    bin_rad: f64,
+    /// Angle of the first bin's lower edge, in bins.
+    first: i64,
+    /// Per bin: number of samples, then the columns' sums.
+    sums: Vec<f64>,
+    bins: usize,
+    gram: Vec<f64>,
+}
+
+/// The best period of a scan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scan {
+    pub(super) wavenumber: f64,
+    pub(super) travel_rad: f64,
+    /// Whether the evidence says that there are detents.
+    pub(super) detents: bool,
+}
+
+impl AngleBins {
+    /// For rows of `width` columns, the last of them the torque.
+    pub(super) fn new(width: usize) -> Self {
+        Self { width, bin_rad: FIRST_WIDTH_RAD, first: 0, sums: Vec::new(), bins: 0, gram: vec![0.0; width * width] }
+    }
+
+    /// Distance between the outermost angles, rad.
+    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
+    pub(super) fn travel_rad(&self) -> f64 {
+        self.bins as f64 * self.bin_rad
+    }
+
+    /// Middle of the travel, rad.
+    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
+    pub(super) fn middle_rad(&self) -> f64 {
+        (self.first as f64 + 0.5 * self.bins as f64) * self.bin_rad
+    }
+
+    /// Adds a sample.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss, reason = "indices of bins")]
+    pub(super) fn add(&mut self, angle_rad: f64, row: &[f64]) {
+        for (index, left) in row.iter().enumerate() {
+            for (other, right) in row.iter().enumerate() {
+                self.gram[index * self.width + other] += left * right;
+            }
+        }
+        self.make_room(angle_rad);
+        // Shared between the two nearest bin middles, so that a bin's width hardly shows.
+        let place = angle_rad / self.bin_rad - 0.5 - self.first as f64;
+        let lower = place.floor();
+        let share = place - lower;
+        for (bin, weight) in [(lower as i64, 1.0 - share), (lower as i64 + 1, share)] {
+            let bin = bin.clamp(0, self.bins as i64 - 1) as usize;
+            let sums = &mut self.sums[bin * (self.width + 1)..(bin + 1) * (self.width + 1)];
+            sums[0] += weight;
+            sums[1..].iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+        }
+    }
+
+    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss, reason = "indices of bins")]
+    fn make_room(&mut self, angle_rad: f64) {
+        let stride = self.width + 1;
+        loop {
+            let bin = (angle_rad / self.bin_rad).floor() as i64;
+            if self.bins == 0 {
+                self.first = bin;
+                self.bins = 1;
+                self.sums = vec![0.0; stride];
+                return;
+            }
+            let (low, high) = (bin.min(self.first), bin.max(self.first + self.bins as i64 - 1));
+            if high - low >= MOST_BINS as i64 {
+                self.coarsen();
+                continue;
+            }
+            if low < self.first {
+                let more = (self.first - low) as usize * stride;
+                self.sums.splice(0..0, std::iter::repeat_n(0.0, more));
+                self.first = low;
+            }
+            self.bins = (high - low + 1) as usize;
+            self.sums.resize(self.bins * stride, 0.0);
+            return;
+        }
+    }
+
+    #[allow(clippy::cast_possible_wrap, clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "indices of bins")]
+    fn coarsen(&mut self) {
+        let stride = self.width + 1;
+        let first = self.first.div_euclid(2);
+        let bins = ((self.first + self.bins as i64 - 1).div_euclid(2) - first + 1) as usize;
+        let mut sums = vec![0.0; bins * stride];
+        for bin in 0..self.bins {
+            let target = ((self.first + bin as i64).div_euclid(2) - first) as usize;
+            for index in 0..stride {
+                sums[target * stride + index] += self.sums[bin * stride + index];
+            }
+        }
+        self.sums = sums;
+        self.first = first;
+        self.bins = bins;
+        self.bin_rad *= 2.0;
+    }
+
+    /// The best period, given the base coefficients; `None` while the travel supports none.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss, reason = "indices of wavenumbers")]
+    pub(super) fn scan(&self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
+        let columns = self.width - 1;
+        let length = (OVERSAMPLING * self.bins).next_power_of_two();
+        let spacing = TAU / (length as f64 * self.bin_rad);
+        let travel_rad = self.travel_rad();
+        let first = (FEWEST_PERIODS * TAU / travel_rad / spacing).ceil() as usize;
+        let finest = (TAU / (BINS_PER_PERIOD * self.bin_rad)).min(TAU * band_hz / slow_rad_s);
+        let last = ((finest / spacing) as usize).min(length / 4 - 1);
+        if last <= first + 2 * OVERSAMPLING {
+            return None;
+        }
+        let gram = DMatrix::from_fn(columns, columns, |row, column| self.gram[row * self.width + column]);
+        let inverse = told_inverse(&gram);
+        let spectra = self.spectra(length);
+        let (weights, torque) = (&spectra[0], &spectra[self.width]);
+        let powers: Vec<f64> = (first..=last)
+            .map(|index| {
+                let base = DMatrix::from_fn(columns, 2, |row, part| {
+                    let value = spectra[1 + row][index];
+                    if part == 0 { value.im } else { value.re }
+                });
+                let residual = (0..columns).fold(torque[index], |sum, row| sum - spectra[1 + row][index] * coefficients[row]);
+                let products = Vector2::new(residual.im, residual.re);
+                let explained = base.transpose() * &inverse * &base;
+                let (weight, twice) = (weights[0].re, weights[2 * index]);
+                let detent = Matrix2::new(
+                    0.5 * (weight - twice.re) - explained[(0, 0)] + 3e-3 * weight,
+                    0.5 * twice.im - explained[(0, 1)],
+                    0.5 * twice.im - explained[(1, 0)],
+                    0.5 * (weight + twice.re) - explained[(1, 1)] + 3e-3 * weight,
+                );
+                if detent[(0, 0)] <= 0.0 || detent.determinant() <= 0.0 {
+                    return 0.0;
+                }
+                detent.try_inverse().map_or(0.0, |inverse| products.dot(&(inverse * products)))
+            })
+            .collect();
+        let best = (0..powers.len()).max_by(|a, b| powers[*a].total_cmp(&powers[*b]))?;
+        let wavenumber = (first + best) as f64 * spacing + spacing * vertex(&powers, best);
+        let peak = TAU / travel_rad / spacing;
+        let mut elsewhere: Vec<f64> = powers
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| (*index as f64 - best as f64).abs() > peak)
+            .map(|(_, power)| *power)
+            .collect();
+        let background = median(&mut elsewhere) / (2.0 * 2_f64.ln());
+        let total = self.residual_square(coefficients);
+        let torque_square = self.gram[self.width * self.width - 1];
+        let samples = weights[0].re;
+        let amplitude = (2.0 * powers[best] / samples).sqrt();
+        let clear = powers[best] > (2.0 * (powers.len() as f64 / peak).max(1.0).ln() + MARGIN) * background;
+        let worthwhile = powers[best] > WORTHWHILE_SHARE * total
+            || amplitude > WORTHWHILE_AMPLITUDE * (torque_square / samples).sqrt();
+        Some(Scan { wavenumber, travel_rad, detents: clear && worthwhile })
+    }
+
+    /// Sum of squares that the base coefficients leave of the unfiltered torque.
+    fn residual_square(&self, coefficients: &[f64]) -> f64 {
+        let weights: Vec<f64> = coefficients.iter().map(|value| -value).chain([1.0]).collect();
+        let mut sum = 0.0;
+        for (row, left) in weights.iter().enumerate() {
+            for (column, right) in weights.iter().enumerate() {
+                sum += left * right * self.gram[row * self.width + column];
+            }
+        }
+        sum.max(0.0)
+    }
+
+    /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin.
+    fn spectra(&self, length: usize) -> Vec<Vec<Complex<f64>>> {
+        let stride = self.width + 1;
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+        let mut buffer = transform.make_input_vec();
+        (0..stride)
+            .map(|column| {
+                buffer.fill(0.0);
+                for (slot, sums) in buffer.iter_mut().zip(self.sums.chunks_exact(stride)) {
+                    *slot = sums[column];
+                }
+                let mut bins = transform.make_output_vec();
+                if transform.process(&mut buffer, &mut bins).is_err() {
+                    bins.fill(Complex::new(0.0, 0.0));
+                }
+                bins.iter().map(Complex::conj).collect()
+            })
+            .collect()
+    }
+}
+
+/// Inverse of a Gram matrix, zero for empty columns.
+fn told_inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = gram.nrows();
+    let scale = |index: usize| gram[(index, index)].sqrt().max(f64::MIN_POSITIVE.sqrt());
+    let scaled = DMatrix::from_fn(count, count, |row, column| {
+        gram[(row, column)] / (scale(row) * scale(column)) + if row == column { 1e-9 } else { 0.0 }
+    });
+    scaled.try_inverse().map_or_else(
+        || DMatrix::zeros(count, count),
+        |inverse| DMatrix::from_fn(count, count, |row, column| inverse[(row, column)] / (scale(row) * scale(column))),
+    )
+}
+
+/// Where a parabola through a peak and its neighbours has its top, in steps from the peak.
+fn vertex(powers: &[f64], best: usize) -> f64 {
+    if best == 0 || best + 1 >= powers.len() {
+        return 0.0;
+    }
+    let (left, middle, right) = (powers[best - 1], powers[best], powers[best + 1]);
+    let bend = left - 2.0 * middle + right;
+    if bend < 0.0 { (0.5 * (left - right) / bend).clamp(-0.5, 0.5) } else { 0.0 }
+}

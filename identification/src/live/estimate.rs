@@ -1,0 +1,254 @@
+//! Parameters, intervals and verdicts from the blocks.
+
+use dynamics::{Effect, ParameterKind, Part, effects};
+use nalgebra::DMatrix;
+
+use super::blocks::{Blocks, Solution};
+
+/// Two-sided 95 % for some sixty degrees of freedom, in standard deviations.
+const CRITICAL: f64 = 2.0;
+/// Blocks that must scatter before intervals mean anything.
+const FEWEST_BLOCKS: usize = 16;
+/// A parameter is told when its interval's half width is below this share of its value …
+const TOLD_SHARE: f64 = 0.1;
+/// … or worth less than this share of the torque's RMS.
+const TOLD_TORQUE: f64 = 0.02;
+
+/// Whether the data so far can tell a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The sweep has not yet excited the parameter enough.
+    NotYet,
+    /// Excited enough: value and interval mean what they say.
+    Enough,
+    /// The model that was fitted does not have this parameter.
+    Absent,
+}
+
+/// A parameter as fitted so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiveParameter {
+    /// Standard name.
+    pub name: &'static str,
+    /// Unit of value and interval.
+    pub unit: &'static str,
+    /// Value so far; `None` while nothing at all can be said.
+    pub value: Option<f64>,
+    /// 95 % interval; `None` while nothing can be said of it.
+    pub ci95: Option<[f64; 2]>,
+    /// Whether the data can tell it.
+    pub verdict: Verdict,
+}
+
+/// The model as the stream so far tells it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LiveEstimate {
+    /// Inertia, friction, detents: always all of them, in the order of equation 1.
+    pub parameters: Vec<LiveParameter>,
+    /// RMS of the torque that the model leaves, in the band of the fit; `None` before the first row.
+    pub residual_rms_mnm: Option<f64>,
+    /// RMS of the torque itself in that band.
+    pub torque_rms_mnm: Option<f64>,
+    /// Samples taken in.
+    pub samples: u64,
+    /// Samples left out because they were not numbers or did not come later than the last.
+    pub ignored_samples: u64,
+    /// Rows that the fit rests on.
+    pub rows: u64,
+    /// Time of the newest sample, s; NaN before the first.
+    pub newest_s: f64,
+    pub(super) wavenumber_correction: f64,
+    pub(super) wavenumber_deviation: f64,
+}
+
+impl LiveEstimate {
+    /// The parameter called `name`.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<&LiveParameter> {
+        self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+}
+
+/// How much the stream has moved the knob, in samples.
+pub(super) struct Excitation {
+    /// Sliding samples.
+    pub(super) sliding: f64,
+    /// Those in the negative direction.
+    pub(super) backward: f64,
+    /// How many a direction needs.
+    pub(super) enough: f64,
+}
+
+impl Excitation {
+    /// Samples that see a parameter.
+    fn of(&self, name: &str) -> f64 {
+        if name.ends_with("_negative") {
+            self.backward
+        } else if name.ends_with("_positive") {
+            self.sliding - self.backward
+        } else {
+            self.sliding
+        }
+    }
+}
+
+/// The joint columns for an assumed period.
+pub(super) struct Detent<'a> {
+    pub(super) wavenumber: f64,
+    pub(super) centre_rad: f64,
+    pub(super) blocks: &'a Blocks,
+}
+
+pub(super) fn estimate(
+    base_effects: &[Effect],
+    base: &Blocks,
+    detent: Option<Detent<'_>>,
+    evidence: Option<bool>,
+    gripper_inertia: f64,
+    excitation: &Excitation,
+) -> LiveEstimate {
+    let mut estimate = LiveEstimate::default();
+    let columns = base.columns();
+    let joint = detent
+        .filter(|_| evidence == Some(true))
+        .and_then(|detent| joint_solution(columns, &detent).map(|joint| (detent, joint)))
+        .filter(|(_, joint)| joint.solution.blocks >= FEWEST_BLOCKS);
+    let Some(solution) = joint.as_ref().map(|(_, joint)| joint.solution.clone()).or_else(|| base.solve(columns)) else {
+        estimate.parameters = untold(base_effects);
+        return estimate;
+    };
+    let mut start = 0;
+    for effect in base_effects {
+        for (position, kind) in effect.kind().parameters.iter().enumerate() {
+            let column = start + position;
+            let subtract = if matches!(effect.kind().part, Part::Inertia(_)) { gripper_inertia } else { 0.0 };
+            let half = CRITICAL * solution.covariance[(column, column)].max(0.0).sqrt();
+            estimate.parameters.push(parameter(kind, column, half, subtract, &solution, excitation));
+        }
+        start += effect.kind().regressors.map_or(0, |regressors| regressors.columns);
+    }
+    estimate.residual_rms_mnm = Some(solution.residual_rms);
+    estimate.torque_rms_mnm = Some(solution.torque_rms);
+    estimate.rows = solution.rows;
+    match &joint {
+        Some((detent, joint)) => {
+            estimate.wavenumber_correction = joint.correction;
+            estimate.wavenumber_deviation = joint.solution.covariance[(columns + 2, columns + 2)].max(0.0).sqrt();
+            estimate.parameters.extend(detent_parameters(columns, detent, joint));
+        }
+        None => {
+            let verdict = if evidence == Some(false) { Verdict::Absent } else { Verdict::NotYet };
+            estimate.wavenumber_deviation = f64::INFINITY;
+            estimate.parameters.extend(effects::detent::KIND.parameters.iter().map(|kind| LiveParameter {
+                name: kind.name,
+                unit: kind.unit,
+                value: None,
+                ci95: None,
+                verdict,
+            }));
+        }
+    }
+    estimate
+}
+
+fn untold(base_effects: &[Effect]) -> Vec<LiveParameter> {
+    base_effects
+        .iter()
+        .map(Effect::kind)
+        .chain([&effects::detent::KIND])
+        .flat_map(|kind| kind.parameters)
+        .map(|kind| LiveParameter {
+            name: kind.name,
+            unit: kind.unit,
+            value: None,
+            ci95: None,
+            verdict: Verdict::NotYet,
+        })
+        .collect()
+}
+
+fn parameter(
+    kind: &'static ParameterKind,
+    column: usize,
+    half: f64,
+    subtract: f64,
+    solution: &Solution,
+    excitation: &Excitation,
+) -> LiveParameter {
+    let ParameterKind { name, unit, .. } = *kind;
+    let seen = excitation.of(name);
+    if !solution.told[column] || seen < excitation.enough {
+        return LiveParameter { name, unit, value: None, ci95: None, verdict: Verdict::NotYet };
+    }
+    let value = solution.coefficients[column] - subtract;
+    // The column counts where it is not zero.
+    let column_rms = solution.column_rms[column] * (excitation.sliding / seen).sqrt();
+    let small = half <= TOLD_SHARE * value.abs() || half * column_rms <= TOLD_TORQUE * solution.torque_rms;
+    let enough = solution.blocks >= FEWEST_BLOCKS && small && kind.minimum.permits(value);
+    LiveParameter {
+        name,
+        unit,
+        value: Some(value),
+        ci95: (solution.blocks >= FEWEST_BLOCKS).then_some([value - half, value + half]),
+        verdict: if enough { Verdict::Enough } else { Verdict::NotYet },
+    }
+}
+
+struct JointSolution {
+    solution: Solution,
+    /// Correction of the assumed wavenumber, 1/rad.
+    correction: f64,
+}
+
+/// Base, sine and cosine, and the wavenumber's tangent θ·(a·cos − b·sin).
+fn joint_solution(columns: usize, detent: &Detent<'_>) -> Option<JointSolution> {
+    let plain = detent.blocks.solve(columns + 2)?;
+    let (sine, cosine) = (plain.coefficients[columns], plain.coefficients[columns + 1]);
+    let width = columns + 5;
+    let mut map = DMatrix::zeros(columns + 4, width);
+    (0..columns + 2).for_each(|index| map[(index, index)] = 1.0);
+    // Stored after sine and cosine: angle·sine, angle·cosine, torque.
+    map[(columns + 2, columns + 2)] = -cosine;
+    map[(columns + 2, columns + 3)] = sine;
+    map[(columns + 3, columns + 4)] = 1.0;
+    let solution = detent.blocks.solve_mapped(&map)?;
+    let correction = solution.coefficients[columns + 2];
+    Some(JointSolution { solution, correction })
+}
+
+fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution) -> [LiveParameter; 3] {
+    let Solution { coefficients, covariance, .. } = &joint.solution;
+    let (a, b) = (coefficients[columns], coefficients[columns + 1]);
+    let wavenumber = detent.wavenumber + joint.correction;
+    let period = 1.0 / wavenumber;
+    let amplitude = a.hypot(b);
+    // The columns' angle counts from the centre: kθ' + s = kθ + (s − k·centre).
+    let (_, phase) = effects::detent::canonical(amplitude, b.atan2(a) - wavenumber * detent.centre_rad);
+    let part = covariance.view((columns, columns), (3, 3));
+    let half = |gradient: [f64; 3]| {
+        let mut variance = 0.0;
+        for (row, left) in gradient.iter().enumerate() {
+            for (column, right) in gradient.iter().enumerate() {
+                variance += left * part[(row, column)] * right;
+            }
+        }
+        CRITICAL * variance.max(0.0).sqrt()
+    };
+    let square = amplitude * amplitude;
+    let half_amplitude = half([a / amplitude, b / amplitude, 0.0]);
+    let told = half_amplitude < TOLD_SHARE * amplitude;
+    let verdict = if told { Verdict::Enough } else { Verdict::NotYet };
+    let [amplitude_kind, period_kind, phase_kind] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
+    let of = |kind: &'static ParameterKind, value: f64, half: f64| LiveParameter {
+        name: kind.name,
+        unit: kind.unit,
+        value: Some(value),
+        ci95: Some([value - half, value + half]),
+        verdict,
+    };
+    [
+        of(amplitude_kind, amplitude, half_amplitude),
+        of(period_kind, period, half([0.0, 0.0, period * period])),
+        of(phase_kind, phase, half([-b / square, a / square, -detent.centre_rad])),
+    ]
+}

@@ -1,0 +1,254 @@
+//! The fit of a stream: bounded memory, bounded time per sample, for as long as one likes.
+//!
+//! The same relation as in [`fit`](crate::fit()), summed up as it comes: a fixed-lag pipeline masks, filters
+//! and decimates, and only Gram matrices of blocks are kept. Blocks merge pairwise as they grow in
+//! number, which bounds memory and makes each block long against the residual's correlation: the
+//! scatter of the blocks' scores then gives intervals that hold (batch means). For the search of the
+//! detent period torque and base columns are gathered by angle, so that the scan needs no samples.
+//! The encoder alone gives the motion: in the band used it is quieter than an accelerometer.
+//!
+//! ```
+//! use identification::live::{LiveFit, LiveSample, Verdict};
+//!
+//! let mut live = LiveFit::new(10_000.0, None);
+//! for tick in 0..80_000 {
+//!     let time_s = f64::from(tick) / 10_000.0;
+//!     let (sine, cosine) = (3.0 * time_s).sin_cos();
+//!     // A knob with an inertia of 0.2 mNm s²/rad and 4 mNm of Coulomb friction.
+//!     let torque_mnm = -0.2 * 9.0 * sine + 4.0 * cosine.signum();
+//!     live.push(&LiveSample { time_s, angle_rad: sine, torque_mnm });
+//! }
+//! let estimate = live.estimate();
+//! let inertia = estimate.parameter("inertia").ok_or("no inertia")?;
+//! assert_eq!(inertia.verdict, Verdict::Enough);
+//! assert!((inertia.value.ok_or("not told")? - 0.2).abs() < 0.002);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod angle_bins;
+mod blocks;
+mod estimate;
+mod pipeline;
+mod ring;
+
+use dynamics::{Calibration, Effect, effects};
+
+use angle_bins::AngleBins;
+use blocks::Blocks;
+pub use estimate::{LiveEstimate, LiveParameter, Verdict};
+use estimate::{Detent, Excitation, estimate};
+use pipeline::{Pipeline, Sliding};
+use ring::RowFilter;
+
+/// Edge of the band in which torque and motion are compared, Hz …
+const BAND_HZ: f64 = 150.0;
+/// … and at most this share of the sample rate.
+const BAND_SHARE: f64 = 0.1;
+/// The scan for detents is repeated when the data have grown by this factor.
+const RESCAN_GROWTH: f64 = 1.1;
+/// Sliding samples before the first scan, s.
+const FIRST_SCAN_S: f64 = 0.5;
+/// Sliding samples from which a scan without detents means that there are none, s.
+const ABSENT_AFTER_S: f64 = 3.0;
+/// Sliding samples that a direction must have before anything is said of it, s.
+const ENOUGH_S: f64 = 0.25;
+/// Angle error of the assumed period over half the travel, in radians of the detent sine, from which columns start anew.
+const RECENTRE_RAD: f64 = 0.03;
+
+/// One sample of the stream.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiveSample {
+    /// Time, s; a jump tells that samples were lost.
+    pub time_s: f64,
+    /// Encoder angle, rad.
+    pub angle_rad: f64,
+    /// Torque as read, mNm.
+    pub torque_mnm: f64,
+}
+
+/// A fit that grows with a stream.
+#[derive(Debug)]
+pub struct LiveFit {
+    pipeline: Pipeline,
+    base_filter: RowFilter,
+    base: Blocks,
+    base_effects: Vec<Effect>,
+    bins: AngleBins,
+    joint: Option<Joint>,
+    gripper_inertia: f64,
+    rate_hz: f64,
+    sliding: u64,
+    /// Those of the sliding samples that went in the negative direction.
+    backward: u64,
+    scanned_at: u64,
+    /// Whether the last scan saw detents.
+    evidence: Option<bool>,
+    samples: u64,
+    ignored: u64,
+    newest_s: f64,
+}
+
+/// Base and detent columns together, for one assumed period.
+#[derive(Debug)]
+struct Joint {
+    wavenumber: f64,
+    centre_rad: f64,
+    filter: RowFilter,
+    blocks: Blocks,
+}
+
+impl LiveFit {
+    /// A fit without data for a stream of `rate_hz`; what the calibration knows is taken out.
+    #[must_use]
+    pub fn new(rate_hz: f64, calibration: Option<&Calibration>) -> Self {
+        let band_hz = BAND_HZ.min(BAND_SHARE * rate_hz);
+        let base_effects = vec![Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
+        let columns = base_effects.iter().map(|effect| effect.kind().regressors.map_or(0, |r| r.columns)).sum::<usize>();
+        Self {
+            pipeline: Pipeline::new(rate_hz, band_hz, calibration),
+            base_filter: RowFilter::new(rate_hz, band_hz, columns + 1),
+            base: Blocks::new(columns + 1),
+            base_effects,
+            bins: AngleBins::new(columns + 1),
+            joint: None,
+            gripper_inertia: calibration.map_or(0.0, |known| known.gripper_inertia),
+            rate_hz,
+            sliding: 0,
+            backward: 0,
+            scanned_at: 0,
+            evidence: None,
+            samples: 0,
+            ignored: 0,
+            newest_s: f64::NAN,
+        }
+    }
+
+    /// Takes in the next sample: a microsecond's work, and no allocation but when the travel widens.
+    ///
+    /// Samples that are not finite numbers or do not come later than the last are left out and counted.
+    pub fn push(&mut self, sample: &LiveSample) {
+        let finite = sample.time_s.is_finite() && sample.angle_rad.is_finite() && sample.torque_mnm.is_finite();
+        if !finite || sample.time_s <= self.newest_s {
+            self.ignored += 1;
+            return;
+        }
+        if (sample.time_s - self.newest_s) * self.rate_hz > 1.5 {
+            self.pipeline.restart();
+            self.base_filter.restart();
+            if let Some(joint) = &mut self.joint {
+                joint.filter.restart();
+            }
+        }
+        self.newest_s = sample.time_s;
+        self.samples += 1;
+        if let Some(sliding) = self.pipeline.push(sample) {
+            self.take(&sliding);
+        }
+    }
+
+    /// Parameters as the data so far tell them, with intervals and verdicts.
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    pub fn estimate(&mut self) -> LiveEstimate {
+        self.rescan();
+        let found = self.joint.as_ref().map(|joint| Detent {
+            wavenumber: joint.wavenumber,
+            centre_rad: joint.centre_rad,
+            blocks: &joint.blocks,
+        });
+        let long = self.sliding as f64 > ABSENT_AFTER_S * self.rate_hz;
+        let evidence = self.evidence.filter(|detents| *detents || long);
+        let excitation = Excitation {
+            sliding: self.sliding as f64,
+            backward: self.backward as f64,
+            enough: ENOUGH_S * self.rate_hz,
+        };
+        let mut estimate =
+            estimate(&self.base_effects, &self.base, found, evidence, self.gripper_inertia, &excitation);
+        estimate.samples = self.samples;
+        estimate.ignored_samples = self.ignored;
+        estimate.newest_s = self.newest_s;
+        self.recentre(&estimate);
+        estimate
+    }
+
+    fn take(&mut self, sliding: &Sliding) {
+        let Self { base_effects, base_filter, base, bins, joint, .. } = self;
+        let mut row = [0.0; blocks::MOST_COLUMNS];
+        let mut width = 0;
+        if sliding.mask {
+            for effect in base_effects.iter() {
+                if let Some(regressors) = effect.kind().regressors {
+                    (regressors.fill)(effect.values(), &sliding.motion, &mut row[width..width + regressors.columns]);
+                    width += regressors.columns;
+                }
+            }
+            row[width] = sliding.torque_mnm;
+            bins.add(sliding.motion.angle_rad, &row[..=width]);
+            self.sliding += 1;
+            if sliding.motion.velocity_rad_s < 0.0 {
+                self.backward += 1;
+            }
+        } else {
+            width = base_filter.width() - 1;
+        }
+        if let Some(rows) = base_filter.push(&row[..=width], sliding.mask) {
+            base.add(rows);
+        }
+        if let Some(Joint { wavenumber, centre_rad, filter, blocks }) = joint {
+            let mut wide = [0.0; blocks::MOST_COLUMNS];
+            if sliding.mask {
+                wide[..width].copy_from_slice(&row[..width]);
+                let angle = sliding.motion.angle_rad - *centre_rad;
+                let (sine, cosine) = (*wavenumber * angle).sin_cos();
+                wide[width..width + 5].copy_from_slice(&[sine, cosine, angle * sine, angle * cosine, row[width]]);
+            }
+            if let Some(rows) = filter.push(&wide[..width + 5], sliding.mask) {
+                blocks.add(rows);
+            }
+        }
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    fn rescan(&mut self) {
+        let due = (self.scanned_at as f64 * RESCAN_GROWTH).max(FIRST_SCAN_S * self.rate_hz);
+        if (self.sliding as f64) < due {
+            return;
+        }
+        self.scanned_at = self.sliding;
+        let Some(solution) = self.base.solve(self.base.columns()) else { return };
+        let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), BAND_HZ);
+        self.evidence = scan.as_ref().map(|scan| scan.detents);
+        let Some(scan) = scan.filter(|scan| scan.detents) else { return };
+        // A period in use is kept unless the scan sees another peak: Gauss–Newton follows the same one.
+        let other = self
+            .joint
+            .as_ref()
+            .is_none_or(|joint| (joint.wavenumber - scan.wavenumber).abs() > 0.5 * std::f64::consts::TAU / scan.travel_rad);
+        if other {
+            self.start_joint(scan.wavenumber, self.bins.middle_rad());
+        }
+    }
+
+    /// Starts the detent columns anew when the assumed period proves wrong by more than linearisation bears.
+    fn recentre(&mut self, estimate: &LiveEstimate) {
+        let Some(joint) = &self.joint else { return };
+        let reach_rad = 0.5 * self.bins.travel_rad();
+        let off = estimate.wavenumber_correction.abs() * reach_rad;
+        let sure = estimate.wavenumber_deviation * reach_rad < 0.5 * RECENTRE_RAD;
+        if sure && off > RECENTRE_RAD {
+            let better = joint.wavenumber + estimate.wavenumber_correction;
+            self.start_joint(better, self.bins.middle_rad());
+        }
+    }
+
+    fn start_joint(&mut self, wavenumber: f64, centre_rad: f64) {
+        let width = self.base_filter.width() + 4;
+        let band_hz = BAND_HZ.min(BAND_SHARE * self.rate_hz);
+        self.joint = Some(Joint {
+            wavenumber,
+            centre_rad,
+            filter: RowFilter::new(self.rate_hz, band_hz, width),
+            blocks: Blocks::new(width),
+        });
+    }
+}

@@ -1,0 +1,192 @@
+//! From raw samples to motion and torque at one moment, a fixed time later.
+
+use std::f64::consts::TAU;
+
+use dynamics::{Calibration, Motion};
+
+use super::LiveSample;
+use super::ring::Ring;
+use crate::filter::Fir;
+
+/// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
+const ANGLE_BAND: f64 = 2.5;
+/// Time around stick and reversals that is left out besides, s.
+const GUARD_S: f64 = 0.002;
+/// Speed below which a knob may be sticking, as a share of the RMS speed.
+const SLOW: f64 = 0.01;
+/// The same in standard deviations of the velocity's noise; while a sweep is still slow this decides.
+const NOISE_MARGIN: f64 = 16.0;
+/// Relative step of the running median of the encoder's noise.
+const MEDIAN_STEP: f64 = 1e-3;
+
+/// A moment's motion and torque.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sliding {
+    pub(super) motion: Motion,
+    pub(super) torque_mnm: f64,
+    /// Whether the knob surely slides.
+    pub(super) mask: bool,
+}
+
+/// Smooths and differentiates the angle, aligns the torque, masks stick; all with one fixed lag.
+#[derive(Debug)]
+pub(super) struct Pipeline {
+    rate_hz: f64,
+    fir: Fir,
+    torque_zero_mnm: f64,
+    compliance_rad_mnm: f64,
+    whole_delay: usize,
+    weights: [f64; 4],
+    guard: usize,
+    count: usize,
+    time: Ring,
+    angle: Ring,
+    raw_torque: Ring,
+    torque: Ring,
+    twisted: Ring,
+    smooth: Ring,
+    velocity: Ring,
+    acceleration: Ring,
+    last_slow: usize,
+    square_speed: f64,
+    speeds: u64,
+    noise: f64,
+    cutoff_hz: f64,
+}
+
+impl Pipeline {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few hundred samples")]
+    pub(super) fn new(rate_hz: f64, band_hz: f64, calibration: Option<&Calibration>) -> Self {
+        let cutoff_hz = (ANGLE_BAND * band_hz).min(0.4 * rate_hz);
+        let half_length = (1.65 * rate_hz / cutoff_hz).round() as usize;
+        // A torque channel ahead of the encoder is not foreseen; its delay is at most what the guard bears.
+        let delay = calibration.map_or(0.0, |known| known.torque_delay_s.clamp(0.0, 0.05)) * rate_hz;
+        let part = delay.fract();
+        let guard = ((GUARD_S + 0.5 / cutoff_hz) * rate_hz).round() as usize;
+        let length = 4 * half_length + 2 * guard + delay as usize + 16;
+        let ring = || Ring::new(length);
+        Self {
+            rate_hz,
+            fir: Fir::low_pass(half_length, cutoff_hz, rate_hz),
+            torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
+            compliance_rad_mnm: calibration
+                .map(|known| 1.0 / known.torque_sensor_stiffness_mnm_rad)
+                .filter(|compliance| compliance.is_finite() && *compliance > 0.0)
+                .unwrap_or(0.0),
+            whole_delay: delay as usize,
+            // Lagrange weights for the nodes −1, 0, 1, 2.
+            weights: [
+                -part * (part - 1.0) * (part - 2.0) / 6.0,
+                (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
+                -(part + 1.0) * part * (part - 2.0) / 2.0,
+                (part + 1.0) * part * (part - 1.0) / 6.0,
+            ],
+            guard,
+            count: 0,
+            time: ring(),
+            angle: ring(),
+            raw_torque: ring(),
+            torque: ring(),
+            twisted: ring(),
+            smooth: ring(),
+            velocity: ring(),
+            acceleration: ring(),
+            last_slow: 0,
+            square_speed: 0.0,
+            speeds: 0,
+            noise: 0.0,
+            cutoff_hz,
+        }
+    }
+
+    /// Starts afresh after a gap: the lag must fill again.
+    pub(super) fn restart(&mut self) {
+        self.count = 0;
+        self.last_slow = 0;
+    }
+
+    /// A speed that a tenth of the motion stays below, roughly, rad/s.
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    pub(super) fn slow_rad_s(&self) -> f64 {
+        0.15 * (self.square_speed / self.speeds.max(1) as f64).sqrt()
+    }
+
+    /// Takes the next sample; gives the moment that lies the fixed lag back, once there is one.
+    pub(super) fn push(&mut self, sample: &LiveSample) -> Option<Sliding> {
+        let newest = self.count;
+        self.count += 1;
+        self.time.set(newest, sample.time_s);
+        self.angle.set(newest, sample.angle_rad);
+        self.raw_torque.set(newest, sample.torque_mnm - self.torque_zero_mnm);
+        self.learn_noise(newest);
+        let aligned = newest.checked_sub(self.whole_delay + 2)?;
+        self.align(aligned);
+        let half = self.fir.half_length();
+        let middle = aligned.checked_sub(2 * half)? + half;
+        let smooth = self.fir.taps().iter().zip(middle - half..).map(|(tap, at)| tap * self.twisted.get(at)).sum();
+        self.smooth.set(middle, smooth);
+        // The first smoothed angle is at `half` (+1 that the alignment lacks); differences need two on each side.
+        let now = middle.checked_sub(2).filter(|now| *now >= half + 3)?;
+        self.differentiate(now);
+        let out = now.checked_sub(self.guard).filter(|out| *out >= half + 3 + self.guard)?;
+        Some(Sliding {
+            motion: Motion {
+                time_s: self.time.get(out),
+                angle_rad: self.smooth.get(out),
+                velocity_rad_s: self.velocity.get(out),
+                acceleration_rad_s2: self.acceleration.get(out),
+            },
+            torque_mnm: self.torque.get(out),
+            mask: self.last_slow + self.guard < out,
+        })
+    }
+
+    /// Torque at the moment of the encoder's reading, and the knob's angle behind the twist of the sensor.
+    fn align(&mut self, index: usize) {
+        let first = (index + self.whole_delay).saturating_sub(1);
+        let torque = self.weights.iter().zip(first..).map(|(weight, at)| weight * self.raw_torque.get(at)).sum();
+        self.torque.set(index, torque);
+        self.twisted.set(index, self.angle.get(index) - torque * self.compliance_rad_mnm);
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    fn differentiate(&mut self, now: usize) {
+        let Self { smooth, rate_hz, .. } = self;
+        let velocity = (smooth.get(now + 1) - smooth.get(now - 1)) * 0.5 * *rate_hz;
+        let acceleration =
+            (smooth.get(now + 2) - 2.0 * smooth.get(now) + smooth.get(now - 2)) * 0.25 * *rate_hz * *rate_hz;
+        self.velocity.set(now, velocity);
+        self.acceleration.set(now, acceleration);
+        self.square_speed += velocity * velocity;
+        self.speeds += 1;
+        let rms = (self.square_speed / self.speeds as f64).sqrt();
+        if velocity.abs() <= (SLOW * rms).max(NOISE_MARGIN * self.velocity_noise_rad_s()) {
+            self.last_slow = now;
+        }
+    }
+
+    /// White noise of the encoder, differentiated, up to the cutoff.
+    fn velocity_noise_rad_s(&self) -> f64 {
+        // The running median of |fourth difference| is 0.6745·√70 standard deviations.
+        let angle = self.noise / (0.6745 * 70_f64.sqrt());
+        angle * TAU * (self.cutoff_hz.powi(3) / (1.5 * self.rate_hz)).sqrt()
+    }
+
+    fn learn_noise(&mut self, newest: usize) {
+        if newest < 4 {
+            return;
+        }
+        let at = |back: usize| self.angle.get(newest - back);
+        let fourth = (at(0) - 4.0 * at(1) + 6.0 * at(2) - 4.0 * at(3) + at(4)).abs();
+        if fourth == 0.0 {
+            return;
+        }
+        self.noise = if self.noise == 0.0 {
+            fourth
+        } else if fourth > self.noise {
+            self.noise * (1.0 + MEDIAN_STEP)
+        } else {
+            self.noise / (1.0 + MEDIAN_STEP)
+        };
+    }
+}

@@ -1,0 +1,261 @@
+//! The knob's motion from encoder and accelerometer.
+
+use std::f64::consts::{PI, TAU};
+
+use dynamics::{Calibration, Motion};
+
+use crate::filter::{Sections, butterworth_low_pass};
+use crate::spectrum::{Spectrum, median, white_density};
+use crate::uniform::Uniform;
+
+/// Share of the torque's power above its noise that may lie beyond the fit's band.
+const POWER_BEYOND_BAND: f64 = 1e-4;
+/// Share of the velocity's power that lies in the sweep itself; the rest is jumps when the knob slips.
+const SWEEP_POWER: f64 = 0.95;
+/// Widest band, as a share of the sample rate.
+const WIDEST: f64 = 0.1;
+/// The band reaches at least to this multiple of the sweep's highest frequency …
+const NARROWEST_PER_SWEEP: f64 = 10.0;
+/// … and at most to this one, unless fine detents need more: beyond, rigs ring and their sensors differ.
+const WIDEST_PER_SWEEP: f64 = 40.0;
+/// Rows are kept at this multiple of the band's edge.
+pub(crate) const ROWS_PER_EDGE: f64 = 2.5;
+/// Rows that the band should give if the sample rate permits: fewer make poor intervals.
+const FEWEST_ROWS: f64 = 1000.0;
+/// Scatter of an exact derivative column, relative to its RMS: rounding, not measurement.
+const EXACT: f64 = 1e-7;
+
+/// Angle, velocity and acceleration of the knob at every grid point, and how well they are known.
+#[derive(Clone, Debug)]
+pub(crate) struct KnobMotion {
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) angle_rad: Vec<f64>,
+    pub(crate) velocity_rad_s: Vec<f64>,
+    pub(crate) acceleration_rad_s2: Vec<f64>,
+    /// Whether velocity and acceleration are the angle's exact derivatives, without noise.
+    pub(crate) exact: bool,
+    /// Standard deviation of the velocity's noise, rad/s.
+    pub(crate) velocity_noise_rad_s: f64,
+    /// Edge of the encoder's zero-phase low-pass, Hz; half the sample rate where none was needed.
+    pub(crate) cutoff_hz: f64,
+    /// Whether the accelerometer took part.
+    pub(crate) accelerometer: bool,
+    /// White density of the encoder's noise, rad²/Hz.
+    pub(crate) angle_density: f64,
+}
+
+/// The band in which torque and motion are compared.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Band {
+    /// Upper edge, Hz.
+    pub(crate) edge_hz: f64,
+    /// Torque noise, if it is white as the upper end of its spectrum says, mNm.
+    pub(crate) torque_noise_mnm: f64,
+}
+
+impl Band {
+    /// As wide as the torque's excess over its noise reaches, no wider: beyond, there is only noise, and that
+    /// of a twice differentiated angle grows fast. An exact motion has none and takes the widest band.
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    pub(crate) fn of(uniform: &Uniform, exact: bool) -> Self {
+        let rate_hz = uniform.rate_hz;
+        let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
+        let floor = torque.median(0.35 * rate_hz, 0.5 * rate_hz);
+        let torque_noise_mnm = (floor * rate_hz * 0.5).sqrt();
+        let widest_hz = WIDEST * rate_hz;
+        if exact {
+            return Self { edge_hz: widest_hz, torque_noise_mnm };
+        }
+        let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
+        let velocity = Spectrum::welch(&gradient(&uniform.angle_rad, rate_hz), rate_hz);
+        let sweep_hz = velocity.power_below(SWEEP_POWER, 0.0);
+        let duration_s = uniform.time_s.len() as f64 / rate_hz;
+        let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
+        let lowest_hz = (NARROWEST_PER_SWEEP * sweep_hz).max(enough_hz);
+        let edge_hz = (1.25 * reach_hz).min(WIDEST_PER_SWEEP * sweep_hz).max(lowest_hz).min(widest_hz);
+        Self { edge_hz, torque_noise_mnm }
+    }
+
+    /// The band widened for detents of a wavenumber (1/rad) that the knob crosses at a speed; `None` if it need not be.
+    pub(crate) fn widened(&self, wavenumber: f64, speed_rad_s: f64, rate_hz: f64) -> Option<Self> {
+        let needed_hz = (1.2 * wavenumber * speed_rad_s / TAU).min(WIDEST * rate_hz);
+        (needed_hz > 1.2 * self.edge_hz).then_some(Self { edge_hz: needed_hz, ..*self })
+    }
+}
+
+impl KnobMotion {
+    /// The given velocity and acceleration, if they are the angle's derivatives to within rounding.
+    pub(crate) fn exact(uniform: &Uniform, calibration: Option<&Calibration>) -> Option<Self> {
+        if calibration.is_some_and(compliant) { None } else { exact_motion(uniform) }
+    }
+
+    /// The motion as the sensors saw it, every cutoff chosen from the signals' own spectra.
+    pub(crate) fn measured(uniform: &Uniform, band: &Band, calibration: Option<&Calibration>) -> Self {
+        let rate_hz = uniform.rate_hz;
+        let angle_density = white_density(&uniform.angle_rad, rate_hz);
+        let cutoff_hz = angle_cutoff_hz(&uniform.angle_rad, rate_hz, angle_density, band.edge_hz);
+        let mut angle = uniform.angle_rad.clone();
+        if let Some(known) = calibration.filter(|known| compliant(known)) {
+            // The knob is behind the encoder by the twist of the torque sensor.
+            for (angle, torque) in angle.iter_mut().zip(&uniform.torque_mnm) {
+                *angle -= torque / known.torque_sensor_stiffness_mnm_rad;
+            }
+        }
+        let smooth = low_pass(4, cutoff_hz, rate_hz, &angle);
+        let velocity = gradient(&smooth, rate_hz);
+        let mut acceleration = gradient(&velocity, rate_hz);
+        let accelerometer = uniform
+            .acceleration_rad_s2
+            .as_ref()
+            .and_then(|sensor| blend(&gradient(&gradient(&angle, rate_hz), rate_hz), sensor, rate_hz, angle_density, cutoff_hz));
+        let blended = accelerometer.is_some();
+        if let Some(better) = accelerometer {
+            acceleration = better;
+        }
+        Self {
+            time_s: uniform.time_s.clone(),
+            angle_rad: smooth,
+            velocity_rad_s: velocity,
+            acceleration_rad_s2: acceleration,
+            exact: false,
+            // White angle noise, differentiated, up to the cutoff.
+            velocity_noise_rad_s: (angle_density * TAU * TAU * cutoff_hz.powi(3) / 3.0).sqrt(),
+            cutoff_hz,
+            accelerometer: blended,
+            angle_density,
+        }
+    }
+
+    /// The motion at a grid point.
+    pub(crate) fn at(&self, index: usize) -> Motion {
+        Motion {
+            time_s: self.time_s[index],
+            angle_rad: self.angle_rad[index],
+            velocity_rad_s: self.velocity_rad_s[index],
+            acceleration_rad_s2: self.acceleration_rad_s2[index],
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.time_s.len()
+    }
+}
+
+fn compliant(calibration: &Calibration) -> bool {
+    calibration.torque_sensor_stiffness_mnm_rad.is_finite() && calibration.torque_sensor_stiffness_mnm_rad > 0.0
+}
+
+/// Central differences, one-sided at the ends; per second.
+pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
+    let last = signal.len() - 1;
+    (0..signal.len())
+        .map(|index| {
+            let (from, to) = (index.saturating_sub(1), (index + 1).min(last));
+            let periods = if from + 2 == to { 2.0 } else { 1.0 };
+            (signal[to] - signal[from]) * rate_hz / periods
+        })
+        .collect()
+}
+
+/// Root of the mean square.
+pub(crate) fn rms(values: &[f64]) -> f64 {
+    let count: f64 = values.iter().map(|_| 1.0).sum();
+    (values.iter().map(|value| value * value).sum::<f64>() / f64::max(count, 1.0)).sqrt()
+}
+
+fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
+    let sections: Option<Sections> = butterworth_low_pass(order, edge_hz, rate_hz).ok();
+    sections.map_or_else(|| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
+}
+
+/// Where the angle's signal sinks into its noise, but well clear of the band in which the fit compares.
+fn angle_cutoff_hz(angle: &[f64], rate_hz: f64, density: f64, band_hz: f64) -> f64 {
+    let second: Vec<f64> = angle.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect();
+    let spectrum = Spectrum::welch(&second, rate_hz);
+    let highest_hz = 0.3 * rate_hz;
+    let above_noise = spectrum
+        .frequencies()
+        .zip(spectrum.smooth())
+        .filter(|(frequency, power)| {
+            *frequency < highest_hz && *power > 4.0 * density * (2.0 * (PI * frequency / rate_hz).sin()).powi(4)
+        })
+        .map(|(frequency, _)| frequency)
+        .fold(0.0, f64::max);
+    above_noise.max(2.5 * band_hz).min(highest_hz)
+}
+
+/// The given columns, if they are the angle's derivatives to within rounding.
+fn exact_motion(uniform: &Uniform) -> Option<KnobMotion> {
+    let rate_hz = uniform.rate_hz;
+    let velocity = uniform.velocity_rad_s.as_ref()?;
+    if uniform.lost > 0 || !is_exact_derivative(velocity, &uniform.angle_rad, rate_hz) {
+        return None;
+    }
+    let given = uniform.acceleration_rad_s2.as_ref().filter(|given| is_exact_derivative(given, velocity, rate_hz));
+    Some(KnobMotion {
+        time_s: uniform.time_s.clone(),
+        angle_rad: uniform.angle_rad.clone(),
+        velocity_rad_s: velocity.clone(),
+        acceleration_rad_s2: given.cloned().unwrap_or_else(|| gradient(velocity, rate_hz)),
+        exact: true,
+        velocity_noise_rad_s: 0.0,
+        cutoff_hz: 0.5 * rate_hz,
+        accelerometer: given.is_some(),
+        angle_density: 0.0,
+    })
+}
+
+/// Whether a column is smooth to rounding and neither early nor late against the derivative of another.
+fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
+    let size = rms(column);
+    let derivative = gradient(of, rate_hz);
+    let rate = gradient(&derivative, rate_hz);
+    let (mut lag, mut weight, mut square) = (0.0, 0.0, 0.0);
+    for index in 1..column.len() - 1 {
+        let difference = column[index] - derivative[index];
+        lag += difference * rate[index];
+        weight += rate[index] * rate[index];
+        square += difference * difference;
+    }
+    let difference = (square / weight.max(f64::MIN_POSITIVE)).sqrt();
+    size > 0.0
+        && scatter(column) < EXACT * size
+        && (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz
+        && difference < 0.1 / rate_hz
+}
+
+/// Standard deviation of white noise as the fourth differences show it; motion hardly shows there.
+fn scatter(signal: &[f64]) -> f64 {
+    let mut fourth: Vec<f64> =
+        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+    // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.
+    median(&mut fourth) / 0.6745 / 70_f64.sqrt()
+}
+
+/// Encoder below the frequency where both sensors are equally noisy, accelerometer above.
+///
+/// The encoder's white noise shows in its second derivative as f⁴, the accelerometer's stays white:
+/// the best weights 1/(1 + (f/f₀)⁴) are a second-order Butterworth filter run both ways. `None` if
+/// the accelerometer does not agree with the encoder where both see well.
+fn blend(encoder: &[f64], sensor: &[f64], rate_hz: f64, angle_density: f64, cutoff_hz: f64) -> Option<Vec<f64>> {
+    let sensor_density = Spectrum::welch(sensor, rate_hz).median(0.3 * rate_hz, 0.45 * rate_hz);
+    let equal_hz = (sensor_density / angle_density).powf(0.25) / TAU;
+    if !(equal_hz.is_finite() && equal_hz > 0.0 && equal_hz < cutoff_hz) {
+        return None;
+    }
+    let (slow_encoder, slow_sensor) = (low_pass(4, equal_hz, rate_hz, encoder), low_pass(4, equal_hz, rate_hz, sensor));
+    let mean = |signal: &[f64]| signal.iter().sum::<f64>() / signal.iter().map(|_| 1.0).sum::<f64>();
+    let (encoder_mean, sensor_mean) = (mean(&slow_encoder), mean(&slow_sensor));
+    let (mut product, mut square) = (0.0, 0.0);
+    for (a, b) in slow_encoder.iter().zip(&slow_sensor) {
+        product += (a - encoder_mean) * (b - sensor_mean);
+        square += (a - encoder_mean).powi(2);
+    }
+    if (product / square - 1.0).abs() > 0.1 {
+        return None;
+    }
+    let difference: Vec<f64> = encoder.iter().zip(sensor).map(|(a, b)| a - b).collect();
+    let slow = low_pass(2, equal_hz, rate_hz, &difference);
+    let sum: Vec<f64> = sensor.iter().zip(&slow).map(|(a, b)| a + b).collect();
+    Some(low_pass(4, cutoff_hz, rate_hz, &sum))
+}

@@ -1,0 +1,290 @@
+//! Values, intervals and reasons from the settled problem.
+
+use dynamics::{Calibration, Effect, Part, effects};
+use nalgebra::DMatrix;
+
+use crate::estimate::{Parameter, Parameters, Point};
+use crate::fit::Trimmed;
+use crate::frame::Frame;
+use crate::least_squares::dot;
+use crate::motion::{Band, KnobMotion, rms};
+
+/// Two-sided 95 % of a normal distribution, in standard deviations.
+const NORMAL_95: f64 = 1.959_964;
+/// A parameter whose interval spans this share of the torque's RMS, times its column, is not told.
+const HOPELESS: f64 = 0.5;
+/// Share of the acceleration's power that may be noise before the inertia is not told.
+const NOISY_ACCELERATION: f64 = 0.2;
+/// A collinear column's share of another column from which both are untold.
+const ENTANGLED: f64 = 0.01;
+
+/// The settled problem with all that its words need.
+pub(crate) struct Report<'a> {
+    pub(crate) trimmed: &'a Trimmed<'a>,
+    pub(crate) motion: &'a KnobMotion,
+    pub(crate) frame: &'a Frame,
+    pub(crate) band: &'a Band,
+    pub(crate) calibration: Option<&'a Calibration>,
+}
+
+/// Measured against model, row by row, and in sum.
+pub(crate) struct Comparison {
+    pub(crate) residual_rms_mnm: f64,
+    pub(crate) relative_error_percent: f64,
+    pub(crate) mean_ci95_mnm: f64,
+    pub(crate) mean_ci95_textbook_mnm: f64,
+    pub(crate) points: Vec<Point>,
+}
+
+impl Report<'_> {
+    /// All parameters, and the comparison on the rows; `no_detents` is the reason if there are none.
+    pub(crate) fn parameters(&self, no_detents: Option<String>) -> (Parameters, Comparison) {
+        let Trimmed { columns, solution, .. } = self.trimmed;
+        let textbook = solution.textbook_covariance();
+        let (robust, bandwidth_share) = solution.robust_covariance(columns);
+        let critical = critical_value(bandwidth_share);
+        let mut parameters = Vec::new();
+        for (index, effect) in self.trimmed.effects().iter().enumerate() {
+            self.effect_parameters(index, effect, [&robust, &textbook], critical, &mut parameters);
+        }
+        if let Some(reason) = no_detents {
+            for parameter in effects::detent::KIND.parameters {
+                parameters.push(Parameter::untold(parameter.name, parameter.unit, reason.clone()));
+            }
+        }
+        (Parameters(parameters), self.compare([&robust, &textbook], critical))
+    }
+
+    /// What a reader should know besides.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some(delay_s) = self.trimmed.refused_delay_s {
+            notes.push(format!(
+                "the torque seems to come {:.2} ms {} the motion, more than half a sample: calibrate the delay or diagnose the capture",
+                1e3 * delay_s.abs(),
+                if delay_s > 0.0 { "after" } else { "before" }
+            ));
+        }
+        notes
+    }
+
+    fn effect_parameters(
+        &self,
+        index: usize,
+        effect: &Effect,
+        covariances: [&DMatrix<f64>; 2],
+        critical: f64,
+        parameters: &mut Vec<Parameter>,
+    ) {
+        let Some(regressors) = effect.kind().regressors else { return };
+        let jacobian = self.jacobian(index, effect, covariances[0]);
+        let [robust, textbook] = covariances.map(|covariance| &jacobian * covariance * jacobian.transpose());
+        let gripper = match (effect.kind().part, self.calibration) {
+            (Part::Inertia(_), Some(calibration)) => calibration.gripper_inertia,
+            _ => 0.0,
+        };
+        let range = self.trimmed.problem.range(index);
+        let searched_any = !regressors.searched.is_empty();
+        for (position, (kind, value)) in effect.parameters().enumerate() {
+            let half = critical * robust[(position, position)].max(0.0).sqrt();
+            let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
+            let linear = (!searched_any && position < range.len()).then(|| range.start + position);
+            if let Some(reason) = linear.and_then(|column| self.why_untold(column, kind.name, half)) {
+                parameters.push(Parameter::untold(kind.name, kind.unit, reason));
+                continue;
+            }
+            let value = value - gripper;
+            let held = linear.is_some_and(|column| self.trimmed.solution.at_zero[column]);
+            let low = if held { 0.0 } else { value - half };
+            let half = if held { self.half_width_at_zero(range.start + position, critical) } else { half };
+            parameters.push(Parameter {
+                name: kind.name,
+                value: Some(value),
+                unit: kind.unit,
+                ci95: Some([low, value + half]),
+                ci95_textbook: (!held).then_some([value - half_textbook, value + half_textbook]),
+                reason: None,
+            });
+        }
+    }
+
+    /// Derivatives of an effect's values by all fitted coefficients, by differences of a thousandth of a standard error.
+    fn jacobian(&self, index: usize, effect: &Effect, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let problem = &self.trimmed.problem;
+        let count = self.trimmed.columns.len();
+        let parameters = effect.values().len();
+        let mut jacobian = DMatrix::zeros(parameters, count);
+        let Some(regressors) = effect.kind().regressors else { return jacobian };
+        let coefficients = &self.trimmed.solution.coefficients[problem.range(index)];
+        let values_at = |shifted: &[f64]| {
+            let mut changed = *effect;
+            (regressors.values)(shifted, changed.values_mut());
+            changed
+        };
+        let centre = values_at(coefficients);
+        for (position, column) in problem.range(index).enumerate() {
+            let step = 1e-3 * covariance[(column, column)].sqrt().max(1e-9 * coefficients[position].abs()).max(1e-15);
+            let mut shifted = coefficients.to_vec();
+            shifted[position] += step;
+            let moved = values_at(&shifted);
+            for parameter in 0..parameters {
+                jacobian[(parameter, column)] = (moved.values()[parameter] - centre.values()[parameter]) / step;
+            }
+        }
+        for (position, which) in problem.searched().iter().enumerate() {
+            if which.effect == index {
+                jacobian[(which.parameter, problem.columns.len() + position)] = 1.0;
+            }
+        }
+        jacobian
+    }
+
+    /// Upper end of the interval of a coefficient that is held at zero, from its curvature alone.
+    fn half_width_at_zero(&self, column: usize, critical: f64) -> f64 {
+        let Trimmed { columns, solution, .. } = self.trimmed;
+        critical * rms(&solution.residual) / dot(&columns[column], &columns[column]).sqrt()
+    }
+
+    fn why_untold(&self, column: usize, name: &str, half: f64) -> Option<String> {
+        let Trimmed { columns, solution, problem, .. } = self.trimmed;
+        let direction = if name.ends_with("_negative") {
+            "negative"
+        } else if name.ends_with("_positive") {
+            "positive"
+        } else {
+            ""
+        };
+        if columns[column].iter().all(|value| *value == 0.0) {
+            return Some(if direction.is_empty() {
+                format!("the capture never excites {name}")
+            } else {
+                format!("the knob never slid in the {direction} direction for long enough; sweep both ways")
+            });
+        }
+        if let Some(with) = self.entangled(column) {
+            return Some(format!(
+                "{name} cannot be told apart from {with}: the sweep moves one as it moves the other; vary the speed"
+            ));
+        }
+        if name == effects::inertia::KIND.parameters[0].name {
+            let noise = self.acceleration_noise_rad_s2();
+            let seen = rms(&columns[column]);
+            if noise * noise > NOISY_ACCELERATION * seen * seen {
+                return Some(format!(
+                    "the knob accelerated too little: {seen:.3} rad/s² RMS, of which {noise:.3} are sensor noise; sweep faster"
+                ));
+            }
+        }
+        let used: Vec<f64> = columns[column].iter().copied().filter(|value| value.abs() > 0.0).collect();
+        let torque = rms(&problem.target);
+        (!solution.at_zero[column] && half * rms(&used) > HOPELESS * torque).then(|| {
+            format!(
+                "the sweep excites it too little: its 95 % interval of ± {half:.4} is worth ± {:.3} mNm of a torque of \
+                 {torque:.3} mNm RMS; sweep faster, wider or longer",
+                half * rms(&used)
+            )
+        })
+    }
+
+    /// Standard deviation of the noise in the filtered acceleration, rad/s².
+    fn acceleration_noise_rad_s2(&self) -> f64 {
+        if self.motion.exact {
+            return 0.0;
+        }
+        let edge_hz = self.band.edge_hz;
+        (self.motion.angle_density * std::f64::consts::TAU.powi(4) * edge_hz.powi(5) / 5.0).sqrt()
+    }
+
+    /// Names of the parameters that a column is a sum of, or that are a sum with it.
+    fn entangled(&self, column: usize) -> Option<String> {
+        let Trimmed { columns, solution, .. } = self.trimmed;
+        let collinear = (0..columns.len()).filter(|index| solution.collinear[*index] && rms(&columns[*index]) > 0.0);
+        for dependent in collinear {
+            let products: Vec<f64> = columns.iter().map(|other| dot(other, &columns[dependent])).collect();
+            let size = rms(&columns[dependent]);
+            let parts: Vec<usize> = (0..columns.len())
+                .filter(|index| {
+                    let share: f64 = (0..columns.len()).map(|k| solution.inverse[(*index, k)] * products[k]).sum();
+                    (share * rms(&columns[*index])).abs() > ENTANGLED * size
+                })
+                .collect();
+            if column == dependent || parts.contains(&column) {
+                let others = parts.iter().chain([&dependent]).filter(|other| **other != column);
+                let names: Vec<&str> = others.filter_map(|other| self.column_name(*other)).collect();
+                return Some(names.join(" and "));
+            }
+        }
+        None
+    }
+
+    fn column_name(&self, column: usize) -> Option<&'static str> {
+        let problem = &self.trimmed.problem;
+        (0..problem.effects.len()).find(|effect| problem.range(*effect).contains(&column)).map(|effect| {
+            let position = column - problem.range(effect).start;
+            problem.effects[effect].kind().parameters[position].name
+        })
+    }
+
+    fn compare(&self, covariances: [&DMatrix<f64>; 2], critical: f64) -> Comparison {
+        let Trimmed { columns, solution, problem, .. } = self.trimmed;
+        let half_widths = covariances.map(|covariance| prediction_sd(columns, covariance));
+        let rows = self.sliding_rows();
+        let count: f64 = rows.iter().map(|_| 1.0).sum();
+        let mean = |widths: &[f64]| rows.iter().map(|row| widths[*row]).sum::<f64>() / f64::max(count, 1.0);
+        let points = rows
+            .iter()
+            .map(|row| {
+                let sample = row * self.frame.step;
+                Point {
+                    t_s: self.motion.time_s[sample],
+                    angle_rad: self.motion.angle_rad[sample],
+                    velocity_rad_s: self.motion.velocity_rad_s[sample],
+                    acceleration_rad_s2: self.motion.acceleration_rad_s2[sample],
+                    torque_mnm: problem.target[*row],
+                    torque_model_mnm: problem.target[*row] - solution.residual[*row],
+                    torque_model_ci95_mnm: critical * half_widths[0][*row],
+                    residual_mnm: solution.residual[*row],
+                }
+            })
+            .collect();
+        let of = |values: &[f64]| rms(&rows.iter().map(|row| values[*row]).collect::<Vec<_>>());
+        Comparison {
+            residual_rms_mnm: of(&solution.residual),
+            relative_error_percent: 100.0 * of(&solution.residual) / of(&problem.target),
+            mean_ci95_mnm: critical * mean(&half_widths[0]),
+            mean_ci95_textbook_mnm: NORMAL_95 * mean(&half_widths[1]),
+            points,
+        }
+    }
+
+    /// Rows whose middle is not masked.
+    fn sliding_rows(&self) -> Vec<usize> {
+        (0..self.trimmed.problem.target.len()).filter(|row| self.frame.mask[row * self.frame.step] > 0.0).collect()
+    }
+}
+
+/// Standard deviation of the predicted torque, row by row.
+fn prediction_sd(columns: &[Vec<f64>], covariance: &DMatrix<f64>) -> Vec<f64> {
+    let rows = columns.first().map_or(0, Vec::len);
+    let mut row = vec![0.0; columns.len()];
+    (0..rows)
+        .map(|index| {
+            row.iter_mut().zip(columns).for_each(|(slot, column)| *slot = column[index]);
+            let mut variance = 0.0;
+            for (a, left) in row.iter().enumerate() {
+                for (b, right) in row.iter().enumerate() {
+                    variance += left * covariance[(a, b)] * right;
+                }
+            }
+            variance.max(0.0).sqrt()
+        })
+        .collect()
+}
+
+/// Two-sided 95 % of the studentised estimate when the bandwidth is a given share of the rows.
+///
+/// Kiefer and Vogelsang (Econometric Theory 21, 2005, 1130–1164): the estimated long-run variance is
+/// itself uncertain, and the normal quantile too small.
+fn critical_value(bandwidth_share: f64) -> f64 {
+    NORMAL_95 + 2.9694 * bandwidth_share + 0.416 * bandwidth_share.powi(2)
+}

@@ -1,0 +1,151 @@
+//! One sample rate: a capture's columns on an even grid of time.
+
+use dynamics::Calibration;
+
+use crate::Samples;
+use crate::spectrum::median;
+
+/// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
+const JITTER: f64 = 0.01;
+/// A step of time longer than this many sample periods is a gap: samples were lost.
+const GAP: f64 = 1.5;
+/// Longest stretch that a gap takes up on the grid, s; the filters forget faster.
+const LONGEST_GAP_S: f64 = 0.5;
+
+/// A capture on an even grid, corrected by the rig's calibration.
+#[derive(Clone, Debug)]
+pub(crate) struct Uniform {
+    pub(crate) rate_hz: f64,
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) angle_rad: Vec<f64>,
+    pub(crate) velocity_rad_s: Option<Vec<f64>>,
+    pub(crate) acceleration_rad_s2: Option<Vec<f64>>,
+    pub(crate) torque_mnm: Vec<f64>,
+    /// Whether the grid point was measured; false inside gaps.
+    pub(crate) present: Vec<bool>,
+    /// Grid points that stand for lost samples.
+    pub(crate) lost: usize,
+}
+
+impl Uniform {
+    /// Places checked samples on a grid of their median period.
+    pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
+        let mut uniform = Self::on_grid(samples);
+        if let Some(calibration) = calibration {
+            uniform.calibrate(calibration);
+        }
+        uniform
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of samples"
+    )]
+    fn on_grid(samples: &Samples<'_>) -> Self {
+        let time = samples.t_s;
+        let count = time.len();
+        let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let typical = median(&mut steps);
+        let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
+        let regular: Vec<f64> = steps.iter().copied().filter(|step| *step <= GAP * typical).collect();
+        let step = regular.iter().sum::<f64>() / regular.len().max(1) as f64;
+        let scatter =
+            (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
+        if gaps == 0 && scatter < JITTER {
+            return Self {
+                rate_hz: 1.0 / step,
+                time_s: time.to_vec(),
+                angle_rad: samples.angle_rad.to_vec(),
+                velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
+                acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
+                torque_mnm: samples.torque_mnm.to_vec(),
+                present: vec![true; count],
+                lost: 0,
+            };
+        }
+        // Time without the excess of long gaps, so that a pause does not fill memory.
+        let mut compressed = Vec::with_capacity(count);
+        let mut excess = 0.0;
+        compressed.push(0.0);
+        for pair in time.windows(2) {
+            excess += (pair[1] - pair[0] - LONGEST_GAP_S.max(GAP * step)).max(0.0);
+            compressed.push(pair[1] - time[0] - excess);
+        }
+        let length = (compressed[count - 1] / step + 1e-6) as usize + 1;
+        let mut places = Vec::with_capacity(length);
+        let mut index = 0;
+        for point in 0..length {
+            let at = point as f64 * step;
+            while index + 2 < count && compressed[index + 1] <= at {
+                index += 1;
+            }
+            let interval = compressed[index + 1] - compressed[index];
+            let share = ((at - compressed[index]) / interval).clamp(0.0, 1.0);
+            let near = share * interval < 0.25 * step || (1.0 - share) * interval < 0.25 * step;
+            places.push((index, share, interval <= GAP * step || near));
+        }
+        let sampled = |column: &[f64]| {
+            places.iter().map(|(i, share, _)| column[*i] + share * (column[*i + 1] - column[*i])).collect::<Vec<_>>()
+        };
+        let present: Vec<bool> = places.iter().map(|place| place.2).collect();
+        Self {
+            rate_hz: 1.0 / step,
+            time_s: sampled(time),
+            angle_rad: sampled(samples.angle_rad),
+            velocity_rad_s: samples.velocity_rad_s.map(sampled),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(sampled),
+            torque_mnm: sampled(samples.torque_mnm),
+            lost: present.iter().filter(|present| !**present).count(),
+            present,
+        }
+    }
+
+    /// Takes out zeros, gravity and the channels' delays.
+    fn calibrate(&mut self, calibration: &Calibration) {
+        for torque in &mut self.torque_mnm {
+            *torque -= calibration.torque_zero_mnm;
+        }
+        self.torque_mnm = advance(&self.torque_mnm, calibration.torque_delay_s * self.rate_hz);
+        if let Some(acceleration) = &mut self.acceleration_rad_s2 {
+            // Gravity first: it belongs to the angle at which the sensor was read, the delay included.
+            let late = advance(&self.angle_rad, -calibration.acceleration_delay_s * self.rate_hz);
+            for (value, angle) in acceleration.iter_mut().zip(&late) {
+                *value -= calibration.acceleration_zero_rad_s2 + calibration.gravity_rad_s2(*angle);
+            }
+            *acceleration = advance(acceleration, calibration.acceleration_delay_s * self.rate_hz);
+        }
+    }
+}
+
+/// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "an index between 0 and the length"
+)]
+pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
+    if shift == 0.0 || signal.is_empty() {
+        return signal.to_vec();
+    }
+    let whole = shift.floor();
+    let part = shift - whole;
+    let last = signal.len() as isize - 1;
+    let at = |index: isize| signal[index.clamp(0, last) as usize];
+    // Lagrange weights for the nodes −1, 0, 1, 2.
+    let weights = [
+        -part * (part - 1.0) * (part - 2.0) / 6.0,
+        (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
+        -(part + 1.0) * part * (part - 2.0) / 2.0,
+        (part + 1.0) * part * (part - 1.0) / 6.0,
+    ];
+    (0..signal.len() as isize)
+        .map(|index| {
+            let base = index + whole as isize;
+            weights.iter().zip(-1..).map(|(weight, offset)| weight * at(base + offset)).sum()
+        })
+        .collect()
+}

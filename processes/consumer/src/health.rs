@@ -1,0 +1,48 @@
+//! What a consumer says about itself.
+
+use std::time::{Duration, Instant};
+
+use shared_types::{ProcessHealth, ProcessKind, Sample, rig};
+
+/// How often it is said.
+const INTERVAL: Duration = Duration::from_millis(500);
+
+/// Counts for the health report.
+#[derive(Debug)]
+pub struct Health {
+    kind: ProcessKind,
+    restarts: u32,
+    received_samples: u64,
+    latency_ns: u64,
+    reported: Option<Instant>,
+}
+
+impl Health {
+    /// Nothing received yet, by a process of this kind that was restarted so often.
+    #[must_use]
+    pub fn new(kind: ProcessKind, restarts: u32) -> Self {
+        Self { kind, restarts, received_samples: 0, latency_ns: 0, reported: None }
+    }
+
+    /// Takes note of a block that was just taken from the queue.
+    pub fn received(&mut self, block: &[Sample]) {
+        self.received_samples += block.len() as u64;
+        if let Some(newest) = block.last() {
+            self.latency_ns = rig::monotonic_time_ns().saturating_sub(newest.monotonic_time_ns);
+        }
+    }
+
+    /// The report, when it is time for one.
+    pub fn report(&mut self, lost_samples: u64) -> Option<ProcessHealth> {
+        if self.reported.is_some_and(|reported| reported.elapsed() < INTERVAL) {
+            return None;
+        }
+        self.reported = Some(Instant::now());
+        Some(ProcessHealth {
+            received_samples: self.received_samples,
+            lost_samples,
+            latency_ns: self.latency_ns,
+            ..ProcessHealth::of_this_process(self.kind, self.restarts)
+        })
+    }
+}

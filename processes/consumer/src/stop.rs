@@ -1,0 +1,44 @@
+//! When a consumer is told to stop.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use nix::sys::signal::Signal;
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+/// The system does not let the process listen for its end.
+#[derive(Debug, thiserror::Error)]
+#[error("the process cannot listen for its end ({0}); nothing can be done but to start it again")]
+pub struct StopError(#[from] std::io::Error);
+
+/// Knows whether SIGTERM came, from the supervisor or because the supervisor died.
+#[derive(Debug)]
+pub struct Stop {
+    asked: Arc<AtomicBool>,
+}
+
+impl Stop {
+    /// Begins to listen. SIGINT, which a terminal sends to everyone at once, is left to the
+    /// supervisor.
+    ///
+    /// # Errors
+    /// [`StopError`] when the system refuses.
+    pub fn listen() -> Result<Self, StopError> {
+        let asked = Arc::new(AtomicBool::new(false));
+        signal_hook::flag::register(SIGTERM, Arc::clone(&asked))?;
+        signal_hook::flag::register(SIGINT, Arc::new(AtomicBool::new(false)))?;
+        let parent = nix::unistd::getppid();
+        nix::sys::prctl::set_pdeathsig(Signal::SIGTERM).map_err(std::io::Error::from)?;
+        if nix::unistd::getppid() != parent {
+            // It died between the two lines above.
+            asked.store(true, Ordering::Relaxed);
+        }
+        Ok(Self { asked })
+    }
+
+    /// True once SIGTERM came.
+    #[must_use]
+    pub fn is_asked(&self) -> bool {
+        self.asked.load(Ordering::Relaxed)
+    }
+}

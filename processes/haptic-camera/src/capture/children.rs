@@ -1,0 +1,226 @@
+//! The other processes: started, brought back when they die, ended.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::Context as _;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use shared_types::ProcessKind;
+
+use crate::command_line::CaptureOptions;
+use crate::outcome::remark;
+
+/// Pause before a process that died is started again.
+const RESTART_PAUSE: Duration = Duration::from_millis(100);
+/// A process that lived for less than this died of something that a restart may not mend.
+const SHORT_LIFE: Duration = Duration::from_secs(1);
+/// Short lives in a row after which a process is given up.
+const SHORT_LIVES: u32 = 5;
+
+/// The command that starts one of our programs, which lie beside this one.
+///
+/// # Errors
+/// When it is not there.
+pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
+    let path = program_path(name)?;
+    anyhow::ensure!(path.exists(), "the program {} is missing; build the whole workspace", path.display());
+    let mut command = Command::new(path);
+    // A Ctrl-C at the terminal reaches this program alone, which then ends the run in order.
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    command.stdin(Stdio::null());
+    Ok(command)
+}
+
+/// Where one of our programs lies: beside this one.
+///
+/// # Errors
+/// When the system does not tell where this program lies.
+pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
+    Ok(std::env::current_exe().context("where this program lies is unknown")?.with_file_name(name))
+}
+
+/// A process that this one started.
+pub(crate) struct Child {
+    process: std::process::Child,
+    started: Instant,
+    exit: Option<Option<i32>>,
+}
+
+impl Child {
+    pub(crate) fn start(command: &mut Command) -> anyhow::Result<Self> {
+        let process = command
+            .spawn()
+            .with_context(|| format!("{} cannot be started", command.get_program().to_string_lossy()))?;
+        Ok(Self { process, started: Instant::now(), exit: None })
+    }
+
+    pub(crate) fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    pub(crate) fn age(&self) -> Duration {
+        self.started.elapsed()
+    }
+
+    /// Whether it has ended; reaps it.
+    pub(crate) fn has_ended(&mut self) -> bool {
+        if self.exit.is_none()
+            && let Ok(Some(status)) = self.process.try_wait()
+        {
+            self.exit = Some(status.code());
+        }
+        self.exit.is_some()
+    }
+
+    /// Its exit code, `None` while it runs or when a signal ended it.
+    pub(crate) fn exit_code(&self) -> Option<i32> {
+        self.exit.flatten()
+    }
+
+    /// Asks it to end, and after `patience` makes it.
+    pub(crate) fn end(&mut self, patience: Duration) {
+        if !self.has_ended() {
+            let _ = kill(self.pid(), Signal::SIGTERM);
+        }
+        if !self.wait(patience) {
+            let _ = kill(self.pid(), Signal::SIGKILL);
+            self.wait(Duration::from_secs(1));
+        }
+    }
+
+    /// Waits for its end; `false` when it has not come within `patience`.
+    pub(crate) fn wait(&mut self, patience: Duration) -> bool {
+        let deadline = Instant::now() + patience;
+        while !self.has_ended() {
+            if Instant::now() >= deadline {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        true
+    }
+
+    fn pid(&self) -> Pid {
+        Pid::from_raw(i32::try_from(self.process.id()).unwrap_or(i32::MAX))
+    }
+}
+
+/// One consumer and how to start it again.
+struct Consumer {
+    kind: ProcessKind,
+    arguments: Vec<String>,
+    child: Child,
+    restarts: u32,
+    short_lives: u32,
+    given_up: bool,
+}
+
+impl Consumer {
+    fn start(kind: ProcessKind, arguments: Vec<String>) -> anyhow::Result<Self> {
+        let child = spawn(kind, &arguments, 0)?;
+        Ok(Self { kind, arguments, child, restarts: 0, short_lives: 0, given_up: false })
+    }
+
+    /// Starts it again if it died. A clean end is left as it is.
+    fn revive(&mut self) {
+        if self.given_up || !self.child.has_ended() || self.ended_in_order() {
+            return;
+        }
+        if self.child.age() < RESTART_PAUSE {
+            return;
+        }
+        self.short_lives = if self.child.age() < SHORT_LIFE { self.short_lives + 1 } else { 0 };
+        if self.short_lives >= SHORT_LIVES {
+            self.given_up = true;
+            remark(format!("{} dies again and again and is left out; the capture goes on", self.kind.name()));
+            return;
+        }
+        self.restarts += 1;
+        match spawn(self.kind, &self.arguments, self.restarts) {
+            Ok(child) => self.child = child,
+            Err(error) => {
+                self.given_up = true;
+                remark(format!("{} cannot be started again: {error:#}", self.kind.name()));
+            }
+        }
+    }
+
+    fn ended_in_order(&self) -> bool {
+        matches!(self.child.exit_code(), Some(0 | 3))
+    }
+}
+
+fn spawn(kind: ProcessKind, arguments: &[String], restarts: u32) -> anyhow::Result<Child> {
+    let mut command = program(kind.name())?;
+    command.args(arguments).arg(format!("--restarts={restarts}"));
+    if restarts > 0 {
+        // What it had to say at its start has been said.
+        command.stdout(Stdio::null());
+    }
+    Child::start(&mut command)
+}
+
+/// Recorder, live fitter and viewer.
+pub(crate) struct Consumers {
+    recorder: Consumer,
+    others: Vec<Consumer>,
+}
+
+impl Consumers {
+    /// Starts them. Only the recorder is indispensable.
+    pub(crate) fn start(archive: &Path, options: &CaptureOptions) -> anyhow::Result<Self> {
+        let recorder = Consumer::start(ProcessKind::Recorder, vec![format!("--out={}", archive.display())])?;
+        let mut wanted = vec![(ProcessKind::LiveFitter, Vec::new())];
+        if !options.no_viewer {
+            let place = if options.native_viewer { "--native" } else { "--web" };
+            wanted.push((ProcessKind::Viewer, vec![place.to_owned()]));
+        }
+        let mut others = Vec::new();
+        for (kind, arguments) in wanted {
+            match Consumer::start(kind, arguments) {
+                Ok(consumer) => others.push(consumer),
+                Err(error) => remark(format!("going on without {}: {error:#}", kind.name())),
+            }
+        }
+        Ok(Self { recorder, others })
+    }
+
+    /// Starts again what has died.
+    pub(crate) fn revive(&mut self) {
+        self.recorder.revive();
+        for consumer in &mut self.others {
+            consumer.revive();
+        }
+    }
+
+    /// Waits for the recorder to close the archive, starting it again if it dies on the way; gives its exit code.
+    pub(crate) fn finish_recorder(&mut self, patience: Duration, mut meanwhile: impl FnMut()) -> Option<i32> {
+        let deadline = Instant::now() + patience;
+        while Instant::now() < deadline {
+            meanwhile();
+            self.recorder.revive();
+            if self.recorder.given_up || (self.recorder.child.has_ended() && self.recorder.ended_in_order()) {
+                return self.recorder.child.exit_code();
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        self.recorder.child.end(Duration::from_secs(5));
+        self.recorder.child.exit_code()
+    }
+
+    /// Ends whatever still runs; gives the restarts of each.
+    pub(crate) fn end(mut self) -> Vec<(ProcessKind, u32)> {
+        for consumer in &mut self.others {
+            let _ = kill(consumer.child.pid(), Signal::SIGTERM);
+        }
+        let mut restarts = vec![(self.recorder.kind, self.recorder.restarts)];
+        for consumer in &mut self.others {
+            consumer.child.end(Duration::from_secs(2));
+            restarts.push((consumer.kind, consumer.restarts));
+        }
+        self.recorder.child.end(Duration::from_secs(2));
+        restarts
+    }
+}

@@ -1,0 +1,44 @@
+//! The operator's program: `haptic-camera`.
+//!
+//! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.
+
+mod capture;
+mod command_line;
+mod doctor;
+mod fit;
+mod load;
+mod outcome;
+mod parameter_table;
+mod recover;
+mod simulate;
+mod view;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+use crate::command_line::{Command, CommandLine};
+use crate::outcome::Outcome;
+
+fn main() -> ExitCode {
+    tracing_subscriber::fmt()
+        .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
+        .with_writer(std::io::stderr)
+        .init();
+    let result = match CommandLine::parse().command {
+        Command::Capture(options) => capture::run(&options),
+        Command::Fit(options) => fit::run(&options),
+        Command::Simulate(options) => simulate::run(&options),
+        Command::View(options) => view::run(&options),
+        Command::Recover(options) => recover::run(&options),
+        Command::Doctor => doctor::run(),
+    };
+    match result {
+        Ok(outcome) => outcome.into(),
+        Err(error) => {
+            tracing::debug!("{error:?}");
+            outcome::tell_error(&error);
+            Outcome::Failed.into()
+        }
+    }
+}

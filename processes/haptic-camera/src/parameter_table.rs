@@ -1,0 +1,86 @@
+//! A fit's parameters as a table for an 80-column terminal.
+
+use comfy_table::{CellAlignment, Table, presets};
+use dynamics::effects::detent::canonical;
+use dynamics::{Model, effects};
+use identification::{Fit, Parameter};
+
+/// Parameters with intervals; beside the true values where they are known.
+pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    let mut header = vec!["parameter", "fitted", "95 % interval", "unit"];
+    if truth.is_some() {
+        header.extend(["true", ""]);
+    }
+    table.set_header(header);
+    for parameter in &fit.parameters.0 {
+        let digits = digits(parameter);
+        let (value, interval) = match (parameter.value, parameter.ci95) {
+            (Some(value), Some([low, high])) => {
+                (format!("{value:.digits$}"), format!("{low:.digits$} to {high:.digits$}"))
+            }
+            (Some(value), None) => (format!("{value:.digits$}"), String::new()),
+            (None, _) => ("-".to_owned(), "cannot be told".to_owned()),
+        };
+        let mut row = vec![parameter.name.to_owned(), value, interval, parameter.unit.to_owned()];
+        if let Some(model) = truth {
+            row.extend(beside_truth(parameter, model, digits));
+        }
+        table.add_row(row);
+    }
+    for column in [1, 2, 4] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+/// Why the parameters that could not be told could not; one line each.
+pub fn reasons(fit: &Fit) -> Vec<String> {
+    let told = fit.parameters.0.iter().filter_map(|parameter| Some((parameter.name, parameter.reason.as_ref()?)));
+    let mut lines: Vec<(Vec<&str>, &String)> = Vec::new();
+    for (name, reason) in told {
+        match lines.iter_mut().find(|(_, known)| *known == reason) {
+            Some((names, _)) => names.push(name),
+            None => lines.push((vec![name], reason)),
+        }
+    }
+    lines.into_iter().map(|(names, reason)| format!("{}: {reason}", names.join(", "))).collect()
+}
+
+/// The true value as the fit would write it: detents with positive amplitude.
+pub fn true_value(model: &Model, name: &str) -> Option<f64> {
+    let detent = model.effect(effects::detent::KIND.name).map(|detent| {
+        let values = detent.values();
+        canonical(values[0], values[2])
+    });
+    match (name, detent) {
+        ("detent_amplitude", Some((amplitude, _))) => Some(amplitude),
+        ("detent_phase", Some((_, phase))) => Some(phase),
+        _ => model.parameter(name),
+    }
+}
+
+fn beside_truth(parameter: &Parameter, model: &Model, digits: usize) -> [String; 2] {
+    let Some(value) = true_value(model, parameter.name) else { return ["none".to_owned(), String::new()] };
+    let inside = match parameter.ci95 {
+        Some([low, high]) if (low..=high).contains(&value) => "inside",
+        Some(_) => "outside",
+        None => "",
+    };
+    [format!("{value:.digits$}"), inside.to_owned()]
+}
+
+/// Decimals that show the interval's width with two digits.
+fn digits(parameter: &Parameter) -> usize {
+    let width = match (parameter.ci95, parameter.value) {
+        (Some([low, high]), _) if high > low => high - low,
+        (_, Some(value)) if value != 0.0 => value.abs() * 1e-3,
+        _ => return 4,
+    };
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
+    let digits = (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize;
+    digits
+}

@@ -1,0 +1,21 @@
+//! `view`: the live view of the running capture, or a finished one.
+
+use anyhow::Context as _;
+
+use crate::capture::program_path;
+use crate::command_line::ViewOptions;
+use crate::outcome::Outcome;
+
+/// Runs the viewer until the operator ends it.
+///
+/// # Errors
+/// When the viewer cannot be started.
+pub fn run(options: &ViewOptions) -> anyhow::Result<Outcome> {
+    let mut command = std::process::Command::new(program_path("rerun-viewer")?);
+    command.arg(if options.native { "--native" } else { "--web" });
+    if let Some(capture) = &options.capture {
+        command.arg("--capture").arg(capture);
+    }
+    let status = command.status().context("the viewer cannot be started; build the whole workspace")?;
+    Ok(if status.success() { Outcome::Done } else { Outcome::Failed })
+}

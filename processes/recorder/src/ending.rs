@@ -1,0 +1,159 @@
+//! When a recording has come to its end.
+
+use shared_types::{LoopStatus, rig};
+
+use crate::recording::Recording;
+use crate::stop::Stop;
+
+/// How long missing samples are waited for after the run has ended, ns.
+const PATIENCE_NS: u64 = 1_000_000_000;
+/// How long the last estimates and health reports are waited for after the last sample, ns.
+const AFTERMATH_NS: u64 = 200_000_000;
+/// Silence of the control loop, which reports ten times a second, after which its process is looked for, ns.
+const SILENCE_NS: u64 = 1_000_000_000;
+
+/// Watches for the end of a run. Times are CLOCK_MONOTONIC.
+#[derive(Debug)]
+pub(crate) struct Ending {
+    run_id: u64,
+    status: Option<LoopStatus>,
+    /// When the last status came, ns.
+    heard_ns: u64,
+    /// When the last sample came, or the news that the run has ended, ns.
+    news_ns: u64,
+    /// When every sample of the run was here, ns.
+    complete_ns: Option<u64>,
+}
+
+/// Why a recording ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cause {
+    /// Every sample of the run is here, and the last reports had their time to come.
+    Complete,
+    /// The run has ended, and nothing more comes.
+    Overdue,
+    /// The control loop's process is gone.
+    SourceGone,
+}
+
+impl Ending {
+    /// Watches for the end of this run.
+    pub(crate) fn of_run(run_id: u64) -> Self {
+        Self { run_id, status: None, heard_ns: 0, news_ns: 0, complete_ns: None }
+    }
+
+    /// Takes note of the control loop's status; false for one of another run.
+    pub(crate) fn hear(&mut self, status: &LoopStatus, now_ns: u64) -> bool {
+        if status.run_id != self.run_id {
+            return false;
+        }
+        let ended_before = self.status.is_some_and(|before| before.finished == 1);
+        if status.finished == 1 && !ended_before {
+            self.news_ns = now_ns;
+        }
+        self.heard_ns = now_ns;
+        self.status = Some(*status);
+        true
+    }
+
+    /// Takes note that samples came.
+    pub(crate) fn hear_samples(&mut self, now_ns: u64) {
+        self.news_ns = now_ns;
+    }
+
+    /// Samples that the run has published, as far as the control loop has said.
+    pub(crate) fn published_samples(&self) -> u64 {
+        self.status.map_or(0, |status| status.published_samples)
+    }
+
+    /// True when the recording is to be ended; says why unless the run simply is complete.
+    pub(crate) fn has_come(&mut self, recording: &Recording, stop: &Stop) -> bool {
+        if stop.is_asked() {
+            tracing::info!("asked to stop: the archive ends here");
+            return true;
+        }
+        let cause = self.cause(rig::monotonic_time_ns(), recording.next_seq(), process_exists);
+        match cause {
+            None | Some(Cause::Complete) => {}
+            Some(Cause::Overdue) => tracing::warn!(
+                "the run had {} samples, but only the first {} of them came in the end",
+                self.published_samples(),
+                recording.next_seq()
+            ),
+            Some(Cause::SourceGone) => {
+                tracing::warn!("the control loop is gone before the run's end: the archive ends here");
+            }
+        }
+        cause.is_some()
+    }
+
+    fn cause(&mut self, now_ns: u64, next_seq: u64, process_exists: impl Fn(u32) -> bool) -> Option<Cause> {
+        let status = self.status?;
+        if status.finished == 1 {
+            if next_seq >= status.published_samples {
+                let complete_ns = *self.complete_ns.get_or_insert(now_ns);
+                return (now_ns.saturating_sub(complete_ns) > AFTERMATH_NS).then_some(Cause::Complete);
+            }
+            return (now_ns.saturating_sub(self.news_ns) > PATIENCE_NS).then_some(Cause::Overdue);
+        }
+        let silent = now_ns.saturating_sub(self.heard_ns) > SILENCE_NS;
+        (silent && !process_exists(status.process_id)).then_some(Cause::SourceGone)
+    }
+}
+
+/// False once the process has ended, even while nobody has reaped it.
+fn process_exists(process_id: u32) -> bool {
+    let Ok(stat) = std::fs::read_to_string(format!("/proc/{process_id}/stat")) else {
+        return false;
+    };
+    // `pid (name) state ...`; the name may hold anything, brackets too.
+    let state = stat.rsplit(')').next().and_then(|rest| rest.split_whitespace().next());
+    !matches!(state, Some("Z" | "X"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: u64 = 1_000_000_000;
+
+    fn status(finished: u32, published_samples: u64) -> LoopStatus {
+        LoopStatus { run_id: 5, finished, published_samples, process_id: 77, ..LoopStatus::default() }
+    }
+
+    #[test]
+    fn a_run_is_complete_once_its_last_sample_is_here_and_the_last_reports_had_time() {
+        let mut ending = Ending::of_run(5);
+        assert!(ending.hear(&status(1, 100), SECOND));
+        assert_eq!(ending.cause(SECOND, 99, |_| true), None);
+        assert_eq!(ending.cause(2 * SECOND, 100, |_| true), None);
+        assert_eq!(ending.cause(2 * SECOND + AFTERMATH_NS + 1, 100, |_| true), Some(Cause::Complete));
+    }
+
+    #[test]
+    fn a_sample_that_never_comes_is_waited_for_one_second_after_the_last_news() {
+        let mut ending = Ending::of_run(5);
+        assert!(ending.hear(&status(1, 100), SECOND));
+        ending.hear_samples(3 * SECOND);
+        assert!(ending.hear(&status(1, 100), 4 * SECOND));
+        assert_eq!(ending.cause(4 * SECOND, 99, |_| true), None);
+        assert_eq!(ending.cause(4 * SECOND + 1, 99, |_| true), Some(Cause::Overdue));
+    }
+
+    #[test]
+    fn a_silent_control_loop_is_gone_only_when_its_process_is() {
+        let mut ending = Ending::of_run(5);
+        assert_eq!(ending.cause(9 * SECOND, 0, |_| false), None, "no loop was heard yet");
+        assert!(ending.hear(&status(0, 10), SECOND));
+        assert_eq!(ending.cause(2 * SECOND, 10, |_| false), None);
+        assert_eq!(ending.cause(3 * SECOND, 10, |process| process == 77), None);
+        assert_eq!(ending.cause(3 * SECOND, 10, |_| false), Some(Cause::SourceGone));
+    }
+
+    #[test]
+    fn the_status_of_another_run_is_not_heard() {
+        let mut ending = Ending::of_run(6);
+        assert!(!ending.hear(&status(1, 0), SECOND));
+        assert_eq!(ending.cause(9 * SECOND, 0, |_| false), None);
+    }
+}

@@ -1,0 +1,72 @@
+//! The recorder: writes everything that a run publishes into one MCAP archive.
+//!
+//! **Reads** the samples (those of the last seconds first), the run's description, the control
+//! loop's status, the live fitter's estimates and every consumer's health. **Publishes** its own
+//! health twice a second.
+//!
+//! **When it dies**, even by SIGKILL, the control loop does not notice, and what was written up to
+//! half a second before is on the disk. Restarted with the same `--out` it goes on in a new part,
+//! `FILE.mcap.part-001` and so on; the samples of the meantime reach it as history. At the end of
+//! the run the parts become `FILE.mcap`, each sample once. **When the disk is full** it goes on in
+//! the temporary directory. **When the control loop dies** it ends the archive properly.
+//!
+//! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but samples are missing.
+
+mod ending;
+mod health;
+mod part;
+mod parts;
+mod recording;
+mod stop;
+mod streams;
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Parser as _;
+
+/// How often the queues are looked at. They hold eight seconds.
+const POLL_INTERVAL: Duration = Duration::from_millis(2);
+
+/// Writes what a run publishes into one MCAP archive.
+#[derive(clap::Parser)]
+#[command(version)]
+struct Arguments {
+    /// The archive to write; must not hold another run.
+    #[arg(long, value_name = "FILE.mcap")]
+    out: std::path::PathBuf,
+    /// Times this process was restarted during the run, for its health report.
+    #[arg(long, default_value_t = 0)]
+    restarts: u32,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    tracing_subscriber::fmt().with_writer(std::io::stderr).with_target(false).without_time().init();
+    match record(&arguments) {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(_missing_samples) => ExitCode::from(3),
+        Err(error) => {
+            tracing::error!("{error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Records one run; the number of samples that are missing in the archive.
+fn record(arguments: &Arguments) -> anyhow::Result<u64> {
+    let stop = stop::Stop::listen()?;
+    let mut streams = streams::Streams::attach(arguments.restarts)?;
+    let Some(run) = streams.wait_for_run(&stop, POLL_INTERVAL)? else {
+        tracing::info!("stopped before a run began; nothing recorded");
+        return Ok(0);
+    };
+    let mut ending = ending::Ending::of_run(run.run_id);
+    let mut recording = recording::Recording::begin(&arguments.out, run)?;
+    while !ending.has_come(&recording, &stop) {
+        streams.drain_into(&mut recording, &mut ending)?;
+        std::thread::sleep(POLL_INTERVAL);
+    }
+    streams.drain_into(&mut recording, &mut ending)?;
+    recording.finish(ending.published_samples())
+}

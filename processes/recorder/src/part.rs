@@ -1,0 +1,98 @@
+//! One part of a recording: a file, its writer, and the thread that brings it to the disk.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
+use std::thread::JoinHandle;
+
+use anyhow::Context as _;
+use archive::{CaptureWriter, WriteSummary};
+use shared_types::RunDescription;
+
+/// Bytes gathered before the operating system is called; a chunk is a few times as long.
+const BUFFER_BYTES: usize = 256 * 1024;
+
+/// A part that is being written.
+pub(crate) struct Part {
+    pub(crate) path: PathBuf,
+    pub(crate) writer: CaptureWriter<BufWriter<File>>,
+    disk: Disk,
+}
+
+impl Part {
+    /// Begins a part in a file that must not exist yet.
+    pub(crate) fn create(path: &Path, run: &RunDescription) -> anyhow::Result<Self> {
+        let place = || path.display().to_string();
+        let file = File::options().write(true).create_new(true).open(path).with_context(place)?;
+        let disk = Disk::new(file.try_clone().with_context(place)?).with_context(place)?;
+        let writer = CaptureWriter::new(BufWriter::with_capacity(BUFFER_BYTES, file), run).with_context(place)?;
+        let mut part = Self { path: path.to_owned(), writer, disk };
+        part.flush()?;
+        archive::whole_file::sync_directory(path)?;
+        Ok(part)
+    }
+
+    /// Closes the chunk, hands it to the operating system and has it brought to the disk, without
+    /// waiting for the disk.
+    pub(crate) fn flush(&mut self) -> anyhow::Result<()> {
+        self.writer.flush().with_context(|| self.path.display().to_string())?;
+        self.disk.sync_soon().with_context(|| self.path.display().to_string())
+    }
+
+    /// Ends the part and waits until it is on the disk.
+    pub(crate) fn finish(self) -> anyhow::Result<(PathBuf, WriteSummary)> {
+        let Self { path, writer, disk } = self;
+        let (summary, buffer) = writer.finish().with_context(|| path.display().to_string())?;
+        let file = buffer
+            .into_inner()
+            .map_err(std::io::IntoInnerError::into_error)
+            .with_context(|| path.display().to_string())?;
+        disk.join();
+        file.sync_all().with_context(|| path.display().to_string())?;
+        Ok((path, summary))
+    }
+}
+
+/// Brings a file to the disk from a thread of its own, since a disk can take seconds.
+struct Disk {
+    requests: SyncSender<()>,
+    failures: Receiver<std::io::Error>,
+    thread: JoinHandle<()>,
+}
+
+impl Disk {
+    fn new(file: File) -> std::io::Result<Self> {
+        let (requests, wanted) = sync_channel::<()>(1);
+        let (report, failures) = channel();
+        let thread = std::thread::Builder::new().name("disk".to_owned()).spawn(move || {
+            while wanted.recv().is_ok() {
+                if let Err(error) = file.sync_data() {
+                    // The other end may be gone already; then finishing reports the failure.
+                    let _ = report.send(error);
+                    break;
+                }
+            }
+        })?;
+        Ok(Self { requests, failures, thread })
+    }
+
+    /// Asks for the file to be brought to the disk; the failure of an earlier request, if any.
+    fn sync_soon(&self) -> std::io::Result<()> {
+        match self.requests.try_send(()) {
+            // A request that waits already covers this one.
+            Ok(()) | Err(TrySendError::Full(())) => {}
+            Err(TrySendError::Disconnected(())) => {
+                return Err(self.failures.recv().unwrap_or_else(|_| std::io::Error::other("the disk thread is gone")));
+            }
+        }
+        self.failures.try_recv().map_or(Ok(()), Err)
+    }
+
+    fn join(self) {
+        let Self { requests, failures: _, thread } = self;
+        drop(requests);
+        // It does not panic, and its failures show in the last sync.
+        let _ = thread.join();
+    }
+}

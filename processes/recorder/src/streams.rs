@@ -1,0 +1,93 @@
+//! What the recorder listens to.
+
+use std::time::Duration;
+
+use anyhow::Context as _;
+use shared_types::services::{
+    self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, MessageSubscriber, PROCESS_HEALTH, RigNode, SampleSubscriber,
+};
+use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, rig};
+
+use crate::ending::Ending;
+use crate::health::Health;
+use crate::recording::{Entry, Recording};
+use crate::stop::Stop;
+
+/// The rig's streams, from the recorder's side.
+pub(crate) struct Streams {
+    node: RigNode,
+    samples: SampleSubscriber,
+    status: MessageSubscriber<LoopStatus>,
+    fits: MessageSubscriber<FitUpdate>,
+    healths: MessageSubscriber<ProcessHealth>,
+    own_health: MessagePublisher<ProcessHealth>,
+    health: Health,
+}
+
+impl Streams {
+    /// Attaches to the rig. From now on nothing that is published is missed.
+    pub(crate) fn attach(restarts: u32) -> anyhow::Result<Self> {
+        let node = services::attach("recorder")?;
+        Ok(Self {
+            samples: services::sample_subscriber(&node)?,
+            status: LOOP_STATUS.subscriber(&node)?,
+            fits: FIT_UPDATES.subscriber(&node)?,
+            healths: PROCESS_HEALTH.subscriber(&node)?,
+            own_health: PROCESS_HEALTH.publisher(&node)?,
+            health: Health::new(restarts),
+            node,
+        })
+    }
+
+    /// Waits until a run is described; `None` when asked to stop before.
+    pub(crate) fn wait_for_run(&mut self, stop: &Stop, interval: Duration) -> anyhow::Result<Option<RunDescription>> {
+        let descriptions = services::description_subscriber(&self.node)?;
+        while !stop.is_asked() {
+            if let Some(json) = descriptions.receive().context("the run's description cannot be received")? {
+                let run = serde_json::from_slice(json.payload())
+                    .context("the run's description is not understood; use the programs of one build together")?;
+                return Ok(Some(run));
+            }
+            self.report_health(0)?;
+            std::thread::sleep(interval);
+        }
+        Ok(None)
+    }
+
+    /// Writes everything that waits in the queues.
+    pub(crate) fn drain_into(&mut self, recording: &mut Recording, ending: &mut Ending) -> anyhow::Result<()> {
+        while let Some(block) = self.samples.receive().context("samples cannot be received")? {
+            if block.user_header().run_id != recording.run_id() {
+                continue;
+            }
+            self.health.received(block.payload());
+            ending.hear_samples(rig::monotonic_time_ns());
+            for sample in block.payload() {
+                recording.write(Entry::Sample(*sample))?;
+            }
+            recording.flush_if_due()?;
+        }
+        while let Some(status) = self.status.receive().context("the loop's status cannot be received")? {
+            if ending.hear(status.payload(), rig::monotonic_time_ns()) {
+                recording.write(Entry::Status(Box::new(*status.payload())))?;
+            }
+        }
+        while let Some(update) = self.fits.receive().context("estimates cannot be received")? {
+            if update.payload().run_id == recording.run_id() {
+                recording.write(Entry::Fit(Box::new(*update.payload())))?;
+            }
+        }
+        while let Some(health) = self.healths.receive().context("health reports cannot be received")? {
+            recording.write(Entry::Health(*health.payload()))?;
+        }
+        recording.flush_if_due()?;
+        self.report_health(recording.lost_samples())
+    }
+
+    fn report_health(&mut self, lost_samples: u64) -> anyhow::Result<()> {
+        if let Some(report) = self.health.report(lost_samples) {
+            self.own_health.send_copy(report).context("the recorder's health cannot be sent")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,355 @@
+//! The recorder as a process: fed through shared memory, killed, restarted, stopped.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use archive::Capture;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::update_connections::UpdateConnections as _;
+use iceoryx2::prelude::ipc;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use shared_types::services::{self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, RigNode, SamplePublisher};
+use shared_types::{BlockHeader, ClockMapping, FitUpdate, LoopStatus, RunDescription, Sample, rig};
+use tempfile::TempDir;
+
+const RUN_ID: u64 = 0xfeed;
+const RATE_HZ: f64 = 10_000.0;
+
+/// The runtime directory is a variable of the whole process: one rig at a time is set up.
+static ENVIRONMENT: Mutex<()> = Mutex::new(());
+
+/// Stands in for the control loop: publishes samples as it does, in this test's own rig.
+struct Rig {
+    directory: TempDir,
+    _node: RigNode,
+    samples: SamplePublisher,
+    status: MessagePublisher<LoopStatus>,
+    fits: MessagePublisher<FitUpdate>,
+    description: Publisher<ipc::Service, [u8], ()>,
+    published: u64,
+    process_id: u32,
+}
+
+impl Rig {
+    fn new() -> Self {
+        let directory = tempfile::tempdir().unwrap();
+        let _one_at_a_time = ENVIRONMENT.lock().unwrap();
+        // SAFETY: the lock keeps other tests from the environment, and nothing else here reads it.
+        #[allow(unsafe_code, reason = "each test has a rig of its own")]
+        unsafe {
+            std::env::set_var(rig::RUNTIME_DIR_VARIABLE, directory.path().join("rig"));
+        }
+        let node = services::attach("test").unwrap();
+        let mut rig = Self {
+            samples: services::sample_publisher(&node).unwrap(),
+            status: LOOP_STATUS.publisher(&node).unwrap(),
+            fits: FIT_UPDATES.publisher(&node).unwrap(),
+            description: services::description_publisher(&node).unwrap(),
+            _node: node,
+            directory,
+            published: 0,
+            process_id: std::process::id(),
+        };
+        rig.describe();
+        rig
+    }
+
+    fn describe(&mut self) {
+        let json = serde_json::to_vec(&description(RUN_ID)).unwrap();
+        self.description.loan_slice_uninit(json.len()).unwrap().write_from_slice(&json).send().unwrap();
+    }
+
+    fn out(&self) -> PathBuf {
+        self.directory.path().join("run.mcap")
+    }
+
+    fn start_recorder(&self, restarts: u32) -> Child {
+        self.start_recorder_to(&self.out(), restarts)
+    }
+
+    fn start_recorder_to(&self, out: &Path, restarts: u32) -> Child {
+        Command::new(env!("CARGO_BIN_EXE_recorder"))
+            .arg("--out")
+            .arg(out)
+            .args(["--restarts", &restarts.to_string()])
+            .env(rig::RUNTIME_DIR_VARIABLE, self.directory.path().join("rig"))
+            .env("TMPDIR", self.directory.path())
+            .spawn()
+            .unwrap()
+    }
+
+    /// Publishes so many blocks of ten samples, one each millisecond, with estimates in between.
+    fn publish_blocks(&mut self, blocks: usize) {
+        for _ in 0..blocks {
+            self.publish_block_of(RUN_ID);
+            if self.published % 500 == 0 {
+                let update = FitUpdate {
+                    run_id: RUN_ID,
+                    latest_tick: self.published,
+                    monotonic_time_ns: rig::monotonic_time_ns(),
+                    ..FitUpdate::default()
+                };
+                self.fits.send_copy(update).unwrap();
+                self.publish_status(false);
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn publish_block_of(&mut self, run_id: u64) {
+        let block: Vec<Sample> = (0..10).map(|offset| sample(self.published + offset)).collect();
+        let mut loan = self.samples.loan_slice_uninit(block.len()).unwrap();
+        *loan.user_header_mut() = BlockHeader { run_id };
+        loan.write_from_slice(&block).send().unwrap();
+        self.published += 10;
+    }
+
+    fn publish_status(&self, finished: bool) {
+        let status = LoopStatus {
+            run_id: RUN_ID,
+            monotonic_time_ns: rig::monotonic_time_ns(),
+            published_samples: self.published,
+            finished: u32::from(finished),
+            process_id: self.process_id,
+            ..LoopStatus::default()
+        };
+        self.status.send_copy(status).unwrap();
+    }
+
+    /// Ends the run as the control loop does: says so again and again, and keeps history reachable.
+    fn finish(&self, recorder: &mut Child) -> i32 {
+        self.wait(recorder, || {
+            self.publish_status(true);
+            self.samples.update_connections().unwrap();
+            self.description.update_connections().unwrap();
+        })
+    }
+
+    /// Waits for the recorder to end; its exit status.
+    fn wait(&self, recorder: &mut Child, meanwhile: impl Fn()) -> i32 {
+        let started = Instant::now();
+        loop {
+            if let Some(status) = recorder.try_wait().unwrap() {
+                return status.code().unwrap_or(-1);
+            }
+            if started.elapsed() > Duration::from_secs(60) {
+                recorder.kill().unwrap();
+                panic!("the recorder does not end");
+            }
+            meanwhile();
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    fn wait_for(&mut self, what: &str, mut there: impl FnMut(&Path) -> bool) {
+        let started = Instant::now();
+        while !there(self.directory.path()) {
+            assert!(started.elapsed() < Duration::from_secs(60), "{what} does not come");
+            self.publish_blocks(1);
+        }
+    }
+
+    fn files(&self) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(self.directory.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| name.contains("mcap"))
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Asserts that the archive holds every published sample, bit for bit.
+    fn assert_archive_is_complete(&self) {
+        let capture = Capture::load(&self.out()).unwrap();
+        assert_eq!(capture.len() as u64, self.published);
+        assert_eq!(capture.gaps, []);
+        for (row, (&seq, &torque)) in capture.seq.iter().zip(&capture.torque_mnm).enumerate() {
+            assert_eq!(seq, row as u64);
+            assert_eq!(torque.to_bits(), sample(seq).torque_mnm.to_bits());
+        }
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "test values")]
+fn sample(seq: u64) -> Sample {
+    Sample {
+        seq,
+        tick: seq,
+        monotonic_time_ns: rig::monotonic_time_ns(),
+        angle_rad: (seq as f64 * 1e-3).sin(),
+        torque_mnm: (seq as f64 * 0.7).cos() * 10.0,
+        ..Sample::default()
+    }
+}
+
+fn send(signal: Signal, process: &Child) {
+    kill(Pid::from_raw(i32::try_from(process.id()).unwrap()), signal).unwrap();
+}
+
+#[test]
+fn a_run_is_recorded_whole() {
+    let mut rig = Rig::new();
+    let mut recorder = rig.start_recorder(0);
+    rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
+    rig.publish_blocks(1500);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    assert_eq!(rig.files(), ["run.mcap"]);
+    rig.assert_archive_is_complete();
+}
+
+#[test]
+fn a_killed_recorder_resumes_without_a_gap() {
+    let mut rig = Rig::new();
+    let mut recorder = rig.start_recorder(0);
+    for restart in 1..=3 {
+        let part = format!("run.mcap.part-{:03}", restart - 1);
+        rig.wait_for(&part, |path| path.join(&part).exists());
+        rig.publish_blocks(900);
+        recorder.kill().unwrap();
+        recorder.wait().unwrap();
+        rig.publish_blocks(100);
+        recorder = rig.start_recorder(restart);
+    }
+    rig.publish_blocks(300);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    assert_eq!(rig.files(), ["run.mcap"]);
+    rig.assert_archive_is_complete();
+}
+
+#[test]
+fn a_recorder_that_comes_after_the_run_records_what_history_holds() {
+    let mut rig = Rig::new();
+    rig.publish_blocks(600);
+    let mut recorder = rig.start_recorder(0);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    rig.assert_archive_is_complete();
+}
+
+#[test]
+fn samples_that_never_come_are_told_by_status_3_and_a_gap() {
+    let mut rig = Rig::new();
+    let mut recorder = rig.start_recorder(0);
+    rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
+    rig.publish_blocks(200);
+    let first_missing_seq = rig.published;
+    rig.published += 70;
+    rig.publish_blocks(200);
+    let next = rig.published;
+    rig.published += 5;
+    assert_eq!(rig.finish(&mut recorder), 3);
+    let gaps = Capture::load(&rig.out()).unwrap().gaps;
+    let bounds: Vec<(u64, u64)> = gaps.iter().map(|gap| (gap.first_missing_seq, gap.last_missing_seq)).collect();
+    assert_eq!(bounds, [(first_missing_seq, first_missing_seq + 69), (next, next + 4)]);
+}
+
+#[test]
+fn a_recorder_that_is_told_to_stop_ends_its_archive_and_ignores_ctrl_c() {
+    let mut rig = Rig::new();
+    let mut recorder = rig.start_recorder(0);
+    rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
+    rig.publish_blocks(300);
+    send(Signal::SIGINT, &recorder);
+    rig.publish_blocks(300);
+    assert!(recorder.try_wait().unwrap().is_none(), "an interrupt from the keyboard is the supervisor's to handle");
+    send(Signal::SIGTERM, &recorder);
+    assert_eq!(rig.wait(&mut recorder, || {}), 0);
+    rig.assert_archive_is_complete();
+}
+
+#[test]
+fn a_recorder_whose_source_dies_ends_its_archive() {
+    let mut rig = Rig::new();
+    let mut source = Command::new("sleep").arg("1000").spawn().unwrap();
+    rig.process_id = source.id();
+    let mut recorder = rig.start_recorder(0);
+    rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
+    rig.publish_blocks(400);
+    rig.publish_status(false);
+    source.kill().unwrap();
+    // Killed and not reaped: a dead process that still has an entry.
+    assert_eq!(rig.wait(&mut recorder, || {}), 0);
+    source.wait().unwrap();
+    rig.assert_archive_is_complete();
+}
+
+#[test]
+fn blocks_of_another_run_stay_out_of_the_archive() {
+    let mut rig = Rig::new();
+    let mut recorder = rig.start_recorder(0);
+    rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
+    rig.publish_blocks(100);
+    let published = rig.published;
+    rig.publish_block_of(RUN_ID + 1);
+    rig.published = published;
+    rig.publish_blocks(100);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    rig.assert_archive_is_complete();
+}
+
+#[test]
+fn an_archive_of_another_run_is_never_overwritten() {
+    let mut rig = Rig::new();
+    let other = archive_of_run(1);
+    std::fs::write(rig.out(), &other).unwrap();
+    rig.publish_blocks(10);
+    let mut recorder = rig.start_recorder(0);
+    assert_eq!(rig.finish(&mut recorder), 1);
+    assert_eq!(std::fs::read(rig.out()).unwrap(), other);
+}
+
+#[test]
+fn a_recorder_started_again_after_its_archive_was_ended_loses_nothing_of_it() {
+    let mut rig = Rig::new();
+    let mut recorder = rig.start_recorder(0);
+    rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
+    // Longer than history reaches back.
+    rig.publish_blocks(4500);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    let mut again = rig.start_recorder(1);
+    assert_eq!(rig.finish(&mut again), 0);
+    assert_eq!(rig.files(), ["run.mcap"]);
+    rig.assert_archive_is_complete();
+}
+
+#[test]
+fn a_place_that_cannot_be_written_to_sends_the_recording_to_the_temporary_directory() {
+    let mut rig = Rig::new();
+    let mut recorder = rig.start_recorder_to(Path::new("/proc/no/such/place/run.mcap"), 0);
+    rig.wait_for("the part elsewhere", |path| path.join("run.mcap.part-000").exists());
+    rig.publish_blocks(300);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    assert_eq!(rig.files(), ["run.mcap"], "the archive is where there is room");
+    rig.assert_archive_is_complete();
+}
+
+/// An archive of a run with this identity, without samples.
+fn archive_of_run(run_id: u64) -> Vec<u8> {
+    let writer = archive::CaptureWriter::new(std::io::Cursor::new(Vec::new()), &description(run_id)).unwrap();
+    writer.finish().unwrap().1.into_inner()
+}
+
+fn description(run_id: u64) -> RunDescription {
+    RunDescription {
+        run_id,
+        software_version: "test".to_owned(),
+        apparatus: "none".to_owned(),
+        knob: "none".to_owned(),
+        rate_hz: RATE_HZ,
+        planned_ticks: 0,
+        clock: ClockMapping {
+            monotonic_time_ns: rig::monotonic_time_ns(),
+            wall_clock_time_ns: rig::wall_clock_time_ns(),
+        },
+        realtime: 0,
+        excitation_toml: String::new(),
+        calibration_toml: String::new(),
+        simulated_knob_toml: None,
+        notes: Vec::new(),
+    }
+}

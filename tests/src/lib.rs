@@ -1,0 +1,176 @@
+//! What the tests of the whole instrument share: a rig of their own, and a look at its processes.
+//!
+//! Each [`Bench`] has its own runtime directory, so its shared memory and lock meet no other's. The
+//! benches of a test binary take turns, since they share the machine's cores.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, ensure};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+
+static TURN: Mutex<()> = Mutex::new(());
+
+/// A rig and a folder for captures, both gone when this is dropped.
+pub struct Bench {
+    folder: tempfile::TempDir,
+    _turn: MutexGuard<'static, ()>,
+}
+
+impl Bench {
+    /// An empty bench, once no other is in use.
+    ///
+    /// # Errors
+    /// When the temporary folder cannot be made.
+    pub fn new() -> anyhow::Result<Self> {
+        // A test that failed while it had the turn leaves nothing that the next could trip over.
+        let turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        Ok(Self { folder: tempfile::tempdir()?, _turn: turn })
+    }
+
+    /// The folder for files of the test.
+    #[must_use]
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// The command `haptic-camera ARGUMENTS` on this bench's rig.
+    ///
+    /// # Errors
+    /// When the programs are not built.
+    pub fn command(&self, arguments: &[&str]) -> anyhow::Result<Command> {
+        let program = program("haptic-camera")?;
+        let mut command = Command::new(program);
+        command
+            .args(arguments)
+            .env(shared_types::rig::RUNTIME_DIR_VARIABLE, self.path("rig"))
+            .current_dir(self.folder.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        Ok(command)
+    }
+
+    /// Runs `haptic-camera ARGUMENTS` to its end.
+    ///
+    /// # Errors
+    /// When it cannot be started.
+    pub fn run(&self, arguments: &[&str]) -> anyhow::Result<Output> {
+        Ok(self.command(arguments)?.output()?)
+    }
+
+    /// Starts `haptic-camera ARGUMENTS`.
+    ///
+    /// # Errors
+    /// When it cannot be started.
+    pub fn start(&self, arguments: &[&str]) -> anyhow::Result<Child> {
+        Ok(self.command(arguments)?.spawn()?)
+    }
+
+    /// The only archive under `folder`.
+    ///
+    /// # Errors
+    /// When there is none or more than one.
+    pub fn only_archive(&self, folder: &str) -> anyhow::Result<PathBuf> {
+        let mut archives: Vec<PathBuf> = std::fs::read_dir(self.path(folder))?
+            .flatten()
+            .map(|entry| entry.path())
+            .filter(|path| path.to_string_lossy().contains(".mcap"))
+            .collect();
+        ensure!(archives.len() == 1, "one archive was expected, these are there: {archives:?}");
+        Ok(archives.remove(0))
+    }
+
+    /// Process ids of the running programs called `name` that belong to this bench.
+    #[must_use]
+    pub fn processes(&self, name: &str) -> Vec<Pid> {
+        let mark = format!("{}={}", shared_types::rig::RUNTIME_DIR_VARIABLE, self.path("rig").display());
+        let Ok(entries) = std::fs::read_dir("/proc") else { return Vec::new() };
+        entries
+            .flatten()
+            .filter_map(|entry| entry.file_name().to_string_lossy().parse::<i32>().ok())
+            .filter(|pid| {
+                let folder = PathBuf::from(format!("/proc/{pid}"));
+                let command = std::fs::read_to_string(folder.join("comm")).unwrap_or_default();
+                let environment = std::fs::read(folder.join("environ")).unwrap_or_default();
+                command.trim() == &name[..name.len().min(15)]
+                    && environment.split(|&byte| byte == 0).any(|entry| entry == mark.as_bytes())
+            })
+            .map(Pid::from_raw)
+            .collect()
+    }
+
+    /// Waits until a program called `name` runs on this bench.
+    ///
+    /// # Errors
+    /// When none has come after ten seconds.
+    pub fn wait_for_process(&self, name: &str) -> anyhow::Result<Pid> {
+        let deadline = Instant::now() + Duration::from_secs(10);
+        loop {
+            if let Some(&pid) = self.processes(name).first() {
+                return Ok(pid);
+            }
+            ensure!(Instant::now() < deadline, "no {name} runs");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Kills the program called `name` at once, as the kernel would for want of memory.
+    ///
+    /// # Errors
+    /// When none runs.
+    pub fn kill(&self, name: &str) -> anyhow::Result<()> {
+        Ok(kill(self.wait_for_process(name)?, Signal::SIGKILL)?)
+    }
+
+    /// What of this bench's rig lies in shared memory, and which of its processes run.
+    #[must_use]
+    pub fn leftovers(&self) -> Vec<String> {
+        let in_memory = shared_types::clean_up::files_in_shared_memory(&self.path("rig")).into_iter();
+        let running = ["haptic-camera", "rt-loop", "recorder", "live-fitter", "rerun-viewer"]
+            .into_iter()
+            .filter(|name| !self.processes(name).is_empty())
+            .map(str::to_owned);
+        in_memory.chain(running).collect()
+    }
+}
+
+/// Where a program of the workspace lies: above the folder of the test that runs.
+///
+/// # Errors
+/// When it is not built.
+pub fn program(name: &str) -> anyhow::Result<PathBuf> {
+    let test = std::env::current_exe()?;
+    let path = test.parent().and_then(Path::parent).context("the test lies in no build folder")?.join(name);
+    ensure!(path.exists(), "{} is missing: build the whole workspace first, as scripts/test does", path.display());
+    Ok(path)
+}
+
+/// The folder of recordings made by others, or `None` when it is not at hand (which is said).
+#[must_use]
+#[allow(clippy::print_stderr, reason = "a test that skips says so")]
+pub fn measured_captures() -> Option<PathBuf> {
+    let folder = std::env::var_os("HAPTIC_CAMERA_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from)
+        .join("measured");
+    if folder.is_dir() {
+        Some(folder)
+    } else {
+        eprintln!("skipped: no measured captures in {}; set HAPTIC_CAMERA_DATA", folder.display());
+        None
+    }
+}
+
+/// What a program printed, for messages.
+#[must_use]
+pub fn printed(output: &Output) -> String {
+    format!(
+        "exit {:?}\n{}{}",
+        output.status.code(),
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    )
+}

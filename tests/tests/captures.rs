@@ -1,0 +1,82 @@
+//! Captures from start to end, with all processes.
+#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+use std::time::Duration;
+
+use archive::Capture;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use tests::{Bench, printed};
+
+/// Checks that the archive holds every sample: no gap in `seq`, and samples and missed ticks add up.
+fn assert_whole(capture: &Capture, ticks: u64) {
+    assert!(capture.seq.iter().enumerate().all(|(index, &seq)| seq == index as u64), "seq runs without a gap");
+    assert_eq!(capture.gaps, []);
+    assert_eq!(capture.len() as u64 + capture.ticks_without_sample() + first_tick(capture), ticks);
+    assert_eq!(*capture.tick.last().unwrap(), ticks - 1, "the run goes on to its last tick");
+}
+
+/// Ticks missed before the first sample.
+fn first_tick(capture: &Capture) -> u64 {
+    capture.tick[0]
+}
+
+#[test]
+fn a_capture_with_all_processes_ends_with_archive_model_and_report_and_leaves_nothing_behind() {
+    let bench = Bench::new().unwrap();
+    let output = bench.run(&["capture", "--knob", "3", "--duration-s", "6", "--out", "out"]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let archive = bench.only_archive("out").unwrap();
+    assert_whole(&Capture::load(&archive).unwrap(), 60_000);
+    assert!(archive.with_extension("toml").exists() && archive.with_extension("html").exists());
+    let text = String::from_utf8_lossy(&output.stdout);
+    for expected in ["inertia", "detent_period", "true", "archive", "report"] {
+        assert!(text.contains(expected), "'{expected}' is missing in\n{text}");
+    }
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
+}
+
+#[test]
+fn sixty_seconds_at_10_khz_are_recorded_without_a_gap() {
+    let bench = Bench::new().unwrap();
+    let output = bench.run(&["capture", "--duration-s", "60", "--no-viewer", "--out", "out"]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    assert_whole(&Capture::load(&bench.only_archive("out").unwrap()).unwrap(), 600_000);
+}
+
+#[test]
+fn ten_seconds_at_20_khz_are_recorded_without_a_gap() {
+    let bench = Bench::new().unwrap();
+    let output =
+        bench.run(&["capture", "--rate-hz", "20000", "--duration-s", "10", "--no-viewer", "--out", "out"]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    assert_whole(&Capture::load(&bench.only_archive("out").unwrap()).unwrap(), 200_000);
+}
+
+#[test]
+fn a_ctrl_c_brings_the_torque_down_and_leaves_a_whole_archive() {
+    let bench = Bench::new().unwrap();
+    let child = bench.start(&["capture", "--duration-s", "60", "--no-viewer", "--out", "out"]).unwrap();
+    bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(Duration::from_secs(4));
+    kill(Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    let ticks = *capture.tick.last().unwrap() + 1;
+    assert!((5_000..400_000).contains(&ticks), "{ticks} ticks");
+    assert_whole(&capture, ticks);
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
+}
+
+#[test]
+fn a_torque_sweep_is_captured_as_a_position_sweep_is() {
+    let bench = Bench::new().unwrap();
+    let arguments = ["capture", "--torque", "--amplitude", "30", "--duration-s", "3", "--no-viewer", "--out", "out"];
+    let output = bench.run(&arguments).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    assert_whole(&capture, 30_000);
+    let commanded = capture.commanded_torque_mnm.unwrap();
+    assert!(commanded.iter().fold(0.0_f64, |most, torque| most.max(torque.abs())) > 29.0);
+}

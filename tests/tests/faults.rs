@@ -1,0 +1,88 @@
+//! Processes that die, and what the capture makes of it.
+#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+use std::time::Duration;
+
+use archive::Capture;
+use nix::sys::signal::{Signal, kill};
+use tests::{Bench, printed};
+
+/// Kills `victim` ten times in a capture, at irregular moments, and checks the archive.
+fn survives_ten_kills_of(victim: &str) {
+    let bench = Bench::new().unwrap();
+    let mut arguments = vec!["capture", "--duration-s", "14", "--out", "out"];
+    if victim != "rerun-viewer" {
+        arguments.push("--no-viewer");
+    }
+    let child = bench.start(&arguments).unwrap();
+    bench.wait_for_process(victim).unwrap();
+    std::thread::sleep(Duration::from_millis(1_500));
+    let mut killed = Vec::new();
+    for round in 0..10_u64 {
+        let pid = bench.wait_for_process(victim).unwrap();
+        kill(pid, Signal::SIGKILL).unwrap();
+        killed.push(pid);
+        std::thread::sleep(Duration::from_millis(700 + 137 * (round * 7 % 5)));
+    }
+    killed.dedup();
+    assert_eq!(killed.len(), 10, "ten different processes were killed");
+    bench.wait_for_process(victim).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains(&format!("{victim} died and was restarted 10 times")), "{text}");
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    assert!(capture.seq.iter().enumerate().all(|(index, &seq)| seq == index as u64), "no sample is missing");
+    assert_eq!(capture.len() as u64 + capture.ticks_without_sample() + capture.tick[0], 140_000);
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
+}
+
+#[test]
+fn a_recorder_killed_ten_times_leaves_one_archive_without_a_gap() {
+    survives_ten_kills_of("recorder");
+}
+
+#[test]
+fn a_live_fitter_killed_ten_times_costs_no_sample() {
+    survives_ten_kills_of("live-fitter");
+}
+
+#[test]
+fn a_viewer_killed_ten_times_costs_no_sample() {
+    survives_ten_kills_of("rerun-viewer");
+}
+
+#[test]
+fn a_killed_control_loop_ends_the_archive_properly_and_a_new_capture_starts_at_once() {
+    let bench = Bench::new().unwrap();
+    let child = bench.start(&["capture", "--duration-s", "30", "--no-viewer", "--out", "out"]).unwrap();
+    bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(Duration::from_secs(3));
+    bench.kill("rt-loop").unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    assert!(capture.len() > 10_000 && capture.gaps.is_empty());
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
+
+    let output = bench.run(&["capture", "--duration-s", "2", "--no-viewer", "--out", "again"]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+}
+
+#[test]
+fn a_killed_supervisor_takes_its_processes_with_it_and_the_archive_is_whole() {
+    let bench = Bench::new().unwrap();
+    let mut child = bench.start(&["capture", "--duration-s", "30", "--no-viewer", "--out", "out"]).unwrap();
+    bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(Duration::from_secs(3));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    for _ in 0..1_000 {
+        if ["rt-loop", "recorder", "live-fitter"].iter().all(|name| bench.processes(name).is_empty()) {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    assert!(capture.len() > 10_000 && capture.gaps.is_empty());
+}

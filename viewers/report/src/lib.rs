@@ -1,0 +1,71 @@
+//! The report page of a fit: one HTML file that a person reads, prints and keeps.
+//!
+//! The page carries its plots as inline SVG and its style in its head: it needs no script, fetches
+//! nothing, follows the reader's light or dark scheme on screen and is light on paper.
+//!
+//! The way of a number through the crate: a figure in `figures` chooses the points and says in a
+//! caption what to see; `plot` lays the axes out with `plotters`; `themed_svg` writes every stroke
+//! with a class instead of a colour; the style sheet gives the class its colour.
+
+mod figures;
+mod ink;
+mod intervals;
+mod numbers;
+mod page;
+mod parameter_table;
+mod plot;
+mod preparation;
+mod themed_svg;
+mod verdict;
+
+use dynamics::Model;
+use identification::Fit;
+
+/// What is known of a capture besides its samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CaptureFacts {
+    /// Headline of the page, such as the knob's name.
+    pub title: String,
+    /// Name of the file that was fitted.
+    pub source: String,
+    /// The knob, as the operator named it; empty if not known.
+    pub knob: String,
+    /// The rig; empty if not known.
+    pub rig: String,
+    /// Date and time of the capture as the reader should see it; empty if not known.
+    pub captured_at: String,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// Duration of the capture, s.
+    pub duration_s: f64,
+    /// Samples in the capture.
+    pub samples: u64,
+    /// Ticks that the control loop missed; `None` if the capture does not tell.
+    pub missed_ticks: Option<u64>,
+    /// Gaps in the recording; `None` if the capture does not tell.
+    pub gaps: Option<u64>,
+    /// Whether the loop ran with real-time permissions; `None` if the capture does not tell.
+    pub real_time: Option<bool>,
+    /// Version of the program that made the page.
+    pub software_version: String,
+}
+
+/// A fit with everything that its page tells.
+#[derive(Clone, Debug)]
+pub struct FitPage<'a> {
+    /// The fit.
+    pub fit: &'a Fit,
+    /// The capture that was fitted.
+    pub capture: CaptureFacts,
+    /// The model that a simulated rig turned; `None` on real hardware.
+    pub truth: Option<&'a Model>,
+}
+
+/// The page as HTML, complete from doctype to end.
+///
+/// Numbers show the digits that their intervals support. A value that is not finite appears as a
+/// dash and its point is left out of the plots.
+#[must_use]
+pub fn fit_page(page: &FitPage<'_>) -> String {
+    page::fit_page(page).into_string()
+}

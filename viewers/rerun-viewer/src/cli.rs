@@ -1,0 +1,44 @@
+//! The command line.
+
+use std::net::IpAddr;
+use std::path::PathBuf;
+
+use clap::Parser;
+use rerun::MemoryLimit;
+
+/// Shows a running capture: streams, fit and health, as a web page, in a window or into a file.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "rerun-viewer", version)]
+pub struct Arguments {
+    /// Serve a web page (the default).
+    #[arg(long, conflicts_with_all = ["native", "save"])]
+    pub web: bool,
+
+    /// Show in rerun's own window; needs the `rerun` program, unless one listens already.
+    #[arg(long, conflicts_with = "save")]
+    pub native: bool,
+
+    /// Write a rerun file and end with the run.
+    #[arg(long, value_name = "FILE.rrd")]
+    pub save: Option<PathBuf>,
+
+    /// Address that the page and its stream are served at.
+    #[arg(long, default_value = "127.0.0.1")]
+    pub bind: IpAddr,
+
+    /// Port of the page; when it is taken, one of the next ones.
+    #[arg(long, default_value_t = 9090)]
+    pub web_port: u16,
+
+    /// Port of the stream that the page reads; when it is taken, one of the next ones.
+    #[arg(long, default_value_t = 9876)]
+    pub grpc_port: u16,
+
+    /// What is kept for a page opened later; beyond it the oldest goes.
+    #[arg(long, default_value = "512MB", value_parser = MemoryLimit::parse)]
+    pub memory_limit: MemoryLimit,
+
+    /// How often the viewer was restarted during the run, for the health report.
+    #[arg(long, default_value_t = 0)]
+    pub restarts: u32,
+}

@@ -1,0 +1,82 @@
+//! Draws frames into a rerun recording.
+
+use rerun::{BarChart, RecordingStream, RecordingStreamResult, Scalars, TextDocument, TimeCell, TimeColumn};
+use shared_types::LATENESS_BIN_EDGES_NS;
+
+use crate::entities;
+use crate::frame::{Frame, Lateness, SeriesRows};
+use crate::palette::MEASURED;
+use crate::plot_drawing::PlotPen;
+use crate::series_styles;
+
+/// Time since the start of the run: the only timeline.
+pub const TIMELINE: &str = "time_s";
+
+/// Draws one run into one recording.
+pub struct Pen {
+    recording: RecordingStream,
+    plots: PlotPen,
+}
+
+impl Pen {
+    /// Begins to draw in an empty recording.
+    ///
+    /// # Errors
+    /// When rerun refuses a style.
+    pub fn new(recording: RecordingStream) -> RecordingStreamResult<Self> {
+        recording.set_log_tick_enabled(false);
+        recording.set_log_time_enabled(false);
+        series_styles::draw(&recording)?;
+        Ok(Self { recording, plots: PlotPen::default() })
+    }
+
+    /// Draws one frame.
+    ///
+    /// # Errors
+    /// When rerun refuses a part of it.
+    pub fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
+        let Self { recording, plots } = self;
+        for rows in &frame.series {
+            draw_series(recording, rows)?;
+        }
+        recording.set_time(TIMELINE, TimeCell::from_duration_nanos(frame.time_ns));
+        for plot in &frame.plots {
+            plots.draw(recording, plot)?;
+        }
+        if let Some(lateness) = &frame.lateness {
+            draw_histogram(recording, lateness)?;
+        }
+        if let Some(summary) = &frame.summary {
+            recording.log(entities::SUMMARY, &TextDocument::from_markdown(summary.as_str()))?;
+        }
+        Ok(())
+    }
+}
+
+fn draw_series(recording: &RecordingStream, rows: &SeriesRows) -> anyhow::Result<()> {
+    let times = TimeColumn::new_duration_nanos(TIMELINE, rows.times_ns.iter().copied());
+    let values = Scalars::new(rows.values.iter().copied());
+    if rows.values_per_row == 1 {
+        recording.send_columns(rows.entity.as_str(), [times], values.columns_of_unit_batches()?)?;
+    } else {
+        let lengths = rows.times_ns.iter().map(|_| rows.values_per_row);
+        recording.send_columns(rows.entity.as_str(), [times], values.columns(lengths)?)?;
+    }
+    Ok(())
+}
+
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "drawn on a logarithmic scale")]
+fn draw_histogram(recording: &RecordingStream, lateness: &Lateness) -> RecordingStreamResult<()> {
+    // A bar for each bin, at the middle of its edges; the outer two are half a decade wide.
+    let edges: Vec<f64> = LATENESS_BIN_EDGES_NS.iter().map(|edge| (*edge as f64).log10()).collect();
+    let lower = edges.first().map(|first| first - 0.5).into_iter().chain(edges.iter().copied());
+    let upper = edges.iter().copied().chain(edges.last().map(|last| last + 0.5));
+    let (middles, widths): (Vec<f64>, Vec<f32>) =
+        lower.zip(upper).map(|(low, high)| (f64::midpoint(low, high), (high - low) as f32 * 0.92)).unzip();
+    let heights: Vec<f64> =
+        lateness.counts.iter().map(|count| (*count as f64).ln_1p() / std::f64::consts::LN_10).collect();
+    recording.log(
+        entities::LATENESS_HISTOGRAM,
+        &BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(MEASURED.opaque()),
+    )
+}

@@ -1,0 +1,51 @@
+//! Paths of what is shown; a series is named as the field it shows.
+
+/// Signals of the sample stream and, last, the model's torque, each `signals/<field>`.
+pub const SIGNALS: [&str; 5] = ["angle_rad", "velocity_rad_s", "acceleration_rad_s2", "torque_mnm", MODEL_TORQUE];
+
+/// The torque that the fitted model gives for the measured motion.
+pub const MODEL_TORQUE: &str = "model_torque_mnm";
+
+/// Longest lateness per bin as log10 of ns.
+pub const LATENESS: &str = "timing/log10_max_lateness_ns";
+/// The tick's length as log10 of ns: the lateness that costs a tick.
+pub const TICK_PERIOD: &str = "timing/log10_tick_period_ns";
+/// Ticks by lateness.
+pub const LATENESS_HISTOGRAM: &str = "lateness_histogram";
+/// The text beside the plots.
+pub const SUMMARY: &str = "summary";
+
+/// Quantities of a process's health, each `health/<quantity>/<process>`.
+pub const HEALTH: [&str; 4] = ["cpu_share_percent", "resident_mib", "lost_samples", "latency_ms"];
+
+/// Parameters with their units, in the order of Equation 1, each `fit/<parameter>`.
+pub const PARAMETERS: [(&str, &str); 8] = [
+    ("inertia", "mNm s²/rad"),
+    ("coulomb_negative", "mNm"),
+    ("coulomb_positive", "mNm"),
+    ("viscous_negative", "mNm s/rad"),
+    ("viscous_positive", "mNm s/rad"),
+    ("detent_amplitude", "mNm"),
+    ("detent_period", "rad"),
+    ("detent_phase", "rad"),
+];
+
+/// The entity of a signal.
+pub fn signal(field: &str) -> String {
+    format!("signals/{field}")
+}
+
+/// The entity of a fitted parameter.
+pub fn parameter(name: &str) -> String {
+    format!("fit/{name}")
+}
+
+/// The entity of a process's health.
+pub fn health(quantity: &str, process: &str) -> String {
+    format!("health/{quantity}/{process}")
+}
+
+/// The entity under which a torque plot is drawn.
+pub fn plot(abscissa: crate::scatter::Abscissa) -> String {
+    format!("plots/torque_mnm_over_{}", abscissa.name())
+}

@@ -1,0 +1,48 @@
+//! What goes to the screen at once.
+
+use shared_types::LoopStatus;
+
+use crate::scatter::PlotUpdate;
+
+/// Everything that is new since the frame before; a frame that is dropped is only missed.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Identity of the run that is shown.
+    pub run_id: u64,
+    /// Time since the start of the run that the frame belongs to, ns.
+    pub time_ns: i64,
+    /// New rows of time series.
+    pub series: Vec<SeriesRows>,
+    /// The x-y plots, when it is their turn.
+    pub plots: Vec<PlotUpdate>,
+    /// Ticks by lateness, when it is their turn.
+    pub lateness: Option<Lateness>,
+    /// The text beside the plots as Markdown, when it is its turn.
+    pub summary: Option<String>,
+}
+
+/// Rows of one time series; a row may hold several values, such as an interval's ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeriesRows {
+    /// Path of the entity that shows the series.
+    pub entity: String,
+    /// Times since the start of the run, ns.
+    pub times_ns: Vec<i64>,
+    /// `values_per_row` values for each time.
+    pub values: Vec<f64>,
+    /// Values in a row, at least one.
+    pub values_per_row: usize,
+}
+
+/// The control loop's lateness so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lateness {
+    /// Ticks by lateness; see [`shared_types::LATENESS_BIN_EDGES_NS`].
+    pub counts: [u64; 12],
+}
+
+impl From<&LoopStatus> for Lateness {
+    fn from(status: &LoopStatus) -> Self {
+        Self { counts: status.lateness_counts }
+    }
+}

@@ -1,0 +1,163 @@
+//! Which views there are and how they lie: three tabs, the first readable at a glance.
+
+use rerun::RecordingStream;
+use rerun::blueprint::components::{Corner2D, LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
+use rerun::blueprint::{
+    BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Tabs,
+    TextDocumentView, TimePanel, TimeSeriesView, Vertical,
+};
+use rerun::components::Visible;
+use rerun::external::re_sdk_types::blueprint::archetypes::{PlotLegend, TimeAxis, VisibleTimeRanges, VisualBounds2D};
+use rerun::external::re_sdk_types::blueprint::components as blueprint_components;
+use rerun::external::re_types_core::datatypes::{TimeRange, TimeRangeBoundary, VisibleTimeRange};
+
+use crate::drawing::TIMELINE;
+use crate::entities::{self, PARAMETERS};
+use crate::layout_properties::{self, Properties};
+use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH};
+use crate::scatter::Abscissa;
+
+/// What the live plots reach back, s.
+const LIVE_WINDOW_S: i64 = 10;
+
+/// Sends the layout and makes it the active one.
+///
+/// # Errors
+/// When rerun refuses a part of the layout.
+pub fn send(recording: &RecordingStream) -> anyhow::Result<()> {
+    let mut properties = Properties::default();
+    let tabs = Tabs::new([live(&mut properties), parameters(&mut properties), timing_and_processes(&mut properties)]);
+    let blueprint = Blueprint::new(tabs)
+        .with_auto_views(false)
+        .with_auto_layout(false)
+        .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
+        .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
+        .with_time_panel(
+            TimePanel::new()
+                .with_state(PanelState::Collapsed)
+                .with_timeline(TIMELINE)
+                .with_play_state(PlayState::Following),
+        );
+    layout_properties::send(recording, &blueprint, &properties)
+}
+
+fn live(properties: &mut Properties) -> ContainerLike {
+    let single = |properties: &mut Properties, field: &str| {
+        series(properties, field, [entities::signal(field)], Some(LIVE_WINDOW_S))
+    };
+    let signals = Vertical::new([
+        single(properties, "angle_rad"),
+        single(properties, "velocity_rad_s"),
+        single(properties, "acceleration_rad_s2"),
+        series(
+            properties,
+            "torque_mnm (blue line), model_torque_mnm (orange dots)",
+            ["torque_mnm", "model_torque_mnm"].map(entities::signal),
+            Some(LIVE_WINDOW_S),
+        ),
+    ])
+    .with_row_shares([3.0, 3.0, 3.0, 4.0]);
+    let plots = Vertical::new([plot(properties, Abscissa::Angle), plot(properties, Abscissa::Velocity)]);
+    let summary = TextDocumentView::new("run").with_origin(entities::SUMMARY);
+    Horizontal::new([signals.into(), plots.into(), summary.into()])
+        .with_column_shares([4.2, 3.6, 2.4])
+        .with_name("Live")
+        .into()
+}
+
+fn parameters(properties: &mut Properties) -> ContainerLike {
+    let groups: [(&str, &[&str]); 6] = [
+        ("inertia", &["inertia"]),
+        ("Coulomb friction, negative (rose) and positive (green)", &["coulomb_negative", "coulomb_positive"]),
+        ("viscous friction, negative (rose) and positive (green)", &["viscous_negative", "viscous_positive"]),
+        ("detent amplitude", &["detent_amplitude"]),
+        ("detent period", &["detent_period"]),
+        ("detent phase", &["detent_phase"]),
+    ];
+    let views = groups.map(|(title, names)| {
+        let unit = PARAMETERS.iter().find(|(name, _)| *name == names[0]).map_or("", |(_, unit)| unit);
+        series(properties, &format!("{title}, {unit}"), names.iter().map(|name| entities::parameter(name)), None)
+    });
+    Grid::new(views).with_grid_columns(3).with_name("Parameters").into()
+}
+
+fn timing_and_processes(properties: &mut Properties) -> ContainerLike {
+    let lateness = series(
+        properties,
+        "largest lateness (blue), tick period (orange): log10 of ns",
+        [entities::LATENESS, entities::TICK_PERIOD].map(str::to_owned),
+        None,
+    );
+    let histogram: ContainerLike = BarChartView::new("ticks by lateness: log10 of (1 + ticks) over log10 of ns")
+        .with_origin(entities::LATENESS_HISTOGRAM)
+        .into();
+    let histogram = without_legend(properties, histogram);
+    let health = entities::HEALTH.map(|quantity| {
+        let view = TimeSeriesView::new(quantity).with_origin(format!("health/{quantity}"));
+        let view = windowed(properties, view.into(), None);
+        properties.of_view(&view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
+        view
+    });
+    Vertical::new([
+        Horizontal::new([lateness, histogram]).with_column_shares([3.0, 2.0]).into(),
+        Grid::new(health).with_grid_columns(2).into(),
+    ])
+    .with_row_shares([2.0, 3.0])
+    .with_name("Timing and processes")
+    .into()
+}
+
+/// A view of a few series, named in its title: a legend would lie over them.
+fn series(
+    properties: &mut Properties,
+    title: &str,
+    entities: impl IntoIterator<Item = String>,
+    window_s: Option<i64>,
+) -> ContainerLike {
+    let contents = entities.into_iter().map(|entity| format!("+ /{entity}"));
+    let view = windowed(properties, TimeSeriesView::new(title).with_contents(contents).into(), window_s);
+    without_legend(properties, view)
+}
+
+/// Lets a view follow the newest `window_s` seconds, or show the whole run.
+fn windowed(properties: &mut Properties, view: ContainerLike, window_s: Option<i64>) -> ContainerLike {
+    if let Some(window_s) = window_s {
+        let range = reaching_back(window_s);
+        properties.of_view(&view, "VisibleTimeRanges", VisibleTimeRanges::new([visible(range)]));
+        let axis = TimeAxis::new()
+            .with_link(LinkAxis::Independent)
+            .with_view_range(blueprint_components::TimeRange(range))
+            .with_zoom_lock(LockRangeDuringZoom(false.into()));
+        properties.of_view(&view, "TimeAxis", axis);
+    }
+    view
+}
+
+fn without_legend(properties: &mut Properties, view: ContainerLike) -> ContainerLike {
+    properties.of_view(&view, "PlotLegend", PlotLegend::new().with_visible(Visible(false.into())));
+    view
+}
+
+fn plot(properties: &mut Properties, abscissa: Abscissa) -> ContainerLike {
+    let origin = entities::plot(abscissa);
+    let title = format!("torque_mnm over {} (green turning positive, rose negative)", abscissa.name());
+    let view: ContainerLike = Spatial2DView::new(title).with_origin(origin.as_str()).into();
+    let bounds = rerun::datatypes::Range2D {
+        x_range: [-0.14 * BOX_WIDTH, 1.05 * BOX_WIDTH].into(),
+        y_range: [-0.10 * BOX_HEIGHT, 1.17 * BOX_HEIGHT].into(),
+    };
+    properties.of_view(&view, "VisualBounds2D", VisualBounds2D::new(bounds));
+    // Only the points pile up over time; axes and curves are the newest ones.
+    let points = format!("{origin}/quantities/measured");
+    properties.of_entity(&view, &points, VisibleTimeRanges::new([visible(reaching_back(LIVE_WINDOW_S))]));
+    view
+}
+
+fn reaching_back(seconds: i64) -> TimeRange {
+    let start = TimeRangeBoundary::CursorRelative((-seconds * 1_000_000_000).into());
+    TimeRange { start, end: TimeRangeBoundary::AT_CURSOR }
+}
+
+fn visible(range: TimeRange) -> VisibleTimeRange {
+    VisibleTimeRange { timeline: TIMELINE.into(), range }
+}

@@ -1,0 +1,60 @@
+//! Properties of views that rerun's layout interface for Rust does not offer.
+//!
+//! A layout is itself a recording of kind "blueprint", in which a view's properties lie at
+//! `view/<id>/<archetype>`. The typed interface makes the views; this adds the properties to the
+//! same recording before both are sent.
+
+use anyhow::Context as _;
+use rerun::blueprint::{Blueprint, BlueprintActivation, ContainerLike};
+use rerun::external::re_log_types::{BlueprintActivationCommand, StoreKind};
+use rerun::log::LogMsg;
+use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder};
+
+/// Properties by the path at which they belong.
+#[derive(Default)]
+pub struct Properties(Vec<(String, Box<dyn AsComponents>)>);
+
+impl Properties {
+    /// Gives `view` a property; `name` is the archetype's short name.
+    pub fn of_view(&mut self, view: &ContainerLike, name: &str, property: impl AsComponents + 'static) {
+        if let ContainerLike::View(view) = view {
+            self.0.push((format!("{}/{name}", view.blueprint_path()), Box::new(property)));
+        }
+    }
+
+    /// Gives an entity in `view` a property of its own, for all ways of drawing it.
+    pub fn of_entity(&mut self, view: &ContainerLike, entity: &str, property: impl AsComponents + 'static) {
+        self.of_view(view, &format!("ViewContents/overrides/{entity}/visualizers"), property);
+    }
+}
+
+/// Sends views and properties as one layout and makes it the active one.
+///
+/// # Errors
+/// When rerun refuses a part of the layout.
+pub fn send(recording: &RecordingStream, blueprint: &Blueprint, properties: &Properties) -> anyhow::Result<()> {
+    let application = recording.store_info().context("the recording has no identity")?.application_id().clone();
+    let (stage, staged) = RecordingStreamBuilder::new(application).send_properties(false).memory()?;
+    blueprint.send(&stage, BlueprintActivation::default())?;
+
+    let mut messages = Vec::new();
+    let mut activation: Option<BlueprintActivationCommand> = None;
+    for message in staged.take() {
+        match message {
+            LogMsg::BlueprintActivationCommand(command) => activation = Some(command),
+            message if message.store_id().kind() == StoreKind::Blueprint => messages.push(message),
+            _ => {}
+        }
+    }
+    let activation = activation.context("rerun gave no layout to activate")?;
+
+    let (additions, added) =
+        RecordingStreamBuilder::from_store_id(&activation.blueprint_id).send_properties(false).memory()?;
+    additions.set_time_sequence("blueprint", 0);
+    for (path, property) in &properties.0 {
+        additions.log(path.as_str(), property.as_ref())?;
+    }
+    messages.extend(added.take().into_iter().filter(|message| !matches!(message, LogMsg::SetStoreInfo(_))));
+    recording.send_blueprint(messages, activation);
+    Ok(())
+}

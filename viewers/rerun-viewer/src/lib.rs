@@ -1,0 +1,39 @@
+//! The live view of the instrument: what is measured, what is fitted and how the processes fare.
+//!
+//! The viewer is last in line. It reads the sample stream, the fitter's updates and the health
+//! reports from shared memory, reduces them to what a screen can show and hands them to
+//! [rerun](https://rerun.io). It publishes its own health and nothing else.
+//!
+//! ```text
+//! rig ──► source ──► picture ──► outbox ──► screen ──► web page | window | file
+//!         20 ms      100 ms       drops      a thread of its own,
+//!         polls      frames      oldest     may stall as it likes
+//! ```
+//!
+//! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
+//!   control loop never waits. A viewer started again receives the last seconds first.
+//! - **When rerun stalls** the outbox drops the oldest frames and counts them; polling goes on.
+//! - **When the run ends** the page stays up until SIGTERM, so that one can look; a file is closed.
+//! - **SIGINT** is the supervisor's business and ignored; SIGTERM and the parent's death end it.
+
+pub mod cli;
+pub mod consumers;
+pub mod decimation;
+pub mod drawing;
+pub mod entities;
+pub mod frame;
+pub mod layout;
+pub mod layout_properties;
+pub mod model_torque;
+pub mod outbox;
+pub mod palette;
+pub mod picture;
+pub mod plot_axes;
+pub mod plot_drawing;
+pub mod rig_source;
+pub mod scatter;
+pub mod screen;
+pub mod series_styles;
+pub mod source;
+pub mod summary;
+pub mod web_page;

@@ -1,0 +1,99 @@
+//! The process `rerun-viewer`; see the library for what it reads, shows and survives.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::Context as _;
+use clap::Parser as _;
+use nix::sys::signal::Signal;
+
+use rerun_viewer::cli::Arguments;
+use rerun_viewer::frame::Frame;
+use rerun_viewer::outbox::Outbox;
+use rerun_viewer::picture::Picture;
+use rerun_viewer::rig_source::RigSource;
+use rerun_viewer::screen::{Destination, Screen};
+use rerun_viewer::source::Source;
+
+/// How often shared memory is looked at.
+const POLL_PERIOD: Duration = Duration::from_millis(20);
+/// How often a frame goes to the screen.
+const FRAME_PERIOD: Duration = Duration::from_millis(100);
+/// Frames that may wait for a stalled screen: 10 s.
+const OUTBOX_FRAMES: usize = 100;
+
+fn main() -> anyhow::Result<()> {
+    let arguments = Arguments::parse();
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_env_filter(
+            tracing_subscriber::EnvFilter::try_from_default_env()
+                .unwrap_or_else(|_| "warn,re_grpc_server=error".into()),
+        )
+        .init();
+    nix::sys::prctl::set_pdeathsig(Signal::SIGTERM).context("the viewer could not be tied to its parent's life")?;
+    let stop = Arc::new(AtomicBool::new(false));
+    signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&stop))?;
+    // A handler that nobody reads: the supervisor decides what Ctrl-C means.
+    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::new(AtomicBool::new(false)))?;
+
+    let source = RigSource::attach(arguments.restarts)?;
+    let destination = Destination::from_arguments(&arguments)?;
+    let ends_with_run = destination.ends_with_run();
+    let exit_limit = destination.exit_limit();
+    let screen = Screen::open(destination)?;
+    if let Some(place) = screen.place() {
+        announce(&place);
+    }
+
+    let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
+    let shown = screen.show_from(Arc::clone(&outbox))?;
+    follow(source, &outbox, &stop, ends_with_run)?;
+
+    // rerun waits without limit when it is dropped, so it is given a time and then left behind.
+    outbox.close();
+    let closed_in_time = shown.recv_timeout(exit_limit).is_ok();
+    if !closed_in_time && ends_with_run {
+        tracing::error!(
+            "the file was not closed within {} s and may lack its end; free space on its disk and capture again",
+            exit_limit.as_secs()
+        );
+    }
+    if outbox.dropped() > 0 {
+        tracing::warn!("{} frames were not shown because the screen was not fast enough", outbox.dropped());
+    }
+    std::process::exit(if ends_with_run && (!closed_in_time || outbox.dropped() > 0) { 3 } else { 0 });
+}
+
+/// Turns what the source gives into frames until told to stop.
+fn follow(
+    mut source: impl Source,
+    outbox: &Outbox<Frame>,
+    stop: &AtomicBool,
+    ends_with_run: bool,
+) -> anyhow::Result<()> {
+    let mut picture = Picture::default();
+    let mut next_frame = Instant::now();
+    while !stop.load(Ordering::Relaxed) {
+        let rate_hz = picture.rate_hz();
+        source.poll(rate_hz.is_some(), &mut |event| picture.take_in(event))?;
+        if Instant::now() >= next_frame {
+            next_frame = Instant::now() + FRAME_PERIOD;
+            if let Some(frame) = picture.next_frame(outbox.dropped()) {
+                outbox.push(frame);
+            }
+            if ends_with_run && picture.finished() {
+                break;
+            }
+        }
+        std::thread::sleep(POLL_PERIOD);
+    }
+    Ok(())
+}
+
+/// Tells the operator where to look: the only line on standard output.
+#[allow(clippy::print_stdout, reason = "the address is this program's output")]
+fn announce(place: &str) {
+    println!("live view: {place}");
+}

@@ -1,0 +1,111 @@
+//! A bounded queue that drops its oldest: whoever fills it never waits.
+
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// A queue of at most `capacity` items between two threads.
+#[derive(Debug)]
+pub struct Outbox<T> {
+    state: Mutex<State<T>>,
+    filled: Condvar,
+    capacity: usize,
+}
+
+#[derive(Debug)]
+struct State<T> {
+    queue: VecDeque<T>,
+    dropped: u64,
+    closed: bool,
+}
+
+/// What came of waiting for an item.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Taken<T> {
+    /// The oldest item in the queue.
+    Item(T),
+    /// Nothing came in time.
+    Nothing,
+    /// Nothing is left and nothing will come.
+    Closed,
+}
+
+impl<T> Outbox<T> {
+    /// An empty queue for `capacity` items, at least one.
+    pub fn new(capacity: usize) -> Self {
+        Self {
+            state: Mutex::new(State { queue: VecDeque::with_capacity(capacity), dropped: 0, closed: false }),
+            filled: Condvar::new(),
+            capacity: capacity.max(1),
+        }
+    }
+
+    /// Adds an item; when the queue is full the oldest goes and is counted.
+    pub fn push(&self, item: T) {
+        let mut state = self.lock();
+        if state.queue.len() >= self.capacity {
+            state.queue.pop_front();
+            state.dropped += 1;
+        }
+        state.queue.push_back(item);
+        self.filled.notify_one();
+    }
+
+    /// Takes the oldest item, waiting for one up to `limit`.
+    pub fn take(&self, limit: Duration) -> Taken<T> {
+        let waited =
+            self.filled.wait_timeout_while(self.lock(), limit, |state| state.queue.is_empty() && !state.closed);
+        let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        match state.queue.pop_front() {
+            Some(item) => Taken::Item(item),
+            None if state.closed => Taken::Closed,
+            None => Taken::Nothing,
+        }
+    }
+
+    /// Counts an item that was taken but could not be used.
+    pub fn count_dropped(&self) {
+        self.lock().dropped += 1;
+    }
+
+    /// Items that never reached their reader.
+    pub fn dropped(&self) -> u64 {
+        self.lock().dropped
+    }
+
+    /// Says that nothing more will come; what waits can still be taken.
+    pub fn close(&self) {
+        self.lock().closed = true;
+        self.filled.notify_all();
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State<T>> {
+        // A thread that panicked between two of the plain assignments above left nothing half done.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stalled_screen_costs_the_oldest_frames_and_they_are_counted() {
+        let outbox = Outbox::new(3);
+        (0..10).for_each(|frame| outbox.push(frame));
+        assert_eq!(outbox.dropped(), 7);
+        assert_eq!(outbox.take(Duration::ZERO), Taken::Item(7));
+    }
+
+    #[test]
+    fn frames_that_wait_are_still_shown_after_closing() {
+        let outbox = Outbox::new(3);
+        outbox.push('a');
+        assert_eq!(outbox.take(Duration::ZERO), Taken::Item('a'));
+        assert_eq!(outbox.take(Duration::ZERO), Taken::Nothing);
+        outbox.push('b');
+        outbox.close();
+        assert_eq!(outbox.take(Duration::ZERO), Taken::Item('b'));
+        assert_eq!(outbox.take(Duration::ZERO), Taken::Closed);
+    }
+}

@@ -1,0 +1,401 @@
+//! What is known of the run, reduced to what a screen can show.
+
+use std::time::{Duration, Instant};
+
+use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample};
+
+use crate::consumers::Consumers;
+use crate::decimation::{Decimator, Keep};
+use crate::entities::{self, HEALTH, MODEL_TORQUE, SIGNALS};
+use crate::frame::{Frame, Lateness, SeriesRows};
+use crate::model_torque::{KnobModel, told};
+use crate::scatter::{Abscissa, Scatter, ScatterPoint};
+use crate::source::Event;
+use crate::summary;
+
+/// Two points a bin give at most 500 points a second of each signal.
+const SIGNAL_BIN_NS: i64 = 4_000_000;
+/// Bin of the model's torque, which is drawn as dots over the measured line.
+const MODEL_BIN_NS: i64 = 10_000_000;
+/// Bin of the lateness, of which only the largest stays.
+const LATENESS_BIN_NS: i64 = 20_000_000;
+/// Points a second of the x-y plots.
+const SCATTER_RATE_HZ: f64 = 400.0;
+/// How often the x-y plots get their new points.
+const PLOT_PERIOD: Duration = Duration::from_millis(250);
+/// How often parameters, curves, lateness and the text are renewed.
+const SLOW_PERIOD: Duration = Duration::from_millis(500);
+/// How often the processes' health is sent. A browser pays for each message, not for each point.
+const HEALTH_PERIOD: Duration = Duration::from_millis(2_000);
+
+/// Gathers events and gives frames.
+#[derive(Debug)]
+pub struct Picture {
+    run_id: Option<u64>,
+    description: Option<RunDescription>,
+    status: Option<LoopStatus>,
+    fit: Option<FitUpdate>,
+    fit_is_new: bool,
+    model: Option<KnobModel>,
+    consumers: Consumers,
+    signals: [Decimator; SIGNALS.len()],
+    lateness: Decimator,
+    health: Vec<SeriesRows>,
+    scatters: [Scatter; 2],
+    scatter_phase: f64,
+    newest: Option<Newest>,
+    histogram_shown: Option<Lateness>,
+    summary_shown: String,
+    next_plot: Instant,
+    next_slow: Instant,
+    next_health: Instant,
+    ended: bool,
+}
+
+/// Ties the clock to the run's time.
+#[derive(Clone, Copy, Debug)]
+struct Newest {
+    time_ns: i64,
+    monotonic_time_ns: u64,
+}
+
+impl Default for Picture {
+    fn default() -> Self {
+        Self {
+            run_id: None,
+            description: None,
+            status: None,
+            fit: None,
+            fit_is_new: false,
+            model: None,
+            consumers: Consumers::default(),
+            signals: SIGNALS.map(|field| {
+                let bin_ns = if field == MODEL_TORQUE { MODEL_BIN_NS } else { SIGNAL_BIN_NS };
+                Decimator::new(Keep::MinMax, bin_ns)
+            }),
+            lateness: Decimator::new(Keep::Max, LATENESS_BIN_NS),
+            health: Vec::new(),
+            scatters: [Scatter::new(Abscissa::Angle), Scatter::new(Abscissa::Velocity)],
+            scatter_phase: 0.0,
+            newest: None,
+            histogram_shown: None,
+            summary_shown: String::new(),
+            next_plot: Instant::now(),
+            next_slow: Instant::now(),
+            next_health: Instant::now(),
+            ended: false,
+        }
+    }
+}
+
+impl Picture {
+    /// The sample rate, once the run or the loop has told it, Hz.
+    pub fn rate_hz(&self) -> Option<f64> {
+        let described = self.description.as_ref().map(|description| description.rate_hz);
+        described.or(self.status.map(|status| status.rate_hz)).filter(|rate_hz| *rate_hz > 0.0)
+    }
+
+    /// Whether the run has ended and all of it was taken in.
+    pub fn finished(&self) -> bool {
+        self.status.is_some_and(|status| status.finished != 0)
+    }
+
+    /// Takes in what a source has to tell.
+    pub fn take_in(&mut self, event: Event<'_>) {
+        match event {
+            Event::Description(description) => {
+                self.turn_to_run(description.run_id);
+                self.description = Some(description.clone());
+            }
+            Event::Status(status) => {
+                self.turn_to_run(status.run_id);
+                self.status = Some(*status);
+            }
+            Event::Fit(fit) if self.run_id == Some(fit.run_id) => {
+                self.model = KnobModel::from_fit(fit);
+                self.fit = Some(*fit);
+                self.fit_is_new = true;
+            }
+            Event::Fit(_) => {}
+            Event::Health(health) => self.take_in_health(health),
+            Event::Samples { run_id, samples } => {
+                self.turn_to_run(run_id);
+                if let Some(rate_hz) = self.rate_hz() {
+                    samples.iter().for_each(|sample| self.take_in_sample(sample, rate_hz));
+                }
+            }
+        }
+    }
+
+    /// A run of another identity begins with an empty picture.
+    fn turn_to_run(&mut self, run_id: u64) {
+        if self.run_id.is_some_and(|shown| shown != run_id) {
+            let consumers = std::mem::take(&mut self.consumers);
+            *self = Self { consumers, ..Self::default() };
+        }
+        self.run_id = Some(run_id);
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "lateness is shown with a few digits")]
+    fn take_in_sample(&mut self, sample: &Sample, rate_hz: f64) {
+        let time_ns = nanoseconds(sample.time_s(rate_hz));
+        let Sample { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, .. } = *sample;
+        let model_torque_mnm =
+            self.model.map_or(f64::NAN, |model| model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2));
+        let values = [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, model_torque_mnm];
+        for (decimator, value) in self.signals.iter_mut().zip(values) {
+            decimator.push(time_ns, value);
+        }
+        self.lateness.push(time_ns, (sample.lateness_ns.max(1) as f64).log10());
+        self.newest = Some(Newest { time_ns, monotonic_time_ns: sample.monotonic_time_ns });
+
+        self.scatter_phase += SCATTER_RATE_HZ / rate_hz;
+        if self.scatter_phase >= 1.0 {
+            self.scatter_phase = self.scatter_phase.fract();
+            let turning_positive = velocity_rad_s > 0.0;
+            let [over_angle, over_velocity] = &mut self.scatters;
+            over_angle.push(ScatterPoint { x: angle_rad, torque_mnm, turning_positive });
+            over_velocity.push(ScatterPoint { x: velocity_rad_s, torque_mnm, turning_positive });
+        }
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "counts are shown with a few digits")]
+    fn take_in_health(&mut self, health: &ProcessHealth) {
+        let Some(condition) = self.consumers.take_in(health) else {
+            return;
+        };
+        // After the run its time stands still; a report would have no place on its axis.
+        let (Some(newest), false) = (self.newest, self.finished()) else {
+            return;
+        };
+        let values =
+            [condition.cpu_share_percent, condition.resident_mib, condition.lost_samples as f64, condition.latency_ms];
+        let time_ns = newest.time_ns + since(newest.monotonic_time_ns, condition.monotonic_time_ns);
+        for (quantity, value) in HEALTH.into_iter().zip(values).filter(|(_, value)| value.is_finite()) {
+            let entity = entities::health(quantity, condition.kind.name());
+            match self.health.iter_mut().find(|rows| rows.entity == entity) {
+                Some(rows) => {
+                    rows.times_ns.push(time_ns);
+                    rows.values.push(value);
+                }
+                None => self.health.push(SeriesRows {
+                    entity,
+                    times_ns: vec![time_ns],
+                    values: vec![value],
+                    values_per_row: 1,
+                }),
+            }
+        }
+    }
+
+    /// What is new since the last frame; `None` before a run is known and once all of it was shown.
+    ///
+    /// What has not changed is not sent again: it would push the run's beginning out of the
+    /// memory that is kept for pages opened later. `frames_dropped` is what the screen has missed.
+    pub fn next_frame(&mut self, frames_dropped: u64) -> Option<Frame> {
+        let run_id = self.run_id?;
+        let finished = self.finished();
+        if finished && std::mem::replace(&mut self.ended, true) {
+            return None;
+        }
+        if finished {
+            self.signals.iter_mut().chain([&mut self.lateness]).for_each(Decimator::close_bin);
+        }
+        let now = Instant::now();
+        let slow = is_due(&mut self.next_slow, now, SLOW_PERIOD) || finished;
+        let mut frame = Frame {
+            run_id,
+            time_ns: self.newest.map_or(0, |newest| newest.time_ns),
+            series: self.signal_rows(),
+            plots: Vec::new(),
+            lateness: None,
+            summary: None,
+        };
+        if is_due(&mut self.next_plot, now, PLOT_PERIOD) || finished {
+            let model = self.model.filter(|_| slow);
+            frame.plots = self.scatters.iter_mut().filter_map(|plot| plot.update(model.as_ref())).collect();
+        }
+        if is_due(&mut self.next_health, now, HEALTH_PERIOD) || finished {
+            frame.series.append(&mut self.health);
+        }
+        if slow {
+            frame.series.extend(self.timing_rows());
+            frame.series.extend(self.parameter_rows());
+            let histogram = self.status.as_ref().map(Lateness::from);
+            if histogram != std::mem::replace(&mut self.histogram_shown, histogram) {
+                frame.lateness = histogram;
+            }
+            let summary = self.summary(frames_dropped);
+            if summary != self.summary_shown {
+                self.summary_shown.clone_from(&summary);
+                frame.summary = Some(summary);
+            }
+        }
+        Some(frame)
+    }
+
+    fn signal_rows(&mut self) -> Vec<SeriesRows> {
+        SIGNALS
+            .into_iter()
+            .zip(&mut self.signals)
+            .filter_map(|(field, decimator)| single_rows(entities::signal(field), decimator))
+            .collect()
+    }
+
+    fn timing_rows(&mut self) -> Vec<SeriesRows> {
+        let Some(lateness) = single_rows(entities::LATENESS.to_owned(), &mut self.lateness) else {
+            return Vec::new();
+        };
+        let log10_period_ns = self.rate_hz().map_or(f64::NAN, |rate_hz| (1e9 / rate_hz).log10());
+        let times_ns: Vec<i64> =
+            lateness.times_ns.first().into_iter().chain(lateness.times_ns.last()).copied().collect();
+        let values = vec![log10_period_ns; times_ns.len()];
+        let period = SeriesRows { entity: entities::TICK_PERIOD.to_owned(), times_ns, values, values_per_row: 1 };
+        vec![lateness, period]
+    }
+
+    /// Value and interval of each parameter that can be told.
+    fn parameter_rows(&mut self) -> Vec<SeriesRows> {
+        let (Some(fit), Some(newest), true) = (self.fit, self.newest, self.fit_is_new) else {
+            return Vec::new();
+        };
+        self.fit_is_new = false;
+        let time_ns = newest.time_ns - since(fit.monotonic_time_ns, newest.monotonic_time_ns);
+        fit.estimates()
+            .into_iter()
+            .filter(|(_, estimate)| told(estimate).is_some())
+            .map(|(name, estimate)| SeriesRows {
+                entity: entities::parameter(name),
+                times_ns: vec![time_ns],
+                values: vec![estimate.value, estimate.ci95_low, estimate.ci95_high],
+                values_per_row: 3,
+            })
+            .collect()
+    }
+
+    fn summary(&self, frames_dropped: u64) -> String {
+        summary::markdown(&summary::Facts {
+            description: self.description.as_ref(),
+            status: self.status.as_ref(),
+            fit: self.fit.as_ref(),
+            consumers: &self.consumers,
+            time_s: self.newest.map(|newest| seconds(newest.time_ns)),
+            frames_dropped,
+        })
+    }
+}
+
+fn single_rows(entity: String, decimator: &mut Decimator) -> Option<SeriesRows> {
+    let points = decimator.take();
+    (!points.times_ns.is_empty()).then_some(SeriesRows {
+        entity,
+        times_ns: points.times_ns,
+        values: points.values,
+        values_per_row: 1,
+    })
+}
+
+/// Whether it is time, and if so when it is next.
+fn is_due(next: &mut Instant, now: Instant, period: Duration) -> bool {
+    let due = now >= *next;
+    if due {
+        *next = now + period;
+    }
+    due
+}
+
+/// From one monotonic time to another, ns, negative when `later` is the earlier one.
+fn since(earlier: u64, later: u64) -> i64 {
+    i64::try_from(i128::from(later) - i128::from(earlier)).unwrap_or(0)
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "a run would have to last 292 years")]
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}
+
+#[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
+fn seconds(nanoseconds: i64) -> f64 {
+    nanoseconds as f64 / 1e9
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test")]
+mod tests {
+    use super::*;
+
+    fn status(run_id: u64) -> LoopStatus {
+        LoopStatus { run_id, rate_hz: 10_000.0, ..LoopStatus::default() }
+    }
+
+    fn second_of_samples() -> Vec<Sample> {
+        let sample = |tick: u64| Sample {
+            seq: tick,
+            tick,
+            monotonic_time_ns: tick * 100_000,
+            angle_rad: tick as f64 * 1e-3,
+            torque_mnm: if tick == 5_432 { 99.0 } else { 1.0 },
+            ..Sample::default()
+        };
+        (0..10_000).map(sample).collect()
+    }
+
+    fn rows<'a>(frame: &'a Frame, entity: &str) -> Option<&'a SeriesRows> {
+        frame.series.iter().find(|rows| rows.entity == entity)
+    }
+
+    #[test]
+    fn a_second_of_the_run_is_shown_with_at_most_500_points_and_every_spike() {
+        let mut picture = Picture::default();
+        picture.take_in(Event::Status(&status(7)));
+        picture.take_in(Event::Samples { run_id: 7, samples: &second_of_samples() });
+        let frame = picture.next_frame(0).unwrap();
+        let torque = rows(&frame, "signals/torque_mnm").unwrap();
+        assert!(torque.values.len() <= 500);
+        let spike = torque.values.iter().position(|&value| value == 99.0).unwrap();
+        assert_eq!(torque.times_ns[spike], 543_200_000);
+    }
+
+    #[test]
+    fn there_is_no_model_torque_before_a_parameter_can_be_told() {
+        let mut picture = Picture::default();
+        picture.take_in(Event::Status(&status(7)));
+        picture.take_in(Event::Fit(&FitUpdate { run_id: 7, ..FitUpdate::default() }));
+        picture.take_in(Event::Samples { run_id: 7, samples: &second_of_samples() });
+        let frame = picture.next_frame(0).unwrap();
+        assert!(rows(&frame, &entities::signal(MODEL_TORQUE)).is_none());
+        assert!(rows(&frame, "fit/inertia").is_none());
+    }
+
+    #[test]
+    fn a_new_run_begins_with_an_empty_picture() {
+        let mut picture = Picture::default();
+        picture.take_in(Event::Status(&status(7)));
+        picture.take_in(Event::Samples { run_id: 7, samples: &second_of_samples() });
+        picture.take_in(Event::Status(&status(8)));
+        let frame = picture.next_frame(0).unwrap();
+        assert_eq!((frame.run_id, frame.time_ns, frame.series.len()), (8, 0, 0));
+    }
+
+    #[test]
+    fn after_the_run_a_last_frame_comes_and_then_nothing_until_the_next_run() {
+        let mut picture = Picture::default();
+        picture.take_in(Event::Status(&status(7)));
+        picture.take_in(Event::Samples { run_id: 7, samples: &second_of_samples() });
+        picture.take_in(Event::Status(&LoopStatus { finished: 1, ..status(7) }));
+        let last = picture.next_frame(0).unwrap();
+        assert_eq!(rows(&last, "signals/angle_rad").unwrap().times_ns.last(), Some(&999_900_000));
+        assert!(last.summary.is_some());
+        assert!(picture.next_frame(0).is_none());
+        picture.take_in(Event::Status(&status(8)));
+        assert!(picture.next_frame(0).is_some());
+    }
+
+    #[test]
+    fn a_fit_of_another_run_is_not_shown() {
+        let mut picture = Picture::default();
+        picture.take_in(Event::Status(&status(7)));
+        picture.take_in(Event::Fit(&FitUpdate { run_id: 6, ..FitUpdate::default() }));
+        assert!(picture.fit.is_none());
+    }
+}

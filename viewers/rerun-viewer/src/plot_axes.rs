@@ -1,0 +1,157 @@
+//! Axes of an x-y plot: round ranges, ticks, and the way from quantities to the drawing.
+//!
+//! rerun has no x-y plot. One is drawn in a plane instead: the plot's box is [`BOX_WIDTH`] by
+//! [`BOX_HEIGHT`] with y downwards, whatever the quantities' units, so that it fills its view.
+
+/// Width of the plot's box in the drawing.
+pub const BOX_WIDTH: f64 = 150.0;
+/// Height of the plot's box in the drawing.
+pub const BOX_HEIGHT: f64 = 100.0;
+/// Ticks that an axis has about.
+const TARGET_TICKS: f64 = 6.0;
+
+/// One axis: a range that ends on ticks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end, above the lower one.
+    pub high: f64,
+    /// From tick to tick.
+    pub step: f64,
+}
+
+impl Axis {
+    /// The axis with round ends that shows `low..=high`.
+    pub fn around(low: f64, high: f64) -> Self {
+        let middle = f64::midpoint(low, high);
+        // A range of nothing still needs a width, in proportion to the value it shows.
+        let span = (high - low).max(middle.abs() * 1e-6).max(1e-9);
+        let step = round_step(span / TARGET_TICKS);
+        let low = ((middle - span / 2.0) / step).floor() * step;
+        let high = ((middle + span / 2.0) / step).ceil() * step;
+        Self { low, high, step }
+    }
+
+    /// This axis while it fits the range, else a new one: an axis that jumped about could not be read.
+    pub fn following(&self, low: f64, high: f64) -> Self {
+        let inside = self.low <= low && high <= self.high;
+        let fills_half = high - low > (self.high - self.low) / 2.0;
+        if inside && fills_half { self.clone() } else { Self::around(low, high) }
+    }
+
+    /// The ticks with their labels, from low to high.
+    pub fn ticks(&self) -> Vec<(f64, String)> {
+        let decimals = decimals(self.step);
+        let first = (self.low / self.step).round();
+        let count = ((self.high - self.low) / self.step).round();
+        let mut ticks = Vec::new();
+        let mut index = 0.0;
+        while index <= count {
+            let value = (first + index) * self.step;
+            // Rounded to the label's digits, so that no tick reads "-0".
+            let value = if value.abs() < self.step / 2.0 { 0.0 } else { value };
+            ticks.push((value, format!("{value:.decimals$}").replace('-', "\u{2212}")));
+            index += 1.0;
+        }
+        ticks
+    }
+
+    fn span(&self) -> f64 {
+        self.high - self.low
+    }
+}
+
+/// Both axes of a plot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlotAxes {
+    /// Horizontal, to the right.
+    pub x: Axis,
+    /// Vertical, upwards.
+    pub y: Axis,
+}
+
+impl PlotAxes {
+    /// Factors for (x, y) from quantities to the drawing.
+    pub fn scale(&self) -> [f64; 2] {
+        [BOX_WIDTH / self.x.span(), -BOX_HEIGHT / self.y.span()]
+    }
+
+    /// What is added to (x, y) after scaling.
+    pub fn offset(&self) -> [f64; 2] {
+        let [scale_x, scale_y] = self.scale();
+        [-self.x.low * scale_x, -self.y.high * scale_y]
+    }
+
+    /// Where a pair of quantities lies in the drawing.
+    pub fn place(&self, x: f64, y: f64) -> [f64; 2] {
+        let ([scale_x, scale_y], [offset_x, offset_y]) = (self.scale(), self.offset());
+        [x * scale_x + offset_x, y * scale_y + offset_y]
+    }
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is not below `least`.
+fn round_step(least: f64) -> f64 {
+    let power = 10_f64.powf(least.log10().floor());
+    let [one, two, five] = [1.0, 2.0, 5.0].map(|factor| factor * power);
+    // The tolerance keeps 0.2 a step for a span of exactly 1.2.
+    let enough = |step: f64| step >= least * (1.0 - 1e-9);
+    if enough(one) {
+        one
+    } else if enough(two) {
+        two
+    } else if enough(five) {
+        five
+    } else {
+        10.0 * power
+    }
+}
+
+/// Digits after the point that a step needs.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=9")]
+fn decimals(step: f64) -> usize {
+    (-step.log10().floor()).clamp(0.0, 9.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<String> {
+        axis.ticks().into_iter().map(|(_, label)| label).collect()
+    }
+
+    #[test]
+    fn ends_and_ticks_are_round_numbers() {
+        let axis = Axis::around(-4.3, 3.9);
+        assert_eq!(labels(&axis), ["\u{2212}6", "\u{2212}4", "\u{2212}2", "0", "2", "4"]);
+    }
+
+    #[test]
+    fn small_quantities_get_the_digits_they_need() {
+        let axis = Axis::around(0.0, 0.12);
+        assert_eq!(labels(&axis).last().map(String::as_str), Some("0.12"));
+    }
+
+    #[test]
+    fn an_axis_stays_while_the_data_fits() {
+        let axis = Axis::around(-4.0, 4.0);
+        assert_eq!(axis.following(-3.0, 3.9), axis);
+        assert!(axis.following(-3.0, 4.5).high > axis.high);
+        assert!(axis.following(-0.5, 0.5).high < axis.high);
+    }
+
+    #[test]
+    fn a_constant_still_has_an_axis() {
+        let axis = Axis::around(5.0, 5.0);
+        assert!(axis.low <= 5.0 && axis.high >= 5.0 && axis.high > axis.low);
+    }
+
+    #[test]
+    fn the_corners_of_the_ranges_are_the_corners_of_the_box() {
+        let axes = PlotAxes { x: Axis::around(-1.0, 1.0), y: Axis::around(-30.0, 60.0) };
+        let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9;
+        assert!(near(axes.place(axes.x.low, axes.y.high), [0.0, 0.0]));
+        assert!(near(axes.place(axes.x.high, axes.y.low), [BOX_WIDTH, BOX_HEIGHT]));
+    }
+}

@@ -1,0 +1,208 @@
+//! Torque over angle and torque over velocity: the newest points, and the model's curves.
+
+use std::collections::VecDeque;
+
+use crate::model_torque::KnobModel;
+use crate::plot_axes::{Axis, PlotAxes};
+
+/// Newest points that set an axis range.
+const POINTS_KEPT: usize = 4_000;
+/// Points of a curve that has no detents to resolve.
+const CURVE_POINTS: usize = 121;
+/// Points per detent of a curve that has.
+const POINTS_PER_DETENT: f64 = 16.0;
+/// Most points of a curve.
+const MAX_CURVE_POINTS: f64 = 2_000.0;
+
+/// Which quantity the torque is plotted over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Abscissa {
+    /// Angle, rad.
+    Angle,
+    /// Velocity, rad/s.
+    Velocity,
+}
+
+impl Abscissa {
+    /// Title of the horizontal axis: the sample's field.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Angle => "angle_rad",
+            Self::Velocity => "velocity_rad_s",
+        }
+    }
+}
+
+/// A measured point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScatterPoint {
+    /// The abscissa.
+    pub x: f64,
+    /// Torque, mNm.
+    pub torque_mnm: f64,
+    /// Whether the knob turned towards positive angle.
+    pub turning_positive: bool,
+}
+
+/// Points, axes and curves of one plot at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlotUpdate {
+    /// Which plot.
+    pub abscissa: Abscissa,
+    /// Points since the last update.
+    pub points: Vec<ScatterPoint>,
+    /// Axes that hold the newest points.
+    pub axes: PlotAxes,
+    /// The model's curves as (x, torque), when it is their turn.
+    pub curves: Option<Vec<Vec<[f64; 2]>>>,
+}
+
+/// Gathers one plot.
+#[derive(Clone, Debug)]
+pub struct Scatter {
+    abscissa: Abscissa,
+    fresh: Vec<ScatterPoint>,
+    kept: VecDeque<[f64; 2]>,
+    axes: Option<PlotAxes>,
+}
+
+impl Scatter {
+    /// An empty plot.
+    pub fn new(abscissa: Abscissa) -> Self {
+        Self { abscissa, fresh: Vec::new(), kept: VecDeque::with_capacity(POINTS_KEPT), axes: None }
+    }
+
+    /// Takes in a point; one that is not a number leaves no trace.
+    pub fn push(&mut self, point: ScatterPoint) {
+        if !(point.x.is_finite() && point.torque_mnm.is_finite()) {
+            return;
+        }
+        if self.kept.len() >= POINTS_KEPT {
+            self.kept.pop_front();
+        }
+        self.kept.push_back([point.x, point.torque_mnm]);
+        // A burst, as after a restart, shows its newest points only.
+        if self.fresh.len() >= POINTS_KEPT {
+            self.fresh.clear();
+        }
+        self.fresh.push(point);
+    }
+
+    /// What is new in the plot; `None` while there are no new points.
+    ///
+    /// With a `model` its curves are drawn again.
+    pub fn update(&mut self, model: Option<&KnobModel>) -> Option<PlotUpdate> {
+        if self.fresh.is_empty() {
+            return None;
+        }
+        let (x, y) = (extent(&self.kept, 0)?, extent(&self.kept, 1)?);
+        let axes = match &self.axes {
+            Some(axes) => PlotAxes { x: axes.x.following(x.0, x.1), y: axes.y.following(y.0, y.1) },
+            None => PlotAxes { x: Axis::around(x.0, x.1), y: Axis::around(y.0, y.1) },
+        };
+        self.axes = Some(axes.clone());
+        let curves = model.map(|model| {
+            let mut curves = match self.abscissa {
+                Abscissa::Angle => torque_over_angle(model, x),
+                Abscissa::Velocity => torque_over_velocity(model, x),
+            };
+            // A model that is far off runs along the frame, not across the neighbouring views.
+            curves.iter_mut().flatten().for_each(|point| point[1] = point[1].clamp(axes.y.low, axes.y.high));
+            curves
+        });
+        Some(PlotUpdate { abscissa: self.abscissa, points: std::mem::take(&mut self.fresh), axes, curves })
+    }
+}
+
+/// Two curves: the knob turning slowly either way, without inertia.
+fn torque_over_angle(model: &KnobModel, (low, high): (f64, f64)) -> Vec<Vec<[f64; 2]>> {
+    let points = model.detent_spacing_rad().map_or(CURVE_POINTS, |spacing| {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded just here")]
+        let resolving = (POINTS_PER_DETENT * (high - low) / spacing).min(MAX_CURVE_POINTS) as usize;
+        resolving.max(CURVE_POINTS)
+    });
+    [-f64::MIN_POSITIVE, f64::MIN_POSITIVE]
+        .map(|slowly| curve(low, high, points, |angle| model.torque_mnm(angle, slowly, 0.0)))
+        .into()
+}
+
+/// Friction in either direction, and above and below it the detents' amplitude.
+fn torque_over_velocity(model: &KnobModel, (low, high): (f64, f64)) -> Vec<Vec<[f64; 2]>> {
+    let amplitude = model.detent_amplitude_mnm();
+    let bands = if amplitude > 0.0 { vec![0.0, amplitude, -amplitude] } else { vec![0.0] };
+    let mut curves = Vec::new();
+    for band in bands {
+        for (from, to) in [(low, -f64::MIN_POSITIVE), (f64::MIN_POSITIVE, high)] {
+            if from < to {
+                curves.push(curve(from, to, 2, |velocity| model.friction_mnm(velocity) + band));
+            }
+        }
+    }
+    curves
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a few thousand points")]
+fn curve(low: f64, high: f64, points: usize, torque_mnm: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    let last = points.max(2) - 1;
+    (0..=last)
+        .map(|index| index as f64 / last as f64)
+        // Both ends come out exactly, however close to zero: friction jumps there.
+        .map(|share| low * (1.0 - share) + high * share)
+        .map(|x| [x, torque_mnm(x)])
+        .collect()
+}
+
+fn extent(points: &VecDeque<[f64; 2]>, coordinate: usize) -> Option<(f64, f64)> {
+    let first = points.front()?[coordinate];
+    Some(
+        points
+            .iter()
+            .fold((first, first), |(low, high), point| (low.min(point[coordinate]), high.max(point[coordinate]))),
+    )
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test")]
+mod tests {
+    use shared_types::{Estimate, FitUpdate, Verdict};
+
+    use super::*;
+
+    fn point(x: f64, torque_mnm: f64) -> ScatterPoint {
+        ScatterPoint { x, torque_mnm, turning_positive: true }
+    }
+
+    fn coulomb_model(coulomb: f64) -> KnobModel {
+        let enough = |value| Estimate { value, verdict: Verdict::Enough.code(), ..Estimate::default() };
+        let fit =
+            FitUpdate { coulomb_negative: enough(coulomb), coulomb_positive: enough(coulomb), ..FitUpdate::default() };
+        KnobModel::from_fit(&fit).unwrap()
+    }
+
+    #[test]
+    fn the_axes_forget_points_that_are_no_longer_shown() {
+        let mut scatter = Scatter::new(Abscissa::Angle);
+        scatter.push(point(0.0, 1e6));
+        for index in 0..POINTS_KEPT {
+            scatter.push(point(index as f64, (index % 7) as f64));
+        }
+        assert!(scatter.update(None).unwrap().axes.y.high < 10.0);
+    }
+
+    #[test]
+    fn a_burst_of_history_stays_bounded() {
+        let mut scatter = Scatter::new(Abscissa::Angle);
+        (0..3 * POINTS_KEPT).for_each(|index| scatter.push(point(index as f64, 0.0)));
+        assert!(scatter.update(None).unwrap().points.len() <= POINTS_KEPT);
+    }
+
+    #[test]
+    fn coulomb_friction_is_a_step_over_velocity_and_two_lines_over_angle() {
+        let model = coulomb_model(2.5);
+        let over_velocity = torque_over_velocity(&model, (-3.0, 4.0));
+        assert_eq!(over_velocity, [[[-3.0, -2.5], [-f64::MIN_POSITIVE, -2.5]], [[f64::MIN_POSITIVE, 2.5], [4.0, 2.5]]]);
+        let over_angle = torque_over_angle(&model, (-1.0, 1.0));
+        assert!(over_angle[0].iter().all(|point| point[1] == -2.5));
+        assert!(over_angle[1].iter().all(|point| point[1] == 2.5));
+    }
+}

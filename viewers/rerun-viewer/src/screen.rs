@@ -1,0 +1,257 @@
+//! Where frames become visible: a web page, rerun's window, or a file.
+//!
+//! The screen has a thread of its own, fed from an [`Outbox`]: whatever rerun waits for, nobody
+//! else waits. Each run is a recording of its own. rerun's client never connects again by itself,
+//! so when its window is gone the screen looks for a new one and begins there afresh.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use anyhow::Context as _;
+use rerun::sink::{CallbackSink, GrpcSink, GrpcSinkConnectionState};
+use rerun::web_viewer::WebViewerConfig;
+use rerun::{MemoryLimit, RecordingStream, RecordingStreamBuilder, ServerOptions, SpawnOptions};
+
+use crate::cli::Arguments;
+use crate::drawing::Pen;
+use crate::frame::Frame;
+use crate::outbox::{Outbox, Taken};
+use crate::{layout, web_page};
+
+/// Name under which rerun keeps the layout.
+const APPLICATION: &str = "haptic-camera";
+/// How often the window is asked whether it is still there.
+const CONNECTION_CHECK: Duration = Duration::from_millis(500);
+/// What is given to finding out whether a window listens.
+const CONNECT_LIMIT: Duration = Duration::from_millis(200);
+
+/// Where to show.
+#[derive(Clone, Debug)]
+pub enum Destination {
+    /// A web page and the stream that it reads.
+    Web {
+        /// Address of both.
+        bind: IpAddr,
+        /// Port of the page.
+        web_port: u16,
+        /// Port of the stream.
+        grpc_port: u16,
+        /// What is kept for a page opened later.
+        memory_limit: MemoryLimit,
+    },
+    /// rerun's own window on this machine.
+    Native {
+        /// Port that it listens at.
+        grpc_port: u16,
+        /// What it may keep.
+        memory_limit: MemoryLimit,
+    },
+    /// A rerun file.
+    File(PathBuf),
+}
+
+impl Destination {
+    /// What the command line asks for, with ports that are free.
+    ///
+    /// # Errors
+    /// When no port is free.
+    pub fn from_arguments(arguments: &Arguments) -> anyhow::Result<Self> {
+        let Arguments { web: _, native, save, bind, web_port, grpc_port, memory_limit, restarts: _ } = arguments;
+        let memory_limit = *memory_limit;
+        if let Some(path) = save {
+            return Ok(Self::File(path.clone()));
+        }
+        if *native {
+            return Ok(Self::Native { grpc_port: *grpc_port, memory_limit });
+        }
+        let grpc_port = web_page::free_port(*bind, *grpc_port, None)?;
+        let web_port = web_page::free_port(*bind, *web_port, Some(grpc_port))?;
+        Ok(Self::Web { bind: *bind, web_port, grpc_port, memory_limit })
+    }
+
+    /// Whether there is nothing left to do when the run has ended.
+    pub const fn ends_with_run(&self) -> bool {
+        matches!(self, Self::File(_))
+    }
+
+    /// How long closing may take.
+    pub const fn exit_limit(&self) -> Duration {
+        match self {
+            Self::File(_) => Duration::from_secs(10),
+            Self::Web { .. } | Self::Native { .. } => Duration::from_secs(1),
+        }
+    }
+}
+
+/// An open destination.
+pub struct Screen {
+    destination: Destination,
+    /// Carries every run: rerun ties servers, windows and files to one recording.
+    carrier: RecordingStream,
+    /// The run that is shown and the pen that draws it.
+    shown: Option<(u64, Pen)>,
+    disconnected: Arc<AtomicBool>,
+    next_check: Instant,
+}
+
+impl Screen {
+    /// Opens the destination; nothing is shown yet but the layout.
+    ///
+    /// # Errors
+    /// When a port, the `rerun` program or the file is not to be had.
+    pub fn open(destination: Destination) -> anyhow::Result<Self> {
+        if let Destination::Web { bind, web_port, .. } = &destination {
+            let page = WebViewerConfig {
+                bind_ip: bind.to_string(),
+                web_port: (*web_port).into(),
+                open_browser: false,
+                ..WebViewerConfig::default()
+            };
+            rerun::serve_web_viewer(page).context("the web page cannot be served")?.detach();
+        }
+        if let Destination::Native { grpc_port, memory_limit } = &destination {
+            open_window(*grpc_port, *memory_limit)?;
+        }
+        let carrier = carrier(&destination)?;
+        Ok(Self { destination, carrier, shown: None, disconnected: Arc::default(), next_check: Instant::now() })
+    }
+
+    /// What the operator is told to look at.
+    pub fn place(&self) -> Option<String> {
+        match &self.destination {
+            Destination::Web { bind, web_port, grpc_port, .. } => Some(web_page::address(*bind, *web_port, *grpc_port)),
+            Destination::Native { .. } | Destination::File(_) => None,
+        }
+    }
+
+    /// Shows frames from `outbox` on a thread of its own until it is closed and empty.
+    ///
+    /// The receiver is told once everything is written and the destination is closed.
+    ///
+    /// # Errors
+    /// When no thread is to be had.
+    pub fn show_from(mut self, outbox: Arc<Outbox<Frame>>) -> anyhow::Result<mpsc::Receiver<()>> {
+        let (closed, is_closed) = mpsc::channel();
+        let show = move || {
+            loop {
+                match outbox.take(CONNECTION_CHECK) {
+                    Taken::Item(frame) => self.show(&frame, &outbox),
+                    Taken::Nothing => {}
+                    Taken::Closed => break,
+                }
+                self.look_after_window();
+            }
+            drop(self);
+            // Nobody listens any more when the time for closing has passed.
+            let _ = closed.send(());
+        };
+        std::thread::Builder::new().name("screen".to_owned()).spawn(show).context("no thread for the screen")?;
+        Ok(is_closed)
+    }
+
+    fn show(&mut self, frame: &Frame, outbox: &Outbox<Frame>) {
+        if self.disconnected.load(Ordering::Relaxed) {
+            outbox.count_dropped();
+            return;
+        }
+        if let Err(error) = self.pen_of(frame.run_id).and_then(|pen| pen.draw(frame)) {
+            tracing::error!("a frame of the live view could not be drawn: {error:#}");
+            outbox.count_dropped();
+        }
+    }
+
+    fn pen_of(&mut self, run_id: u64) -> anyhow::Result<&mut Pen> {
+        let pen = match self.shown.take() {
+            Some((shown, pen)) if shown == run_id => pen,
+            Some(_) => Pen::new(further_recording(&self.carrier)?)?,
+            None => Pen::new(self.carrier.clone())?,
+        };
+        Ok(&mut self.shown.insert((run_id, pen)).1)
+    }
+
+    /// Finds out whether rerun's window went away and, if so, looks for another one.
+    fn look_after_window(&mut self) {
+        let Destination::Native { grpc_port, .. } = self.destination else {
+            return;
+        };
+        if Instant::now() < self.next_check {
+            return;
+        }
+        self.next_check = Instant::now() + CONNECTION_CHECK;
+        if !self.disconnected.load(Ordering::Relaxed) {
+            let disconnected = Arc::clone(&self.disconnected);
+            self.carrier.inspect_sink(move |sink| {
+                let sink: &dyn std::any::Any = sink;
+                let state = sink.downcast_ref::<GrpcSink>().map(GrpcSink::status);
+                if matches!(state, Some(GrpcSinkConnectionState::Disconnected(_))) {
+                    disconnected.store(true, Ordering::Relaxed);
+                }
+            });
+        } else if listens(grpc_port) {
+            match carrier(&self.destination) {
+                Ok(carrier) => self.begin_afresh(carrier),
+                Err(error) => tracing::error!("the new window cannot be used: {error:#}"),
+            }
+        }
+    }
+
+    fn begin_afresh(&mut self, carrier: RecordingStream) {
+        let lost = (std::mem::replace(&mut self.carrier, carrier), self.shown.take());
+        // Its end may wait without limit for a window that is gone.
+        std::thread::spawn(move || drop(lost));
+        self.disconnected = Arc::default();
+    }
+}
+
+/// A recording that leads to the destination, with layout and styles.
+fn carrier(destination: &Destination) -> anyhow::Result<RecordingStream> {
+    let builder = RecordingStreamBuilder::new(APPLICATION);
+    let recording = match destination {
+        Destination::Web { bind, grpc_port, memory_limit, .. } => {
+            let mut options = ServerOptions { memory_limit: *memory_limit, ..ServerOptions::default() };
+            if !bind.is_loopback() {
+                // Whoever serves to a network means pages from other hosts to read the stream.
+                options.cors_allowed_origins.push("*".to_owned());
+            }
+            builder.serve_grpc_opts(bind.to_string(), *grpc_port, options)?
+        }
+        Destination::Native { grpc_port, .. } => {
+            builder.connect_grpc_opts(format!("rerun+http://127.0.0.1:{grpc_port}/proxy"))?
+        }
+        Destination::File(path) => {
+            builder.save(path).with_context(|| format!("{} cannot be written", path.display()))?
+        }
+    };
+    layout::send(&recording)?;
+    Ok(recording)
+}
+
+/// A recording for a further run, which goes the carrier's way.
+fn further_recording(carrier: &RecordingStream) -> anyhow::Result<RecordingStream> {
+    let recording = RecordingStreamBuilder::new(APPLICATION).buffered()?;
+    let carrier = carrier.clone();
+    recording.set_sink(Box::new(CallbackSink::new(move |messages| {
+        messages.iter().for_each(|message| carrier.record_msg(message.clone()));
+    })));
+    Ok(recording)
+}
+
+fn open_window(port: u16, memory_limit: MemoryLimit) -> anyhow::Result<()> {
+    let options = SpawnOptions {
+        port,
+        memory_limit: format!("{}B", memory_limit.as_bytes()),
+        hide_welcome_screen: true,
+        ..SpawnOptions::default()
+    };
+    rerun::spawn(&options)
+        .map(|_| ())
+        .context("rerun's window cannot be opened; install it with 'cargo install rerun-cli --version 0.36.3 --locked', or use the web page")
+}
+
+fn listens(port: u16) -> bool {
+    TcpStream::connect_timeout(&SocketAddr::from((Ipv4Addr::LOCALHOST, port)), CONNECT_LIMIT).is_ok()
+}

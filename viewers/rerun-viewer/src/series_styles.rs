@@ -1,0 +1,58 @@
+//! Names, colours and widths of the time series.
+
+use rerun::components::{AggregationPolicy, MarkerShape};
+use rerun::{RecordingStream, RecordingStreamResult, SeriesLines, SeriesPoints};
+use shared_types::ProcessKind;
+
+use crate::entities::{self, HEALTH, MODEL_TORQUE, PARAMETERS, SIGNALS};
+use crate::palette::{MEASURED, MODEL, NEGATIVE, POSITIVE, Rgb};
+
+/// Names, colours and widths of the series, drawn once per recording.
+///
+/// # Errors
+/// When rerun refuses the entity.
+pub fn draw(recording: &RecordingStream) -> RecordingStreamResult<()> {
+    let lines = |names: Vec<String>, color: Rgb, widths: Vec<f32>| {
+        let dimmed = |index: usize| {
+            if index == 0 { color.opaque() } else { color.translucent(130) }
+        };
+        SeriesLines::new()
+            .with_colors((0..names.len()).map(dimmed))
+            .with_names(names)
+            .with_widths(widths)
+            .with_aggregation_policy(AggregationPolicy::MinMax)
+    };
+    for field in SIGNALS.into_iter().filter(|field| *field != MODEL_TORQUE) {
+        recording.log_static(entities::signal(field), &lines(vec![field.to_owned()], MEASURED, vec![1.2]))?;
+    }
+    // rerun draws points over lines: as dots the model is seen over what was measured.
+    recording.log_static(
+        entities::signal(MODEL_TORQUE),
+        &SeriesPoints::new()
+            .with_names([MODEL_TORQUE])
+            .with_colors([MODEL.opaque()])
+            .with_markers([MarkerShape::Circle])
+            .with_marker_sizes([1.2]),
+    )?;
+    for (name, _) in PARAMETERS {
+        let color = match name {
+            name if name.ends_with("negative") => NEGATIVE,
+            name if name.ends_with("positive") => POSITIVE,
+            _ => MEASURED,
+        };
+        let names = vec![name.to_owned(), format!("{name} ci95_low"), format!("{name} ci95_high")];
+        recording.log_static(entities::parameter(name), &lines(names, color, vec![2.2, 1.0, 1.0]))?;
+    }
+    let lateness = lines(vec!["largest lateness".to_owned()], MEASURED, vec![1.5]);
+    recording.log_static(entities::LATENESS, &lateness)?;
+    recording.log_static(entities::TICK_PERIOD, &lines(vec!["tick period".to_owned()], MODEL, vec![1.5]))?;
+    let processes =
+        [(ProcessKind::Recorder, POSITIVE), (ProcessKind::LiveFitter, MODEL), (ProcessKind::Viewer, MEASURED)];
+    for quantity in HEALTH {
+        for (process, color) in processes {
+            let name = process.name();
+            recording.log_static(entities::health(quantity, name), &lines(vec![name.to_owned()], color, vec![1.8]))?;
+        }
+    }
+    Ok(())
+}

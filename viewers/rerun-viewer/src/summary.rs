@@ -1,0 +1,192 @@
+//! The text beside the plots: the run, its loop, its parameters and its processes at a glance.
+
+use std::fmt::Write as _;
+
+use shared_types::{Estimate, Fault, FitUpdate, LoopState, LoopStatus, RunDescription, Verdict, realtime};
+
+use crate::consumers::Consumers;
+use crate::entities::PARAMETERS;
+use crate::model_torque::told;
+
+/// What the text is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Facts<'a> {
+    /// What the run is.
+    pub description: Option<&'a RunDescription>,
+    /// The control loop's word about itself.
+    pub status: Option<&'a LoopStatus>,
+    /// The model fitted so far.
+    pub fit: Option<&'a FitUpdate>,
+    /// The other processes.
+    pub consumers: &'a Consumers,
+    /// Time in the run, s.
+    pub time_s: Option<f64>,
+    /// Frames that the screen was too slow for.
+    pub frames_dropped: u64,
+}
+
+/// The text as Markdown.
+pub fn markdown(facts: &Facts<'_>) -> String {
+    // Writing to a String does not fail.
+    let mut text = String::new();
+    head(&mut text, facts);
+    if let Some(status) = facts.status {
+        control_loop(&mut text, status);
+    }
+    if let Some(fit) = facts.fit {
+        parameters(&mut text, fit);
+    }
+    processes(&mut text, facts);
+    text
+}
+
+fn head(text: &mut String, facts: &Facts<'_>) {
+    let Some(description) = facts.description else {
+        let _ = writeln!(text, "# Waiting for a run\n");
+        return;
+    };
+    let RunDescription { knob, apparatus, rate_hz, planned_ticks, .. } = description;
+    let _ = writeln!(text, "# {knob}\n\non **{apparatus}**, {} kHz\n", rate_hz / 1_000.0);
+    #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
+    let planned_s = *planned_ticks as f64 / rate_hz;
+    let planned = if *planned_ticks > 0 { format!(" of {planned_s:.1} s") } else { String::new() };
+    let _ = writeln!(text, "### {} \u{2014} {:.1} s{planned}\n", state(facts.status), facts.time_s.unwrap_or(0.0));
+}
+
+fn state(status: Option<&LoopStatus>) -> String {
+    let Some(status) = status else {
+        return "no control loop".to_owned();
+    };
+    match (LoopState::from_code(status.state), Fault::from_code(status.fault)) {
+        (Some(LoopState::Fault), Some(fault)) => format!("FAULT: {fault}"),
+        (Some(LoopState::Fault), None) => "FAULT".to_owned(),
+        (_, _) if status.finished != 0 => "finished".to_owned(),
+        (Some(state), _) => format!("{state:?}").to_lowercase(),
+        (None, _) => format!("state {}", status.state),
+    }
+}
+
+fn control_loop(text: &mut String, status: &LoopStatus) {
+    let permissions =
+        if status.realtime & realtime::FULL == realtime::FULL { "granted" } else { "not granted in full" };
+    #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
+    let max_lateness_us = status.max_lateness_ns as f64 / 1_000.0;
+    let rows = [
+        ("samples", grouped(status.published_samples)),
+        ("missed ticks", alarmed(status.missed_ticks)),
+        ("dropped samples", alarmed(status.dropped_samples)),
+        ("largest lateness", format!("{max_lateness_us:.1} µs")),
+        ("real-time permission", permissions.to_owned()),
+    ];
+    let _ = writeln!(text, "| control loop | |\n|---|---:|");
+    for (name, value) in rows {
+        let _ = writeln!(text, "| {name} | {value} |");
+    }
+    text.push('\n');
+}
+
+fn parameters(text: &mut String, fit: &FitUpdate) {
+    let _ = writeln!(text, "| parameter | value ± 95 % | unit |\n|---|---:|---|");
+    for ((name, estimate), (_, unit)) in fit.estimates().into_iter().zip(PARAMETERS) {
+        if Verdict::from_code(estimate.verdict) != Some(Verdict::Absent) {
+            let _ = writeln!(text, "| {} | {} | {unit} |", name.replace('_', " "), value_and_interval(&estimate));
+        }
+    }
+    let _ =
+        writeln!(text, "\nresidual **{:.3} mNm** RMS over {} samples\n", fit.residual_rms_mnm, grouped(fit.samples));
+}
+
+fn processes(text: &mut String, facts: &Facts<'_>) {
+    let mut conditions = facts.consumers.conditions().peekable();
+    if conditions.peek().is_some() {
+        let _ = writeln!(text, "| process | CPU | memory | lost |\n|---|---:|---:|---:|");
+    }
+    for condition in conditions {
+        let restarts = match condition.restarts {
+            0 => String::new(),
+            times => format!(" (restarted {times}×)"),
+        };
+        let cpu = if condition.cpu_share_percent.is_finite() {
+            format!("{:.1} %", condition.cpu_share_percent)
+        } else {
+            "\u{2013}".to_owned()
+        };
+        let _ = writeln!(
+            text,
+            "| {}{restarts} | {cpu} | {:.0} MiB | {} |",
+            condition.kind.name(),
+            condition.resident_mib,
+            alarmed(condition.lost_samples),
+        );
+    }
+    if facts.frames_dropped > 0 {
+        let _ = writeln!(text, "\n{} frames were not shown: the screen is too slow", grouped(facts.frames_dropped));
+    }
+}
+
+/// `2.301 ± 0.012`, with as many digits as the interval deserves; `not yet` while it cannot be told.
+fn value_and_interval(estimate: &Estimate) -> String {
+    let Some(value) = told(estimate) else {
+        return "*not yet*".to_owned();
+    };
+    let half_width = (estimate.ci95_high - estimate.ci95_low) / 2.0;
+    let sign = |number: String| number.replace('-', "\u{2212}");
+    if !half_width.is_finite() || half_width <= 0.0 {
+        return sign(format!("{value:.4}"));
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=8")]
+    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 8.0) as usize;
+    sign(format!("{value:.decimals$} ± {half_width:.decimals$}"))
+}
+
+/// A count that should be zero.
+fn alarmed(count: u64) -> String {
+    if count == 0 { "0".to_owned() } else { format!("**{}**", grouped(count)) }
+}
+
+/// A count with its thousands apart.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn enough(value: f64, half_width: f64) -> Estimate {
+        let (ci95_low, ci95_high) = (value - half_width, value + half_width);
+        Estimate { value, ci95_low, ci95_high, verdict: Verdict::Enough.code(), reserved: 0 }
+    }
+
+    #[test]
+    fn a_value_has_two_digits_of_its_interval() {
+        assert_eq!(value_and_interval(&enough(2.301_234, 0.012_4)), "2.301 ± 0.012");
+        assert_eq!(value_and_interval(&enough(-0.035, 0.000_21)), "\u{2212}0.03500 ± 0.00021");
+    }
+
+    #[test]
+    fn what_cannot_be_told_has_no_number() {
+        assert_eq!(value_and_interval(&Estimate { value: 5.0, ..Estimate::default() }), "*not yet*");
+        assert_eq!(value_and_interval(&enough(f64::NAN, 1.0)), "*not yet*");
+    }
+
+    #[test]
+    fn a_fault_says_its_cause() {
+        let status = LoopStatus { state: LoopState::Fault.code(), fault: Fault::Speed.code(), ..LoopStatus::default() };
+        assert_eq!(state(Some(&status)), "FAULT: the speed passed the rig's limit");
+    }
+
+    #[test]
+    fn counts_have_their_thousands_apart() {
+        assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
+        assert_eq!(grouped(12), "12");
+    }
+}
