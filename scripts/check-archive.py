@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Reads a capture with the ROS 2 tools' own decoder and prints what it holds.
 
-    check-archive.py CAPTURE.mcap
+    check-archive.py CAPTURE.mcap [COLUMNS.bin]
 
 Nothing of the haptic camera is used: the messages are decoded by mcap-ros2-support from the
 schemas in the file. Printed is one `key value` per line: `count`, `first_seq`, `last_seq`,
 `missing` (samples absent between 0 and the last), `other_messages`, and `sha256`, the digest of all
 samples' real columns in the order angle, velocity, acceleration, torque, commanded angle, commanded
-torque, each sample packed as six little-endian doubles. Exit status: 0 whole, 3 samples missing or
+torque, each sample packed as six little-endian doubles. With COLUMNS.bin those doubles are also
+written there, for a comparison to the last bit. Exit status: 0 whole, 3 samples missing or
 repeated, 1 not readable.
 
 Needs the packages mcap and mcap-ros2-support.
@@ -30,8 +31,8 @@ COLUMNS = (
 )
 
 
-def main(path: str) -> int:
-    digest = hashlib.sha256()
+def main(path: str, columns_path: str | None) -> int:
+    packed = bytearray()
     seqs = []
     others = 0
     with open(path, "rb") as stream:
@@ -42,7 +43,7 @@ def main(path: str) -> int:
                 others += 1
                 continue
             seqs.append(decoded.seq)
-            digest.update(struct.pack("<6d", *(getattr(decoded, column) for column in COLUMNS)))
+            packed += struct.pack("<6d", *(getattr(decoded, column) for column in COLUMNS))
         names = [attachment.name for attachment in reader.iter_attachments()]
         records = [metadata.name for metadata in reader.iter_metadata()]
     rising = all(later > earlier for earlier, later in zip(seqs, seqs[1:]))
@@ -56,15 +57,18 @@ def main(path: str) -> int:
     print("indexed_messages", summary.statistics.message_count if summary and summary.statistics else "none")
     print("attachments", ",".join(names))
     print("metadata", ",".join(records))
-    print("sha256", digest.hexdigest())
+    print("sha256", hashlib.sha256(packed).hexdigest())
+    if columns_path:
+        with open(columns_path, "wb") as stream:
+            stream.write(packed)
     return 0 if rising and missing == 0 else 3
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
     try:
-        sys.exit(main(sys.argv[1]))
+        sys.exit(main(sys.argv[1], sys.argv[2] if len(sys.argv) == 3 else None))
     except (OSError, ValueError, KeyError) as error:
         print(f"{sys.argv[1]}: {error!r}", file=sys.stderr)
         sys.exit(1)

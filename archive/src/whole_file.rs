@@ -18,7 +18,7 @@ pub fn write_whole<Written>(
     write: impl FnOnce(BufWriter<File>) -> Result<Written, ArchiveError>,
 ) -> Result<Written, ArchiveError> {
     let temporary = beside(path, ".incomplete");
-    let written = create_and_sync(&temporary, write).and_then(|written| {
+    let written = create_and_sync(path, &temporary, write).and_then(|written| {
         put_in_place(&temporary, path)?;
         Ok(written)
     });
@@ -30,13 +30,15 @@ pub fn write_whole<Written>(
 }
 
 fn create_and_sync<Written>(
+    path: &Path,
     temporary: &Path,
     write: impl FnOnce(BufWriter<File>) -> Result<Written, ArchiveError>,
 ) -> Result<Written, ArchiveError> {
-    let file = File::create(temporary).map_err(|error| ArchiveError::file(temporary, error))?;
-    let handle = file.try_clone().map_err(|error| ArchiveError::file(temporary, error))?;
+    let refused = |error| ArchiveError::File { path: path.to_owned(), error };
+    let file = File::create(temporary).map_err(refused)?;
+    let handle = file.try_clone().map_err(refused)?;
     let written = write(BufWriter::with_capacity(1 << 20, file))?;
-    handle.sync_all().map_err(|error| ArchiveError::file(temporary, error))?;
+    handle.sync_all().map_err(refused)?;
     Ok(written)
 }
 

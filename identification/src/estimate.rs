@@ -171,7 +171,8 @@ impl Fit {
             let mut effect = *effect;
             let kind = effect.kind();
             for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
-                if told(parameter.name).is_some() {
+                // The stick velocity is never told, but the speed that the capture resolves bounds it.
+                if told(parameter.name).is_some() || kind.name == effects::karnopp_stick::KIND.name {
                     continue;
                 }
                 let opposite = opposite_direction(parameter.name).and_then(|other| told(&other).map(|v| (other, v)));
@@ -182,7 +183,8 @@ impl Fit {
                 });
             }
             if kind.name == effects::inertia::KIND.name {
-                effect.values_mut().iter_mut().for_each(|inertia| *inertia = inertia.max(0.0));
+                let value = told("inertia").unwrap_or(0.0).max(0.0);
+                effect.values_mut().iter_mut().for_each(|inertia| *inertia = value);
             }
             model.effects.push(effect);
         }

@@ -5,6 +5,7 @@ use dynamics::{Calibration, Effect, Part, effects};
 use crate::detents::{self, Detents};
 use crate::estimate::{Fit, Harmonic, Preparation};
 use crate::frame::Frame;
+use crate::karnopp::Stick;
 use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion};
 use crate::problem::Problem;
@@ -19,7 +20,7 @@ const LARGEST_DELAY_SAMPLES: f64 = 0.5;
 const DELAY_SIGNIFICANCE: f64 = 3.0;
 
 /// A delay too long for a trim is told if it explains this share of the residual's sum of squares.
-const WORTH_A_NOTE: f64 = 0.1;
+const WORTH_A_NOTE: f64 = 0.25;
 
 /// What a fit may be told; nothing need be.
 #[derive(Clone, Debug, Default)]
@@ -77,12 +78,12 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
     let exact = KnobMotion::exact(&uniform, calibration);
     let band = Band::of(&uniform, exact.is_some());
     let first = Prepared::new(&uniform, exact.clone(), band, calibration)?;
-    let solved = first.solve(&uniform, samples, options);
+    let solved = first.solve(samples, options);
     let Some(wider) = first.band_for(&solved) else {
         return Ok(first.report(solved, &uniform, samples, calibration));
     };
     let second = Prepared::new(&uniform, exact, wider, calibration)?;
-    let solved = second.solve(&uniform, samples, options);
+    let solved = second.solve(samples, options);
     Ok(second.report(solved, &uniform, samples, calibration))
 }
 
@@ -90,6 +91,7 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
 struct Prepared {
     band: Band,
     motion: KnobMotion,
+    torque_mnm: Vec<f64>,
     frame: Frame,
 }
 
@@ -115,12 +117,13 @@ impl Prepared {
         if sliding < FEWEST_SAMPLES / 2 {
             return Err(FitError::HardlyMoving { threshold_rad_s: frame.threshold_rad_s, samples: sliding });
         }
-        Ok(Self { band, motion, frame })
+        let torque_mnm = motion.alike(&uniform.torque_mnm, uniform.rate_hz);
+        Ok(Self { band, motion, torque_mnm, frame })
     }
 
-    fn solve(&self, uniform: &Uniform, samples: &Samples<'_>, options: &FitOptions) -> Solved<'_> {
-        let Self { band, motion, frame } = self;
-        let mut base = Problem::new(frame, motion, &uniform.torque_mnm, &base_effects(&options.further_effects));
+    fn solve(&self, samples: &Samples<'_>, options: &FitOptions) -> Solved<'_> {
+        let Self { band, motion, torque_mnm, frame } = self;
+        let mut base = Problem::new(frame, motion, torque_mnm, &base_effects(&options.further_effects));
         let solution = base.refine(20, |_, value| 0.1 * value.abs());
         let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad);
         let step = known_step.unwrap_or_else(|| smallest_step(samples.angle_rad));
@@ -160,11 +163,14 @@ impl Prepared {
         samples: &Samples<'_>,
         calibration: Option<&Calibration>,
     ) -> Fit {
-        let Self { band, motion, frame } = self;
+        let Self { band, motion, frame, .. } = self;
         let Solved { problem, solution, aliases_rad, harmonics, no_detents } = solved;
         let trimmed = trim(problem, &solution);
         let report = Report { trimmed: &trimmed, motion, frame, band, calibration };
-        let (parameters, comparison) = report.parameters(no_detents);
+        let (mut parameters, comparison) = report.parameters(no_detents);
+        let mut effects = trimmed.effects();
+        Stick::of(&uniform.torque_mnm, motion, &effects, frame.rate_hz, &uniform.present)
+            .report(&mut parameters, &mut effects);
         let mut notes = report.notes();
         if uniform.lost > 0 {
             notes.push(format!("{} samples are missing from the capture; the fit leaves the gaps out", uniform.lost));
@@ -183,7 +189,7 @@ impl Prepared {
             preparation: preparation(uniform, motion, frame, band),
             notes,
             points: comparison.points,
-            effects: trimmed.effects(),
+            effects,
         }
     }
 }

@@ -38,7 +38,7 @@ impl Frame {
             (1e-6 * rms(&motion.velocity_rad_s), 0.0)
         } else {
             let slow = SLOW * rms(&motion.velocity_rad_s);
-            (slow.max(8.0 * motion.velocity_noise_rad_s), GUARD_S + 0.5 / motion.cutoff_hz)
+            (slow.max(8.0 * motion.velocity_noise_rad_s), GUARD_S + 1.0 / motion.cutoff_hz)
         };
         let guard = (guard_s * rate_hz).round() as usize;
         let settle = if motion.exact { 0 } else { (rate_hz / motion.cutoff_hz).ceil() as usize };

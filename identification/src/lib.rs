@@ -25,6 +25,7 @@ mod estimate;
 pub mod filter;
 mod fit;
 mod frame;
+mod karnopp;
 mod knob_motion;
 mod least_squares;
 pub mod live;

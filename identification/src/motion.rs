@@ -1,6 +1,6 @@
 //! The knob's motion from encoder and accelerometer.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion};
 
@@ -17,9 +17,13 @@ const WIDEST: f64 = 0.1;
 /// The band reaches at least to this multiple of the sweep's highest frequency …
 const NARROWEST_PER_SWEEP: f64 = 10.0;
 /// … and at most to this one, unless fine detents need more: beyond, rigs ring and their sensors differ.
-const WIDEST_PER_SWEEP: f64 = 40.0;
+const WIDEST_PER_SWEEP: f64 = 25.0;
 /// Rows are kept at this multiple of the band's edge.
 pub(crate) const ROWS_PER_EDGE: f64 = 2.5;
+/// Noise in the acceleration's power up to which the encoder does alone: an accelerometer's limited bandwidth costs more.
+const CLEAR: f64 = 1e-4;
+/// The encoder's low-pass lies well clear of the band in which the fit compares.
+const CUTOFF_PER_EDGE: f64 = 2.5;
 /// Rows that the band should give if the sample rate permits: fewer make poor intervals.
 const FEWEST_ROWS: f64 = 1000.0;
 /// Scatter of an exact derivative column, relative to its RMS: rounding, not measurement.
@@ -93,7 +97,7 @@ impl KnobMotion {
     pub(crate) fn measured(uniform: &Uniform, band: &Band, calibration: Option<&Calibration>) -> Self {
         let rate_hz = uniform.rate_hz;
         let angle_density = white_density(&uniform.angle_rad, rate_hz);
-        let cutoff_hz = angle_cutoff_hz(&uniform.angle_rad, rate_hz, angle_density, band.edge_hz);
+        let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
         let mut angle = uniform.angle_rad.clone();
         if let Some(known) = calibration.filter(|known| compliant(known)) {
             // The knob is behind the encoder by the twist of the torque sensor.
@@ -104,9 +108,12 @@ impl KnobMotion {
         let smooth = low_pass(4, cutoff_hz, rate_hz, &angle);
         let velocity = gradient(&smooth, rate_hz);
         let mut acceleration = gradient(&velocity, rate_hz);
+        let noise = angle_density * TAU.powi(4) * band.edge_hz.powi(5) / 5.0;
+        let clear = noise < CLEAR * rms(&low_pass(4, band.edge_hz, rate_hz, &acceleration)).powi(2);
         let accelerometer = uniform
             .acceleration_rad_s2
             .as_ref()
+            .filter(|_| !clear)
             .and_then(|sensor| blend(&gradient(&gradient(&angle, rate_hz), rate_hz), sensor, rate_hz, angle_density, cutoff_hz));
         let blended = accelerometer.is_some();
         if let Some(better) = accelerometer {
@@ -124,6 +131,11 @@ impl KnobMotion {
             accelerometer: blended,
             angle_density,
         }
+    }
+
+    /// A torque filtered as the motion is: what rings beyond the cutoff must not be in one and not in the other.
+    pub(crate) fn alike(&self, torque_mnm: &[f64], rate_hz: f64) -> Vec<f64> {
+        if self.exact { torque_mnm.to_vec() } else { low_pass(4, self.cutoff_hz, rate_hz, torque_mnm) }
     }
 
     /// The motion at a grid point.
@@ -166,22 +178,6 @@ pub(crate) fn rms(values: &[f64]) -> f64 {
 fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
     let sections: Option<Sections> = butterworth_low_pass(order, edge_hz, rate_hz).ok();
     sections.map_or_else(|| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
-}
-
-/// Where the angle's signal sinks into its noise, but well clear of the band in which the fit compares.
-fn angle_cutoff_hz(angle: &[f64], rate_hz: f64, density: f64, band_hz: f64) -> f64 {
-    let second: Vec<f64> = angle.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect();
-    let spectrum = Spectrum::welch(&second, rate_hz);
-    let highest_hz = 0.3 * rate_hz;
-    let above_noise = spectrum
-        .frequencies()
-        .zip(spectrum.smooth())
-        .filter(|(frequency, power)| {
-            *frequency < highest_hz && *power > 4.0 * density * (2.0 * (PI * frequency / rate_hz).sin()).powi(4)
-        })
-        .map(|(frequency, _)| frequency)
-        .fold(0.0, f64::max);
-    above_noise.max(2.5 * band_hz).min(highest_hz)
 }
 
 /// The given columns, if they are the angle's derivatives to within rounding.

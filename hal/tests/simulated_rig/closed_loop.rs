@@ -17,17 +17,10 @@ fn follow(number: u32, sweep: &str, conditions: &Conditions) -> Following {
     following
 }
 
-/// A current with which the motor breaks knob 5 loose even where its detents add to what it bears
-/// at rest: 200 + 130 mNm, a little more than 20 A give.
-const FOR_KNOB_5_A: f64 = 22.0;
-
 #[test]
 fn every_knob_follows_every_sweep_within_the_rigs_limits() {
     for number in 1..=5 {
-        let mut conditions = Conditions::default();
-        if number == 5 {
-            conditions.parameters.peak_current_a = FOR_KNOB_5_A;
-        }
+        let conditions = Conditions::default();
         for sweep in ["linear-chirp", "paper", "multisine", "stepped-amplitude"] {
             let following = follow(number, sweep, &conditions);
             assert!(!following.limit_passed, "knob {number}, {sweep}: {following:?}");

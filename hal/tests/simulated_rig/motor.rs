@@ -53,10 +53,12 @@ fn the_free_motor_reaches_the_catalogues_no_load_speed_and_current() {
 
 #[test]
 fn torque_beyond_the_amplifiers_current_is_not_given() {
-    let mut run = Run::new(RigParameters::default(), clamped(), 10_000);
+    let parameters = RigParameters::default();
+    let limit_a = parameters.peak_current_a;
+    let mut run = Run::new(parameters, clamped(), 10_000);
     // The shaft winds up and rings a little: its back-EMF moves the current by some hundredths.
     run.ticks(500, 1e4);
-    assert_close(run.rig.truth().current_a, 20.0, 0.05, "the current in A");
+    assert_close(run.rig.truth().current_a, limit_a, 0.05, "the current in A");
     run.ticks(500, -1e4);
-    assert_close(run.rig.truth().current_a, -20.0, 0.05, "the current in A");
+    assert_close(run.rig.truth().current_a, -limit_a, 0.05, "the current in A");
 }

@@ -45,6 +45,7 @@ pub(super) struct Pipeline {
     torque: Ring,
     twisted: Ring,
     smooth: Ring,
+    smooth_torque: Ring,
     velocity: Ring,
     acceleration: Ring,
     last_slow: usize,
@@ -62,7 +63,7 @@ impl Pipeline {
         // A torque channel ahead of the encoder is not foreseen; its delay is at most what the guard bears.
         let delay = calibration.map_or(0.0, |known| known.torque_delay_s.clamp(0.0, 0.05)) * rate_hz;
         let part = delay.fract();
-        let guard = ((GUARD_S + 0.5 / cutoff_hz) * rate_hz).round() as usize;
+        let guard = ((GUARD_S + 1.0 / cutoff_hz) * rate_hz).round() as usize;
         let length = 4 * half_length + 2 * guard + delay as usize + 16;
         let ring = || Ring::new(length);
         Self {
@@ -89,6 +90,7 @@ impl Pipeline {
             torque: ring(),
             twisted: ring(),
             smooth: ring(),
+            smooth_torque: ring(),
             velocity: ring(),
             acceleration: ring(),
             last_slow: 0,
@@ -123,8 +125,14 @@ impl Pipeline {
         self.align(aligned);
         let half = self.fir.half_length();
         let middle = aligned.checked_sub(2 * half)? + half;
-        let smooth = self.fir.taps().iter().zip(middle - half..).map(|(tap, at)| tap * self.twisted.get(at)).sum();
+        // The torque passes the same filter: what rings beyond it must not be in one and not in the other.
+        let (mut smooth, mut torque) = (0.0, 0.0);
+        for (tap, at) in self.fir.taps().iter().zip(middle - half..) {
+            smooth += tap * self.twisted.get(at);
+            torque += tap * self.torque.get(at);
+        }
         self.smooth.set(middle, smooth);
+        self.smooth_torque.set(middle, torque);
         // The first smoothed angle is at `half` (+1 that the alignment lacks); differences need two on each side.
         let now = middle.checked_sub(2).filter(|now| *now >= half + 3)?;
         self.differentiate(now);
@@ -136,7 +144,7 @@ impl Pipeline {
                 velocity_rad_s: self.velocity.get(out),
                 acceleration_rad_s2: self.acceleration.get(out),
             },
-            torque_mnm: self.torque.get(out),
+            torque_mnm: self.smooth_torque.get(out),
             mask: self.last_slow + self.guard < out,
         })
     }

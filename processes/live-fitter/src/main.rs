@@ -1,2 +1,69 @@
-//! Placeholder.
-fn main() {}
+//! The live fitter: fits the model while the run goes on.
+//!
+//! **Reads** the samples (those of the last seconds first) and the run's description. **Publishes**
+//! the model fitted so far, 20 times a second, and its own health twice a second.
+//!
+//! **When it dies** nothing but the estimates stops. Restarted it begins anew with the samples that
+//! the stream keeps as history, and says so by the number of samples its estimates rest on.
+
+mod streams;
+mod update;
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Parser as _;
+use consumer::Stop;
+use dynamics::Calibration;
+use identification::live::{LiveFit, LiveSample};
+use streams::Streams;
+use update::Cadence;
+
+/// How often the queue is looked at. It holds eight seconds.
+const POLL_INTERVAL: Duration = Duration::from_millis(5);
+
+/// Fits the model to the stream while the run goes on.
+#[derive(clap::Parser)]
+#[command(version)]
+struct Arguments {
+    /// Times this process was restarted during the run, for its health report.
+    #[arg(long, default_value_t = 0)]
+    restarts: u32,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    consumer::start_log();
+    match fit_stream(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            tracing::error!("{error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
+    let stop = Stop::listen()?;
+    let mut streams = Streams::attach(arguments.restarts)?;
+    let Some(run) = streams.wait_for_run(&stop, POLL_INTERVAL)? else { return Ok(()) };
+    let calibration = Calibration::from_toml(&run.calibration_toml)?;
+    let mut fit = LiveFit::new(run.rate_hz, Some(&calibration));
+    let mut cadence = Cadence::new();
+    while !stop.is_asked() {
+        streams.take_samples(run.run_id, |sample| {
+            fit.push(&LiveSample {
+                time_s: sample.time_s(run.rate_hz),
+                angle_rad: sample.angle_rad,
+                torque_mnm: sample.torque_mnm,
+            });
+        })?;
+        if cadence.is_due(streams.newest()) {
+            let update = update::measured(run.run_id, || fit.estimate());
+            streams.publish(update)?;
+        }
+        streams.report_health()?;
+        std::thread::sleep(POLL_INTERVAL);
+    }
+    Ok(())
+}

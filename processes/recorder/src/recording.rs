@@ -125,7 +125,13 @@ impl Recording {
     }
 
     fn parts(&self) -> Vec<PathBuf> {
-        self.directories.iter().flat_map(|directory| parts::of_run(&self.out, directory, self.run_id())).collect()
+        let [first, second] = &self.directories;
+        let mut parts = parts::of_run(&self.out, first, self.run_id());
+        // An archive in the temporary directory has nowhere else to go.
+        if first.canonicalize().ok() != second.canonicalize().ok() {
+            parts.extend(parts::of_run(&self.out, second, self.run_id()));
+        }
+        parts
     }
 
     fn list_parts(&self) -> String {

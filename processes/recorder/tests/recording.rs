@@ -25,14 +25,35 @@ static ENVIRONMENT: Mutex<()> = Mutex::new(());
 
 /// Stands in for the control loop: publishes samples as it does, in this test's own rig.
 struct Rig {
-    directory: TempDir,
-    _node: RigNode,
     samples: SamplePublisher,
     status: MessagePublisher<LoopStatus>,
     fits: MessagePublisher<FitUpdate>,
     description: Publisher<ipc::Service, [u8], ()>,
     published: u64,
     process_id: u32,
+    _node: RigNode,
+    directory: TempDir,
+}
+
+/// A process that does not outlive its test.
+struct Process(Child);
+
+impl Process {
+    fn start(command: &mut Command) -> Self {
+        Self(command.spawn().unwrap())
+    }
+
+    fn kill(&mut self) {
+        self.0.kill().unwrap();
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It has ended already unless the test failed.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
 }
 
 impl Rig {
@@ -50,11 +71,12 @@ impl Rig {
             status: LOOP_STATUS.publisher(&node).unwrap(),
             fits: FIT_UPDATES.publisher(&node).unwrap(),
             description: services::description_publisher(&node).unwrap(),
-            _node: node,
-            directory,
             published: 0,
             process_id: std::process::id(),
+            _node: node,
+            directory,
         };
+        std::fs::create_dir(rig.elsewhere()).unwrap();
         rig.describe();
         rig
     }
@@ -68,19 +90,24 @@ impl Rig {
         self.directory.path().join("run.mcap")
     }
 
-    fn start_recorder(&self, restarts: u32) -> Child {
+    /// The temporary directory as the recorder sees it.
+    fn elsewhere(&self) -> PathBuf {
+        self.directory.path().join("elsewhere")
+    }
+
+    fn start_recorder(&self, restarts: u32) -> Process {
         self.start_recorder_to(&self.out(), restarts)
     }
 
-    fn start_recorder_to(&self, out: &Path, restarts: u32) -> Child {
-        Command::new(env!("CARGO_BIN_EXE_recorder"))
-            .arg("--out")
-            .arg(out)
-            .args(["--restarts", &restarts.to_string()])
-            .env(rig::RUNTIME_DIR_VARIABLE, self.directory.path().join("rig"))
-            .env("TMPDIR", self.directory.path())
-            .spawn()
-            .unwrap()
+    fn start_recorder_to(&self, out: &Path, restarts: u32) -> Process {
+        Process::start(
+            Command::new(env!("CARGO_BIN_EXE_recorder"))
+                .arg("--out")
+                .arg(out)
+                .args(["--restarts", &restarts.to_string()])
+                .env(rig::RUNTIME_DIR_VARIABLE, self.directory.path().join("rig"))
+                .env("TMPDIR", self.elsewhere()),
+        )
     }
 
     /// Publishes so many blocks of ten samples, one each millisecond, with estimates in between.
@@ -96,6 +123,7 @@ impl Rig {
                 };
                 self.fits.send_copy(update).unwrap();
                 self.publish_status(false);
+                self.description.update_connections().unwrap();
             }
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -122,7 +150,7 @@ impl Rig {
     }
 
     /// Ends the run as the control loop does: says so again and again, and keeps history reachable.
-    fn finish(&self, recorder: &mut Child) -> i32 {
+    fn finish(&self, recorder: &mut Process) -> i32 {
         self.wait(recorder, || {
             self.publish_status(true);
             self.samples.update_connections().unwrap();
@@ -131,16 +159,13 @@ impl Rig {
     }
 
     /// Waits for the recorder to end; its exit status.
-    fn wait(&self, recorder: &mut Child, meanwhile: impl Fn()) -> i32 {
+    fn wait(&self, recorder: &mut Process, meanwhile: impl Fn()) -> i32 {
         let started = Instant::now();
         loop {
-            if let Some(status) = recorder.try_wait().unwrap() {
+            if let Some(status) = recorder.0.try_wait().unwrap() {
                 return status.code().unwrap_or(-1);
             }
-            if started.elapsed() > Duration::from_secs(60) {
-                recorder.kill().unwrap();
-                panic!("the recorder does not end");
-            }
+            assert!(started.elapsed() < Duration::from_secs(60), "the recorder does not end");
             meanwhile();
             std::thread::sleep(Duration::from_millis(50));
         }
@@ -154,19 +179,9 @@ impl Rig {
         }
     }
 
-    fn files(&self) -> Vec<String> {
-        let mut names: Vec<String> = std::fs::read_dir(self.directory.path())
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .filter(|name| name.contains("mcap"))
-            .collect();
-        names.sort();
-        names
-    }
-
     /// Asserts that the archive holds every published sample, bit for bit.
-    fn assert_archive_is_complete(&self) {
-        let capture = Capture::load(&self.out()).unwrap();
+    fn assert_complete(&self, archive: &Path) {
+        let capture = Capture::load(archive).unwrap();
         assert_eq!(capture.len() as u64, self.published);
         assert_eq!(capture.gaps, []);
         for (row, (&seq, &torque)) in capture.seq.iter().zip(&capture.torque_mnm).enumerate() {
@@ -188,8 +203,19 @@ fn sample(seq: u64) -> Sample {
     }
 }
 
-fn send(signal: Signal, process: &Child) {
-    kill(Pid::from_raw(i32::try_from(process.id()).unwrap()), signal).unwrap();
+/// Archives and parts in a directory.
+fn files_in(directory: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(directory)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.contains("mcap"))
+        .collect();
+    names.sort();
+    names
+}
+
+fn send(signal: Signal, process: &Process) {
+    kill(Pid::from_raw(i32::try_from(process.0.id()).unwrap()), signal).unwrap();
 }
 
 #[test]
@@ -199,8 +225,19 @@ fn a_run_is_recorded_whole() {
     rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
     rig.publish_blocks(1500);
     assert_eq!(rig.finish(&mut recorder), 0);
-    assert_eq!(rig.files(), ["run.mcap"]);
-    rig.assert_archive_is_complete();
+    assert_eq!(files_in(rig.directory.path()), ["run.mcap"]);
+    rig.assert_complete(&rig.out());
+}
+
+#[test]
+fn an_archive_in_the_temporary_directory_is_like_any_other() {
+    let mut rig = Rig::new();
+    let out = rig.elsewhere().join("run.mcap");
+    let mut recorder = rig.start_recorder_to(&out, 0);
+    rig.publish_blocks(300);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    assert_eq!(files_in(&rig.elsewhere()), ["run.mcap"]);
+    rig.assert_complete(&out);
 }
 
 #[test]
@@ -211,15 +248,14 @@ fn a_killed_recorder_resumes_without_a_gap() {
         let part = format!("run.mcap.part-{:03}", restart - 1);
         rig.wait_for(&part, |path| path.join(&part).exists());
         rig.publish_blocks(900);
-        recorder.kill().unwrap();
-        recorder.wait().unwrap();
+        recorder.kill();
         rig.publish_blocks(100);
         recorder = rig.start_recorder(restart);
     }
     rig.publish_blocks(300);
     assert_eq!(rig.finish(&mut recorder), 0);
-    assert_eq!(rig.files(), ["run.mcap"]);
-    rig.assert_archive_is_complete();
+    assert_eq!(files_in(rig.directory.path()), ["run.mcap"]);
+    rig.assert_complete(&rig.out());
 }
 
 #[test]
@@ -228,7 +264,7 @@ fn a_recorder_that_comes_after_the_run_records_what_history_holds() {
     rig.publish_blocks(600);
     let mut recorder = rig.start_recorder(0);
     assert_eq!(rig.finish(&mut recorder), 0);
-    rig.assert_archive_is_complete();
+    rig.assert_complete(&rig.out());
 }
 
 #[test]
@@ -256,26 +292,25 @@ fn a_recorder_that_is_told_to_stop_ends_its_archive_and_ignores_ctrl_c() {
     rig.publish_blocks(300);
     send(Signal::SIGINT, &recorder);
     rig.publish_blocks(300);
-    assert!(recorder.try_wait().unwrap().is_none(), "an interrupt from the keyboard is the supervisor's to handle");
+    assert!(recorder.0.try_wait().unwrap().is_none(), "an interrupt from the keyboard is the supervisor's to handle");
     send(Signal::SIGTERM, &recorder);
     assert_eq!(rig.wait(&mut recorder, || {}), 0);
-    rig.assert_archive_is_complete();
+    rig.assert_complete(&rig.out());
 }
 
 #[test]
 fn a_recorder_whose_source_dies_ends_its_archive() {
     let mut rig = Rig::new();
-    let mut source = Command::new("sleep").arg("1000").spawn().unwrap();
-    rig.process_id = source.id();
+    let mut source = Process::start(Command::new("sleep").arg("1000"));
+    rig.process_id = source.0.id();
     let mut recorder = rig.start_recorder(0);
     rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
     rig.publish_blocks(400);
     rig.publish_status(false);
-    source.kill().unwrap();
+    source.kill();
     // Killed and not reaped: a dead process that still has an entry.
     assert_eq!(rig.wait(&mut recorder, || {}), 0);
-    source.wait().unwrap();
-    rig.assert_archive_is_complete();
+    rig.assert_complete(&rig.out());
 }
 
 #[test]
@@ -289,7 +324,7 @@ fn blocks_of_another_run_stay_out_of_the_archive() {
     rig.published = published;
     rig.publish_blocks(100);
     assert_eq!(rig.finish(&mut recorder), 0);
-    rig.assert_archive_is_complete();
+    rig.assert_complete(&rig.out());
 }
 
 #[test]
@@ -313,19 +348,19 @@ fn a_recorder_started_again_after_its_archive_was_ended_loses_nothing_of_it() {
     assert_eq!(rig.finish(&mut recorder), 0);
     let mut again = rig.start_recorder(1);
     assert_eq!(rig.finish(&mut again), 0);
-    assert_eq!(rig.files(), ["run.mcap"]);
-    rig.assert_archive_is_complete();
+    assert_eq!(files_in(rig.directory.path()), ["run.mcap"]);
+    rig.assert_complete(&rig.out());
 }
 
 #[test]
 fn a_place_that_cannot_be_written_to_sends_the_recording_to_the_temporary_directory() {
     let mut rig = Rig::new();
     let mut recorder = rig.start_recorder_to(Path::new("/proc/no/such/place/run.mcap"), 0);
-    rig.wait_for("the part elsewhere", |path| path.join("run.mcap.part-000").exists());
+    rig.wait_for("the part elsewhere", |path| path.join("elsewhere/run.mcap.part-000").exists());
     rig.publish_blocks(300);
     assert_eq!(rig.finish(&mut recorder), 0);
-    assert_eq!(rig.files(), ["run.mcap"], "the archive is where there is room");
-    rig.assert_archive_is_complete();
+    assert_eq!(files_in(&rig.elsewhere()), ["run.mcap"], "the archive is where there is room");
+    rig.assert_complete(&rig.elsewhere().join("run.mcap"));
 }
 
 /// An archive of a run with this identity, without samples.

@@ -6,8 +6,8 @@ use plotters::coord::ranged1d::Ranged as _;
 use plotters::coord::types::RangedCoordf64;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::{
-    Cartesian2d, ChartBuilder, ChartContext, Circle, DrawingArea, IntoDrawingArea as _, PathElement, Polygon, Rectangle,
-    Text,
+    Cartesian2d, ChartBuilder, ChartContext, Circle, DrawingArea, IntoDrawingArea as _, PathElement, Polygon,
+    Rectangle, Text,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color as _, IntoFont as _, TRANSPARENT, TextStyle};
@@ -125,7 +125,10 @@ impl Plot {
     fn draw(&self, area: &Area<'_>) -> Result<(), Failure> {
         let Self { size, x, y, layers } = self;
         let letters = f64::from(LETTERS * PIXELS_PER_UNIT);
-        let text = |ink: Ink| TextStyle::from(("sans-serif", letters).into_font()).color(&ink.color());
+        let text = |ink: Ink| TextStyle {
+            color: ink.color().to_backend_color(),
+            ..TextStyle::from(("sans-serif", letters).into_font())
+        };
         let mut chart = ChartBuilder::on(area)
             .margin_top(TOP * PIXELS_PER_UNIT)
             .margin_right(RIGHT * PIXELS_PER_UNIT)
@@ -138,7 +141,7 @@ impl Plot {
         let (x_decimals, y_decimals) = (x.decimals(x_labels), y.decimals(y_labels));
         chart
             .configure_mesh()
-            .disable_axes()
+            .axis_style(TRANSPARENT)
             .light_line_style(TRANSPARENT)
             .bold_line_style(Ink::Grid.color())
             .label_style(text(Ink::Label))

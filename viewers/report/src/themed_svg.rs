@@ -153,7 +153,8 @@ impl DrawingBackend for ThemedSvg<'_> {
         let (mut across, mut down) = (String::new(), String::new());
         push_coordinate(&mut across, x);
         push_coordinate(&mut down, y);
-        let rotation = angle.map_or_else(String::new, |angle| format!(r#" transform="rotate({angle} {across} {down})""#));
+        let rotation =
+            angle.map_or_else(String::new, |angle| format!(r#" transform="rotate({angle} {across} {down})""#));
         let class = Ink::of(style.color()).class();
         let text = maud::html! { (text) }.into_string();
         let _ = write!(

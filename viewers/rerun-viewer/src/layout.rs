@@ -1,7 +1,7 @@
 //! Which views there are and how they lie: three tabs, the first readable at a glance.
 
 use rerun::RecordingStream;
-use rerun::blueprint::components::{Corner2D, LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
+use rerun::blueprint::components::{LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
 use rerun::blueprint::{
     BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Tabs,
     TextDocumentView, TimePanel, TimeSeriesView, Vertical,
@@ -93,10 +93,9 @@ fn timing_and_processes(properties: &mut Properties) -> ContainerLike {
         .into();
     let histogram = without_legend(properties, histogram);
     let health = entities::HEALTH.map(|quantity| {
-        let view = TimeSeriesView::new(quantity).with_origin(format!("health/{quantity}"));
-        let view = windowed(properties, view.into(), None);
-        properties.of_view(&view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
-        view
+        let title = format!("{quantity}: recorder (green), live-fitter (orange), rerun-viewer (blue)");
+        let view = TimeSeriesView::new(title).with_origin(format!("health/{quantity}"));
+        without_legend(properties, view.into())
     });
     Vertical::new([
         Horizontal::new([lateness, histogram]).with_column_shares([3.0, 2.0]).into(),

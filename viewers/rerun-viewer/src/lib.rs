@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! rig ──► source ──► picture ──► outbox ──► screen ──► web page | window | file
-//!         20 ms      100 ms       drops      a thread of its own,
+//!         20 ms      100 ms      drops      a thread of its own,
 //!         polls      frames      oldest     may stall as it likes
 //! ```
 //!
@@ -21,6 +21,7 @@ pub mod consumers;
 pub mod decimation;
 pub mod drawing;
 pub mod entities;
+pub mod extremes;
 pub mod frame;
 pub mod layout;
 pub mod layout_properties;

@@ -1,5 +1,6 @@
 //! The process `rerun-viewer`; see the library for what it reads, shows and survives.
 
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -20,11 +21,23 @@ use rerun_viewer::source::Source;
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// How often a frame goes to the screen.
 const FRAME_PERIOD: Duration = Duration::from_millis(100);
+/// Exit status when a file was written but lacks something.
+const EXIT_DATA_LOST: i32 = 3;
 /// Frames that may wait for a stalled screen: 10 s.
 const OUTBOX_FRAMES: usize = 100;
 
-fn main() -> anyhow::Result<()> {
-    let arguments = Arguments::parse();
+fn main() -> ExitCode {
+    match show(&Arguments::parse()) {
+        Ok(never) => match never {},
+        Err(error) => {
+            complain(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Shows the rig's run until told to stop, then ends the process.
+fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
         .with_env_filter(
@@ -39,7 +52,7 @@ fn main() -> anyhow::Result<()> {
     signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::new(AtomicBool::new(false)))?;
 
     let source = RigSource::attach(arguments.restarts)?;
-    let destination = Destination::from_arguments(&arguments)?;
+    let destination = Destination::from_arguments(arguments)?;
     let ends_with_run = destination.ends_with_run();
     let exit_limit = destination.exit_limit();
     let screen = Screen::open(destination)?;
@@ -63,7 +76,8 @@ fn main() -> anyhow::Result<()> {
     if outbox.dropped() > 0 {
         tracing::warn!("{} frames were not shown because the screen was not fast enough", outbox.dropped());
     }
-    std::process::exit(if ends_with_run && (!closed_in_time || outbox.dropped() > 0) { 3 } else { 0 });
+    let data_was_lost = ends_with_run && (!closed_in_time || outbox.dropped() > 0);
+    std::process::exit(if data_was_lost { EXIT_DATA_LOST } else { 0 });
 }
 
 /// Turns what the source gives into frames until told to stop.
@@ -90,6 +104,12 @@ fn follow(
         std::thread::sleep(POLL_PERIOD);
     }
     Ok(())
+}
+
+/// Tells why nothing can be shown.
+#[allow(clippy::print_stderr, reason = "the last word of a process that ends")]
+fn complain(error: &anyhow::Error) {
+    eprintln!("rerun-viewer: {error:#}");
 }
 
 /// Tells the operator where to look: the only line on standard output.

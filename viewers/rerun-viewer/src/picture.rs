@@ -7,6 +7,7 @@ use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample}
 use crate::consumers::Consumers;
 use crate::decimation::{Decimator, Keep};
 use crate::entities::{self, HEALTH, MODEL_TORQUE, SIGNALS};
+use crate::extremes::Extremes;
 use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::model_torque::{KnobModel, told};
 use crate::scatter::{Abscissa, Scatter, ScatterPoint};
@@ -25,6 +26,8 @@ const SCATTER_RATE_HZ: f64 = 400.0;
 const PLOT_PERIOD: Duration = Duration::from_millis(250);
 /// How often parameters, curves, lateness and the text are renewed.
 const SLOW_PERIOD: Duration = Duration::from_millis(500);
+/// Slow periods that the extremes in the text look back: 10 s, as the plots do.
+const EXTREMES_KEPT: usize = 20;
 /// How often the processes' health is sent. A browser pays for each message, not for each point.
 const HEALTH_PERIOD: Duration = Duration::from_millis(2_000);
 
@@ -39,6 +42,7 @@ pub struct Picture {
     model: Option<KnobModel>,
     consumers: Consumers,
     signals: [Decimator; SIGNALS.len()],
+    extremes: [Extremes; SIGNALS.len()],
     lateness: Decimator,
     health: Vec<SeriesRows>,
     scatters: [Scatter; 2],
@@ -73,6 +77,7 @@ impl Default for Picture {
                 let bin_ns = if field == MODEL_TORQUE { MODEL_BIN_NS } else { SIGNAL_BIN_NS };
                 Decimator::new(Keep::MinMax, bin_ns)
             }),
+            extremes: std::array::from_fn(|_| Extremes::new(EXTREMES_KEPT)),
             lateness: Decimator::new(Keep::Max, LATENESS_BIN_NS),
             health: Vec::new(),
             scatters: [Scatter::new(Abscissa::Angle), Scatter::new(Abscissa::Velocity)],
@@ -143,8 +148,9 @@ impl Picture {
         let model_torque_mnm =
             self.model.map_or(f64::NAN, |model| model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2));
         let values = [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, model_torque_mnm];
-        for (decimator, value) in self.signals.iter_mut().zip(values) {
+        for ((decimator, extremes), value) in self.signals.iter_mut().zip(&mut self.extremes).zip(values) {
             decimator.push(time_ns, value);
+            extremes.push(value);
         }
         self.lateness.push(time_ns, (sample.lateness_ns.max(1) as f64).log10());
         self.newest = Some(Newest { time_ns, monotonic_time_ns: sample.monotonic_time_ns });
@@ -230,6 +236,7 @@ impl Picture {
                 self.summary_shown.clone_from(&summary);
                 frame.summary = Some(summary);
             }
+            self.extremes.iter_mut().for_each(Extremes::step);
         }
         Some(frame)
     }
@@ -278,6 +285,7 @@ impl Picture {
             description: self.description.as_ref(),
             status: self.status.as_ref(),
             fit: self.fit.as_ref(),
+            ranges: std::array::from_fn(|index| (SIGNALS[index], self.extremes[index].range())),
             consumers: &self.consumers,
             time_s: self.newest.map(|newest| seconds(newest.time_ns)),
             frames_dropped,

@@ -11,10 +11,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow, bail};
 use rerun::sink::{CallbackSink, GrpcSink, GrpcSinkConnectionState};
 use rerun::web_viewer::WebViewerConfig;
-use rerun::{MemoryLimit, RecordingStream, RecordingStreamBuilder, ServerOptions, SpawnOptions};
+use rerun::{MemoryLimit, RecordingStream, RecordingStreamBuilder, ServerOptions, SpawnError, SpawnOptions};
 
 use crate::cli::Arguments;
 use crate::drawing::Pen;
@@ -222,9 +222,10 @@ fn carrier(destination: &Destination) -> anyhow::Result<RecordingStream> {
         Destination::Native { grpc_port, .. } => {
             builder.connect_grpc_opts(format!("rerun+http://127.0.0.1:{grpc_port}/proxy"))?
         }
-        Destination::File(path) => {
-            builder.save(path).with_context(|| format!("{} cannot be written", path.display()))?
-        }
+        Destination::File(path) => builder.save(path).map_err(|error| {
+            let error = anyhow::Error::from(error);
+            anyhow!("{} cannot be written ({}); name another place", path.display(), error.root_cause())
+        })?,
     };
     layout::send(&recording)?;
     Ok(recording)
@@ -247,9 +248,14 @@ fn open_window(port: u16, memory_limit: MemoryLimit) -> anyhow::Result<()> {
         hide_welcome_screen: true,
         ..SpawnOptions::default()
     };
-    rerun::spawn(&options)
-        .map(|_| ())
-        .context("rerun's window cannot be opened; install it with 'cargo install rerun-cli --version 0.36.3 --locked', or use the web page")
+    match rerun::spawn(&options) {
+        Ok(_) => Ok(()),
+        Err(SpawnError::ExecutableNotFoundInPath { executable_name, .. }) => bail!(
+            "the program '{executable_name}' that shows rerun's window is not installed; \
+             'cargo install rerun-cli --version 0.36.3 --locked' does it, or leave out --native for the web page"
+        ),
+        Err(error) => Err(error).context("rerun's window cannot be opened; leave out --native for the web page"),
+    }
 }
 
 fn listens(port: u16) -> bool {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use shared_types::{Estimate, Fault, FitUpdate, LoopState, LoopStatus, RunDescription, Verdict, realtime};
 
 use crate::consumers::Consumers;
-use crate::entities::PARAMETERS;
+use crate::entities::{PARAMETERS, SIGNALS};
 use crate::model_torque::told;
 
 /// What the text is made of.
@@ -17,6 +17,8 @@ pub struct Facts<'a> {
     pub status: Option<&'a LoopStatus>,
     /// The model fitted so far.
     pub fit: Option<&'a FitUpdate>,
+    /// Smallest and largest value of each signal over the last seconds.
+    pub ranges: [(&'static str, Option<(f64, f64)>); SIGNALS.len()],
     /// The other processes.
     pub consumers: &'a Consumers,
     /// Time in the run, s.
@@ -36,6 +38,7 @@ pub fn markdown(facts: &Facts<'_>) -> String {
     if let Some(fit) = facts.fit {
         parameters(&mut text, fit);
     }
+    ranges(&mut text, facts);
     processes(&mut text, facts);
     text
 }
@@ -96,6 +99,19 @@ fn parameters(text: &mut String, fit: &FitUpdate) {
         writeln!(text, "\nresidual **{:.3} mNm** RMS over {} samples\n", fit.residual_rms_mnm, grouped(fit.samples));
 }
 
+fn ranges(text: &mut String, facts: &Facts<'_>) {
+    if facts.ranges.iter().all(|(_, range)| range.is_none()) {
+        return;
+    }
+    let _ = writeln!(text, "| last 10 s | from | to |\n|---|---:|---:|");
+    for (signal, range) in facts.ranges {
+        if let Some((low, high)) = range {
+            let _ = writeln!(text, "| {signal} | {} | {} |", three_digits(low), three_digits(high));
+        }
+    }
+    text.push('\n');
+}
+
 fn processes(text: &mut String, facts: &Facts<'_>) {
     let mut conditions = facts.consumers.conditions().peekable();
     if conditions.peek().is_some() {
@@ -137,6 +153,13 @@ fn value_and_interval(estimate: &Estimate) -> String {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=8")]
     let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 8.0) as usize;
     sign(format!("{value:.decimals$} ± {half_width:.decimals$}"))
+}
+
+/// A number with about three digits that count.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=3")]
+fn three_digits(value: f64) -> String {
+    let decimals = (2.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 3.0) as usize;
+    format!("{value:.decimals$}").replace('-', "\u{2212}")
 }
 
 /// A count that should be zero.
@@ -182,6 +205,11 @@ mod tests {
     fn a_fault_says_its_cause() {
         let status = LoopStatus { state: LoopState::Fault.code(), fault: Fault::Speed.code(), ..LoopStatus::default() };
         assert_eq!(state(Some(&status)), "FAULT: the speed passed the rig's limit");
+    }
+
+    #[test]
+    fn a_range_is_told_with_three_digits() {
+        assert_eq!([0.299_9, -3.456, 98.76, 12_345.6].map(three_digits), ["0.300", "\u{2212}3.46", "98.8", "12346"]);
     }
 
     #[test]

@@ -1,0 +1,86 @@
+//! From a live estimate to the message that is published.
+
+use std::time::{Duration, Instant};
+
+use identification::live::{LiveEstimate, LiveParameter, Verdict as LiveVerdict};
+use nix::time::{ClockId, clock_gettime};
+use shared_types::{Estimate, FitUpdate, Verdict};
+
+use crate::streams::Newest;
+
+/// Time between two updates: 25 a second.
+const INTERVAL: Duration = Duration::from_millis(40);
+
+/// When an update is due: at an even pace, and only when there is something new to tell.
+pub struct Cadence {
+    next: Instant,
+    told: Option<Newest>,
+}
+
+impl Cadence {
+    /// The first update is due at once.
+    pub fn new() -> Self {
+        Self { next: Instant::now(), told: None }
+    }
+
+    /// Whether an update is due, the newest sample being this.
+    pub fn is_due(&mut self, newest: Option<Newest>) -> bool {
+        let now = Instant::now();
+        if newest == self.told || now < self.next {
+            return false;
+        }
+        self.told = newest;
+        self.next = now + INTERVAL;
+        true
+    }
+}
+
+/// The message for an estimate, with the CPU time that making it cost.
+pub fn measured(run_id: u64, estimate: impl FnOnce() -> LiveEstimate) -> FitUpdate {
+    let begun_ns = cpu_time_ns();
+    let estimate = estimate();
+    let parameter = |name: &str| estimate.parameter(name).map_or_else(absent, told);
+    FitUpdate {
+        run_id,
+        samples: estimate.samples,
+        update_ns: cpu_time_ns().saturating_sub(begun_ns),
+        residual_rms_mnm: estimate.residual_rms_mnm.unwrap_or(f64::NAN),
+        inertia: parameter("inertia"),
+        coulomb_negative: parameter("coulomb_negative"),
+        coulomb_positive: parameter("coulomb_positive"),
+        viscous_negative: parameter("viscous_negative"),
+        viscous_positive: parameter("viscous_positive"),
+        detent_amplitude: parameter("detent_amplitude"),
+        detent_period: parameter("detent_period"),
+        detent_phase: parameter("detent_phase"),
+        ..FitUpdate::default()
+    }
+}
+
+fn told(parameter: &LiveParameter) -> Estimate {
+    let [ci95_low, ci95_high] = parameter.ci95.unwrap_or([f64::NAN; 2]);
+    let verdict = match parameter.verdict {
+        LiveVerdict::NotYet => Verdict::NotYet,
+        LiveVerdict::Enough => Verdict::Enough,
+        LiveVerdict::Absent => Verdict::Absent,
+    };
+    Estimate { value: parameter.value.unwrap_or(f64::NAN), ci95_low, ci95_high, verdict: verdict.code(), reserved: 0 }
+}
+
+fn absent() -> Estimate {
+    Estimate {
+        value: f64::NAN,
+        ci95_low: f64::NAN,
+        ci95_high: f64::NAN,
+        verdict: Verdict::Absent.code(),
+        reserved: 0,
+    }
+}
+
+/// CPU time of this thread so far, ns.
+fn cpu_time_ns() -> u64 {
+    // Linux has this clock for every thread; a failure would read as no cost.
+    clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID).map_or(0, |time| {
+        u64::try_from(time.tv_sec()).unwrap_or(0) * 1_000_000_000 + u64::try_from(time.tv_nsec()).unwrap_or(0)
+    })
+}

@@ -1,0 +1,59 @@
+//! The model's torque, averaged over narrow ranges of a quantity.
+
+use identification::Point;
+
+use super::real;
+
+/// Fewest rows in a bin that is shown.
+const FEWEST_ROWS: usize = 2;
+
+/// Mean of the rows in a range.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Bin {
+    /// Mean of the quantity.
+    pub(crate) at: f64,
+    /// Mean torque of the model, mNm.
+    pub(crate) model_mnm: f64,
+    /// Mean half width of the model's 95 % interval, mNm.
+    pub(crate) half_width_mnm: f64,
+    rows: usize,
+}
+
+impl Bin {
+    fn mean(self) -> Self {
+        let rows = real(self.rows);
+        Self {
+            at: self.at / rows,
+            model_mnm: self.model_mnm / rows,
+            half_width_mnm: self.half_width_mnm / rows,
+            rows: self.rows,
+        }
+    }
+}
+
+/// Bins of equal width over `of`, at most `most` and of `rows_each` on average; runs end where a bin has too few rows.
+pub(crate) fn runs<'a>(
+    points: impl Iterator<Item = &'a Point> + Clone,
+    of: fn(&Point) -> f64,
+    most: usize,
+    rows_each: usize,
+) -> Vec<Vec<Bin>> {
+    let values = points.clone().map(of);
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.clone().fold(f64::NEG_INFINITY, f64::max);
+    let count = (values.count() / rows_each).clamp(1, most);
+    let mut bins = vec![Bin::default(); count];
+    for point in points {
+        let share = if high > low { (of(point) - low) / (high - low) } else { 0.0 };
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of the number of bins")]
+        let bin = &mut bins[((share * real(count)) as usize).min(count - 1)];
+        bin.at += of(point);
+        bin.model_mnm += point.torque_model_mnm;
+        bin.half_width_mnm += point.torque_model_ci95_mnm;
+        bin.rows += 1;
+    }
+    bins.split(|bin| bin.rows < FEWEST_ROWS)
+        .filter(|run| !run.is_empty())
+        .map(|run| run.iter().map(|bin| bin.mean()).collect())
+        .collect()
+}

@@ -1,0 +1,75 @@
+//! A short piece of the capture, measured against model.
+
+use identification::{Fit, Point};
+
+use super::{Figure, Mark, TIME, TORQUE, WIDE, longest_step_s, rms};
+use crate::ink::Ink;
+use crate::numbers::{three, two};
+use crate::plot::{Axis, Layer, Plot};
+
+/// Length of the excerpt, s.
+const EXCERPT_S: f64 = 1.5;
+/// Distance from one candidate to the next, s.
+const STRIDE_S: f64 = 0.25;
+/// Share of the best-covered excerpt's rows that a candidate needs.
+const COVERAGE: f64 = 0.8;
+
+/// Torque over time in the excerpt whose residual is most like that of the whole capture.
+pub(crate) fn excerpt_figure(fit: &Fit, points: &[Point]) -> Figure {
+    let excerpt = typical_excerpt(points);
+    let mut layers = vec![Layer::Level(Ink::Zero, 0.0)];
+    let longest_s = longest_step_s(points);
+    let runs = || excerpt.chunk_by(|a, b| b.t_s - a.t_s <= longest_s);
+    for run in runs() {
+        layers.push(Layer::Line(Ink::Measured, run.iter().map(|point| (point.t_s, point.torque_mnm)).collect()));
+    }
+    for run in runs() {
+        let edges = |point: &Point| {
+            let (torque, half) = (point.torque_model_mnm, point.torque_model_ci95_mnm);
+            (point.t_s, torque - half, torque + half)
+        };
+        layers.push(Layer::Band(Ink::Model, run.iter().map(edges).collect()));
+        layers.push(Layer::Line(Ink::Model, run.iter().map(|point| (point.t_s, point.torque_model_mnm)).collect()));
+    }
+    let both = excerpt.iter().flat_map(|point| [point.torque_mnm, point.torque_model_mnm]);
+    let plot = Plot {
+        size: WIDE,
+        x: Axis::around(TIME, excerpt.iter().map(|p| p.t_s)),
+        y: Axis::around(TORQUE, both),
+        layers,
+    };
+    let (start, end) = (excerpt.first().map_or(0.0, |p| p.t_s), excerpt.last().map_or(0.0, |p| p.t_s));
+    Figure {
+        title: "Torque over time".to_owned(),
+        legend: vec![(Mark::Line, Ink::Measured, "measured"), (Mark::Line, Ink::Model, "model")],
+        plot: plot.svg("Torque over time, measured and model"),
+        caption: format!(
+            "{} s from t = {} s, chosen because its residual ({} mNm RMS) is most like that of the whole capture ({} mNm). \
+             Gaps are where the knob was too slow to be surely sliding.",
+            two(end - start),
+            three(start),
+            three(rms(excerpt.iter().map(|point| point.residual_mnm))),
+            three(fit.residual_rms_mnm)
+        ),
+    }
+}
+
+fn typical_excerpt(points: &[Point]) -> &[Point] {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return points };
+    let overall = rms(points.iter().map(|point| point.residual_mnm));
+    let mut candidates = Vec::new();
+    let mut start_s = first.t_s;
+    while start_s + EXCERPT_S <= last.t_s {
+        let from = points.partition_point(|point| point.t_s < start_s);
+        let to = points.partition_point(|point| point.t_s < start_s + EXCERPT_S);
+        candidates.push(&points[from..to]);
+        start_s += STRIDE_S;
+    }
+    let most = candidates.iter().map(|rows| rows.len()).max().unwrap_or(0);
+    let unlike = |rows: &[Point]| (rms(rows.iter().map(|point| point.residual_mnm)) - overall).abs();
+    candidates
+        .into_iter()
+        .filter(|rows| super::real(rows.len()) >= COVERAGE * super::real(most) && !rows.is_empty())
+        .min_by(|a, b| unlike(a).total_cmp(&unlike(b)))
+        .unwrap_or(points)
+}

@@ -1,0 +1,151 @@
+//! The page from headline to footer.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::figures::{
+    angle_figure, effect_figures, excerpt_figure, finite_points, histogram_figure, order_figure, residual_figure,
+    velocity_figure,
+};
+use crate::numbers::{count, three};
+use crate::parameter_table::parameter_table;
+use crate::preparation::{method, preparation, untold};
+use crate::verdict::{completeness, findings};
+use crate::{CaptureFacts, FitPage};
+
+const STYLE: &str = include_str!("style.css");
+
+/// Fewest rows that make a plot.
+const FEWEST_ROWS: usize = 20;
+
+pub(crate) fn fit_page(page: &FitPage<'_>) -> Markup {
+    let FitPage { fit, capture, truth: _ } = page;
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (capture.title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    header {
+                        p.kind { "Fit of a capture" }
+                        h1 { (capture.title) }
+                        p.verdict {
+                            (uppercase_first(&findings(fit)))
+                            @if let Some(words) = completeness(fit) { " " (words) }
+                        }
+                        (facts(capture))
+                    }
+                    section {
+                        h2 { "Parameters" }
+                        (parameter_table(page))
+                    }
+                    (figures(page))
+                    section {
+                        h2 { "What the data could not tell" }
+                        (untold(fit))
+                    }
+                    section {
+                        h2 { "Preparation" }
+                        (preparation(fit))
+                    }
+                    section {
+                        h2 { "How the numbers were made" }
+                        (method())
+                    }
+                    footer {
+                        "Made by haptic-camera " (capture.software_version)
+                        " from " (capture.source) ". Angles in rad, torques in mNm, times in s; positive torque turns the \
+                         knob towards positive angle."
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn figures(page: &FitPage<'_>) -> Markup {
+    let fit = page.fit;
+    let points = finite_points(fit);
+    if points.len() < FEWEST_ROWS {
+        return html! {
+            section { h2 { "Measured and model" } p { "Too few rows of sliding motion for plots." } }
+        };
+    }
+    let effects = effect_figures(fit, &points);
+    let after = 3 + effects.len();
+    html! {
+        section {
+            h2 { "Measured and model" }
+            (angle_figure(fit, &points).numbered(1))
+            (velocity_figure(fit, &points).numbered(2))
+        }
+        @if !effects.is_empty() {
+            section {
+                h2 { "Each effect by itself" }
+                p.lead {
+                    "Dots: the measured torque less everything in the model but the one effect. Line: that effect as fitted."
+                }
+                div.thirds { @for (index, figure) in effects.iter().enumerate() { (figure.numbered(3 + index)) } }
+            }
+        }
+        section {
+            h2 { "In time" }
+            (excerpt_figure(fit, &points).numbered(after))
+        }
+        section {
+            h2 { "What the model leaves over" }
+            (residual_figure(fit, &points).numbered(after + 1))
+            div.halves {
+                (histogram_figure(fit, &points).numbered(after + 2))
+                (order_figure(fit, &points).numbered(after + 3))
+            }
+        }
+    }
+}
+
+fn facts(capture: &CaptureFacts) -> Markup {
+    let CaptureFacts {
+        title: _,
+        source,
+        knob,
+        rig,
+        captured_at,
+        rate_hz,
+        duration_s,
+        samples,
+        missed_ticks,
+        gaps,
+        real_time,
+        software_version: _,
+    } = capture;
+    let text = |words: &str| (!words.is_empty()).then(|| words.to_owned());
+    let facts = [
+        ("file", text(source)),
+        ("knob", text(knob)),
+        ("rig", text(rig)),
+        ("captured", text(captured_at)),
+        ("rate", Some(format!("{} Hz", three(*rate_hz)))),
+        ("duration", Some(format!("{} s", three(*duration_s)))),
+        ("samples", Some(count(*samples))),
+        ("missed ticks", missed_ticks.map(count)),
+        ("gaps", gaps.map(count)),
+        ("real time", real_time.map(|granted| if granted { "yes" } else { "not granted" }.to_owned())),
+    ];
+    html! {
+        dl.facts {
+            @for (name, words) in facts {
+                @if let Some(words) = words { div { dt { (name) } dd { (words) } } }
+            }
+        }
+    }
+}
+
+fn uppercase_first(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().to_string() + letters.as_str())
+}

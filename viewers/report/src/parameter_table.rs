@@ -1,0 +1,151 @@
+//! The parameters with their intervals and, on a simulated rig, the truth.
+
+use std::f64::consts::TAU;
+
+use dynamics::{EffectKind, Model, ParameterKind, effects};
+use identification::Parameter;
+use maud::{Markup, html};
+
+use crate::FitPage;
+use crate::intervals::picture;
+use crate::numbers::{Digits, three};
+
+/// Rounding allowed at the ends of an interval, as a share of the value.
+const ROUNDING: f64 = 1e-9;
+
+/// The table with its legend.
+pub(crate) fn parameter_table(page: &FitPage<'_>) -> Markup {
+    let known = page.truth.is_some();
+    let columns = if known { 6 } else { 5 };
+    html! {
+        div.scroll {
+            table.parameters {
+                thead {
+                    tr {
+                        th { "parameter" }
+                        th { "symbol" }
+                        th.number { "value" }
+                        th.number { "95 % interval" }
+                        th { span.sr { "interval as a picture" } }
+                        th { "unit" }
+                        @if known { th.number { "true value" } }
+                        th.number { "textbook interval" }
+                    }
+                }
+                tbody {
+                    @for parameter in &page.fit.parameters.0 {
+                        @if let Some(value) = parameter.value {
+                            (told(page, parameter, value))
+                        } @else {
+                            tr.untold {
+                                (name_cells(parameter.name))
+                                td colspan=(columns) {
+                                    strong { "cannot be told" }
+                                    @if let Some(reason) = &parameter.reason { ": " (reason) }
+                                    @if let Some(truth) = true_value(page.truth, parameter.name, None) {
+                                        " (true value " (three(truth)) " " (parameter.unit) ")"
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        p.note {
+            "Whiskers: 95 % interval, which allows for residuals that are correlated in time and of varying size. \
+             Thick bar: the textbook's, for independent residuals of one size; mostly too narrow."
+            @if known { " Upright tick: the true value of the simulated knob." }
+        }
+        @if let Some(truth) = page.truth { (not_fitted(page, truth)) }
+    }
+}
+
+fn told(page: &FitPage<'_>, parameter: &Parameter, value: f64) -> Markup {
+    let half = parameter.ci95.map_or(f64::NAN, |[low, high]| (value - low).max(high - value));
+    let digits = Digits::of_interval(value, half);
+    let truth = true_value(page.truth, parameter.name, Some(value));
+    html! {
+        tr {
+            (name_cells(parameter.name))
+            td.number.value { (digits.show(value)) }
+            td.number { @if let Some(interval) = parameter.ci95 { (digits.span(interval)) } @else { "–" } }
+            td { @if let Some(interval) = parameter.ci95 { (picture(value, interval, parameter.ci95_textbook, truth)) } }
+            td.unit { (parameter.unit) }
+            @if page.truth.is_some() { td.number { (truth_words(truth, parameter.ci95, digits)) } }
+            td.number.faint {
+                @if let Some(interval) = parameter.ci95_textbook { (digits.span(interval)) } @else { "–" }
+            }
+        }
+    }
+}
+
+fn truth_words(truth: Option<f64>, ci95: Option<[f64; 2]>, digits: Digits) -> Markup {
+    let Some(truth) = truth else { return html! { "none" } };
+    let inside = ci95.map(|[low, high]| {
+        let rounding = ROUNDING * truth.abs();
+        (low - rounding..=high + rounding).contains(&truth)
+    });
+    html! {
+        (digits.show(truth))
+        @match inside {
+            Some(true) => span.inside { " inside" },
+            Some(false) => span.outside { " outside" },
+            None => {},
+        }
+    }
+}
+
+fn name_cells(name: &str) -> Markup {
+    let kind = kind(name).map(|(_, kind)| kind);
+    html! {
+        th scope="row" {
+            code { (name) }
+            @if let Some(kind) = kind { span.meaning { (kind.description) } }
+        }
+        td.symbol { @if let Some(kind) = kind { i { (kind.symbol) } } }
+    }
+}
+
+/// Parameters of the simulated knob that the fit does not have.
+fn not_fitted(page: &FitPage<'_>, truth: &Model) -> Markup {
+    let missing: Vec<_> = truth.parameters().filter(|(kind, _)| page.fit.parameters.get(kind.name).is_none()).collect();
+    html! {
+        @if !missing.is_empty() {
+            p.note {
+                "The simulated knob also has "
+                @for (index, (kind, value)) in missing.iter().enumerate() {
+                    @if index > 0 { ", " }
+                    code { (kind.name) } " " (three(*value)) " " (kind.unit)
+                }
+                ", which are no part of this fit."
+            }
+        }
+    }
+}
+
+fn kind(name: &str) -> Option<(&'static EffectKind, &'static ParameterKind)> {
+    effects::ALL
+        .iter()
+        .flat_map(|effect| effect.parameters.iter().map(move |kind| (*effect, kind)))
+        .find(|(_, kind)| kind.name == name)
+}
+
+/// The true value in the form of the fit: detents with positive amplitude, their phase in the turn of the fitted one.
+fn true_value(truth: Option<&Model>, name: &str, near: Option<f64>) -> Option<f64> {
+    let truth = truth?;
+    let value = truth.parameter(name)?;
+    let detent = &effects::detent::KIND;
+    if !detent.parameters.iter().any(|kind| kind.name == name) {
+        return Some(value);
+    }
+    let [amplitude, _, phase] = *truth.effect(detent.name)?.values() else { return Some(value) };
+    let (amplitude, phase) = effects::detent::canonical(amplitude, phase);
+    Some(if name == detent.parameters[0].name {
+        amplitude
+    } else if name == detent.parameters[2].name {
+        near.map_or(phase, |near| phase + TAU * ((near - phase) / TAU).round())
+    } else {
+        value
+    })
+}

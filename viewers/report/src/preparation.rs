@@ -1,0 +1,137 @@
+//! What the data could not tell, how they were prepared, and how the numbers were made.
+
+use identification::Fit;
+use maud::{Markup, html};
+
+use crate::numbers::{count, three, two};
+use crate::verdict::noise_in_band_mnm;
+
+/// What the data could not tell, and what else a reader should know.
+pub(crate) fn untold(fit: &Fit) -> Markup {
+    let untold: Vec<_> = fit.parameters.0.iter().filter(|parameter| parameter.value.is_none()).collect();
+    let nothing = untold.is_empty()
+        && fit.notes.is_empty()
+        && fit.detent_aliases_rad.is_empty()
+        && fit.detent_harmonics.is_empty();
+    html! {
+        @if nothing {
+            p { "Every parameter could be told, and nothing needs a warning." }
+        } @else {
+            ul {
+                @for parameter in untold {
+                    li {
+                        code { (parameter.name) }
+                        @if let Some(reason) = &parameter.reason { ": " (reason) "." }
+                    }
+                }
+                @if !fit.detent_aliases_rad.is_empty() {
+                    li {
+                        "Other detent periods explain the data nearly as well: "
+                        @for (index, alias) in fit.detent_aliases_rad.iter().enumerate() {
+                            @if index > 0 { ", " }
+                            (three(*alias))
+                        }
+                        " rad."
+                    }
+                }
+                @for harmonic in &fit.detent_harmonics {
+                    li {
+                        "The residual holds harmonic " (harmonic.order) " of the detents: "
+                        (three(harmonic.amplitude_mnm)) " mNm, " (two(harmonic.explains_percent))
+                        " % of its sum of squares. The detents are no pure sine."
+                    }
+                }
+                @for note in &fit.notes { li { (sentence(note)) } }
+            }
+        }
+    }
+}
+
+/// The choices that the fit made by itself.
+pub(crate) fn preparation(fit: &Fit) -> Markup {
+    let chosen = &fit.preparation;
+    let motion = if chosen.exact_motion {
+        "taken as given: velocity and acceleration are the angle's exact derivatives".to_owned()
+    } else {
+        let source = if chosen.accelerometer {
+            "from the encoder, at high frequencies from the accelerometer"
+        } else {
+            "from the encoder alone"
+        };
+        format!("{source}; the encoder low-passed at {} Hz", three(chosen.angle_cutoff_hz))
+    };
+    let rows = [
+        ("Samples", format!("{} at {} Hz", count(fit.samples as u64), three(chosen.rate_hz))),
+        ("Lost in gaps", count(chosen.lost_samples as u64)),
+        (
+            "Used",
+            format!(
+                "{} % of the samples, where the knob moved faster than {} rad/s and surely slid; {} rows after decimation",
+                three(chosen.sliding_percent),
+                two(chosen.stick_threshold_rad_s),
+                count(fit.rows as u64)
+            ),
+        ),
+        ("Motion", motion),
+        (
+            "Band of the fit",
+            format!("0 to {} Hz, zero-phase low-pass on torque and model alike", three(chosen.band_hz)),
+        ),
+        (
+            "Torque noise",
+            format!(
+                "{} mNm at full rate{}",
+                two(chosen.torque_noise_mnm),
+                noise_in_band_mnm(fit).map_or_else(String::new, |noise| format!(", {} mNm in the band", two(noise)))
+            ),
+        ),
+        ("Encoder noise", format!("{} rad", two(chosen.angle_noise_rad))),
+        (
+            "Torque delay",
+            if fit.torque_delay_s == 0.0 {
+                "none seen".to_owned()
+            } else {
+                format!("{} µs behind the motion, allowed for", two(1e6 * fit.torque_delay_s))
+            },
+        ),
+        (
+            "Model's interval",
+            format!(
+                "± {} mNm on average (95 %); ± {} mNm by the textbook",
+                two(fit.mean_ci95_mnm),
+                two(fit.mean_ci95_textbook_mnm)
+            ),
+        ),
+    ];
+    html! {
+        dl.preparation {
+            @for (name, words) in rows { dt { (name) } dd { (words) } }
+        }
+    }
+}
+
+/// How the numbers were made.
+pub(crate) fn method() -> Markup {
+    html! {
+        p {
+            "The model is a sum of effects, and every effect a sum of columns with linear coefficients. Where the knob may \
+             stick, the torque and every column are set to zero; then all of them pass one zero-phase low-pass and are \
+             decimated, which leaves the relation between them exact. Linear least squares gives the coefficients, with \
+             Coulomb friction at or above zero. Only the period of the detents is searched, by a scan over everything that \
+             the travel supports and then Gauss–Newton, so no starting values are needed. The 95 % intervals use a \
+             covariance that allows for residuals correlated in time and of varying size, with the critical values of Kiefer \
+             and Vogelsang (2005). The relative error is 100·‖measured − model‖ / ‖measured‖ over the rows used."
+        }
+        p.equation {
+            i { "τ" } " = " i { "M" } "·θ̈ + [θ̇<0]·(−" i { "C" } "₋ + " i { "B" } "₋·θ̇) + [θ̇>0]·(" i { "C" } "₊ + " i { "B" }
+            "₊·θ̇) + " i { "A" } "·sin(θ/" i { "P" } " + " i { "S" } ")"
+        }
+    }
+}
+
+fn sentence(note: &str) -> String {
+    let mut letters = note.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    let end = if note.ends_with('.') { "" } else { "." };
+    format!("{first}{}{end}", letters.as_str())
+}
