@@ -101,8 +101,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .disable_seeking(true);
         let mut random = 88_172_645_463_325_252;
         let start = cpu_s();
-        let mut writer =
-            CaptureWriter::with_options(Counter::default(), &archive::doc_example_description(), options)?;
+        let mut writer = CaptureWriter::with_options(Counter::default(), &archive::doc_example_description(), options)?;
         for seq in 0..SAMPLES {
             writer.sample(&sample(seq, &mut random))?;
             if seq % SAMPLES_PER_CHUNK == 0 {

@@ -32,11 +32,14 @@ pub mod attachment {
     pub const EXCITATION: &str = "excitation.toml";
 }
 
-/// The attachments that describe a run, with their media types.
+/// A file inside the archive: name, media type, content.
+type AttachedFile = (&'static str, &'static str, Vec<u8>);
+
+/// The attachments that describe a run.
 pub(crate) fn attachments(
     description: &RunDescription,
     channels: &BTreeMap<u16, ChannelDefinition>,
-) -> Result<Vec<(&'static str, &'static str, Vec<u8>)>, ArchiveError> {
+) -> Result<Vec<AttachedFile>, ArchiveError> {
     let json = |value: serde_json::Result<Vec<u8>>| value.map_err(|error| ArchiveError::write(&error));
     let mut all = vec![
         (attachment::RUN, "application/json", json(serde_json::to_vec_pretty(description))?),

@@ -27,9 +27,9 @@
 //! ```
 //! use archive::CaptureWriter;
 //! use shared_types::Sample;
-//! # let description = archive::doc_example_description();
 //!
 //! # fn main() -> Result<(), archive::ArchiveError> {
+//! # let description = archive::doc_example_description();
 //! let mut writer = CaptureWriter::new(std::io::Cursor::new(Vec::new()), &description)?;
 //! writer.sample(&Sample { seq: 0, tick: 0, torque_mnm: 1.5, ..Sample::default() })?;
 //! writer.flush()?;
@@ -47,8 +47,8 @@ mod description;
 mod error;
 mod mcap_file;
 pub mod merge;
-pub mod recover;
 mod records;
+pub mod recover;
 pub mod schema;
 pub mod sequence;
 mod source;

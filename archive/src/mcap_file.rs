@@ -34,8 +34,7 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| broken(path, &error))? {
             LinearReadEvent::ReadRequest(need) => {
-                let read =
-                    file.read(reader.insert(need.max(1))).map_err(|error| ArchiveError::file(path, error))?;
+                let read = file.read(reader.insert(need.max(1))).map_err(|error| ArchiveError::file(path, error))?;
                 reader.notify_read(read);
             }
             LinearReadEvent::Record { data, opcode } => content.record(opcode, data)?,

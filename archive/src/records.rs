@@ -195,9 +195,7 @@ impl<R: Read> SoundRecords<R> {
             self.explained = position + mcap::MAGIC.len() as u64;
         }
         self.window.skip(1);
-        self.window.skip_until(|byte, offset| {
-            byte == op::CHUNK || byte == op::ATTACHMENT || offset == self.explained
-        });
+        self.window.skip_until(|byte, offset| byte == op::CHUNK || byte == op::ATTACHMENT || offset == self.explained);
         Ok(metadata)
     }
 
@@ -212,11 +210,8 @@ impl<R: Read> SoundRecords<R> {
     fn end(&mut self) {
         let total = self.window.offset;
         self.account.bytes = total;
-        self.account.dropped += if self.explained > total {
-            total - self.last_frame.min(total)
-        } else {
-            total - self.explained
-        };
+        self.account.dropped +=
+            if self.explained > total { total - self.last_frame.min(total) } else { total - self.explained };
         if !self.account.finished {
             self.account.dropped_content = self.account.dropped;
         }
@@ -399,11 +394,8 @@ impl<R: Read> Window<R> {
     fn skip_until(&mut self, interesting: impl Fn(u8, u64) -> bool) {
         let offset = self.offset;
         let view = &self.bytes[self.start..];
-        let length = view
-            .iter()
-            .zip(offset..)
-            .position(|(&byte, position)| interesting(byte, position))
-            .unwrap_or(view.len());
+        let length =
+            view.iter().zip(offset..).position(|(&byte, position)| interesting(byte, position)).unwrap_or(view.len());
         self.skip(length);
     }
 }

@@ -78,11 +78,7 @@ impl<W: Write + Seek> CaptureWriter<W> {
     ///
     /// # Errors
     /// [`ArchiveError::Write`] when `output` refuses.
-    pub fn with_options(
-        output: W,
-        run: &RunDescription,
-        options: mcap::WriteOptions,
-    ) -> Result<Self, ArchiveError> {
+    pub fn with_options(output: W, run: &RunDescription, options: mcap::WriteOptions) -> Result<Self, ArchiveError> {
         let mut mcap = options.create(output).map_err(|error| ArchiveError::write(&error))?;
         let mut channels = [0; 4];
         let mut definitions = BTreeMap::new();

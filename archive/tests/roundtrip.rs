@@ -146,7 +146,8 @@ fn archive_of_another_version(schema: &str, message: impl Fn(u64) -> Vec<u8>) ->
 fn an_archive_of_another_version_opens_by_the_names_in_its_own_schema() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("older.mcap");
-    let schema = "uint8 colour\nfloat32 torque_mnm  # other type, other place\nfloat64 angle_rad\nuint32 tick\nuint64 seq\n";
+    let schema =
+        "uint8 colour\nfloat32 torque_mnm  # other type, other place\nfloat64 angle_rad\nuint32 tick\nuint64 seq\n";
     let file = archive_of_another_version(schema, |seq| {
         let mut body = vec![9, 0, 0, 0];
         body.extend((seq as f32 * 0.5).to_le_bytes());

@@ -77,7 +77,10 @@ fn a_value_that_is_not_finite_is_told_with_row_and_column() {
         bench.refusal("a.csv", table("-inf")),
         "a.csv, row 2: torque_mnm is -inf; a capture holds finite numbers only"
     );
-    assert_eq!(bench.refusal("a.csv", table("1e999")), "a.csv, row 2: torque_mnm is inf; a capture holds finite numbers only");
+    assert_eq!(
+        bench.refusal("a.csv", table("1e999")),
+        "a.csv, row 2: torque_mnm is inf; a capture holds finite numbers only"
+    );
     assert_eq!(bench.refusal("a.csv", table("")), "a.csv, row 2: `` in the column torque_mnm is not a number");
     assert_eq!(bench.refusal("a.csv", table("1,5")), "a.csv, row 2: it has 4 cells, but the header has 3");
 }
@@ -106,7 +109,10 @@ fn too_few_rows_are_counted() {
         bench.refusal("a.csv", format!("{header}0,0,0\n1,0,0\n")),
         "a.csv has two rows; a capture needs at least three"
     );
-    assert_eq!(bench.refusal("a.mcap", common::recording(0..2, 9)), "a.mcap has two rows; a capture needs at least three");
+    assert_eq!(
+        bench.refusal("a.mcap", common::recording(0..2, 9)),
+        "a.mcap has two rows; a capture needs at least three"
+    );
 }
 
 #[test]

@@ -50,8 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
             if [99, 199, 399].contains(&block) {
                 let estimate = live.estimate();
-                let told: Vec<_> =
-                    estimate.parameters.iter().map(|p| (p.name, p.value, p.verdict)).collect();
+                let told: Vec<_> = estimate.parameters.iter().map(|p| (p.name, p.value, p.verdict)).collect();
                 println!("knob {number} after {} s: {told:?}", (block + 1) / 100);
             }
         }

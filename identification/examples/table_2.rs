@@ -53,17 +53,16 @@ fn capture(sweep: &Excitation) -> Capture {
         .map(|n| {
             let time_s = f64::from(n) / RATE_HZ;
             let set = sweep.at(time_s);
-            Motion {
-                time_s,
-                angle_rad: set.value,
-                velocity_rad_s: set.rate,
-                acceleration_rad_s2: set.acceleration,
-            }
+            Motion { time_s, angle_rad: set.value, velocity_rad_s: set.rate, acceleration_rad_s2: set.acceleration }
         })
         .collect();
     let column = |of: fn(&Motion) -> f64| motion.iter().map(of).collect::<Vec<f64>>();
-    let columns =
-        [column(|m| m.time_s), column(|m| m.angle_rad), column(|m| m.velocity_rad_s), column(|m| m.acceleration_rad_s2)];
+    let columns = [
+        column(|m| m.time_s),
+        column(|m| m.angle_rad),
+        column(|m| m.velocity_rad_s),
+        column(|m| m.acceleration_rad_s2),
+    ];
     Capture { motion, columns }
 }
 
@@ -174,6 +173,8 @@ fn periods(runs: u32, random: &mut Uniform) -> Result<(), Box<dyn std::error::Er
             None => println!("untold: {values:?}: {:?}", period.and_then(|p| p.reason.clone())),
         }
     }
-    println!("periods over two decades: {found} of {runs} within 1 %, {inside} inside their interval, worst {worst:.2e}");
+    println!(
+        "periods over two decades: {found} of {runs} within 1 %, {inside} inside their interval, worst {worst:.2e}"
+    );
     Ok(())
 }

@@ -2,11 +2,11 @@
 
 use dynamics::{Effect, effects};
 
+use crate::estimate::Harmonic;
 use crate::frame::Frame;
 use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion, rms};
 use crate::problem::Problem;
-use crate::estimate::Harmonic;
 use crate::scan::{FEWEST_PERIODS, Scan};
 
 /// Peaks of the scan that are refined, at most, …
@@ -28,10 +28,19 @@ const ALIAS: f64 = 0.9;
 
 /// What the search for detents found.
 pub(crate) enum Detents<'a> {
-    /// There are detents: the problem with them, solved.
-    Found { problem: Problem<'a>, solution: LeastSquares, aliases_rad: Vec<f64>, harmonics: Vec<Harmonic> },
+    /// There are detents.
+    Found(Box<Found<'a>>),
     /// None that the data can tell, and why.
     None(String),
+}
+
+/// The problem with detents, solved.
+pub(crate) struct Found<'a> {
+    pub(crate) problem: Problem<'a>,
+    pub(crate) solution: LeastSquares,
+    /// Other periods that explain nearly as much.
+    pub(crate) aliases_rad: Vec<f64>,
+    pub(crate) harmonics: Vec<Harmonic>,
 }
 
 /// Searches all periods that the travel supports, refines the strongest and weighs the evidence.
@@ -108,7 +117,7 @@ pub(crate) fn search<'a>(
         .map(|peak| 1.0 / peak.wavenumber)
         .collect();
     let harmonics = harmonics(&problem, &solution, period_rad, background);
-    Detents::Found { problem, solution, aliases_rad, harmonics }
+    Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
 }
 
 fn no_detents(longest: f64, shortest: f64) -> String {
@@ -125,8 +134,10 @@ fn harmonics(problem: &Problem<'_>, solution: &LeastSquares, period_rad: f64, ba
         .into_iter()
         .filter_map(|order| {
             let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
-            let rows: Vec<Vec<f64>> =
-                crate::frame::columns(&effect, problem.motion).iter().map(|column| problem.frame.rows(column)).collect();
+            let rows: Vec<Vec<f64>> = crate::frame::columns(&effect, problem.motion)
+                .iter()
+                .map(|column| problem.frame.rows(column))
+                .collect();
             let (_, with) = problem.solve_with(&rows);
             let [.., sine, cosine] = with.coefficients[..] else { return None };
             let gain = total - dot(&with.residual, &with.residual);

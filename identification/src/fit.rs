@@ -2,7 +2,7 @@
 
 use dynamics::{Calibration, Effect, Part, effects};
 
-use crate::detents::{self, Detents};
+use crate::detents::{self, Detents, Found};
 use crate::estimate::{Fit, Harmonic, Preparation};
 use crate::frame::Frame;
 use crate::karnopp::Stick;
@@ -133,7 +133,8 @@ impl Prepared {
             detents::search(&base, &solution, frame, motion, band, step)
         };
         match found {
-            Detents::Found { problem, solution, aliases_rad, harmonics } => {
+            Detents::Found(found) => {
+                let Found { problem, solution, aliases_rad, harmonics } = *found;
                 Solved { problem, solution, aliases_rad, harmonics, no_detents: None }
             }
             Detents::None(reason) => Solved {
@@ -247,12 +248,20 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
         return Trimmed { problem, columns, solution, delay_s, refused_delay_s: None };
     }
     let (columns, solution) = problem.solve_with(&tangents);
-    Trimmed { problem, columns, solution, delay_s: 0.0, refused_delay_s: (significant && worthwhile).then_some(delay_s) }
+    Trimmed {
+        problem,
+        columns,
+        solution,
+        delay_s: 0.0,
+        refused_delay_s: (significant && worthwhile).then_some(delay_s),
+    }
 }
 
 fn base_effects(further: &[Effect]) -> Vec<Effect> {
     let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
-    base.into_iter().chain(further.iter().copied().filter(|effect| !matches!(effect.kind().part, Part::Stick(_)))).collect()
+    base.into_iter()
+        .chain(further.iter().copied().filter(|effect| !matches!(effect.kind().part, Part::Stick(_))))
+        .collect()
 }
 
 /// The smallest difference between two samples that differ: the encoder's step, if it has one.

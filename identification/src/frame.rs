@@ -27,11 +27,7 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "lengths of a few samples"
-    )]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
     pub(crate) fn new(uniform: &Uniform, motion: &KnobMotion, band: &Band) -> Self {
         let rate_hz = uniform.rate_hz;
         let (threshold_rad_s, guard_s) = if motion.exact {

@@ -1,8 +1,8 @@
 //! Karnopp's stick: the torques at which a resting knob breaks away.
 //!
 //! While the knob rests the torque ramps up; what is left of it without detents is friction, and its
-//! value at the moment of breaking away is D₊ or D₋. The moment is read from the filtered acceleration,
-//! the torque from the unfiltered channel: a torque sensor is a spring, so its reading does not jump.
+//! peak when the knob breaks away is D₊ or D₋. The moment is read from the filtered acceleration, the
+//! torque from the unfiltered channel.
 
 use dynamics::{Direction, Effect, Part, effects};
 
@@ -12,10 +12,12 @@ use crate::spectrum::median;
 
 /// Shortest rest that counts, s.
 const REST_S: f64 = 0.010;
-/// Stretch before the breakaway over which the torque is averaged, s.
-const AVERAGE_S: f64 = 0.000_5;
+/// Samples over which the torque is averaged before its peak is taken.
+const AVERAGE: usize = 3;
 /// Speed after a breakaway, in speeds that count as rest.
 const CLEARLY_SLIDING: f64 = 3.0;
+/// What averaging over this many samples takes off the peak is what sensor and sampling may have taken off.
+const BLUR: usize = 5;
 /// Fewest breakaways in one direction from which a value is given.
 const FEWEST: usize = 3;
 /// Speed at rest, in standard deviations of the velocity's noise.
@@ -28,6 +30,8 @@ pub(crate) struct Stick {
     /// Torques at breakaway in the negative direction, magnitudes, mNm.
     negative_mnm: Vec<f64>,
     positive_mnm: Vec<f64>,
+    /// How far each peak is blurred, mNm.
+    blurs_mnm: Vec<f64>,
     /// Speed below which this capture cannot tell motion from rest, rad/s.
     resolved_rad_s: f64,
     rests: usize,
@@ -35,17 +39,24 @@ pub(crate) struct Stick {
 
 impl Stick {
     /// Looks for rests and breakaways; `torque_mnm` is not filtered.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "lengths of a few samples"
-    )]
-    pub(crate) fn of(torque_mnm: &[f64], motion: &KnobMotion, fitted: &[Effect], rate_hz: f64, measured: &[bool]) -> Self {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
+    pub(crate) fn of(
+        torque_mnm: &[f64],
+        motion: &KnobMotion,
+        fitted: &[Effect],
+        rate_hz: f64,
+        measured: &[bool],
+    ) -> Self {
         let resolved_rad_s = if motion.exact { 0.0 } else { AT_REST * motion.velocity_noise_rad_s };
         let smear = if motion.exact { 1 } else { (1.5 * rate_hz / motion.cutoff_hz).ceil() as usize };
-        let (rest, average) = ((REST_S * rate_hz) as usize, (AVERAGE_S * rate_hz) as usize);
-        let mut stick =
-            Self { negative_mnm: Vec::new(), positive_mnm: Vec::new(), resolved_rad_s, rests: 0 };
+        let rest = (REST_S * rate_hz) as usize;
+        let mut stick = Self {
+            negative_mnm: Vec::new(),
+            positive_mnm: Vec::new(),
+            blurs_mnm: Vec::new(),
+            resolved_rad_s,
+            rests: 0,
+        };
         let mut start = None;
         for (index, velocity) in motion.velocity_rad_s.iter().enumerate() {
             let resting = velocity.abs() <= resolved_rad_s && measured[index];
@@ -58,12 +69,20 @@ impl Stick {
                     }
                     stick.rests += 1;
                     let Some((away, direction)) = breakaway(motion, index, smear, resolved_rad_s) else { continue };
-                    let before = away.saturating_sub(average)..=away;
-                    let count = before.clone().map(|_| 1.0).sum::<f64>();
-                    let friction = before.map(|at| torque_mnm[at] - detents(motion, fitted, at)).sum::<f64>() / count;
+                    let near = away.saturating_sub(smear)..(away + smear / 2).min(motion.len());
+                    let sign = direction.sign();
+                    let rest: Vec<f64> = near
+                        .map(|at| sign * (torque_mnm[at] - without_friction(motion, fitted, at, at > away)))
+                        .collect();
+                    let peak = |samples: usize| rest.windows(samples).map(mean).fold(f64::NEG_INFINITY, f64::max);
+                    if rest.len() <= BLUR {
+                        continue;
+                    }
+                    let friction = peak(AVERAGE);
+                    stick.blurs_mnm.push(peak(1) - peak(BLUR));
                     match direction {
                         Direction::Positive => stick.positive_mnm.push(friction),
-                        Direction::Negative => stick.negative_mnm.push(-friction),
+                        Direction::Negative => stick.negative_mnm.push(friction),
                     }
                 }
                 _ => {}
@@ -113,7 +132,7 @@ impl Stick {
         let count = torques.len() as f64;
         // Student's quantile for few events, by its expansion about the normal one.
         let quantile = 1.96 * (1.0 + 1.21 / (count - 1.0) + 1.4 / (count - 1.0).powi(2));
-        let half = quantile * MEDIAN_COST * scatter / count.sqrt();
+        let half = quantile * MEDIAN_COST * scatter / count.sqrt() + median(&mut self.blurs_mnm);
         Parameter {
             name,
             value: Some(value.max(0.0)),
@@ -125,15 +144,21 @@ impl Stick {
     }
 }
 
-/// Torque of the angle (detents) at a sample, mNm.
-fn detents(motion: &KnobMotion, fitted: &[Effect], index: usize) -> f64 {
+/// Torque of the angle (detents) at a sample and, once the knob moves, of its inertia, mNm.
+fn without_friction(motion: &KnobMotion, fitted: &[Effect], index: usize, moving: bool) -> f64 {
+    let at = motion.at(index);
     fitted
         .iter()
         .map(|effect| match effect.kind().part {
-            Part::Torque(torque) => torque(effect.values(), &motion.at(index)),
+            Part::Torque(torque) => torque(effect.values(), &at),
+            Part::Inertia(inertia) if moving => inertia(effect.values()) * at.acceleration_rad_s2,
             Part::Inertia(_) | Part::Friction(_) | Part::Stick(_) => 0.0,
         })
         .sum()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.iter().map(|_| 1.0).sum::<f64>()
 }
 
 /// The sample at which the knob broke away, and whither, if it truly slid off from its rest that ended at `index`.

@@ -110,11 +110,9 @@ impl KnobMotion {
         let mut acceleration = gradient(&velocity, rate_hz);
         let noise = angle_density * TAU.powi(4) * band.edge_hz.powi(5) / 5.0;
         let clear = noise < CLEAR * rms(&low_pass(4, band.edge_hz, rate_hz, &acceleration)).powi(2);
-        let accelerometer = uniform
-            .acceleration_rad_s2
-            .as_ref()
-            .filter(|_| !clear)
-            .and_then(|sensor| blend(&gradient(&gradient(&angle, rate_hz), rate_hz), sensor, rate_hz, angle_density, cutoff_hz));
+        let accelerometer = uniform.acceleration_rad_s2.as_ref().filter(|_| !clear).and_then(|sensor| {
+            blend(&gradient(&gradient(&angle, rate_hz), rate_hz), sensor, rate_hz, angle_density, cutoff_hz)
+        });
         let blended = accelerometer.is_some();
         if let Some(better) = accelerometer {
             acceleration = better;

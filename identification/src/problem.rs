@@ -74,7 +74,10 @@ impl<'a> Problem<'a> {
     pub(crate) fn searched(&self) -> Vec<Searched> {
         let of = |effect: usize| {
             let regressors = self.effects[effect].kind().regressors;
-            regressors.map_or(&[][..], |r| r.searched).iter().map(move |parameter| Searched { effect, parameter: *parameter })
+            regressors
+                .map_or(&[][..], |r| r.searched)
+                .iter()
+                .map(move |parameter| Searched { effect, parameter: *parameter })
         };
         (0..self.effects.len()).flat_map(of).collect()
     }

@@ -175,6 +175,13 @@ impl Report<'_> {
                 ));
             }
         }
+        if name == effects::inertia::KIND.parameters[0].name && half >= solution.coefficients[column].abs() {
+            return Some(format!(
+                "the knob accelerated too little ({:.3e} rad/s² RMS): the 95 % interval of the inertia includes zero; \
+                 sweep faster",
+                rms(&columns[column])
+            ));
+        }
         let used: Vec<f64> = columns[column].iter().copied().filter(|value| value.abs() > 0.0).collect();
         let torque = rms(&problem.target);
         (!solution.at_zero[column] && half * rms(&used) > HOPELESS * torque).then(|| {

@@ -121,7 +121,8 @@ impl Samples<'_> {
 
 /// Distance between the smallest and the largest value.
 pub(crate) fn span(values: &[f64]) -> f64 {
-    let (low, high) =
-        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
     (high - low).max(0.0)
 }

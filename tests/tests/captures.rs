@@ -70,13 +70,33 @@ fn a_ctrl_c_brings_the_torque_down_and_leaves_a_whole_archive() {
 }
 
 #[test]
-fn a_torque_sweep_is_captured_as_a_position_sweep_is() {
+fn a_torque_sweep_on_a_knob_that_holds_is_measured_as_commanded() {
     let bench = Bench::new().unwrap();
-    let arguments = ["capture", "--torque", "--amplitude", "30", "--duration-s", "3", "--no-viewer", "--out", "out"];
+    let arguments =
+        ["capture", "--knob", "1", "--torque", "--amplitude", "30", "--duration-s", "3", "--no-viewer", "--out", "out"];
     let output = bench.run(&arguments).unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
     let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
     assert_whole(&capture, 30_000);
     let commanded = capture.commanded_torque_mnm.unwrap();
-    assert!(commanded.iter().fold(0.0_f64, |most, torque| most.max(torque.abs())) > 29.0);
+    let difference: f64 = commanded.iter().zip(&capture.torque_mnm).map(|(c, m)| (c - m).powi(2)).sum();
+    let rms = (difference / commanded.len() as f64).sqrt();
+    // Knob 1 holds 150 mNm: motor and sensor are a locked gripper, less the motor's own friction of some 4 mNm.
+    assert!(rms < 5.0, "{rms} mNm RMS between commanded and measured torque");
+}
+
+#[test]
+fn a_knob_that_runs_away_ends_in_a_recorded_fault_and_exit_status_1() {
+    let bench = Bench::new().unwrap();
+    let arguments = ["capture", "--torque", "--amplitude", "60", "--duration-s", "5", "--no-viewer", "--out", "out"];
+    let output = bench.run(&arguments).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the speed passed the rig's limit"));
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    let states = capture.state.unwrap();
+    let (last, before) = states.split_last().unwrap();
+    assert_eq!(*last, shared_types::LoopState::Fault.code());
+    assert!(before.iter().all(|state| *state == shared_types::LoopState::Running.code()));
+    assert_eq!(*capture.commanded_torque_mnm.unwrap().last().unwrap(), 0.0, "torque-free in the very sample");
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
 }

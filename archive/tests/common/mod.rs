@@ -1,6 +1,12 @@
 //! Recordings that the tests write, and an independent way to read them.
 
-#![allow(dead_code, unreachable_pub, clippy::unwrap_used, clippy::cast_precision_loss, reason = "shared by several test programs")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    reason = "shared by several test programs"
+)]
 
 use std::io::Cursor;
 
@@ -52,7 +58,7 @@ pub fn sample(seq: u64) -> Sample {
         sensor_read_ns: 900,
         control_ns: 300,
         push_ns: 60,
-        missed_ticks: u32::from(seq > 0 && seq % 1000 == 0),
+        missed_ticks: u32::from(seq > 0 && seq.is_multiple_of(1000)),
         dropped_samples: 0,
         state: 2,
         fault: 0,
@@ -67,7 +73,9 @@ pub fn recording(seqs: impl IntoIterator<Item = u64>, chunk: usize) -> Vec<u8> {
         if count > 0 && count % chunk == 0 {
             let monotonic_time_ns = sample(seq).monotonic_time_ns;
             writer.status(&LoopStatus { run_id: RUN_ID, monotonic_time_ns, ..LoopStatus::default() }).unwrap();
-            writer.fit(&FitUpdate { run_id: RUN_ID, monotonic_time_ns, latest_tick: seq, ..FitUpdate::default() }).unwrap();
+            writer
+                .fit(&FitUpdate { run_id: RUN_ID, monotonic_time_ns, latest_tick: seq, ..FitUpdate::default() })
+                .unwrap();
             writer.health(&ProcessHealth { monotonic_time_ns, process: 1, ..ProcessHealth::default() }).unwrap();
             writer.flush().unwrap();
         }

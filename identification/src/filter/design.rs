@@ -63,10 +63,8 @@ pub fn chebyshev2_low_pass(
         return Err(FilterError::Attenuation { attenuation_db });
     }
     let stretch = (10_f64.powf(0.1 * attenuation_db) - 1.0).sqrt().asinh() / as_f64(order);
-    let zeros: Vec<_> = half_angles(order)
-        .filter(|angle| *angle != 0.0)
-        .map(|angle| Complex::new(0.0, 1.0 / angle.sin()))
-        .collect();
+    let zeros: Vec<_> =
+        half_angles(order).filter(|angle| *angle != 0.0).map(|angle| Complex::new(0.0, 1.0 / angle.sin())).collect();
     let poles: Vec<_> = prototype_poles(order)
         .into_iter()
         .map(|pole| Complex::new(stretch.sinh() * pole.re, stretch.cosh() * pole.im).inv())

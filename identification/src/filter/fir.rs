@@ -83,11 +83,7 @@ impl Fir {
     pub fn gain(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
         let half = self.half_length();
         let angle = 2.0 * PI * frequency_hz / rate_hz;
-        self.taps
-            .iter()
-            .enumerate()
-            .map(|(index, tap)| tap * (angle * (index as f64 - half as f64)).cos())
-            .sum()
+        self.taps.iter().enumerate().map(|(index, tap)| tap * (angle * (index as f64 - half as f64)).cos()).sum()
     }
 }
 

@@ -63,7 +63,12 @@ impl AngleBins {
     }
 
     /// Adds a sample.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss, reason = "indices of bins")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_precision_loss,
+        clippy::cast_sign_loss,
+        reason = "indices of bins"
+    )]
     pub(super) fn add(&mut self, angle_rad: f64, row: &[f64]) {
         for (index, left) in row.iter().enumerate() {
             for (other, right) in row.iter().enumerate() {
@@ -83,7 +88,12 @@ impl AngleBins {
         }
     }
 
-    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss, reason = "indices of bins")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_precision_loss,
+        clippy::cast_sign_loss,
+        reason = "indices of bins"
+    )]
     fn make_room(&mut self, angle_rad: f64) {
         let stride = self.width + 1;
         loop {
@@ -110,7 +120,12 @@ impl AngleBins {
         }
     }
 
-    #[allow(clippy::cast_possible_wrap, clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "indices of bins")]
+    #[allow(
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
+        clippy::cast_possible_truncation,
+        reason = "indices of bins"
+    )]
     fn coarsen(&mut self) {
         let stride = self.width + 1;
         let first = self.first.div_euclid(2);
@@ -129,7 +144,12 @@ impl AngleBins {
     }
 
     /// The best period, given the base coefficients; `None` while the travel supports none.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss, reason = "indices of wavenumbers")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_precision_loss,
+        clippy::cast_sign_loss,
+        reason = "indices of wavenumbers"
+    )]
     pub(super) fn scan(&self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
         let columns = self.width - 1;
         let length = (OVERSAMPLING * self.bins).next_power_of_two();
@@ -151,7 +171,8 @@ impl AngleBins {
                     let value = spectra[1 + row][index];
                     if part == 0 { value.im } else { value.re }
                 });
-                let residual = (0..columns).fold(torque[index], |sum, row| sum - spectra[1 + row][index] * coefficients[row]);
+                let residual =
+                    (0..columns).fold(torque[index], |sum, row| sum - spectra[1 + row][index] * coefficients[row]);
                 let products = Vector2::new(residual.im, residual.re);
                 let explained = base.transpose() * &inverse * &base;
                 let (weight, twice) = (weights[0].re, weights[2 * index]);

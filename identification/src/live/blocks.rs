@@ -96,7 +96,8 @@ impl Blocks {
     #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(super) fn solve_mapped(&self, map: &DMatrix<f64>) -> Option<Solution> {
         let columns = map.nrows() - 1;
-        let grams: Vec<DMatrix<f64>> = self.blocks.iter().map(|block| map * self.unpacked(block) * map.transpose()).collect();
+        let grams: Vec<DMatrix<f64>> =
+            self.blocks.iter().map(|block| map * self.unpacked(block) * map.transpose()).collect();
         let total = grams.iter().fold(DMatrix::zeros(columns + 1, columns + 1), |sum, gram| sum + gram);
         if self.rows == 0 || total[(columns, columns)] <= 0.0 {
             return None;

@@ -35,8 +35,8 @@ use dynamics::{Calibration, Effect, effects};
 
 use angle_bins::AngleBins;
 use blocks::Blocks;
-pub use estimate::{LiveEstimate, LiveParameter, Verdict};
 use estimate::{Detent, Excitation, estimate};
+pub use estimate::{LiveEstimate, LiveParameter, Verdict};
 use pipeline::{Pipeline, Sliding};
 use ring::RowFilter;
 
@@ -103,7 +103,8 @@ impl LiveFit {
     pub fn new(rate_hz: f64, calibration: Option<&Calibration>) -> Self {
         let band_hz = BAND_HZ.min(BAND_SHARE * rate_hz);
         let base_effects = vec![Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
-        let columns = base_effects.iter().map(|effect| effect.kind().regressors.map_or(0, |r| r.columns)).sum::<usize>();
+        let columns =
+            base_effects.iter().map(|effect| effect.kind().regressors.map_or(0, |r| r.columns)).sum::<usize>();
         Self {
             pipeline: Pipeline::new(rate_hz, band_hz, calibration),
             base_filter: RowFilter::new(rate_hz, band_hz, columns + 1),
@@ -162,8 +163,7 @@ impl LiveFit {
             backward: self.backward as f64,
             enough: ENOUGH_S * self.rate_hz,
         };
-        let mut estimate =
-            estimate(&self.base_effects, &self.base, found, evidence, self.gripper_inertia, &excitation);
+        let mut estimate = estimate(&self.base_effects, &self.base, found, evidence, self.gripper_inertia, &excitation);
         estimate.samples = self.samples;
         estimate.ignored_samples = self.ignored;
         estimate.newest_s = self.newest_s;
@@ -220,10 +220,9 @@ impl LiveFit {
         self.evidence = scan.as_ref().map(|scan| scan.detents);
         let Some(scan) = scan.filter(|scan| scan.detents) else { return };
         // A period in use is kept unless the scan sees another peak: Gauss–Newton follows the same one.
-        let other = self
-            .joint
-            .as_ref()
-            .is_none_or(|joint| (joint.wavenumber - scan.wavenumber).abs() > 0.5 * std::f64::consts::TAU / scan.travel_rad);
+        let other = self.joint.as_ref().is_none_or(|joint| {
+            (joint.wavenumber - scan.wavenumber).abs() > 0.5 * std::f64::consts::TAU / scan.travel_rad
+        });
         if other {
             self.start_joint(scan.wavenumber, self.bins.middle_rad());
         }

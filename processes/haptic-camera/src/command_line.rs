@@ -51,13 +51,13 @@ pub struct CaptureOptions {
     #[arg(long)]
     pub torque: bool,
     /// Largest commanded angle in rad, or torque in mNm [default: 1 rad, 20 mNm]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Samples per second
-    #[arg(long, default_value_t = 10_000.0)]
+    #[arg(long, default_value_t = 10_000.0, allow_negative_numbers = true)]
     pub rate_hz: f64,
     /// Length of the capture, s
-    #[arg(long, default_value_t = 10.0)]
+    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     pub duration_s: f64,
     /// Folder for the archive, the model and the report
     #[arg(long, default_value = "captures", value_name = "DIR")]

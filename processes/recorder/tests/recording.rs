@@ -1,6 +1,6 @@
 //! The recorder as a process: fed through shared memory, killed, restarted, stopped.
 
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests; a skipped one says so")]
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
@@ -32,7 +32,22 @@ struct Rig {
     published: u64,
     process_id: u32,
     _node: RigNode,
+    _shared_memory: SharedMemory,
     directory: TempDir,
+}
+
+/// What iceoryx2 leaves of a rig when its last process has gone: removed with the test.
+struct SharedMemory(String);
+
+impl Drop for SharedMemory {
+    fn drop(&mut self) {
+        for entry in std::fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
+            if entry.file_name().to_string_lossy().starts_with(&self.0) {
+                // Another process of the rig may have removed it just now.
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
 }
 
 /// A process that does not outlive its test.
@@ -74,6 +89,7 @@ impl Rig {
             published: 0,
             process_id: std::process::id(),
             _node: node,
+            _shared_memory: SharedMemory(rig::shared_memory_prefix()),
             directory,
         };
         std::fs::create_dir(rig.elsewhere()).unwrap();
@@ -114,7 +130,7 @@ impl Rig {
     fn publish_blocks(&mut self, blocks: usize) {
         for _ in 0..blocks {
             self.publish_block_of(RUN_ID);
-            if self.published % 500 == 0 {
+            if self.published.is_multiple_of(500) {
                 let update = FitUpdate {
                     run_id: RUN_ID,
                     latest_tick: self.published,
@@ -360,6 +376,40 @@ fn a_place_that_cannot_be_written_to_sends_the_recording_to_the_temporary_direct
     rig.publish_blocks(300);
     assert_eq!(rig.finish(&mut recorder), 0);
     assert_eq!(files_in(&rig.elsewhere()), ["run.mcap"], "the archive is where there is room");
+    rig.assert_complete(&rig.elsewhere().join("run.mcap"));
+}
+
+/// A disk of one megabyte, for as long as it lives.
+struct SmallDisk(PathBuf);
+
+impl SmallDisk {
+    fn mount(place: &Path) -> Option<Self> {
+        std::fs::create_dir(place).unwrap();
+        let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=1m", "tmpfs"]).arg(place).output();
+        mounted.is_ok_and(|output| output.status.success()).then(|| Self(place.to_owned()))
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        // What stays mounted goes with the machine; there is nothing better to do.
+        let _ = Command::new("umount").arg(&self.0).status();
+    }
+}
+
+#[test]
+fn a_disk_that_fills_up_costs_no_sample() {
+    let mut rig = Rig::new();
+    let Some(disk) = SmallDisk::mount(&rig.directory.path().join("disk")) else {
+        eprintln!("SKIPPED: no permission to mount a small disk");
+        return;
+    };
+    let out = disk.0.join("run.mcap");
+    let mut recorder = rig.start_recorder_to(&out, 0);
+    rig.publish_blocks(3000);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    assert_eq!(files_in(&disk.0), [""; 0], "the parts were merged elsewhere");
+    assert_eq!(files_in(&rig.elsewhere()), ["run.mcap"]);
     rig.assert_complete(&rig.elsewhere().join("run.mcap"));
 }
 

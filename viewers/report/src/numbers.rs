@@ -30,6 +30,9 @@ impl Digits {
 
     /// A given number of significant digits.
     pub(crate) fn significant(value: f64, digits: i32) -> Self {
+        if value == 0.0 {
+            return Self { decimals: 0, exponent: 0 };
+        }
         Self::to_place(value.abs(), order(value) + 1 - digits)
     }
 
@@ -48,13 +51,11 @@ impl Digits {
         let unit = 10_f64.powi(-self.decimals.min(0));
         let rounded = (scaled / unit).round() * unit;
         let rounded = if self.decimals < 0 { rounded } else { scaled };
-        let text = format!("{rounded:.*}", self.decimals.max(0).unsigned_abs() as usize);
-        let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
-        minus(if zero { text.trim_start_matches('-') } else { &text })
+        fixed(rounded, self.decimals.max(0).unsigned_abs() as usize)
     }
 
     fn power(self) -> String {
-        if self.exponent == 0 { String::new() } else { format!(" × 10{}", superscript(self.exponent)) }
+        if self.exponent == 0 { String::new() } else { format!("\u{a0}×\u{a0}10{}", superscript(self.exponent)) }
     }
 
     /// The number alone.
@@ -72,9 +73,9 @@ impl Digits {
     pub(crate) fn plus_minus(self, value: f64, half_width: f64) -> String {
         let (value, half_width) = (self.mantissa(value), self.mantissa(half_width));
         if self.exponent == 0 {
-            format!("{value} ± {half_width}")
+            format!("{value}\u{a0}±\u{a0}{half_width}")
         } else {
-            format!("({value} ± {half_width}){}", self.power())
+            format!("({value}\u{a0}±\u{a0}{half_width}){}", self.power())
         }
     }
 }
@@ -94,7 +95,7 @@ pub(crate) fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index) % 3 == 0 {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
             text.push('\u{202f}');
         }
         text.push(digit);
@@ -102,9 +103,11 @@ pub(crate) fn count(number: u64) -> String {
     text
 }
 
-/// A number's text with a true minus sign.
-pub(crate) fn minus(text: &str) -> String {
-    text.replace('-', "−")
+/// A number with so many decimals and a true minus sign, which zero never has.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
+    if zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }
 }
 
 /// Position of the first significant digit: 0 for ones, −1 for tenths.
@@ -129,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_value_ends_where_its_interval_starts() {
-        let shown = |value, half| Digits::of_interval(value, half).plus_minus(value, half);
+        let shown = |value, half| Digits::of_interval(value, half).plus_minus(value, half).replace('\u{a0}', " ");
         assert_eq!(shown(0.035_123, 0.000_21), "0.0351 ± 0.0002");
         assert_eq!(shown(0.035_123, 0.000_14), "0.03512 ± 0.00014");
         assert_eq!(shown(-2.3456, 0.04), "−2.35 ± 0.04");

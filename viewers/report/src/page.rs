@@ -34,10 +34,8 @@ pub(crate) fn fit_page(page: &FitPage<'_>) -> Markup {
                     header {
                         p.kind { "Fit of a capture" }
                         h1 { (capture.title) }
-                        p.verdict {
-                            (uppercase_first(&findings(fit)))
-                            @if let Some(words) = completeness(fit) { " " (words) }
-                        }
+                        p.verdict { (uppercase_first(&findings(fit))) }
+                        @if let Some(words) = completeness(fit) { p.completeness { (words) } }
                         (facts(capture))
                     }
                     section {

@@ -16,7 +16,7 @@ const ROUNDING: f64 = 1e-9;
 /// The table with its legend.
 pub(crate) fn parameter_table(page: &FitPage<'_>) -> Markup {
     let known = page.truth.is_some();
-    let columns = if known { 6 } else { 5 };
+    let columns = if known { 5 } else { 4 };
     html! {
         div.scroll {
             table.parameters {
@@ -25,25 +25,22 @@ pub(crate) fn parameter_table(page: &FitPage<'_>) -> Markup {
                         th { "parameter" }
                         th { "symbol" }
                         th.number { "value" }
-                        th.number { "95 % interval" }
+                        th.number { "95 % interval" span.faint { "textbook interval" } }
                         th { span.sr { "interval as a picture" } }
                         th { "unit" }
                         @if known { th.number { "true value" } }
-                        th.number { "textbook interval" }
                     }
                 }
                 tbody {
-                    @for parameter in &page.fit.parameters.0 {
-                        @if let Some(value) = parameter.value {
-                            (told(page, parameter, value))
-                        } @else {
-                            tr.untold {
-                                (name_cells(parameter.name))
-                                td colspan=(columns) {
-                                    strong { "cannot be told" }
-                                    @if let Some(reason) = &parameter.reason { ": " (reason) }
-                                    @if let Some(truth) = true_value(page.truth, parameter.name, None) {
-                                        " (true value " (three(truth)) " " (parameter.unit) ")"
+                    @for group in page.fit.parameters.0.chunk_by(same_reason) {
+                        @for (index, parameter) in group.iter().enumerate() {
+                            @if let Some(value) = parameter.value {
+                                (told(page, parameter, value))
+                            } @else {
+                                tr.untold {
+                                    (name_cells(parameter.name))
+                                    @if index == 0 {
+                                        td.reason colspan=(columns) rowspan=(group.len()) { (untold(page, group)) }
                                     }
                                 }
                             }
@@ -53,8 +50,8 @@ pub(crate) fn parameter_table(page: &FitPage<'_>) -> Markup {
             }
         }
         p.note {
-            "Whiskers: 95 % interval, which allows for residuals that are correlated in time and of varying size. \
-             Thick bar: the textbook's, for independent residuals of one size; mostly too narrow."
+            "Whiskers and dark figures: 95 % interval, which allows for residuals that are correlated in time and of varying size. \
+             Thick bar and pale figures: the textbook's, for independent residuals of one size; mostly too narrow."
             @if known { " Upright tick: the true value of the simulated knob." }
         }
         @if let Some(truth) = page.truth { (not_fitted(page, truth)) }
@@ -69,12 +66,30 @@ fn told(page: &FitPage<'_>, parameter: &Parameter, value: f64) -> Markup {
         tr {
             (name_cells(parameter.name))
             td.number.value { (digits.show(value)) }
-            td.number { @if let Some(interval) = parameter.ci95 { (digits.span(interval)) } @else { "–" } }
+            td.number {
+                @if let Some(interval) = parameter.ci95 { (digits.span(interval)) } @else { "–" }
+                @if let Some(interval) = parameter.ci95_textbook { span.faint { (digits.span(interval)) } }
+            }
             td { @if let Some(interval) = parameter.ci95 { (picture(value, interval, parameter.ci95_textbook, truth)) } }
             td.unit { (parameter.unit) }
             @if page.truth.is_some() { td.number { (truth_words(truth, parameter.ci95, digits)) } }
-            td.number.faint {
-                @if let Some(interval) = parameter.ci95_textbook { (digits.span(interval)) } @else { "–" }
+        }
+    }
+}
+
+/// Whether neighbours cannot be told for one reason; they share a cell.
+fn same_reason(one: &Parameter, next: &Parameter) -> bool {
+    one.value.is_none() && next.value.is_none() && one.reason == next.reason
+}
+
+fn untold(page: &FitPage<'_>, group: &[Parameter]) -> Markup {
+    let reason = group.first().and_then(|parameter| parameter.reason.as_deref());
+    html! {
+        strong { "cannot be told" }
+        @if let Some(reason) = reason { ": " (reason) }
+        @for parameter in group {
+            @if let Some(truth) = true_value(page.truth, parameter.name, None) {
+                span.truly { "true value of " code { (parameter.name) } ": " (three(truth)) " " (parameter.unit) }
             }
         }
     }

@@ -6,31 +6,37 @@ use plotters::coord::ranged1d::Ranged as _;
 use plotters::coord::types::RangedCoordf64;
 use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::{
-    Cartesian2d, ChartBuilder, ChartContext, Circle, DrawingArea, IntoDrawingArea as _, PathElement, Polygon,
-    Rectangle, Text,
+    Cartesian2d, ChartBuilder, ChartContext, Circle, DrawingArea, IntoDrawingArea as _, LabelAreaPosition, PathElement,
+    Polygon, Rectangle, Text,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color as _, IntoFont as _, TRANSPARENT, TextStyle};
 use std::convert::Infallible;
 
 use crate::ink::Ink;
-use crate::numbers::minus;
+use crate::numbers::fixed;
 use crate::themed_svg::{PIXELS_PER_UNIT, ThemedSvg};
 
 /// Margin beyond the outermost points, as a share of their distance.
 const MARGIN: f64 = 0.04;
+/// Shortest axis, in its unit and as a share of its values.
+const NARROWEST: f64 = 1e-8;
 /// Room for the tick labels of the y axis, SVG units.
 const LEFT: u32 = 46;
 /// Room for the tick labels and the title of the x axis, SVG units.
-const BOTTOM: u32 = 42;
+const BOTTOM: u32 = 46;
 /// Room for the title of the y axis, which stands above it, SVG units.
 const TOP: u32 = 26;
 /// Room for half a tick label beyond the axis, SVG units.
 const RIGHT: u32 = 12;
+/// From the plot to its tick labels, SVG units.
+const LABEL_GAP: u32 = 7;
 /// Size of letters, SVG units; the style sheet has the same.
 const LETTERS: u32 = 12;
-/// SVG units from one tick label to the next, at least.
-const TICK_DISTANCE: (u32, u32) = (85, 44);
+/// SVG units from one tick label to the next, at least, along x and along y.
+const TICK_DISTANCE: (u32, u32) = (52, 30);
+/// Fewest and most tick labels of an axis.
+const TICKS: (u32, u32) = (3, 11);
 
 /// One axis.
 #[derive(Clone, Debug)]
@@ -51,13 +57,27 @@ impl Axis {
         Self::exactly(title, low - margin, high + margin)
     }
 
-    /// An axis from `low` to `high`.
+    /// An axis from `low` to `high`, or about their middle where they hardly differ.
     pub(crate) fn exactly(title: &str, low: f64, high: f64) -> Self {
-        Self { title: title.to_owned(), low, high }
+        let title = title.to_owned();
+        // plotters does not end its search for ticks in a range that is empty or not finite.
+        if !(low.is_finite() && high.is_finite()) {
+            return Self { title, low: 0.0, high: 1.0 };
+        }
+        let least = NARROWEST.max(NARROWEST * low.abs().max(high.abs()));
+        let widen = if high - low < least { least } else { 0.0 };
+        Self { title, low: low - widen, high: high + widen }
     }
 
     fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
+    }
+
+    /// Number of ticks to ask plotters for, which may give far fewer than asked.
+    fn labels(&self, room: u32, distance: u32) -> usize {
+        let wanted = (room / distance).clamp(TICKS.0, TICKS.1) as usize;
+        let given = |asked: &usize| RangedCoordf64::from(self.low..self.high).key_points(*asked).len();
+        (wanted..=2 * wanted).find(|asked| 2 * given(asked) > wanted).unwrap_or(wanted)
     }
 
     /// Decimals with which every tick is exact.
@@ -135,13 +155,15 @@ impl Plot {
             .set_left_and_bottom_label_area_size(LEFT * PIXELS_PER_UNIT)
             .x_label_area_size(BOTTOM * PIXELS_PER_UNIT)
             .build_cartesian_2d(x.low..x.high, y.low..y.high)?;
-        let labels = |room: u32, distance: u32| (room / distance).max(2) as usize;
-        let x_labels = labels(size.0 - LEFT - RIGHT, TICK_DISTANCE.0);
-        let y_labels = labels(size.1 - TOP - BOTTOM, TICK_DISTANCE.1);
+        let x_labels = x.labels(size.0 - LEFT - RIGHT, TICK_DISTANCE.0);
+        let y_labels = y.labels(size.1 - TOP - BOTTOM, TICK_DISTANCE.1);
         let (x_decimals, y_decimals) = (x.decimals(x_labels), y.decimals(y_labels));
         chart
             .configure_mesh()
             .axis_style(TRANSPARENT)
+            // Without axes to carry them the marks are unseen; labels stand twice their size away.
+            .set_tick_mark_size(LabelAreaPosition::Bottom, (LABEL_GAP * PIXELS_PER_UNIT).div_euclid(2))
+            .set_tick_mark_size(LabelAreaPosition::Left, (LABEL_GAP * PIXELS_PER_UNIT).div_euclid(2))
             .light_line_style(TRANSPARENT)
             .bold_line_style(Ink::Grid.color())
             .label_style(text(Ink::Label))
@@ -149,8 +171,8 @@ impl Plot {
             .x_labels(x_labels)
             .y_labels(y_labels)
             .x_desc(x.title.as_str())
-            .x_label_formatter(&|value| minus(&format!("{value:.x_decimals$}")))
-            .y_label_formatter(&|value| minus(&format!("{value:.y_decimals$}")))
+            .x_label_formatter(&|value| fixed(*value, x_decimals))
+            .y_label_formatter(&|value| fixed(*value, y_decimals))
             .draw()?;
         let above = text(Ink::Title).pos(Pos::new(HPos::Left, VPos::Top));
         area.draw_text(&y.title, &above, (0, 0))?;

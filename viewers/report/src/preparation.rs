@@ -18,10 +18,15 @@ pub(crate) fn untold(fit: &Fit) -> Markup {
             p { "Every parameter could be told, and nothing needs a warning." }
         } @else {
             ul {
-                @for parameter in untold {
+                @for group in untold.chunk_by(|one, next| one.reason == next.reason) {
                     li {
-                        code { (parameter.name) }
-                        @if let Some(reason) = &parameter.reason { ": " (reason) "." }
+                        @for (index, parameter) in group.iter().enumerate() {
+                            @if index > 0 { ", " }
+                            code { (parameter.name) }
+                        }
+                        @if let Some(reason) = group.first().and_then(|parameter| parameter.reason.as_ref()) {
+                            ": " (reason) "."
+                        }
                     }
                 }
                 @if !fit.detent_aliases_rad.is_empty() {

@@ -4,6 +4,9 @@ use identification::{Fit, Parameter};
 
 use crate::numbers::{Digits, three, two};
 
+/// Space at which no line ends.
+const NO_BREAK: &str = "\u{a0}";
+
 /// Residual over expected noise up to which the model counts as complete.
 const LIKE_NOISE: f64 = 1.5;
 
@@ -22,7 +25,7 @@ pub(crate) fn findings(fit: &Fit) -> String {
     told.retain(|words| !words.is_empty());
     let found = if told.is_empty() { "nothing could be told".to_owned() } else { told.join(", ") };
     format!(
-        "{found}; the residual is {} mNm RMS, {} % of the torque.",
+        "{found}; residual {}\u{a0}mNm\u{a0}RMS, {}\u{a0}% of the torque.",
         two(fit.residual_rms_mnm),
         two(fit.relative_error_percent)
     )
@@ -34,13 +37,13 @@ pub(crate) fn completeness(fit: &Fit) -> Option<String> {
     let ratio = fit.residual_rms_mnm / noise;
     let words = if ratio <= LIKE_NOISE {
         format!(
-            "That is about what the torque sensor's noise leaves in the fit's band ({} mNm): the model explains this capture.",
+            "That is about what the torque sensor's noise leaves in the fit's band ({}\u{a0}mNm): the model explains this capture.",
             two(noise)
         )
     } else {
         format!(
-            "The torque sensor's noise alone would leave {} mNm, {} times less: there is something in this knob that the \
-             model does not have.",
+            "The torque sensor's noise alone would leave {}\u{a0}mNm, {} times less: something in this knob or rig is not in \
+             the model.",
             two(noise),
             two(ratio)
         )
@@ -79,23 +82,26 @@ fn phrase(fit: &Fit, stem: &str, parameter: &Parameter) -> String {
     });
     let of = |name: &str| fit.parameters.get(name).and_then(|found| found.value);
     let words = plus_minus(parameter).unwrap_or_default();
-    let unit = parameter.unit;
+    let unit = parameter.unit.replace(' ', NO_BREAK);
     match (stem, directions) {
-        ("coulomb" | "viscous", [Some((_, negative)), Some((_, positive))]) => {
-            format!("{} friction {negative} / {positive} {unit} turning negatively / positively", title(stem))
+        ("coulomb" | "viscous" | "static", [Some((_, negative)), Some((_, positive))]) => {
+            format!(
+                "{} friction {negative}\u{a0}{unit} turning negatively and {positive}\u{a0}{unit} positively",
+                title(stem)
+            )
         }
-        ("coulomb" | "viscous", [Some((direction, one)), None] | [None, Some((direction, one))]) => {
-            format!("{} friction {one} {unit} turning {direction}ly only", title(stem))
+        ("coulomb" | "viscous" | "static", [Some((direction, one)), None] | [None, Some((direction, one))]) => {
+            format!("{} friction {one}\u{a0}{unit} turning {direction}ly only", title(stem))
         }
         ("detent_amplitude", _) => match of("detent_period") {
             Some(period) => {
                 let spacing = (std::f64::consts::TAU * period).to_degrees();
-                format!("detents of {words} {unit} every {}°", three(spacing))
+                format!("detents of {words}\u{a0}{unit} every {}°", three(spacing))
             }
-            None => format!("detents of {words} {unit}"),
+            None => format!("detents of {words}\u{a0}{unit}"),
         },
         ("detent_period" | "detent_phase", _) => String::new(),
-        _ => format!("{} {words} {unit}", stem.replace('_', " ")),
+        _ => format!("{} {words}\u{a0}{unit}", stem.replace('_', " ")),
     }
 }
 

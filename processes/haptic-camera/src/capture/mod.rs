@@ -54,7 +54,8 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
 fn clear_shared_memory() {
     match shared_types::clean_up::clear_shared_memory() {
         Ok(0) => {}
-        Ok(left) => remark(format!("{left} files stay in shared memory while another program follows this rig")),
+        // Whoever still follows the rig needs them, and takes them away at its end.
+        Ok(left) => tracing::info!("{left} files stay in shared memory while another program follows this rig"),
         Err(error) => remark(error),
     }
 }

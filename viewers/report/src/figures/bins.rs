@@ -9,14 +9,26 @@ const FEWEST_ROWS: usize = 2;
 
 /// Mean of the rows in a range.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Bin {
+pub(super) struct Bin {
     /// Mean of the quantity.
-    pub(crate) at: f64,
+    pub(super) at: f64,
     /// Mean torque of the model, mNm.
-    pub(crate) model_mnm: f64,
+    pub(super) model_mnm: f64,
     /// Mean half width of the model's 95 % interval, mNm.
-    pub(crate) half_width_mnm: f64,
+    pub(super) half_width_mnm: f64,
     rows: usize,
+}
+
+/// A moving average over bins that lie within `width` of each other, as one run.
+pub(super) fn smoothed(runs: &[Vec<Bin>], width: f64) -> Vec<Bin> {
+    let bins: Vec<Bin> = runs.iter().flatten().copied().collect();
+    let average = |centre: &Bin| {
+        let weight = |bin: &Bin| real(bin.rows) * (1.0 - (bin.at - centre.at).abs() / width).max(0.0);
+        let total: f64 = bins.iter().map(weight).sum();
+        let mean = |of: fn(&Bin) -> f64| bins.iter().map(|bin| weight(bin) * of(bin)).sum::<f64>() / total;
+        Bin { model_mnm: mean(|bin| bin.model_mnm), half_width_mnm: mean(|bin| bin.half_width_mnm), ..*centre }
+    };
+    bins.iter().map(average).filter(|bin| bin.model_mnm.is_finite()).collect()
 }
 
 impl Bin {
@@ -32,7 +44,7 @@ impl Bin {
 }
 
 /// Bins of equal width over `of`, at most `most` and of `rows_each` on average; runs end where a bin has too few rows.
-pub(crate) fn runs<'a>(
+pub(super) fn runs<'a>(
     points: impl Iterator<Item = &'a Point> + Clone,
     of: fn(&Point) -> f64,
     most: usize,

@@ -13,6 +13,8 @@ use crate::plot::{Axis, Layer, Plot};
 const COLUMNS: f64 = 800.0;
 /// Bars of the histogram.
 const BARS: usize = 41;
+/// Share of its room that a bar leaves free at either side.
+const BAR_GAP: f64 = 0.06;
 /// Half the width of the histogram, in residual RMS.
 const REACH: f64 = 4.0;
 
@@ -68,8 +70,11 @@ pub(crate) fn histogram_figure(fit: &Fit, points: &[Point]) -> Figure {
     }
     let percent = |count: usize| 100.0 * real(count) / real(points.len().max(1));
     let left = |bar: usize| -reach + real(bar) * width;
-    let bars: Vec<_> =
-        counts.iter().enumerate().map(|(bar, count)| (left(bar), left(bar) + width, percent(*count))).collect();
+    let bars: Vec<_> = counts
+        .iter()
+        .enumerate()
+        .map(|(bar, count)| (left(bar) + BAR_GAP * width, left(bar + 1) - BAR_GAP * width, percent(*count)))
+        .collect();
     let normal = |at: f64| {
         let deviations = at / fit.residual_rms_mnm;
         100.0 * width / (fit.residual_rms_mnm * TAU.sqrt()) * (-0.5 * deviations * deviations).exp()

@@ -3,34 +3,40 @@
 use dynamics::effects;
 use identification::{Fit, Point};
 
-use super::bins::{Bin, runs};
+use super::bins::{Bin, runs, smoothed};
 use super::{ANGLE, Figure, Mark, TORQUE, VELOCITY, WIDE, real, thinned, travel_rad};
 use crate::ink::Ink;
-use crate::numbers::{three, two};
+use crate::numbers::two;
 use crate::plot::{Axis, Layer, Plot};
 
 /// Dots of each direction in one plot.
 const MOST_DOTS: usize = 3500;
-/// Bins over the angle, one for about two SVG units, and rows in each: detents must be seen.
-const ANGLE_BINS: (usize, usize) = (400, 6);
-/// Bins over the velocity and rows in each: detents must average out.
-const VELOCITY_BINS: (usize, usize) = (60, 40);
+/// Bins over the angle, one for about two SVG units.
+const ANGLE_BINS: usize = 400;
+/// Rows in each of them where detents must be seen, and where there are none.
+const ANGLE_ROWS: (usize, usize) = (6, 40);
+/// Bins over the velocity and rows in each.
+const VELOCITY_BINS: (usize, usize) = (80, 10);
+/// Share of the velocities over which the model is averaged, so that detents and inertia average out.
+const VELOCITY_SMOOTHING: f64 = 0.15;
 /// Bins that a detent needs to be seen in the line.
 const BINS_PER_DETENT: f64 = 5.0;
 
 const LEGEND: [(Mark, Ink, &str); 4] = [
-    (Mark::Dots, Ink::MeasuredPositive, "measured, turning positively"),
-    (Mark::Line, Ink::ModelPositive, "model, mean"),
-    (Mark::Dots, Ink::MeasuredNegative, "measured, turning negatively"),
-    (Mark::Line, Ink::ModelNegative, "model, mean"),
+    (Mark::Dots, Ink::MeasuredPositive, "measured turning positively"),
+    (Mark::Line, Ink::ModelPositive, "model"),
+    (Mark::Dots, Ink::MeasuredNegative, "measured turning negatively"),
+    (Mark::Line, Ink::ModelNegative, "model"),
 ];
 
 /// Torque against angle, by direction.
 pub(crate) fn angle_figure(fit: &Fit, points: &[Point]) -> Figure {
-    let [positive, negative] = directions(points).map(|points| runs(points.iter(), |point| point.angle_rad, ANGLE_BINS.0, ANGLE_BINS.1));
-    let bins = positive.iter().chain(&negative).map(Vec::len).max().unwrap_or(1);
     let detent_rad = fit.parameters.get(effects::detent::KIND.parameters[1].name).and_then(|period| period.value);
     let detents = detent_rad.map(|period| std::f64::consts::TAU * period.abs());
+    let rows = if detents.is_some() { ANGLE_ROWS.0 } else { ANGLE_ROWS.1 };
+    let [positive, negative] =
+        directions(points).map(|points| runs(points.iter(), |point| point.angle_rad, ANGLE_BINS, rows));
+    let bins = positive.iter().chain(&negative).map(Vec::len).max().unwrap_or(1);
     let averaged = detents.is_some_and(|detent| real(bins) < BINS_PER_DETENT * travel_rad(points) / detent);
     let caption = format!(
         "Dots: what was measured, filtered to the fit's band. Lines: the model's torque for the motion that was captured, \
@@ -55,22 +61,27 @@ pub(crate) fn angle_figure(fit: &Fit, points: &[Point]) -> Figure {
 
 /// Torque against velocity, by direction.
 pub(crate) fn velocity_figure(fit: &Fit, points: &[Point]) -> Figure {
-    let lines = directions(points).map(|points| runs(points.iter(), |point| point.velocity_rad_s, VELOCITY_BINS.0, VELOCITY_BINS.1));
+    let fastest_rad_s = points.iter().map(|point| point.velocity_rad_s.abs()).fold(0.0, f64::max);
+    let lines = directions(points).map(|points| {
+        let bins = runs(points.iter(), |point| point.velocity_rad_s, VELOCITY_BINS.0, VELOCITY_BINS.1);
+        vec![smoothed(&bins, VELOCITY_SMOOTHING * fastest_rad_s)]
+    });
     Figure {
         title: "Torque against velocity".to_owned(),
         legend: LEGEND.to_vec(),
         plot: plot(points, VELOCITY, |point| point.velocity_rad_s, lines).svg("Torque against velocity"),
         caption: format!(
-            "The step at zero is Coulomb friction, the slope of the lines viscous friction; the spread is inertia and \
-             detents. Nothing is shown below {} rad/s, where the knob may stick and its torque is whatever holds it. \
-             Lines and 95 % intervals as before.",
+            "Lines: the model's torque, averaged over similar velocities, with its 95 % interval. Their step at zero is \
+             Coulomb friction, their slope viscous friction; the dots spread by inertia and detents, and what of these does \
+             not average out bends the lines. Nothing is shown below {} rad/s, where the knob may stick and its torque is \
+             whatever holds it.",
             two(fit.preparation.stick_threshold_rad_s)
         ),
     }
 }
 
 fn interval_words(fit: &Fit) -> String {
-    format!("± {} mNm on average", three(fit.mean_ci95_mnm))
+    format!("± {} mNm on average", two(fit.mean_ci95_mnm))
 }
 
 /// The points with positive and those with negative velocity.

@@ -1,0 +1,66 @@
+//! Filters against coefficients and outputs of `scipy.signal` (`fixtures/scipy_filters.py` made them).
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use identification::filter::{Fir, Sections, butterworth_low_pass, chebyshev2_low_pass};
+use serde_json::Value;
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+}
+
+fn scipy() -> Value {
+    serde_json::from_str(include_str!("fixtures/scipy_filters.json")).unwrap()
+}
+
+fn worst(left: &[f64], right: &[f64]) -> f64 {
+    assert_eq!(left.len(), right.len());
+    left.iter().zip(right).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+fn each_design(mut check: impl FnMut(&Value, &Value, &Sections)) {
+    let scipy = scipy();
+    for design in scipy["designs"].as_array().unwrap() {
+        let number = |key: &str| design[key].as_f64().unwrap();
+        let order = usize::try_from(design["order"].as_u64().unwrap()).unwrap();
+        let sections = match design["kind"].as_str().unwrap() {
+            "butterworth" => butterworth_low_pass(order, number("edge_hz"), number("rate_hz")).unwrap(),
+            _ => chebyshev2_low_pass(order, 20.0, number("edge_hz"), number("rate_hz")).unwrap(),
+        };
+        check(&scipy["input"], design, &sections);
+    }
+}
+
+#[test]
+fn designs_have_the_sections_that_scipy_gives() {
+    each_design(|_, design, sections| {
+        for (ours, theirs) in sections.rows().iter().zip(design["sections"].as_array().unwrap()) {
+            assert!(worst(ours, &numbers(theirs)) < 1e-9, "{ours:?} against {theirs}");
+        }
+    });
+}
+
+#[test]
+fn filtering_gives_what_scipy_gives() {
+    each_design(|input, design, sections| {
+        assert!(worst(&sections.filter(&numbers(input)), &numbers(&design["filtered"])) < 1e-9);
+    });
+}
+
+#[test]
+fn zero_phase_filtering_gives_what_scipy_gives() {
+    each_design(|input, design, sections| {
+        assert!(worst(&sections.filter_zero_phase(&numbers(input)), &numbers(&design["zero_phase"])) < 1e-9);
+    });
+}
+
+#[test]
+fn the_windowed_low_pass_has_the_taps_that_scipy_gives() {
+    assert!(worst(Fir::low_pass(20, 200.0, 5000.0).taps(), &numbers(&scipy()["firwin"])) < 1e-12);
+}
+
+#[test]
+fn a_filter_that_cannot_be_says_why() {
+    let error = butterworth_low_pass(4, 3000.0, 5000.0).unwrap_err().to_string();
+    assert_eq!(error, "the filter's edge of 3000 Hz must lie above 0 and below half the sample rate of 5000 Hz");
+    assert!(chebyshev2_low_pass(0, 20.0, 100.0, 5000.0).is_err());
+}

@@ -1,0 +1,37 @@
+//! EMPS, a measured linear axis with published parameters (Janot, Gautier, Brunot 2019).
+//!
+//! `HAPTIC_CAMERA_MEASURED` names the folder that holds `emps.csv`; without it the test skips and says so.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stderr, reason = "a test that skips says so")]
+
+use identification::{FitOptions, Samples, fit};
+
+#[test]
+fn the_measured_axis_has_the_published_inertia_and_no_detents() {
+    let Some(folder) = std::env::var_os("HAPTIC_CAMERA_MEASURED") else {
+        eprintln!("skipped: HAPTIC_CAMERA_MEASURED does not name the folder with emps.csv");
+        return;
+    };
+    let text = std::fs::read_to_string(std::path::Path::new(&folder).join("emps.csv")).unwrap();
+    let rows: Vec<Vec<f64>> =
+        text.lines().skip(1).map(|line| line.split(',').map(|value| value.parse().unwrap()).collect()).collect();
+    let column = |index: usize| rows.iter().map(|row| row[index]).collect::<Vec<f64>>();
+    let (t_s, angle_rad, torque_mnm) = (column(0), column(1), column(2));
+    let samples = Samples {
+        t_s: &t_s,
+        angle_rad: &angle_rad,
+        velocity_rad_s: None,
+        acceleration_rad_s2: None,
+        torque_mnm: &torque_mnm,
+    };
+    let fit = fit(&samples, &FitOptions::default()).unwrap();
+    let value = |name: &str| fit.parameters.get(name).unwrap().value;
+    assert!((value("inertia").unwrap() / 95.154 - 1.0).abs() < 0.005);
+    assert!((value("coulomb_positive").unwrap() / 20.144 - 1.0).abs() < 0.03);
+    assert!((value("coulomb_negative").unwrap() / 20.6277 - 1.0).abs() < 0.03);
+    assert!((value("viscous_positive").unwrap() / 166.7061 - 1.0).abs() < 0.03);
+    assert!((value("viscous_negative").unwrap() / 240.4236 - 1.0).abs() < 0.03);
+    assert!(fit.relative_error_percent <= 3.2);
+    assert_eq!(value("detent_amplitude"), None);
+    assert!(fit.parameters.get("detent_amplitude").unwrap().reason.is_some());
+}

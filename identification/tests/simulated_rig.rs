@@ -1,0 +1,103 @@
+//! Knobs of the paper on the simulated rig: stick, noise, delays, compliance, gripper.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod support;
+
+use dynamics::{effects::detent, knobs};
+use identification::live::{LiveFit, LiveSample, Verdict};
+use identification::{FitOptions, fit};
+use support::{Capture, rig};
+
+fn truth(number: u32, name: &str) -> Option<f64> {
+    let knob = knobs::paper_knob(number).unwrap();
+    let canonical = || knob.effect("detent").map(|e| detent::canonical(e.values()[0], e.values()[2]));
+    match name {
+        "detent_amplitude" => canonical().map(|(amplitude, _)| amplitude),
+        "detent_phase" => canonical().map(|(_, phase)| phase),
+        _ => knob.parameter(name),
+    }
+}
+
+fn stream(live: &mut LiveFit, capture: &Capture, keep: impl Fn(usize) -> bool) {
+    for index in (0..capture.t_s.len()).filter(|index| keep(*index)) {
+        live.push(&LiveSample {
+            time_s: capture.t_s[index],
+            angle_rad: capture.angle_rad[index],
+            torque_mnm: capture.torque_mnm[index],
+        });
+        if index % 500 == 0 {
+            let _ = live.estimate();
+        }
+    }
+}
+
+#[test]
+fn intervals_hold_the_truth_of_knobs_1_to_4() {
+    let (mut told, mut held) = (0, 0);
+    for number in 1..=4 {
+        for seed in 1..=5 {
+            let capture = rig(number, seed);
+            let options = FitOptions { calibration: capture.calibration.clone(), ..FitOptions::default() };
+            let fit = fit(&capture.samples(), &options).unwrap();
+            assert_eq!(fit.parameters.get("detent_period").unwrap().value.is_some(), number >= 3);
+            for parameter in fit.parameters.0.iter().filter(|parameter| !parameter.name.starts_with("static")) {
+                let Some([low, high]) = parameter.ci95 else { continue };
+                let truth = truth(number, parameter.name).unwrap();
+                told += 1;
+                held += u32::from(low <= truth && truth <= high);
+            }
+        }
+    }
+    assert_eq!(told, 2 * 5 * (5 + 8));
+    assert!(held >= told * 9 / 10, "{held} of {told} intervals hold the truth");
+}
+
+#[test]
+fn the_live_fit_comes_to_the_values_of_the_whole_capture() {
+    for number in [1, 3, 4] {
+        let capture = rig(number, 11);
+        let mut live = LiveFit::new(10_000.0, capture.calibration.as_ref());
+        stream(&mut live, &capture, |_| true);
+        let estimate = live.estimate();
+        let options = FitOptions { calibration: capture.calibration.clone(), ..FitOptions::default() };
+        let whole = fit(&capture.samples(), &options).unwrap();
+        for parameter in &estimate.parameters {
+            let [value, expected] = [parameter.value, whole.parameters.get(parameter.name).unwrap().value];
+            assert_eq!(value.is_some(), expected.is_some(), "{}", parameter.name);
+            let Some((value, expected)) = value.zip(expected) else {
+                assert_eq!(parameter.verdict, Verdict::Absent);
+                continue;
+            };
+            assert_eq!(parameter.verdict, Verdict::Enough, "{}", parameter.name);
+            let [low, high] = parameter.ci95.unwrap();
+            assert!((value - expected).abs() < high - low, "{}: {value} against {expected}", parameter.name);
+        }
+    }
+}
+
+#[test]
+fn a_gap_in_the_stream_does_not_corrupt_the_live_fit() {
+    let capture = rig(4, 12);
+    let mut live = LiveFit::new(10_000.0, capture.calibration.as_ref());
+    stream(&mut live, &capture, |index| !(40_000..43_000).contains(&index) && index % 7001 != 0);
+    let estimate = live.estimate();
+    for (name, tolerance) in [("inertia", 0.002), ("viscous_positive", 0.01), ("detent_amplitude", 0.002)] {
+        let value = estimate.parameter(name).unwrap().value.unwrap();
+        let truth = truth(4, name).unwrap();
+        assert!((value / truth - 1.0).abs() < tolerance, "{name} is {value}");
+    }
+}
+
+#[test]
+fn a_stream_that_has_not_moved_the_knob_tells_nothing_yet() {
+    let mut live = LiveFit::new(10_000.0, None);
+    for tick in 0..20_000 {
+        live.push(&LiveSample { time_s: f64::from(tick) * 1e-4, angle_rad: 0.1, torque_mnm: f64::from(tick % 3) });
+    }
+    live.push(&LiveSample { time_s: 1.0, angle_rad: 0.1, torque_mnm: 0.0 });
+    live.push(&LiveSample { time_s: 3.0, angle_rad: f64::NAN, torque_mnm: 0.0 });
+    let estimate = live.estimate();
+    assert_eq!(estimate.parameters.len(), 8);
+    assert!(estimate.parameters.iter().all(|p| p.value.is_none() && p.verdict == Verdict::NotYet));
+    assert_eq!((estimate.samples, estimate.ignored_samples), (20_000, 2));
+}
