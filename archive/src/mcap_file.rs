@@ -8,7 +8,7 @@ use std::path::Path;
 use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use shared_types::RunDescription;
+use shared_types::{LoopState, RunDescription};
 use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
 
 use crate::capture::Capture;
@@ -143,6 +143,7 @@ impl<'a> Content<'a> {
             .filter(|rate: &f64| rate.is_finite() && *rate > 0.0)
             .ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
         let gaps = recorded_gaps(&metadata).unwrap_or_else(|| rows.gaps());
+        let rows = rows.without_unmeasured_fault();
         let Rows { seq, tick, state, angle_rad, velocity, acceleration, torque_mnm, commanded_angle, commanded_torque } =
             rows;
         #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
@@ -252,6 +253,35 @@ impl Rows {
             self.state.push(u32::try_from(field.as_u64(body)?).ok()?);
         }
         Some(())
+    }
+
+    /// Leaves out the last sample of a run that ended because a sensor or the apparatus failed: it
+    /// shows the fault and has no measurement.
+    fn without_unmeasured_fault(mut self) -> Self {
+        let measured = |value: Option<&f64>| value.is_none_or(|value| value.is_finite());
+        let at_fault = self.state.last() == Some(&LoopState::Fault.code());
+        if at_fault && !(measured(self.angle_rad.last()) && measured(self.torque_mnm.last())) {
+            let Self {
+                seq,
+                tick,
+                state,
+                angle_rad,
+                velocity,
+                acceleration,
+                torque_mnm,
+                commanded_angle,
+                commanded_torque,
+            } = &mut self;
+            for column in
+                [angle_rad, velocity, acceleration, torque_mnm, commanded_angle, commanded_torque]
+            {
+                column.pop();
+            }
+            seq.pop();
+            tick.pop();
+            state.pop();
+        }
+        self
     }
 
     fn gaps(&self) -> Vec<Gap> {

@@ -54,6 +54,8 @@ pub struct CaptureWriter<W: Write + Seek> {
     mcap: mcap::Writer<W>,
     clock: ClockMapping,
     channels: [u16; 4],
+    /// Log time of each channel's newest message, ns.
+    newest_ns: [u64; 4],
     ledger: SequenceLedger,
     messages: u64,
     body: Vec<u8>,
@@ -95,6 +97,7 @@ impl<W: Write + Seek> CaptureWriter<W> {
             mcap,
             clock: run.clock,
             channels,
+            newest_ns: [0; 4],
             ledger: SequenceLedger::default(),
             messages: 0,
             body: CDR_LITTLE_ENDIAN_HEADER.to_vec(),
@@ -148,7 +151,10 @@ impl<W: Write + Seek> CaptureWriter<W> {
     ) -> Result<(), ArchiveError> {
         self.body.truncate(CDR_LITTLE_ENDIAN_HEADER.len());
         self.body.extend_from_slice(payload.wire_bytes());
-        let time_ns = self.clock.wall_clock(monotonic_time_ns);
+        // Reports of several processes can cross on their way. Within a channel the archive's times never
+        // fall, as its readers expect; the message itself keeps its own.
+        let time_ns = self.clock.wall_clock(monotonic_time_ns).max(self.newest_ns[channel]);
+        self.newest_ns[channel] = time_ns;
         let header =
             MessageHeader { channel_id: self.channels[channel], sequence, log_time: time_ns, publish_time: time_ns };
         self.mcap.write_to_known_channel(&header, &self.body).map_err(|error| ArchiveError::write(&error))?;

@@ -224,3 +224,26 @@ fn a_full_disk_is_reported_by_the_write_that_meets_it_and_by_every_later_one() {
     assert!(failed);
     assert!(matches!(writer.finish(), Err(ArchiveError::Write { .. })));
 }
+
+#[test]
+fn the_last_sample_of_a_run_whose_sensor_failed_shows_the_fault_and_is_no_measurement() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("capture.mcap");
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer = archive::CaptureWriter::new(&mut file, &description()).unwrap();
+    for seq in 0..10 {
+        writer.sample(&sample(seq)).unwrap();
+    }
+    let failed = shared_types::Sample {
+        angle_rad: f64::NAN,
+        torque_mnm: f64::NAN,
+        state: shared_types::LoopState::Fault.code(),
+        ..sample(10)
+    };
+    writer.sample(&failed).unwrap();
+    writer.finish().unwrap();
+    std::fs::write(&path, file.into_inner()).unwrap();
+    let capture = Capture::load(&path).unwrap();
+    assert_eq!(capture.len(), 10);
+    assert!(capture.gaps.is_empty());
+}

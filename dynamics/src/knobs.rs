@@ -1,4 +1,5 @@
-//! The five knobs of Swindells and MacLean 2007, with the values of their Tables 5 and 6.
+//! The five knobs of Swindells and MacLean 2007, with the values of their Tables 5 and 6, and what
+//! a rig is tried with instead of a knob.
 
 use crate::{Model, ModelError};
 
@@ -21,4 +22,36 @@ pub fn paper_knob(number: u32) -> Result<Model, ModelError> {
     let text = (1..=5).contains(&number).then(|| FILES[number as usize - 1]);
     let text = text.ok_or(ModelError::UnknownKnob { number })?;
     Model::from_toml(text, &format!("knob {number}"))
+}
+
+/// What a rig is tried with instead of a knob.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fixture {
+    /// Nothing: the gripper spins freely.
+    None,
+    /// The gripper held fast.
+    Locked,
+}
+
+impl Fixture {
+    /// The fixture called `none` or `locked`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "none" => Some(Self::None),
+            "locked" => Some(Self::Locked),
+            _ => None,
+        }
+    }
+
+    /// The fixture as a model.
+    ///
+    /// # Errors
+    /// None in a build whose shipped files are whole, which a test sees to.
+    pub fn model(self) -> Result<Model, ModelError> {
+        match self {
+            Self::None => Model::from_toml(include_str!("../knobs/none.toml"), "the fixture 'none'"),
+            Self::Locked => Model::from_toml(include_str!("../knobs/locked.toml"), "the fixture 'locked'"),
+        }
+    }
 }

@@ -3,7 +3,8 @@
 
 use dynamics::effects::detent::canonical;
 use dynamics::excitation::NAMES;
-use dynamics::{Drive, Excitation, Model, knobs};
+use dynamics::knobs::Fixture;
+use dynamics::{Drive, Excitation, Model, Motion, knobs};
 
 #[test]
 fn a_model_survives_its_own_file() {
@@ -11,6 +12,15 @@ fn a_model_survives_its_own_file() {
         let knob = knobs::paper_knob(number).unwrap();
         assert_eq!(Model::from_toml(&knob.to_toml(), "written").unwrap(), knob);
     }
+}
+
+#[test]
+fn the_fixtures_are_a_gripper_that_spins_freely_and_one_that_holds() {
+    let none = Fixture::named("none").unwrap().model().unwrap();
+    assert_eq!((none.inertia(), none.stick_limits(&Motion::default()).positive_mnm), (0.0, 0.0));
+    let locked = Fixture::named("locked").unwrap().model().unwrap();
+    assert!(locked.stick_limits(&Motion::default()).negative_mnm >= 1e6);
+    assert_eq!(Fixture::named("3"), None);
 }
 
 #[test]
@@ -63,8 +73,32 @@ fn every_excitation_starts_at_zero_and_its_derivatives_are_those_of_its_value() 
                 "{name} at {t} s: acceleration {acceleration} against {}",
                 here.acceleration
             );
-            assert!(here.value.abs() <= 1.05, "{name} exceeds its amplitude at {t} s: {}", here.value);
+            assert!(here.value.abs() <= 1.05 * sweep.amplitude, "{name} exceeds its amplitude at {t} s: {}", here.value);
         }
+    }
+}
+
+#[test]
+fn a_slow_turn_passes_every_angle_of_a_full_turn_at_one_speed() {
+    let turn = Excitation::named("slow-turn", Drive::Position).unwrap();
+    let steady: Vec<f64> = (0..15_000)
+        .map(|index| turn.at(f64::from(index) * 1e-3))
+        .filter(|here| here.acceleration == 0.0 && here.rate != 0.0)
+        .map(|here| here.rate.abs())
+        .collect();
+    assert!(steady.len() > 13_900 && steady.iter().all(|rate| (rate - steady[0]).abs() < 1e-9));
+    assert!((turn.at(7.5).value - 1.2 * std::f64::consts::TAU).abs() < 1e-9, "at the far end after one way");
+    assert!(turn.at(15.0).value.abs() < 1e-9, "back after two");
+}
+
+#[test]
+fn the_teeth_of_a_torque_ramp_alternate_and_grow_up_to_the_amplitude() {
+    let ramp = Excitation::named("torque-ramp", Drive::Torque).unwrap();
+    for level in 0..16_u32 {
+        let peak = 20.0 * f64::from(level + 1) / 16.0;
+        let start_s = 0.6 * f64::from(level);
+        assert!((ramp.at(start_s + 0.15).value - peak).abs() < 1e-9);
+        assert!((ramp.at(start_s + 0.45).value + peak).abs() < 1e-9);
     }
 }
 

@@ -1,13 +1,18 @@
 //! Mask first, then filter: the relation between torque and motion stays exactly linear.
 
+use std::f64::consts::PI;
+
 use dynamics::{Effect, Motion};
 
 use crate::filter::Fir;
 use crate::motion::{Band, KnobMotion, ROWS_PER_EDGE, rms};
 use crate::uniform::Uniform;
 
-/// Time around stick and reversals that is left out besides, s: contact rings and the sensors' lags differ.
+/// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
+/// before the knob breaks away, and contact rings.
 const GUARD_S: f64 = 0.002;
+/// Time over which the mask fades in and out, s: at a hard edge, noise from beyond the band would fold into it.
+const FADE_S: f64 = 0.002;
 /// Speed below which a knob may be sticking, as a share of the RMS speed.
 const SLOW: f64 = 0.01;
 /// Half length of the low-pass in periods of its edge: a Hamming window's transition is then as wide as the edge.
@@ -17,7 +22,7 @@ const HALF_LENGTH_PERIODS: f64 = 1.65;
 #[derive(Clone, Debug)]
 pub(crate) struct Frame {
     pub(crate) rate_hz: f64,
-    /// 1 where the knob surely slides, else 0.
+    /// 1 where the knob surely slides, 0 where it may stick, fading from one to the other.
     pub(crate) mask: Vec<f64>,
     pub(crate) fir: Fir,
     /// Every how many samples a row is kept.
@@ -34,11 +39,13 @@ impl Frame {
             (1e-6 * rms(&motion.velocity_rad_s), 0.0)
         } else {
             let slow = SLOW * rms(&motion.velocity_rad_s);
-            (slow.max(8.0 * motion.velocity_noise_rad_s), GUARD_S + 1.0 / motion.cutoff_hz)
+            (slow.max(8.0 * motion.velocity_noise_rad_s), GUARD_S)
         };
-        let guard = (guard_s * rate_hz).round() as usize;
-        let settle = if motion.exact { 0 } else { (rate_hz / motion.cutoff_hz).ceil() as usize };
-        let mask = mask(uniform, motion, threshold_rad_s, guard, settle);
+        let guard = (guard_s * rate_hz).round() as usize + motion.reach;
+        let mut mask = mask(uniform, motion, threshold_rad_s, guard, motion.reach);
+        if !motion.exact {
+            fade(&mut mask, (FADE_S * rate_hz).round() as usize);
+        }
         let step = ((rate_hz / (ROWS_PER_EDGE * band.edge_hz)) as usize).max(1);
         let half_length = (HALF_LENGTH_PERIODS * rate_hz / band.edge_hz).round() as usize;
         Self { rate_hz, mask, fir: Fir::low_pass(half_length, band.edge_hz, rate_hz), step, threshold_rad_s }
@@ -87,6 +94,21 @@ fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: usi
     mask[..settle.min(length)].fill(0.0);
     mask[length - settle.min(length)..].fill(0.0);
     mask
+}
+
+/// Lets the mask rise as a squared sine over `length` samples from where it was zero.
+#[allow(clippy::cast_precision_loss, reason = "a few samples")]
+fn fade(mask: &mut [f64], length: usize) {
+    let rise = |since: usize| (0.5 * PI * (since as f64 / (length + 1) as f64)).sin().powi(2);
+    let sweep = |mask: &mut dyn Iterator<Item = &mut f64>| {
+        let mut since = length + 1;
+        for value in mask {
+            since = if *value == 0.0 { 0 } else { (since + 1).min(length + 1) };
+            *value = value.min(rise(since));
+        }
+    };
+    sweep(&mut mask.iter_mut());
+    sweep(&mut mask.iter_mut().rev());
 }
 
 /// An effect's full-rate columns; none if it has no part in a fit.

@@ -264,9 +264,9 @@ impl Report<'_> {
         }
     }
 
-    /// Rows whose middle is not masked.
+    /// Rows whose middle is not masked at all.
     fn sliding_rows(&self) -> Vec<usize> {
-        (0..self.trimmed.problem.target.len()).filter(|row| self.frame.mask[row * self.frame.step] > 0.0).collect()
+        (0..self.trimmed.problem.target.len()).filter(|row| self.frame.mask[row * self.frame.step] >= 1.0).collect()
     }
 }
 
@@ -292,6 +292,6 @@ fn prediction_sd(columns: &[Vec<f64>], covariance: &DMatrix<f64>) -> Vec<f64> {
 ///
 /// Kiefer and Vogelsang (Econometric Theory 21, 2005, 1130–1164): the estimated long-run variance is
 /// itself uncertain, and the normal quantile too small.
-fn critical_value(bandwidth_share: f64) -> f64 {
+pub(crate) fn critical_value(bandwidth_share: f64) -> f64 {
     NORMAL_95 + 2.9694 * bandwidth_share + 0.416 * bandwidth_share.powi(2)
 }

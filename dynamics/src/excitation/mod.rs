@@ -6,14 +6,18 @@
 mod chirp;
 mod jet;
 mod multisine;
+mod slow_turn;
 mod stepped;
+mod torque_ramp;
 
 use serde::{Deserialize, Serialize};
 
 pub use chirp::{ChirpForm, ChirpSweep};
 use jet::Jet;
 pub use multisine::Multisine;
+pub use slow_turn::SlowTurn;
 pub use stepped::SteppedAmplitude;
+pub use torque_ramp::TorqueRamp;
 
 /// What an excitation commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,6 +50,10 @@ pub enum Shape {
     Multisine(Multisine),
     /// Sweeps whose amplitude rises step by step.
     SteppedAmplitude(SteppedAmplitude),
+    /// A slow turn there and back.
+    SlowTurn(SlowTurn),
+    /// Ramps that rise until the knob breaks away.
+    TorqueRamp(TorqueRamp),
     /// No excitation: the start position held, or no torque.
     Hold,
 }
@@ -89,15 +97,27 @@ pub enum ExcitationError {
 }
 
 /// The names of the excitations, as the command line takes them.
-pub const NAMES: [&str; 5] = ["paper", "linear-chirp", "multisine", "stepped-amplitude", "hold"];
+pub const NAMES: [&str; 9] = [
+    "paper",
+    "linear-chirp",
+    "multisine",
+    "fast-multisine",
+    "stepped-amplitude",
+    "slow-turn",
+    "torque-ramp",
+    "tone",
+    "hold",
+];
 
 /// Amplitude in rad of a position excitation unless told otherwise: the paper's c.
 pub const POSITION_AMPLITUDE_RAD: f64 = 1.0;
 /// Amplitude in mNm of a torque excitation unless told otherwise: the paper's 0.02 Nm.
 pub const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
+/// Amplitude in rad of `fast-multisine` and `tone` unless told otherwise: what the rig follows at their frequencies.
+pub const FAST_AMPLITUDE_RAD: f64 = 0.05;
 
 impl Excitation {
-    /// The excitation called `name` with the paper's constants.
+    /// The excitation called `name` with its usual constants: the paper's, where it has the excitation.
     ///
     /// # Errors
     /// [`ExcitationError::UnknownName`] for a name not in [`NAMES`].
@@ -106,15 +126,21 @@ impl Excitation {
             "paper" => Shape::Chirp(ChirpSweep::paper()),
             "linear-chirp" => Shape::Chirp(ChirpSweep::linear()),
             "multisine" => Shape::Multisine(Multisine::default()),
+            "fast-multisine" => Shape::Multisine(Multisine::fast()),
             "stepped-amplitude" => Shape::SteppedAmplitude(SteppedAmplitude::default()),
+            "slow-turn" => Shape::SlowTurn(SlowTurn::default()),
+            "torque-ramp" => Shape::TorqueRamp(TorqueRamp::default()),
+            "tone" => Shape::Multisine(Multisine::tone()),
             "hold" => Shape::Hold,
             _ => {
                 return Err(ExcitationError::UnknownName { name: name.to_owned() });
             }
         };
-        let amplitude = match drive {
-            Drive::Position => POSITION_AMPLITUDE_RAD,
-            Drive::Torque => TORQUE_AMPLITUDE_MNM,
+        let amplitude = match (drive, name) {
+            (Drive::Position, "slow-turn") => SlowTurn::TURNS * std::f64::consts::TAU,
+            (Drive::Position, "fast-multisine" | "tone") => FAST_AMPLITUDE_RAD,
+            (Drive::Position, _) => POSITION_AMPLITUDE_RAD,
+            (Drive::Torque, _) => TORQUE_AMPLITUDE_MNM,
         };
         Ok(Self { drive, amplitude, shape })
     }
@@ -140,6 +166,8 @@ impl Excitation {
             Shape::Chirp(sweep) => sweep.at(time_s),
             Shape::Multisine(sum) => sum.at(time_s),
             Shape::SteppedAmplitude(steps) => steps.at(time_s),
+            Shape::SlowTurn(turn) => turn.at(time_s),
+            Shape::TorqueRamp(ramp) => ramp.at(time_s),
             Shape::Hold => Jet::constant(0.0),
         };
         Setpoint {

@@ -29,6 +29,18 @@ impl Default for Multisine {
 }
 
 impl Multisine {
+    /// 2 Hz to 62 Hz in 16 sines: where delays of a fraction of a sample show.
+    #[must_use]
+    pub fn fast() -> Self {
+        Self { base_hz: 2.0, tones: 16 }
+    }
+
+    /// One sine at 30 Hz, where the paper states its rig's lag.
+    #[must_use]
+    pub fn tone() -> Self {
+        Self { base_hz: 30.0, tones: 1 }
+    }
+
     pub(super) fn at(&self, time_s: f64) -> Jet {
         let tones = f64::from(self.tones);
         let mut sum = Jet::constant(0.0);

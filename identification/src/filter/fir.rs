@@ -13,17 +13,36 @@ impl Fir {
     ///
     /// The same taps as `scipy.signal.firwin(2·half_length + 1, edge_hz, fs=rate_hz)`.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
     pub fn low_pass(half_length: usize, edge_hz: f64, rate_hz: f64) -> Self {
+        Self::windowed_sinc(half_length, edge_hz, rate_hz, |place| 0.54 + 0.46 * (PI * place).cos())
+    }
+
+    /// Windowed-sinc low-pass (Kaiser): −6 dB at `edge_hz`; the larger `beta`, the flatter and the less steep.
+    ///
+    /// The same taps as `scipy.signal.firwin(2·half_length + 1, edge_hz, window=("kaiser", beta), fs=rate_hz)`.
+    #[must_use]
+    pub fn kaiser_low_pass(half_length: usize, edge_hz: f64, rate_hz: f64, beta: f64) -> Self {
+        let whole = bessel_i0(beta);
+        let window = |place: f64| bessel_i0(beta * (1.0 - place * place).max(0.0).sqrt()) / whole;
+        Self::windowed_sinc(half_length, edge_hz, rate_hz, window)
+    }
+
+    /// The filter that leaves everything as it is.
+    #[must_use]
+    pub fn identity() -> Self {
+        Self { taps: vec![1.0] }
+    }
+
+    /// `window` is a function of the place between −1 and 1.
+    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
+    fn windowed_sinc(half_length: usize, edge_hz: f64, rate_hz: f64, window: impl Fn(f64) -> f64) -> Self {
         let width = 2.0 * edge_hz / rate_hz;
-        let length = 2 * half_length + 1;
-        let mut taps: Vec<f64> = (0..length)
+        let mut taps: Vec<f64> = (0..=2 * half_length)
             .map(|index| {
                 let offset = index as f64 - half_length as f64;
                 let angle = PI * width * offset;
                 let sinc = if offset == 0.0 { width } else { width * angle.sin() / angle };
-                let turn = 2.0 * PI * index as f64 / (length as f64 - 1.0).max(1.0);
-                sinc * (0.54 - 0.46 * turn.cos())
+                sinc * window(offset / half_length.max(1) as f64)
             })
             .collect();
         let sum: f64 = taps.iter().sum();
@@ -41,6 +60,26 @@ impl Fir {
     #[must_use]
     pub fn half_length(&self) -> usize {
         self.taps.len() / 2
+    }
+
+    /// Filters without delay; the ends are extended by point reflection.
+    #[must_use]
+    pub fn filter(&self, input: &[f64]) -> Vec<f64> {
+        let (Some(first), Some(last)) = (input.first(), input.last()) else {
+            return Vec::new();
+        };
+        let half = self.half_length();
+        let pad = half.min(input.len() - 1);
+        let before = input[1..=pad].iter().rev().map(|value| 2.0 * first - value);
+        let after = input[input.len() - 1 - pad..input.len() - 1].iter().rev().map(|value| 2.0 * last - value);
+        let extended: Vec<f64> = before.chain(input.iter().copied()).chain(after).collect();
+        (pad..pad + input.len())
+            .map(|centre| {
+                let first = centre.saturating_sub(half);
+                let last = (centre + half + 1).min(extended.len());
+                dot(&extended[first..last], &self.taps[first + half - centre..])
+            })
+            .collect()
     }
 
     /// Filters without delay and keeps every `step`-th sample, the first included; beyond the ends the input counts as zero.
@@ -85,6 +124,18 @@ impl Fir {
         let angle = 2.0 * PI * frequency_hz / rate_hz;
         self.taps.iter().enumerate().map(|(index, tap)| tap * (angle * (index as f64 - half as f64)).cos()).sum()
     }
+}
+
+/// Modified Bessel function of the first kind and order zero, by its power series.
+fn bessel_i0(argument: f64) -> f64 {
+    let quarter = 0.25 * argument * argument;
+    let (mut term, mut sum, mut order) = (1.0, 1.0, 1.0);
+    while term > 1e-17 * sum {
+        term *= quarter / (order * order);
+        sum += term;
+        order += 1.0;
+    }
+    sum
 }
 
 /// Inner product over the shorter of both; four partial sums let the compiler use vector units.

@@ -2,18 +2,32 @@
 //!
 //! A consumer may crash, hang, be killed or be restarted at any moment; the control loop does not
 //! notice. It ends at SIGTERM, which also comes when the process that started it dies. SIGINT, which
-//! a terminal sends to everyone at once, is left to the supervisor.
+//! a terminal sends to everyone at once, is left to the supervisor, unless the operator has the
+//! consumer itself in the foreground.
 
 mod health;
 mod stop;
 
 pub use health::Health;
 pub use stop::{Stop, StopError};
+use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::LevelFilter;
 
 /// Sends the process's log to standard error, as much of it as `RUST_LOG` asks for (warnings unless told).
 pub fn start_log() {
-    let filter = tracing_subscriber::EnvFilter::builder()
-        .with_default_directive(tracing_subscriber::filter::LevelFilter::WARN.into())
-        .from_env_lossy();
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_target(false).without_time().init();
+    start_log_with("");
+}
+
+/// As [`start_log`], with directives of the consumer's own, such as `warn,library=error`, where `RUST_LOG` says nothing.
+pub fn start_log_with(directives: &str) {
+    let asked = std::env::var(EnvFilter::DEFAULT_ENV).ok().filter(|asked| !asked.is_empty());
+    let filter = EnvFilter::builder()
+        .with_default_directive(LevelFilter::WARN.into())
+        .parse_lossy(asked.as_deref().unwrap_or(directives));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_target(false)
+        .without_time()
+        .init();
 }

@@ -36,7 +36,17 @@ impl Stop {
         Ok(Self { asked })
     }
 
-    /// True once SIGTERM came.
+    /// Begins to listen in a program that the operator has in the foreground: SIGINT ends it too.
+    ///
+    /// # Errors
+    /// [`StopError`] when the system refuses.
+    pub fn listen_in_foreground() -> Result<Self, StopError> {
+        let stop = Self::listen()?;
+        signal_hook::flag::register(SIGINT, Arc::clone(&stop.asked))?;
+        Ok(stop)
+    }
+
+    /// True once the process was told to end.
     #[must_use]
     pub fn is_asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed)

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use archive::{Capture, attachment};
 use dynamics::{Calibration, Model};
-use identification::Samples;
+use identification::{Fit, Samples};
+use report::{CaptureFacts, FitPage};
 
 /// A capture with what is known of the rig that made it.
 pub struct LoadedCapture {
@@ -56,7 +57,44 @@ impl LoadedCapture {
     }
 
     /// The report page of a fit of this capture.
-    pub fn report_page(&self, _fit: &identification::Fit) -> String {
-        String::new()
+    pub fn report_page(&self, fit: &Fit) -> String {
+        report::fit_page(&FitPage { fit, capture: self.facts(), truth: self.truth.as_ref() })
     }
+
+    /// What a report page says of the capture besides the fit.
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    fn facts(&self) -> CaptureFacts {
+        let capture = &self.capture;
+        let file = capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let facts = CaptureFacts {
+            title: self.title(),
+            source: file,
+            rate_hz: capture.rate_hz,
+            duration_s: capture.tick.last().map_or(0.0, |tick| (tick + 1) as f64 / capture.rate_hz),
+            samples: capture.len() as u64,
+            software_version: env!("CARGO_PKG_VERSION").to_owned(),
+            ..CaptureFacts::default()
+        };
+        let Some(run) = &capture.description else { return facts };
+        let first_tick = capture.tick.first().copied().unwrap_or(0);
+        let lost: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
+        CaptureFacts {
+            knob: run.knob.clone(),
+            rig: run.apparatus.clone(),
+            captured_at: captured_at(run.clock.wall_clock_time_ns),
+            missed_ticks: Some((capture.ticks_without_sample() + first_tick).saturating_sub(lost)),
+            gaps: Some(lost),
+            real_time: Some(run.realtime & shared_types::realtime::FULL == shared_types::realtime::FULL),
+            ..facts
+        }
+    }
+}
+
+/// Date and time of a capture in the reader's time zone.
+fn captured_at(wall_clock_time_ns: u64) -> String {
+    let second = i64::try_from(wall_clock_time_ns / 1_000_000_000).unwrap_or(0);
+    jiff::Timestamp::from_second(second).map_or_else(
+        |_| String::new(),
+        |time| time.to_zoned(jiff::tz::TimeZone::system()).strftime("%Y-%m-%d %H:%M:%S %Z").to_string(),
+    )
 }

@@ -1,9 +1,9 @@
 //! When a recording has come to its end.
 
+use consumer::Stop;
 use shared_types::{LoopStatus, rig};
 
 use crate::recording::Recording;
-use crate::stop::Stop;
 
 /// How long missing samples are waited for after the run has ended, ns.
 const PATIENCE_NS: u64 = 1_000_000_000;

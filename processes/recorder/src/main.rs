@@ -13,11 +13,9 @@
 //! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but samples are missing.
 
 mod ending;
-mod health;
 mod part;
 mod parts;
 mod recording;
-mod stop;
 mod streams;
 
 use std::process::ExitCode;
@@ -42,7 +40,7 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    tracing_subscriber::fmt().with_writer(std::io::stderr).with_target(false).without_time().init();
+    consumer::start_log();
     match record(&arguments) {
         Ok(0) => ExitCode::SUCCESS,
         Ok(_missing_samples) => ExitCode::from(3),
@@ -55,7 +53,7 @@ fn main() -> ExitCode {
 
 /// Records one run; the number of samples that are missing in the archive.
 fn record(arguments: &Arguments) -> anyhow::Result<u64> {
-    let stop = stop::Stop::listen()?;
+    let stop = consumer::Stop::listen()?;
     let mut streams = streams::Streams::attach(arguments.restarts)?;
     let Some(run) = streams.wait_for_run(&stop, POLL_INTERVAL)? else {
         tracing::info!("stopped before a run began; nothing recorded");

@@ -3,15 +3,14 @@
 use std::time::Duration;
 
 use anyhow::Context as _;
+use consumer::{Health, Stop};
 use shared_types::services::{
     self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, MessageSubscriber, PROCESS_HEALTH, RigNode, SampleSubscriber,
 };
-use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, rig};
+use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, RunDescription, rig};
 
 use crate::ending::Ending;
-use crate::health::Health;
 use crate::recording::{Entry, Recording};
-use crate::stop::Stop;
 
 /// The rig's streams, from the recorder's side.
 pub(crate) struct Streams {
@@ -34,7 +33,7 @@ impl Streams {
             fits: FIT_UPDATES.subscriber(&node)?,
             healths: PROCESS_HEALTH.subscriber(&node)?,
             own_health: PROCESS_HEALTH.publisher(&node)?,
-            health: Health::new(restarts),
+            health: Health::new(ProcessKind::Recorder, restarts),
             node,
         })
     }

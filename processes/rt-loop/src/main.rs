@@ -10,7 +10,7 @@ use clap::Parser as _;
 use rt_loop::control::ControlState;
 use rt_loop::plan::{Options, Plan};
 use rt_loop::publisher::StreamPublisher;
-use rt_loop::realtime::{Permission, TickLoop, keep_off_core};
+use rt_loop::realtime::{Permission, TickLoop, WakefulProcessors, keep_off_core};
 use rt_loop::rig_lock::RigLock;
 use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
 use shared_types::{ClockMapping, RunDescription};
@@ -67,6 +67,7 @@ fn run(options: &Options) -> anyhow::Result<()> {
     })?;
     let permission = permission.recv().context("the real-time thread ended before it began")?;
     keep_off_core(core);
+    let _wakeful = WakefulProcessors::request();
     if let Some(refused) = permission.refused() {
         tracing::warn!("running without {refused}: ticks may be late, and the capture says so");
     }

@@ -1,10 +1,11 @@
 //! What the process was asked to do, checked against the rig.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use dynamics::excitation::ExcitationError;
-use dynamics::{Drive, Excitation, Model, ModelError, knobs};
+use dynamics::knobs::Fixture;
+use dynamics::{Calibration, Drive, Excitation, Model, ModelError, knobs};
 use hal::simulated::{RigParameters, SimulatedRig};
 use hal::{Apparatus, RigDescription};
 
@@ -22,16 +23,20 @@ pub struct Options {
     /// The rig: `sim` is the simulated one.
     #[arg(long, default_value = "sim")]
     pub apparatus: String,
-    /// The knob on the simulated rig: 1 to 5 for the paper's, or a model file.
+    /// The knob on the simulated rig: 1 to 5 for the paper's, a model file, or none or locked for the gripper alone.
     #[arg(long, default_value = "3")]
     pub knob: String,
-    /// The excitation: paper, linear-chirp, multisine, stepped-amplitude or hold.
+    /// The rig's calibration, instead of the one that it comes with.
+    #[arg(long, value_name = "CALIBRATION.toml")]
+    pub calibration: Option<PathBuf>,
+    /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
+    /// torque-ramp, tone or hold.
     #[arg(long, default_value = "linear-chirp")]
     pub sweep: String,
     /// Command a torque instead of an angle.
     #[arg(long)]
     pub torque: bool,
-    /// Largest commanded angle in rad, or torque in mNm [default: 1 rad, 20 mNm].
+    /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it].
     #[arg(long)]
     pub amplitude: Option<f64>,
     /// Samples per second.
@@ -60,6 +65,26 @@ pub enum PlanError {
     /// A knob that the simulated rig cannot turn.
     #[error("the knob cannot be put on the simulated rig: {0}")]
     Unmountable(String),
+    /// A calibration file that cannot be read.
+    #[error("the calibration {} cannot be read: {reason}", path.display())]
+    CalibrationUnreadable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A calibration that no rig can have.
+    #[error("the calibration {} has a {quantity} of {value}, but it must be {requirement}", path.display())]
+    CalibrationRange {
+        /// The file.
+        path: PathBuf,
+        /// The quantity's key.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        requirement: &'static str,
+    },
     /// An excitation that cannot be had.
     #[error(transparent)]
     Excitation(#[from] ExcitationError),
@@ -129,7 +154,10 @@ impl Plan {
         let knob = mounted_knob(&options.knob)?;
         let apparatus = SimulatedRig::new(RigParameters::default(), knob.clone(), options.seed)
             .map_err(|error| PlanError::Unmountable(error.to_string()))?;
-        let rig = apparatus.description().clone();
+        let mut rig = apparatus.description().clone();
+        if let Some(path) = &options.calibration {
+            rig.calibration = calibration(path)?;
+        }
         if !(options.rate_hz >= SLOWEST_RATE_HZ && options.rate_hz <= rig.limits.rate_hz) {
             return Err(PlanError::Rate {
                 asked: options.rate_hz,
@@ -158,7 +186,44 @@ impl Plan {
     }
 }
 
+/// Reads a calibration and makes sure that servo and fit can work with it.
+fn calibration(path: &Path) -> Result<Calibration, PlanError> {
+    let unreadable = |reason: String| PlanError::CalibrationUnreadable { path: path.to_owned(), reason };
+    let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
+    let known = Calibration::from_toml(&text).map_err(|error| unreadable(error.to_string()))?;
+    let checks = [
+        ("motor_inertia", known.motor_inertia, known.motor_inertia > 0.0, "more than zero, and finite"),
+        ("gripper_inertia", known.gripper_inertia, known.gripper_inertia >= 0.0, "zero or more, and finite"),
+        (
+            "torque_sensor_stiffness_mnm_rad",
+            known.torque_sensor_stiffness_mnm_rad,
+            known.torque_sensor_stiffness_mnm_rad > 0.0,
+            "more than zero, and finite",
+        ),
+        ("torque_zero_mnm", known.torque_zero_mnm, true, "finite"),
+        ("torque_delay_s", known.torque_delay_s, known.torque_delay_s.abs() < 0.1, "less than 0.1 s either way"),
+        ("acceleration_zero_rad_s2", known.acceleration_zero_rad_s2, true, "finite"),
+        (
+            "acceleration_delay_s",
+            known.acceleration_delay_s,
+            known.acceleration_delay_s.abs() < 0.1,
+            "less than 0.1 s either way",
+        ),
+        ("gravity_amplitude_rad_s2", known.gravity_amplitude_rad_s2, true, "finite"),
+        ("gravity_phase_rad", known.gravity_phase_rad, true, "finite"),
+    ];
+    match checks.into_iter().find(|(_, value, permitted, _)| !(value.is_finite() && *permitted)) {
+        Some((quantity, value, _, requirement)) => {
+            Err(PlanError::CalibrationRange { path: path.to_owned(), quantity, value, requirement })
+        }
+        None => Ok(known),
+    }
+}
+
 fn mounted_knob(name: &str) -> Result<Model, ModelError> {
+    if let Some(fixture) = Fixture::named(name) {
+        return fixture.model();
+    }
     match name.parse::<u32>() {
         Ok(number) => knobs::paper_knob(number),
         Err(_) => Model::load(&PathBuf::from(name)),

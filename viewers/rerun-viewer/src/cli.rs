@@ -6,10 +6,18 @@ use std::path::PathBuf;
 use clap::Parser;
 use rerun::MemoryLimit;
 
-/// Shows a running capture: streams, fit and health, as a web page, in a window or into a file.
+/// Shows a running capture, or a finished one, as a web page, in a window or into a file.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "rerun-viewer", version)]
 pub struct Arguments {
+    /// Show a finished capture instead of the running one: an archive or a CSV file.
+    #[arg(long, value_name = "CAPTURE")]
+    pub capture: Option<PathBuf>,
+
+    /// End at Ctrl-C, for a viewer that the operator runs himself; with --capture it always does.
+    #[arg(long)]
+    pub foreground: bool,
+
     /// Serve a web page (the default).
     #[arg(long, conflicts_with_all = ["native", "save"])]
     pub web: bool,
@@ -18,7 +26,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "save")]
     pub native: bool,
 
-    /// Write a rerun file and end with the run.
+    /// Write a rerun file and end with the capture.
     #[arg(long, value_name = "FILE.rrd")]
     pub save: Option<PathBuf>,
 

@@ -1,4 +1,4 @@
-//! Which views there are and how they lie: three tabs, the first readable at a glance.
+//! Which views there are and how they lie: the first tab is readable at a glance.
 
 use rerun::RecordingStream;
 use rerun::blueprint::components::{LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
@@ -20,13 +20,50 @@ use crate::scatter::Abscissa;
 /// What the live plots reach back, s.
 const LIVE_WINDOW_S: i64 = 10;
 
+/// What is laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// The running capture: its last seconds.
+    Live,
+    /// A finished capture: all of it, as far as it has the columns.
+    Capture {
+        /// Whether it has a velocity.
+        velocity: bool,
+        /// Whether it has an acceleration.
+        acceleration: bool,
+    },
+}
+
+impl Subject {
+    /// What the signals' plots reach back, s; `None` for everything.
+    const fn window_s(self) -> Option<i64> {
+        match self {
+            Self::Live => Some(LIVE_WINDOW_S),
+            Self::Capture { .. } => None,
+        }
+    }
+
+    const fn has_velocity(self) -> bool {
+        matches!(self, Self::Live | Self::Capture { velocity: true, .. })
+    }
+
+    const fn has_acceleration(self) -> bool {
+        matches!(self, Self::Live | Self::Capture { acceleration: true, .. })
+    }
+}
+
 /// Sends the layout and makes it the active one.
 ///
 /// # Errors
 /// When rerun refuses a part of the layout.
-pub fn send(recording: &RecordingStream) -> anyhow::Result<()> {
+pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()> {
     let mut properties = Properties::default();
-    let tabs = Tabs::new([live(&mut properties), parameters(&mut properties), timing_and_processes(&mut properties)]);
+    let overview = overview(&mut properties, subject);
+    let tabs = match subject {
+        Subject::Live => Tabs::new([overview, parameters(&mut properties), timing_and_processes(&mut properties)]),
+        // The text tells the parameters; how the processes fared is not in the archive's columns.
+        Subject::Capture { .. } => Tabs::new([overview]),
+    };
     let blueprint = Blueprint::new(tabs)
         .with_auto_views(false)
         .with_auto_layout(false)
@@ -41,28 +78,44 @@ pub fn send(recording: &RecordingStream) -> anyhow::Result<()> {
     layout_properties::send(recording, &blueprint, &properties)
 }
 
-fn live(properties: &mut Properties) -> ContainerLike {
-    let single = |properties: &mut Properties, field: &str| {
-        series(properties, field, [entities::signal(field)], Some(LIVE_WINDOW_S))
+fn overview(properties: &mut Properties, subject: Subject) -> ContainerLike {
+    let mut signals = Vec::new();
+    let single = [("angle_rad", true), ("velocity_rad_s", subject.has_velocity())]
+        .into_iter()
+        .chain([("acceleration_rad_s2", subject.has_acceleration())]);
+    for (field, _) in single.filter(|(_, is_there)| *is_there) {
+        signals.push((3.0, signal_plot(properties, subject, field, &[field])));
+    }
+    let title = "torque_mnm (blue line), model_torque_mnm (orange dots)";
+    signals.push((4.0, signal_plot(properties, subject, title, &["torque_mnm", "model_torque_mnm"])));
+    let (shares, signals): (Vec<f32>, Vec<ContainerLike>) = signals.into_iter().unzip();
+
+    let mut plots = vec![plot(properties, Abscissa::Angle, subject)];
+    if subject.has_velocity() {
+        plots.push(plot(properties, Abscissa::Velocity, subject));
+    }
+    let (tab, text) = match subject {
+        Subject::Live => ("Live", "run"),
+        Subject::Capture { .. } => ("Capture", "capture"),
     };
-    let signals = Vertical::new([
-        single(properties, "angle_rad"),
-        single(properties, "velocity_rad_s"),
-        single(properties, "acceleration_rad_s2"),
-        series(
-            properties,
-            "torque_mnm (blue line), model_torque_mnm (orange dots)",
-            ["torque_mnm", "model_torque_mnm"].map(entities::signal),
-            Some(LIVE_WINDOW_S),
-        ),
+    let summary = TextDocumentView::new(text).with_origin(entities::SUMMARY);
+    Horizontal::new([
+        Vertical::new(signals).with_row_shares(shares).into(),
+        Vertical::new(plots).into(),
+        summary.into(),
     ])
-    .with_row_shares([3.0, 3.0, 3.0, 4.0]);
-    let plots = Vertical::new([plot(properties, Abscissa::Angle), plot(properties, Abscissa::Velocity)]);
-    let summary = TextDocumentView::new("run").with_origin(entities::SUMMARY);
-    Horizontal::new([signals.into(), plots.into(), summary.into()])
-        .with_column_shares([4.2, 3.6, 2.4])
-        .with_name("Live")
-        .into()
+    .with_column_shares([4.2, 3.6, 2.4])
+    .with_name(tab)
+    .into()
+}
+
+fn signal_plot(properties: &mut Properties, subject: Subject, title: &str, fields: &[&str]) -> ContainerLike {
+    let view = series(properties, title, fields.iter().map(|field| entities::signal(field)), subject.window_s());
+    if subject.window_s().is_none() {
+        // Whoever looks into one signal sees the others at the same time.
+        properties.of_view(&view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal));
+    }
+    view
 }
 
 fn parameters(properties: &mut Properties) -> ContainerLike {
@@ -137,7 +190,7 @@ fn without_legend(properties: &mut Properties, view: ContainerLike) -> Container
     view
 }
 
-fn plot(properties: &mut Properties, abscissa: Abscissa) -> ContainerLike {
+fn plot(properties: &mut Properties, abscissa: Abscissa, subject: Subject) -> ContainerLike {
     let origin = entities::plot(abscissa);
     let title = format!("torque_mnm over {} (green turning positive, rose negative)", abscissa.name());
     let view: ContainerLike = Spatial2DView::new(title).with_origin(origin.as_str()).into();
@@ -148,7 +201,8 @@ fn plot(properties: &mut Properties, abscissa: Abscissa) -> ContainerLike {
     properties.of_view(&view, "VisualBounds2D", VisualBounds2D::new(bounds));
     // Only the points pile up over time; axes and curves are the newest ones.
     let points = format!("{origin}/quantities/measured");
-    properties.of_entity(&view, &points, VisibleTimeRanges::new([visible(reaching_back(LIVE_WINDOW_S))]));
+    let range = subject.window_s().map_or(TimeRange::EVERYTHING, reaching_back);
+    properties.of_entity(&view, &points, VisibleTimeRanges::new([visible(range)]));
     view
 }
 

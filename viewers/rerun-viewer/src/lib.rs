@@ -1,4 +1,4 @@
-//! The live view of the instrument: what is measured, what is fitted and how the processes fare.
+//! The view of the instrument: what is measured, what is fitted and how the processes fare.
 //!
 //! The viewer is last in line. It reads the sample stream, the fitter's updates and the health
 //! reports from shared memory, reduces them to what a screen can show and hands them to
@@ -14,8 +14,14 @@
 //!   control loop never waits. A viewer started again receives the last seconds first.
 //! - **When rerun stalls** the outbox drops the oldest frames and counts them; polling goes on.
 //! - **When the run ends** the page stays up until SIGTERM, so that one can look; a file is closed.
-//! - **SIGINT** is the supervisor's business and ignored; SIGTERM and the parent's death end it.
+//! - **SIGINT** is the supervisor's business and ignored, unless the operator has the viewer itself
+//!   in the foreground; SIGTERM and the parent's death end it.
+//!
+//! A finished capture is another source for the same picture. It is shown whole: a file waits while
+//! the outbox is full, so no frame is dropped, and the model is the one that the whole capture gives.
 
+pub mod capture_source;
+pub mod capture_summary;
 pub mod cli;
 pub mod consumers;
 pub mod decimation;

@@ -2,15 +2,15 @@
 
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
 use clap::Parser as _;
-use nix::sys::signal::Signal;
+use consumer::Stop;
 
+use rerun_viewer::capture_source::CaptureSource;
 use rerun_viewer::cli::Arguments;
 use rerun_viewer::frame::Frame;
+use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
 use rerun_viewer::picture::Picture;
 use rerun_viewer::rig_source::RigSource;
@@ -36,33 +36,25 @@ fn main() -> ExitCode {
     }
 }
 
-/// Shows the rig's run until told to stop, then ends the process.
+/// Shows a run or a capture until told to stop, then ends the process.
 fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
-    tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_env_filter(
-            tracing_subscriber::EnvFilter::try_from_default_env()
-                .unwrap_or_else(|_| "warn,re_grpc_server=error".into()),
-        )
-        .init();
-    nix::sys::prctl::set_pdeathsig(Signal::SIGTERM).context("the viewer could not be tied to its parent's life")?;
-    let stop = Arc::new(AtomicBool::new(false));
-    signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&stop))?;
-    // A handler that nobody reads: the supervisor decides what Ctrl-C means.
-    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::new(AtomicBool::new(false)))?;
+    // That a page was closed is no news.
+    consumer::start_log_with("warn,re_grpc_server=error");
+    let in_foreground = arguments.foreground || arguments.capture.is_some();
+    let stop = if in_foreground { Stop::listen_in_foreground()? } else { Stop::listen()? };
 
-    let source = RigSource::attach(arguments.restarts)?;
+    let (source, picture, subject) = open(arguments)?;
     let destination = Destination::from_arguments(arguments)?;
     let ends_with_run = destination.ends_with_run();
     let exit_limit = destination.exit_limit();
-    let screen = Screen::open(destination)?;
+    let screen = Screen::open(destination, subject)?;
     if let Some(place) = screen.place() {
-        announce(&place);
+        announce(&place, subject, in_foreground);
     }
 
     let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
     let shown = screen.show_from(Arc::clone(&outbox))?;
-    follow(source, &outbox, &stop, ends_with_run)?;
+    follow(source, picture, &outbox, &stop, ends_with_run)?;
 
     // rerun waits without limit when it is dropped, so it is given a time and then left behind.
     outbox.close();
@@ -80,25 +72,37 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     std::process::exit(if data_was_lost { EXIT_DATA_LOST } else { 0 });
 }
 
+/// Where the samples come from, and the empty picture of them.
+fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subject)> {
+    let Some(path) = &arguments.capture else {
+        return Ok((Box::new(RigSource::attach(arguments.restarts)?), Picture::default(), Subject::Live));
+    };
+    let capture = CaptureSource::open(path)?;
+    let (picture, subject) = (Picture::of_capture(capture.samples()), capture.subject());
+    Ok((Box::new(capture), picture, subject))
+}
+
 /// Turns what the source gives into frames until told to stop.
 fn follow(
-    mut source: impl Source,
+    mut source: Box<dyn Source>,
+    mut picture: Picture,
     outbox: &Outbox<Frame>,
-    stop: &AtomicBool,
+    stop: &Stop,
     ends_with_run: bool,
 ) -> anyhow::Result<()> {
-    let mut picture = Picture::default();
     let mut next_frame = Instant::now();
-    while !stop.load(Ordering::Relaxed) {
-        let rate_hz = picture.rate_hz();
-        source.poll(rate_hz.is_some(), &mut |event| picture.take_in(event))?;
-        if Instant::now() >= next_frame {
-            next_frame = Instant::now() + FRAME_PERIOD;
-            if let Some(frame) = picture.next_frame(outbox.dropped()) {
-                outbox.push(frame);
-            }
-            if ends_with_run && picture.finished() {
-                break;
+    while !stop.is_asked() {
+        if !(source.can_wait() && outbox.is_full()) {
+            let rate_hz = picture.rate_hz();
+            source.poll(rate_hz.is_some(), &mut |event| picture.take_in(event))?;
+            if Instant::now() >= next_frame {
+                next_frame = Instant::now() + FRAME_PERIOD;
+                if let Some(frame) = picture.next_frame(outbox.dropped()) {
+                    outbox.push(frame);
+                }
+                if ends_with_run && picture.finished() {
+                    break;
+                }
             }
         }
         std::thread::sleep(POLL_PERIOD);
@@ -114,6 +118,11 @@ fn complain(error: &anyhow::Error) {
 
 /// Tells the operator where to look: the only line on standard output.
 #[allow(clippy::print_stdout, reason = "the address is this program's output")]
-fn announce(place: &str) {
-    println!("live view: {place}");
+fn announce(place: &str, subject: Subject, in_foreground: bool) {
+    let what = match subject {
+        Subject::Live => "live view",
+        Subject::Capture { .. } => "view of the capture",
+    };
+    let how_to_end = if in_foreground { " (Ctrl-C ends it)" } else { "" };
+    println!("{what}: {place}{how_to_end}");
 }

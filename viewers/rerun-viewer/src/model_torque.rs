@@ -4,8 +4,10 @@
 //! τ = M·θ̈ + [θ̇<0]·(−C₋ + B₋·θ̇) + [θ̇>0]·(C₊ + B₊·θ̇) + A·sin(θ/P + S)
 //! ```
 //!
-//! A term whose parameters the data cannot tell yet is left out.
+//! A term whose parameters the data cannot tell is left out. On a rig the torque sensor also bears
+//! the gripper and has a zero of its own, see [`KnobModel::on_rig`].
 
+use dynamics::Calibration;
 use shared_types::{Estimate, FitUpdate, Verdict};
 
 /// Equation 1 with the parameters of one fit.
@@ -16,6 +18,8 @@ pub struct KnobModel {
     negative: Friction,
     positive: Friction,
     detent: Option<Detent>,
+    /// What the torque sensor reads with nothing attached, mNm.
+    zero_mnm: f64,
 }
 
 /// Friction in one direction of turning.
@@ -37,23 +41,48 @@ struct Detent {
 impl KnobModel {
     /// The model of a fit; `None` while no parameter can be told.
     pub fn from_fit(fit: &FitUpdate) -> Option<Self> {
-        let known: Vec<bool> = fit.estimates().iter().map(|(_, estimate)| told(estimate).is_some()).collect();
-        let or_zero = |estimate: &Estimate| told(estimate).unwrap_or(0.0);
-        let detent = match (told(&fit.detent_amplitude), told(&fit.detent_period), told(&fit.detent_phase)) {
+        let estimates = fit.estimates();
+        let value = |name: &str| estimates.iter().find(|(known, _)| *known == name).and_then(|(_, found)| told(found));
+        estimates.iter().any(|(name, _)| value(name).is_some()).then(|| Self::from_told(value))
+    }
+
+    /// The model of the parameters that `told` has a value for, by their standard names.
+    pub fn from_told(told: impl Fn(&str) -> Option<f64>) -> Self {
+        let or_zero = |name: &str| told(name).unwrap_or(0.0);
+        let detent = match (told("detent_amplitude"), told("detent_period"), told("detent_phase")) {
             (Some(amplitude), Some(period), Some(phase)) if period != 0.0 => Some(Detent { amplitude, period, phase }),
             _ => None,
         };
-        known.contains(&true).then(|| Self {
-            inertia: or_zero(&fit.inertia),
-            negative: Friction { coulomb: or_zero(&fit.coulomb_negative), viscous: or_zero(&fit.viscous_negative) },
-            positive: Friction { coulomb: or_zero(&fit.coulomb_positive), viscous: or_zero(&fit.viscous_positive) },
+        Self {
+            inertia: or_zero("inertia"),
+            negative: Friction { coulomb: or_zero("coulomb_negative"), viscous: or_zero("viscous_negative") },
+            positive: Friction { coulomb: or_zero("coulomb_positive"), viscous: or_zero("viscous_positive") },
             detent,
-        })
+            zero_mnm: 0.0,
+        }
+    }
+
+    /// The model as the rig's torque sensor reads it: with the gripper and the sensor's zero.
+    #[must_use]
+    pub fn on_rig(self, calibration: &Calibration) -> Self {
+        Self {
+            inertia: self.inertia + calibration.gripper_inertia,
+            zero_mnm: self.zero_mnm + calibration.torque_zero_mnm,
+            ..self
+        }
     }
 
     /// The whole torque, mNm.
     pub fn torque_mnm(&self, angle_rad: f64, velocity_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
-        self.inertia * acceleration_rad_s2 + self.friction_mnm(velocity_rad_s) + self.detent_mnm(angle_rad)
+        self.zero_mnm
+            + self.inertia * acceleration_rad_s2
+            + self.friction_mnm(velocity_rad_s)
+            + self.detent_mnm(angle_rad)
+    }
+
+    /// The torque without any motion or detent, mNm.
+    pub const fn zero_mnm(&self) -> f64 {
+        self.zero_mnm
     }
 
     /// Friction torque, mNm; none at rest.
@@ -138,6 +167,28 @@ mod tests {
         let model = KnobModel::from_fit(&fit).unwrap();
         assert_eq!(model.torque_mnm(0.1, 1.0, 1_000.0), 2.3 - 0.24);
         assert_eq!(model.detent_spacing_rad(), None);
+    }
+
+    #[test]
+    #[allow(clippy::unwrap_used, reason = "test")]
+    fn on_the_rig_the_sensor_also_bears_the_gripper_and_has_its_zero() {
+        let calibration = Calibration {
+            gripper_inertia: 0.004,
+            motor_inertia: 0.016,
+            torque_sensor_stiffness_mnm_rad: 5e5,
+            torque_zero_mnm: 0.6,
+            torque_delay_s: 0.0,
+            acceleration_zero_rad_s2: 0.0,
+            acceleration_delay_s: 0.0,
+            gravity_amplitude_rad_s2: 0.0,
+            gravity_phase_rad: 0.0,
+            angle_step_rad: 1e-5,
+            torque_step_mnm: 0.18,
+            acceleration_step_rad_s2: 2.8,
+        };
+        let knob = KnobModel::from_fit(&knob_three()).unwrap();
+        let more_mnm = knob.on_rig(&calibration).torque_mnm(0.1, 2.0, 100.0) - knob.torque_mnm(0.1, 2.0, 100.0);
+        assert!((more_mnm - (0.6 + 0.4)).abs() < 1e-12);
     }
 
     #[test]

@@ -51,6 +51,11 @@ impl<T> Outbox<T> {
         self.filled.notify_one();
     }
 
+    /// Whether the next item would cost the oldest.
+    pub fn is_full(&self) -> bool {
+        self.lock().queue.len() >= self.capacity
+    }
+
     /// Takes the oldest item, waiting for one up to `limit`.
     pub fn take(&self, limit: Duration) -> Taken<T> {
         let waited =

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use dynamics::Calibration;
 use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample};
 
 use crate::consumers::Consumers;
@@ -11,7 +12,7 @@ use crate::extremes::Extremes;
 use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::model_torque::{KnobModel, told};
 use crate::scatter::{Abscissa, Scatter, ScatterPoint};
-use crate::source::Event;
+use crate::source::{Event, Reading};
 use crate::summary;
 
 /// Two points a bin give at most 500 points a second of each signal.
@@ -22,6 +23,12 @@ const MODEL_BIN_NS: i64 = 10_000_000;
 const LATENESS_BIN_NS: i64 = 20_000_000;
 /// Points a second of the x-y plots.
 const SCATTER_RATE_HZ: f64 = 400.0;
+/// Points of the x-y plots whose range the axes show: 10 s.
+const SCATTER_POINTS: usize = 4_000;
+/// Points of the x-y plots for the whole of a finished capture.
+const WHOLE_SCATTER_POINTS: usize = 8_000;
+/// Identity under which a finished capture is shown; there is only one.
+const CAPTURE_RUN: u64 = 0;
 /// How often the x-y plots get their new points.
 const PLOT_PERIOD: Duration = Duration::from_millis(250);
 /// How often parameters, curves, lateness and the text are renewed.
@@ -30,6 +37,9 @@ const SLOW_PERIOD: Duration = Duration::from_millis(500);
 const EXTREMES_KEPT: usize = 20;
 /// How often the processes' health is sent. A browser pays for each message, not for each point.
 const HEALTH_PERIOD: Duration = Duration::from_millis(2_000);
+
+/// Place of the model's torque among the signals.
+const MODEL: usize = SIGNALS.len() - 1;
 
 /// Gathers events and gives frames.
 #[derive(Debug)]
@@ -40,6 +50,7 @@ pub struct Picture {
     fit: Option<FitUpdate>,
     fit_is_new: bool,
     model: Option<KnobModel>,
+    calibration: Option<Calibration>,
     consumers: Consumers,
     signals: [Decimator; SIGNALS.len()],
     extremes: [Extremes; SIGNALS.len()],
@@ -47,12 +58,16 @@ pub struct Picture {
     health: Vec<SeriesRows>,
     scatters: [Scatter; 2],
     scatter_phase: f64,
+    /// Share of a finished capture's samples that the x-y plots show.
+    whole_scatter_share: Option<f64>,
     newest: Option<Newest>,
     histogram_shown: Option<Lateness>,
+    text: Option<String>,
     summary_shown: String,
     next_plot: Instant,
     next_slow: Instant,
     next_health: Instant,
+    source_ended: bool,
     ended: bool,
 }
 
@@ -72,6 +87,7 @@ impl Default for Picture {
             fit: None,
             fit_is_new: false,
             model: None,
+            calibration: None,
             consumers: Consumers::default(),
             signals: SIGNALS.map(|field| {
                 let bin_ns = if field == MODEL_TORQUE { MODEL_BIN_NS } else { SIGNAL_BIN_NS };
@@ -80,20 +96,34 @@ impl Default for Picture {
             extremes: std::array::from_fn(|_| Extremes::new(EXTREMES_KEPT)),
             lateness: Decimator::new(Keep::Max, LATENESS_BIN_NS),
             health: Vec::new(),
-            scatters: [Scatter::new(Abscissa::Angle), Scatter::new(Abscissa::Velocity)],
+            scatters: [Abscissa::Angle, Abscissa::Velocity].map(|abscissa| Scatter::new(abscissa, SCATTER_POINTS)),
             scatter_phase: 0.0,
+            whole_scatter_share: None,
             newest: None,
             histogram_shown: None,
+            text: None,
             summary_shown: String::new(),
             next_plot: Instant::now(),
             next_slow: Instant::now(),
             next_health: Instant::now(),
+            source_ended: false,
             ended: false,
         }
     }
 }
 
 impl Picture {
+    /// A picture of a finished capture of so many samples: all of it stays in view.
+    #[allow(clippy::cast_precision_loss, reason = "a share")]
+    pub fn of_capture(samples: usize) -> Self {
+        Self {
+            scatters: [Abscissa::Angle, Abscissa::Velocity]
+                .map(|abscissa| Scatter::new(abscissa, WHOLE_SCATTER_POINTS)),
+            whole_scatter_share: Some((WHOLE_SCATTER_POINTS as f64 / samples.max(1) as f64).min(1.0)),
+            ..Self::default()
+        }
+    }
+
     /// The sample rate, once the run or the loop has told it, Hz.
     pub fn rate_hz(&self) -> Option<f64> {
         let described = self.description.as_ref().map(|description| description.rate_hz);
@@ -102,7 +132,7 @@ impl Picture {
 
     /// Whether the run has ended and all of it was taken in.
     pub fn finished(&self) -> bool {
-        self.status.is_some_and(|status| status.finished != 0)
+        self.source_ended || self.status.is_some_and(|status| status.finished != 0)
     }
 
     /// Takes in what a source has to tell.
@@ -110,6 +140,7 @@ impl Picture {
         match event {
             Event::Description(description) => {
                 self.turn_to_run(description.run_id);
+                self.calibration = calibration(description);
                 self.description = Some(description.clone());
             }
             Event::Status(status) => {
@@ -117,7 +148,8 @@ impl Picture {
                 self.status = Some(*status);
             }
             Event::Fit(fit) if self.run_id == Some(fit.run_id) => {
-                self.model = KnobModel::from_fit(fit);
+                let knob = KnobModel::from_fit(fit);
+                self.model = knob.map(|knob| self.calibration.as_ref().map_or(knob, |known| knob.on_rig(known)));
                 self.fit = Some(*fit);
                 self.fit_is_new = true;
             }
@@ -129,6 +161,21 @@ impl Picture {
                     samples.iter().for_each(|sample| self.take_in_sample(sample, rate_hz));
                 }
             }
+            Event::Readings(readings) => {
+                self.turn_to_run(CAPTURE_RUN);
+                let share = self.whole_scatter_share.unwrap_or(1.0);
+                readings.iter().for_each(|reading| self.take_in_reading(reading, share));
+                if let Some(reading) = readings.last() {
+                    self.newest = Some(Newest { time_ns: reading.time_ns, monotonic_time_ns: 0 });
+                }
+            }
+            Event::Model { model, torque } => {
+                self.model = Some(model);
+                self.fit_is_new = true;
+                torque.iter().for_each(|moment| self.push_signal(MODEL, moment.time_ns, moment.torque_mnm));
+            }
+            Event::Text(text) => self.text = Some(text.to_owned()),
+            Event::End => self.source_ended = true,
         }
     }
 
@@ -145,20 +192,34 @@ impl Picture {
     fn take_in_sample(&mut self, sample: &Sample, rate_hz: f64) {
         let time_ns = nanoseconds(sample.time_s(rate_hz));
         let Sample { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, .. } = *sample;
-        let model_torque_mnm =
-            self.model.map_or(f64::NAN, |model| model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2));
-        let values = [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, model_torque_mnm];
-        for ((decimator, extremes), value) in self.signals.iter_mut().zip(&mut self.extremes).zip(values) {
-            decimator.push(time_ns, value);
-            extremes.push(value);
+        let turning_positive = velocity_rad_s > 0.0;
+        let reading = Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, turning_positive };
+        self.take_in_reading(&reading, SCATTER_RATE_HZ / rate_hz);
+        if let Some(model) = self.model {
+            let known = self.calibration.as_ref();
+            let not_motion =
+                known.map_or(0.0, |known| known.acceleration_zero_rad_s2 + known.gravity_rad_s2(angle_rad));
+            let torque_mnm = model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2 - not_motion);
+            self.push_signal(MODEL, time_ns, torque_mnm);
         }
         self.lateness.push(time_ns, (sample.lateness_ns.max(1) as f64).log10());
         self.newest = Some(Newest { time_ns, monotonic_time_ns: sample.monotonic_time_ns });
+    }
 
-        self.scatter_phase += SCATTER_RATE_HZ / rate_hz;
+    fn push_signal(&mut self, index: usize, time_ns: i64, value: f64) {
+        self.signals[index].push(time_ns, value);
+        self.extremes[index].push(value);
+    }
+
+    fn take_in_reading(&mut self, reading: &Reading, scatter_share: f64) {
+        let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, turning_positive } =
+            *reading;
+        for (index, value) in [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm].into_iter().enumerate() {
+            self.push_signal(index, time_ns, value);
+        }
+        self.scatter_phase += scatter_share;
         if self.scatter_phase >= 1.0 {
             self.scatter_phase = self.scatter_phase.fract();
-            let turning_positive = velocity_rad_s > 0.0;
             let [over_angle, over_velocity] = &mut self.scatters;
             over_angle.push(ScatterPoint { x: angle_rad, torque_mnm, turning_positive });
             over_velocity.push(ScatterPoint { x: velocity_rad_s, torque_mnm, turning_positive });
@@ -218,7 +279,7 @@ impl Picture {
             summary: None,
         };
         if is_due(&mut self.next_plot, now, PLOT_PERIOD) || finished {
-            let model = self.model.filter(|_| slow);
+            let model = self.model.filter(|_| slow && self.fit_is_new);
             frame.plots = self.scatters.iter_mut().filter_map(|plot| plot.update(model.as_ref())).collect();
         }
         if is_due(&mut self.next_health, now, HEALTH_PERIOD) || finished {
@@ -281,6 +342,9 @@ impl Picture {
     }
 
     fn summary(&self, frames_dropped: u64) -> String {
+        if let Some(text) = &self.text {
+            return text.clone();
+        }
         summary::markdown(&summary::Facts {
             description: self.description.as_ref(),
             status: self.status.as_ref(),
@@ -291,6 +355,13 @@ impl Picture {
             frames_dropped,
         })
     }
+}
+
+/// The rig's calibration; without it the model's torque is drawn as if the rig were ideal.
+fn calibration(description: &RunDescription) -> Option<Calibration> {
+    let text = &description.calibration_toml;
+    let read = (!text.is_empty()).then(|| Calibration::from_toml(text))?;
+    read.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}")).ok()
 }
 
 fn single_rows(entity: String, decimator: &mut Decimator) -> Option<SeriesRows> {

@@ -26,7 +26,9 @@ impl PlotPen {
             self.drawn.retain(|(abscissa, _)| *abscissa != plot.abscissa);
             self.drawn.push(now);
         }
-        draw_points(recording, &root, plot)?;
+        if !plot.points.is_empty() {
+            draw_points(recording, &root, plot)?;
+        }
         plot.curves.as_ref().map_or(Ok(()), |curves| draw_curves(recording, &root, curves))
     }
 }
@@ -69,8 +71,9 @@ fn draw_axes(
     recording.log(
         format!("{root}/grid"),
         &LineStrips2D::new(verticals.chain(horizontals).collect::<Vec<_>>())
-            .with_colors([NEUTRAL.translucent(70)])
-            .with_radii([Radius::new_ui_points(0.5)])
+            // Thin rather than translucent: rerun draws a translucent line black where it fills a pixel.
+            .with_colors([NEUTRAL.opaque()])
+            .with_radii([Radius::new_ui_points(0.3)])
             .with_draw_order(0.0),
     )?;
     recording.log(

@@ -1,20 +1,16 @@
 //! The running rig as a source: its shared memory, and the viewer's own health in return.
 
-use std::time::{Duration, Instant};
-
 use anyhow::Context as _;
+use consumer::Health;
 use shared_types::services::{self, MessagePublisher, MessageSubscriber, RigNode, SampleSubscriber};
-use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, RunDescription, rig};
+use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, RunDescription, Sample};
 
 use crate::source::{Event, Source};
-
-/// How often the viewer tells how it fares.
-const HEALTH_PERIOD: Duration = Duration::from_millis(500);
 
 /// Reads every stream of the rig and publishes the viewer's health.
 pub struct RigSource {
     samples: SampleSubscriber,
-    description: services::MessageSubscriber<[u8]>,
+    description: MessageSubscriber<[u8]>,
     status: MessageSubscriber<LoopStatus>,
     fits: MessageSubscriber<FitUpdate>,
     health: MessageSubscriber<ProcessHealth>,
@@ -23,17 +19,15 @@ pub struct RigSource {
     _node: RigNode,
     restarts: u32,
     counts: Counts,
-    next_health: Instant,
 }
 
-/// What went through, for the health report.
-#[derive(Debug, Default)]
+/// What of the current run went through.
+#[derive(Debug)]
 struct Counts {
     run_id: u64,
     next_seq: Option<u64>,
-    received: u64,
     lost: u64,
-    latency_ns: u64,
+    health: Health,
 }
 
 impl RigSource {
@@ -52,22 +46,14 @@ impl RigSource {
             own_health: services::PROCESS_HEALTH.publisher(&node)?,
             _node: node,
             restarts,
-            counts: Counts::default(),
-            next_health: Instant::now(),
+            counts: Counts::of_run(0, restarts),
         })
     }
 
-    fn publish_health(&self) -> anyhow::Result<()> {
-        let health = ProcessHealth {
-            received_samples: self.counts.received,
-            lost_samples: self.counts.lost,
-            latency_ns: self.counts.latency_ns,
-            ..ProcessHealth::of_this_process(ProcessKind::Viewer, self.restarts)
-        };
-        self.own_health
-            .send_copy(health)
-            .map_err(|error| anyhow::anyhow!("{error:?}"))
-            .context("health was not sent")?;
+    fn report_health(&mut self) -> anyhow::Result<()> {
+        if let Some(report) = self.counts.health.report(self.counts.lost) {
+            self.own_health.send_copy(report).context("the viewer's health cannot be sent")?;
+        }
         Ok(())
     }
 }
@@ -92,39 +78,38 @@ impl Source for RigSource {
         if samples_wanted {
             while let Some(block) = self.samples.receive()? {
                 let run_id = block.user_header().run_id;
-                self.counts.count(run_id, block.payload());
+                if run_id != self.counts.run_id {
+                    self.counts = Counts::of_run(run_id, self.restarts);
+                }
+                self.counts.count(block.payload());
                 take_in(Event::Samples { run_id, samples: block.payload() });
             }
         }
-        if Instant::now() >= self.next_health {
-            self.next_health = Instant::now() + HEALTH_PERIOD;
-            self.publish_health()?;
-        }
-        Ok(())
+        self.report_health()
+    }
+
+    fn can_wait(&self) -> bool {
+        false
     }
 }
 
 impl Counts {
-    fn count(&mut self, run_id: u64, samples: &[shared_types::Sample]) {
-        if run_id != self.run_id {
-            *self = Self { run_id, ..Self::default() };
-        }
+    fn of_run(run_id: u64, restarts: u32) -> Self {
+        Self { run_id, next_seq: None, lost: 0, health: Health::new(ProcessKind::Viewer, restarts) }
+    }
+
+    fn count(&mut self, samples: &[Sample]) {
+        self.health.received(samples);
         for sample in samples {
             self.lost += self.next_seq.map_or(0, |expected| sample.seq.saturating_sub(expected));
             self.next_seq = Some(sample.seq + 1);
-        }
-        self.received += samples.len() as u64;
-        if let Some(newest) = samples.last() {
-            self.latency_ns = rig::monotonic_time_ns().saturating_sub(newest.monotonic_time_ns);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use shared_types::Sample;
-
-    use super::Counts;
+    use super::*;
 
     fn samples(seqs: std::ops::Range<u64>) -> Vec<Sample> {
         seqs.map(|seq| Sample { seq, ..Sample::default() }).collect()
@@ -132,17 +117,10 @@ mod tests {
 
     #[test]
     fn a_jump_in_the_sequence_counts_as_lost_samples() {
-        let mut counts = Counts::default();
-        counts.count(7, &samples(100..110));
-        counts.count(7, &samples(113..120));
-        assert_eq!((counts.received, counts.lost), (17, 3));
-    }
-
-    #[test]
-    fn a_new_run_begins_a_new_count() {
-        let mut counts = Counts::default();
-        counts.count(7, &samples(100..110));
-        counts.count(8, &samples(0..5));
-        assert_eq!((counts.received, counts.lost), (5, 0));
+        let mut counts = Counts::of_run(7, 0);
+        counts.count(&samples(100..110));
+        counts.count(&samples(113..120));
+        let report = counts.health.report(counts.lost);
+        assert_eq!(report.map(|report| (report.received_samples, report.lost_samples)), Some((17, 3)));
     }
 }

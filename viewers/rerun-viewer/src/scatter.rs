@@ -5,8 +5,6 @@ use std::collections::VecDeque;
 use crate::model_torque::KnobModel;
 use crate::plot_axes::{Axis, PlotAxes};
 
-/// Newest points that set an axis range.
-const POINTS_KEPT: usize = 4_000;
 /// Points of a curve that has no detents to resolve.
 const CURVE_POINTS: usize = 121;
 /// Points per detent of a curve that has.
@@ -63,13 +61,14 @@ pub struct Scatter {
     abscissa: Abscissa,
     fresh: Vec<ScatterPoint>,
     kept: VecDeque<[f64; 2]>,
+    capacity: usize,
     axes: Option<PlotAxes>,
 }
 
 impl Scatter {
-    /// An empty plot.
-    pub fn new(abscissa: Abscissa) -> Self {
-        Self { abscissa, fresh: Vec::new(), kept: VecDeque::with_capacity(POINTS_KEPT), axes: None }
+    /// An empty plot whose axes hold the newest `capacity` points.
+    pub fn new(abscissa: Abscissa, capacity: usize) -> Self {
+        Self { abscissa, fresh: Vec::new(), kept: VecDeque::with_capacity(capacity), capacity, axes: None }
     }
 
     /// Takes in a point; one that is not a number leaves no trace.
@@ -77,22 +76,20 @@ impl Scatter {
         if !(point.x.is_finite() && point.torque_mnm.is_finite()) {
             return;
         }
-        if self.kept.len() >= POINTS_KEPT {
+        if self.kept.len() >= self.capacity {
             self.kept.pop_front();
         }
         self.kept.push_back([point.x, point.torque_mnm]);
         // A burst, as after a restart, shows its newest points only.
-        if self.fresh.len() >= POINTS_KEPT {
+        if self.fresh.len() >= self.capacity {
             self.fresh.clear();
         }
         self.fresh.push(point);
     }
 
-    /// What is new in the plot; `None` while there are no new points.
-    ///
-    /// With a `model` its curves are drawn again.
+    /// What is new in the plot: points, and the curves of a new `model`; `None` while there is neither.
     pub fn update(&mut self, model: Option<&KnobModel>) -> Option<PlotUpdate> {
-        if self.fresh.is_empty() {
+        if self.fresh.is_empty() && model.is_none() {
             return None;
         }
         let (x, y) = (extent(&self.kept, 0)?, extent(&self.kept, 1)?);
@@ -134,7 +131,7 @@ fn torque_over_velocity(model: &KnobModel, (low, high): (f64, f64)) -> Vec<Vec<[
     for band in bands {
         for (from, to) in [(low, -f64::MIN_POSITIVE), (f64::MIN_POSITIVE, high)] {
             if from < to {
-                curves.push(curve(from, to, 2, |velocity| model.friction_mnm(velocity) + band));
+                curves.push(curve(from, to, 2, |velocity| model.zero_mnm() + model.friction_mnm(velocity) + band));
             }
         }
     }
@@ -168,6 +165,8 @@ mod tests {
 
     use super::*;
 
+    const CAPACITY: usize = 4_000;
+
     fn point(x: f64, torque_mnm: f64) -> ScatterPoint {
         ScatterPoint { x, torque_mnm, turning_positive: true }
     }
@@ -181,9 +180,9 @@ mod tests {
 
     #[test]
     fn the_axes_forget_points_that_are_no_longer_shown() {
-        let mut scatter = Scatter::new(Abscissa::Angle);
+        let mut scatter = Scatter::new(Abscissa::Angle, CAPACITY);
         scatter.push(point(0.0, 1e6));
-        for index in 0..POINTS_KEPT {
+        for index in 0..CAPACITY {
             scatter.push(point(index as f64, (index % 7) as f64));
         }
         assert!(scatter.update(None).unwrap().axes.y.high < 10.0);
@@ -191,9 +190,9 @@ mod tests {
 
     #[test]
     fn a_burst_of_history_stays_bounded() {
-        let mut scatter = Scatter::new(Abscissa::Angle);
-        (0..3 * POINTS_KEPT).for_each(|index| scatter.push(point(index as f64, 0.0)));
-        assert!(scatter.update(None).unwrap().points.len() <= POINTS_KEPT);
+        let mut scatter = Scatter::new(Abscissa::Angle, CAPACITY);
+        (0..3 * CAPACITY).for_each(|index| scatter.push(point(index as f64, 0.0)));
+        assert!(scatter.update(None).unwrap().points.len() <= CAPACITY);
     }
 
     #[test]

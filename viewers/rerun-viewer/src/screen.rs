@@ -19,6 +19,7 @@ use rerun::{MemoryLimit, RecordingStream, RecordingStreamBuilder, ServerOptions,
 use crate::cli::Arguments;
 use crate::drawing::Pen;
 use crate::frame::Frame;
+use crate::layout::Subject;
 use crate::outbox::{Outbox, Taken};
 use crate::{layout, web_page};
 
@@ -60,7 +61,7 @@ impl Destination {
     /// # Errors
     /// When no port is free.
     pub fn from_arguments(arguments: &Arguments) -> anyhow::Result<Self> {
-        let Arguments { web: _, native, save, bind, web_port, grpc_port, memory_limit, restarts: _ } = arguments;
+        let Arguments { native, save, bind, web_port, grpc_port, memory_limit, .. } = arguments;
         let memory_limit = *memory_limit;
         if let Some(path) = save {
             return Ok(Self::File(path.clone()));
@@ -90,6 +91,7 @@ impl Destination {
 /// An open destination.
 pub struct Screen {
     destination: Destination,
+    subject: Subject,
     /// Carries every run: rerun ties servers, windows and files to one recording.
     carrier: RecordingStream,
     /// The run that is shown and the pen that draws it.
@@ -103,7 +105,7 @@ impl Screen {
     ///
     /// # Errors
     /// When a port, the `rerun` program or the file is not to be had.
-    pub fn open(destination: Destination) -> anyhow::Result<Self> {
+    pub fn open(destination: Destination, subject: Subject) -> anyhow::Result<Self> {
         if let Destination::Web { bind, web_port, .. } = &destination {
             let page = WebViewerConfig {
                 bind_ip: bind.to_string(),
@@ -116,8 +118,15 @@ impl Screen {
         if let Destination::Native { grpc_port, memory_limit } = &destination {
             open_window(*grpc_port, *memory_limit)?;
         }
-        let carrier = carrier(&destination)?;
-        Ok(Self { destination, carrier, shown: None, disconnected: Arc::default(), next_check: Instant::now() })
+        let carrier = carrier(&destination, subject)?;
+        Ok(Self {
+            destination,
+            subject,
+            carrier,
+            shown: None,
+            disconnected: Arc::default(),
+            next_check: Instant::now(),
+        })
     }
 
     /// What the operator is told to look at.
@@ -192,7 +201,7 @@ impl Screen {
                 }
             });
         } else if listens(grpc_port) {
-            match carrier(&self.destination) {
+            match carrier(&self.destination, self.subject) {
                 Ok(carrier) => self.begin_afresh(carrier),
                 Err(error) => tracing::error!("the new window cannot be used: {error:#}"),
             }
@@ -208,7 +217,7 @@ impl Screen {
 }
 
 /// A recording that leads to the destination, with layout and styles.
-fn carrier(destination: &Destination) -> anyhow::Result<RecordingStream> {
+fn carrier(destination: &Destination, subject: Subject) -> anyhow::Result<RecordingStream> {
     let builder = RecordingStreamBuilder::new(APPLICATION);
     let recording = match destination {
         Destination::Web { bind, grpc_port, memory_limit, .. } => {
@@ -227,7 +236,7 @@ fn carrier(destination: &Destination) -> anyhow::Result<RecordingStream> {
             anyhow!("{} cannot be written ({}); name another place", path.display(), error.root_cause())
         })?,
     };
-    layout::send(&recording)?;
+    layout::send(&recording, subject)?;
     Ok(recording)
 }
 

@@ -2,6 +2,34 @@
 
 use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample};
 
+use crate::model_torque::KnobModel;
+
+/// What is drawn of one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Time in the run, ns.
+    pub time_ns: i64,
+    /// Encoder angle, rad.
+    pub angle_rad: f64,
+    /// Velocity, rad/s; NaN where there is none.
+    pub velocity_rad_s: f64,
+    /// Accelerometer as read, rad/s²; NaN where there is none.
+    pub acceleration_rad_s2: f64,
+    /// Torque sensor as read, mNm.
+    pub torque_mnm: f64,
+    /// Whether the knob turned towards positive angle.
+    pub turning_positive: bool,
+}
+
+/// The torque that the fitted model gives at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelTorque {
+    /// Time in the run, ns.
+    pub time_ns: i64,
+    /// As the torque sensor would read it, mNm.
+    pub torque_mnm: f64,
+}
+
 /// Something that a source has to tell.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
@@ -20,6 +48,19 @@ pub enum Event<'a> {
     Fit(&'a FitUpdate),
     /// A consumer's word about itself.
     Health(&'a ProcessHealth),
+    /// Consecutive samples of a finished capture.
+    Readings(&'a [Reading]),
+    /// The model fitted to a finished capture.
+    Model {
+        /// For the curves over angle and velocity.
+        model: KnobModel,
+        /// In the order of time.
+        torque: &'a [ModelTorque],
+    },
+    /// The text beside the plots of a finished capture, as Markdown.
+    Text(&'a str),
+    /// Everything of a finished capture was told.
+    End,
 }
 
 /// Gives events as they come, from a running rig or from what one left behind.
@@ -32,4 +73,7 @@ pub trait Source {
     /// # Errors
     /// When the source has failed for good.
     fn poll(&mut self, samples_wanted: bool, take_in: &mut dyn FnMut(Event<'_>)) -> anyhow::Result<()>;
+
+    /// Whether nothing is lost by asking later: a file waits for a slow screen, a rig does not.
+    fn can_wait(&self) -> bool;
 }

@@ -49,11 +49,17 @@ fn head(text: &mut String, facts: &Facts<'_>) {
         return;
     };
     let RunDescription { knob, apparatus, rate_hz, planned_ticks, .. } = description;
+    let knob = knob_title(knob);
     let _ = writeln!(text, "# {knob}\n\non **{apparatus}**, {} kHz\n", rate_hz / 1_000.0);
     #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
     let planned_s = *planned_ticks as f64 / rate_hz;
     let planned = if *planned_ticks > 0 { format!(" of {planned_s:.1} s") } else { String::new() };
     let _ = writeln!(text, "### {} \u{2014} {:.1} s{planned}\n", state(facts.status), facts.time_s.unwrap_or(0.0));
+}
+
+/// The knob as a heading; the paper's are given by number.
+pub fn knob_title(knob: &str) -> String {
+    if knob.parse::<u32>().is_ok() { format!("Knob {knob}") } else { knob.to_owned() }
 }
 
 fn state(status: Option<&LoopStatus>) -> String {
@@ -145,7 +151,11 @@ fn value_and_interval(estimate: &Estimate) -> String {
     let Some(value) = told(estimate) else {
         return "*not yet*".to_owned();
     };
-    let half_width = (estimate.ci95_high - estimate.ci95_low) / 2.0;
+    with_half_width(value, (estimate.ci95_high - estimate.ci95_low) / 2.0)
+}
+
+/// `2.301 ± 0.012`, with two digits of the half width.
+pub fn with_half_width(value: f64, half_width: f64) -> String {
     let sign = |number: String| number.replace('-', "\u{2212}");
     if !half_width.is_finite() || half_width <= 0.0 {
         return sign(format!("{value:.4}"));
@@ -157,18 +167,20 @@ fn value_and_interval(estimate: &Estimate) -> String {
 
 /// A number with about three digits that count.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=3")]
-fn three_digits(value: f64) -> String {
+pub fn three_digits(value: f64) -> String {
     let decimals = (2.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 3.0) as usize;
-    format!("{value:.decimals$}").replace('-', "\u{2212}")
+    let digits = format!("{:.decimals$}", value.abs());
+    let is_zero = digits.bytes().all(|digit| matches!(digit, b'0' | b'.'));
+    if value < 0.0 && !is_zero { format!("\u{2212}{digits}") } else { digits }
 }
 
 /// A count that should be zero.
-fn alarmed(count: u64) -> String {
+pub fn alarmed(count: u64) -> String {
     if count == 0 { "0".to_owned() } else { format!("**{}**", grouped(count)) }
 }
 
 /// A count with its thousands apart.
-fn grouped(count: u64) -> String {
+pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
@@ -209,7 +221,13 @@ mod tests {
 
     #[test]
     fn a_range_is_told_with_three_digits() {
+        assert_eq!(three_digits(-1e-5), "0.000");
         assert_eq!([0.299_9, -3.456, 98.76, 12_345.6].map(three_digits), ["0.300", "\u{2212}3.46", "98.8", "12346"]);
+    }
+
+    #[test]
+    fn a_knob_of_the_paper_is_called_by_its_number() {
+        assert_eq!(["3", "my-knob.toml"].map(knob_title), ["Knob 3", "my-knob.toml"]);
     }
 
     #[test]

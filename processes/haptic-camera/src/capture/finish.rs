@@ -27,7 +27,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> 
     if missing > 0 {
         remark(format!("{missing} samples are missing in the archive; it says where"));
     }
-    let outcome = if fault_words(&end.status).is_some() {
+    let outcome = if end.loop_died || fault_words(&end.status).is_some() {
         Outcome::Failed
     } else if missing > 0 || end.recorder_exit == Some(3) {
         Outcome::DataLost

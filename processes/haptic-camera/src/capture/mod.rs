@@ -70,6 +70,8 @@ pub(crate) struct RunEnd {
     pub(crate) restarts: Vec<(ProcessKind, u32)>,
     /// Whether the operator ended it early.
     pub(crate) interrupted: bool,
+    /// Whether the control loop died before the run had ended.
+    pub(crate) loop_died: bool,
 }
 
 /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
@@ -91,7 +93,7 @@ fn supervise(
 
     link.request(CommandKind::Start)?;
     let mut progress = Progress::new(options.duration_s);
-    let mut stopped_by_operator = false;
+    let (mut stopped_by_operator, mut loop_died) = (false, false);
     loop {
         std::thread::sleep(CYCLE);
         link.listen();
@@ -107,13 +109,15 @@ fn supervise(
         if control_loop.has_ended() {
             progress.close();
             remark("the control loop ended in the middle of the run; what was captured so far is kept");
+            loop_died = true;
             break;
         }
     }
     progress.close();
     let recorder_exit = consumers.finish_recorder(RECORDER_DONE, || link.listen());
     let restarts = consumers.end();
-    Ok(Some(RunEnd { status: *link.status(), recorder_exit, restarts, interrupted: stopped_by_operator }))
+    let interrupted = stopped_by_operator;
+    Ok(Some(RunEnd { status: *link.status(), recorder_exit, restarts, interrupted, loop_died }))
 }
 
 /// Waits until the loop is armed; `None` when it ended first, having said why.

@@ -16,6 +16,10 @@ const RELEASE_S: f64 = 0.02;
 /// Time over which braking fades until the rig is torque-free, s.
 const STOPPING_S: f64 = 0.2;
 
+/// What a tick without an answer from the sensors measured: nothing.
+const UNMEASURED: Measurement =
+    Measurement { angle_rad: f64::NAN, acceleration_rad_s2: f64::NAN, torque_mnm: f64::NAN };
+
 /// What a run consists of; plain data, made outside the real-time thread.
 #[derive(Clone, Copy, Debug)]
 pub struct ControlPlan {
@@ -144,7 +148,7 @@ impl ControlState {
         self.account_for_missed_ticks(reading.elapsed_ticks);
         let measurement = match reading.measurement {
             Ok(measurement) => measurement,
-            Err(_) => return self.fail(Fault::Apparatus, &Measurement::default()),
+            Err(_) => return self.fail(Fault::Apparatus, &UNMEASURED),
         };
         if !(measurement.angle_rad.is_finite()
             && measurement.torque_mnm.is_finite()

@@ -4,5 +4,5 @@ mod clock;
 mod permission;
 mod tick_loop;
 
-pub use permission::{Permission, keep_off_core, last_core};
+pub use permission::{Permission, WakefulProcessors, keep_off_core, last_core};
 pub use tick_loop::{LoopEnds, LoopPort, SharedState, TickLoop};

@@ -60,6 +60,25 @@ fn set_fifo_priority() -> bool {
     unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) == 0 }
 }
 
+/// Keeps the processors from idle states that they leave slowly, for as long as it is held.
+///
+/// The kernel takes the shortest latency that any process asks for through this file (Linux, *PM
+/// Quality of Service Interface*); a process that dies lets go of it.
+#[derive(Debug)]
+pub struct WakefulProcessors {
+    _request: std::fs::File,
+}
+
+impl WakefulProcessors {
+    /// Asks for no idle latency at all; `None` where that is not permitted.
+    #[must_use]
+    pub fn request() -> Option<Self> {
+        let mut file = std::fs::OpenOptions::new().write(true).open("/dev/cpu_dma_latency").ok()?;
+        std::io::Write::write_all(&mut file, &0_i32.to_ne_bytes()).ok()?;
+        Some(Self { _request: file })
+    }
+}
+
 /// The last core that the process may run on: the one furthest from where interrupts usually go.
 #[must_use]
 pub fn last_core() -> usize {

@@ -1,0 +1,115 @@
+//! What a calibration tells, and why it may not.
+
+use dynamics::Calibration;
+
+use crate::{FitError, Samples};
+
+/// One calibrated quantity.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Estimate {
+    /// Its key in a calibration file.
+    pub quantity: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Half width of its 95 % interval.
+    pub half_width: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+/// What a calibration learnt.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Calibrated {
+    /// The quantities that it tells.
+    pub estimates: Vec<Estimate>,
+    /// What a reader should know besides.
+    pub notes: Vec<String>,
+}
+
+impl Calibrated {
+    /// The estimate of a quantity.
+    #[must_use]
+    pub fn get(&self, quantity: &str) -> Option<&Estimate> {
+        self.estimates.iter().find(|estimate| estimate.quantity == quantity)
+    }
+
+    /// A calibration with what was learnt in place of what was known.
+    #[must_use]
+    pub fn applied_to(&self, known: &Calibration) -> Calibration {
+        let mut calibration = known.clone();
+        for estimate in &self.estimates {
+            if let Some(slot) = slot(&mut calibration, estimate.quantity) {
+                *slot = estimate.value;
+            }
+        }
+        calibration
+    }
+}
+
+/// The field of a calibration that has the given key, if a calibration command can tell it.
+fn slot<'a>(calibration: &'a mut Calibration, quantity: &str) -> Option<&'a mut f64> {
+    Some(match quantity {
+        "gripper_inertia" => &mut calibration.gripper_inertia,
+        "torque_zero_mnm" => &mut calibration.torque_zero_mnm,
+        "torque_delay_s" => &mut calibration.torque_delay_s,
+        "acceleration_zero_rad_s2" => &mut calibration.acceleration_zero_rad_s2,
+        "acceleration_delay_s" => &mut calibration.acceleration_delay_s,
+        "gravity_amplitude_rad_s2" => &mut calibration.gravity_amplitude_rad_s2,
+        "gravity_phase_rad" => &mut calibration.gravity_phase_rad,
+        _ => return None,
+    })
+}
+
+/// Why a capture does not calibrate anything.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CalibrateError {
+    /// Not a capture at all, or one that cannot be fitted.
+    #[error(transparent)]
+    Samples(#[from] FitError),
+    /// No accelerometer column.
+    #[error("the capture has no acceleration, which this calibration is about; capture with the accelerometer")]
+    NoAcceleration,
+    /// The knob did not rest.
+    #[error("the knob turned by {travel_rad:.4} rad, but zeros are read at rest; capture with `--torque --sweep hold`")]
+    NotAtRest {
+        /// Distance between the smallest and the largest angle, rad.
+        travel_rad: f64,
+    },
+    /// Less than a full turn.
+    #[error(
+        "the knob turned through {:.0}°, but gravity shows over a full turn; capture with `--sweep slow-turn --duration-s 15`",
+        travel_rad.to_degrees()
+    )]
+    LessThanATurn {
+        /// Distance between the smallest and the largest angle, rad.
+        travel_rad: f64,
+    },
+    /// The capture is mostly something else than what is calibrated.
+    #[error(
+        "{percent:.0} % of the {channel} is not what {expected}; {remedy}"
+    )]
+    Unexplained {
+        /// The channel.
+        channel: &'static str,
+        /// Share of the signal that is not explained, %.
+        percent: f64,
+        /// What it should be.
+        expected: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// An inertia that the capture cannot tell.
+    #[error("the gripper's inertia cannot be told: {reason}")]
+    NoInertia {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Checks a capture of which rest is permitted.
+pub(super) fn check_at_rest(samples: &Samples<'_>) -> Result<(), CalibrateError> {
+    match samples.check() {
+        Ok(()) | Err(FitError::NoMotion { .. } | FitError::ConstantTorque { .. }) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
+}

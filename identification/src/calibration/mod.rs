@@ -1,0 +1,29 @@
+//! Calibrating a rig from captures: zeros, gravity, the gripper's inertia, the channels' delays.
+//!
+//! Each calibration takes a capture made for it and what is known so far, and gives what it learnt as
+//! [`Estimate`]s with 95 % intervals:
+//!
+//! | calibration | the capture | what it tells |
+//! |---|---|---|
+//! | [`zero`] | nothing on the gripper, no torque, at rest | the readings of torque sensor and accelerometer at rest |
+//! | [`gravity`] | a slow turn of more than 360° | gravity in the acceleration signal |
+//! | [`latency`] | the gripper alone under fast sines | how late torque and acceleration come |
+//! | [`gripper`] | the gripper alone under a sweep | its inertia |
+//!
+//! They build on one another in this order. A capture is taken as the sensors gave it: whatever a
+//! calibration is to find is never corrected by what was believed before.
+
+mod combine;
+mod estimate;
+mod gravity;
+mod gripper;
+mod latency;
+mod regression;
+mod zero;
+
+pub use combine::combine;
+pub use estimate::{CalibrateError, Calibrated, Estimate};
+pub use gravity::gravity;
+pub use gripper::gripper;
+pub use latency::latency;
+pub use zero::zero;

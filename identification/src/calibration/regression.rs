@@ -1,0 +1,99 @@
+//! A linear relation between signals of a capture, solved in a band, with intervals that hold.
+
+use nalgebra::DMatrix;
+
+use crate::filter::butterworth_low_pass;
+use crate::least_squares::LeastSquares;
+use crate::motion::{ROWS_PER_EDGE, rms};
+use crate::report::critical_value;
+use crate::spectrum::median;
+
+/// Rows further from the relation than this many standard deviations are left out: a knob that breaks
+/// loose shakes the rig.
+const OUTLIER: f64 = 5.0;
+/// Rounds after which the outliers are what they are.
+const ROUNDS: usize = 5;
+/// Time at each end that the filter needs to settle, in periods of the band's edge.
+const SETTLING: f64 = 2.0;
+
+/// The band in which a relation is solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Band {
+    pub(super) edge_hz: f64,
+    pub(super) rate_hz: f64,
+}
+
+/// A solved relation target = Σ coefficient · column.
+#[derive(Clone, Debug)]
+pub(super) struct Solved {
+    pub(super) coefficients: Vec<f64>,
+    covariance: DMatrix<f64>,
+    critical: f64,
+    /// RMS of what the relation leaves over RMS of the target.
+    pub(super) unexplained: f64,
+}
+
+impl Solved {
+    /// Half width of the 95 % interval of a quantity with the given derivatives by the coefficients.
+    pub(super) fn half_width(&self, derivatives: &[f64]) -> f64 {
+        let mut variance = 0.0;
+        for (row, left) in derivatives.iter().enumerate() {
+            for (column, right) in derivatives.iter().enumerate() {
+                variance += left * self.covariance[(row, column)] * right;
+            }
+        }
+        self.critical * variance.max(0.0).sqrt()
+    }
+}
+
+impl Band {
+    /// The signal below the band's edge, without phase shift.
+    pub(super) fn smooth(&self, signal: &[f64]) -> Vec<f64> {
+        butterworth_low_pass(4, self.edge_hz, self.rate_hz)
+            .map_or_else(|_| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
+    }
+
+    /// Solves for columns and a target that lie in the band already.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "a number of samples"
+    )]
+    pub(super) fn solve(&self, columns: &[Vec<f64>], target: &[f64]) -> Solved {
+        let step = (self.rate_hz / (ROWS_PER_EDGE * self.edge_hz)).floor().max(1.0) as usize;
+        let settling = ((SETTLING * self.rate_hz / self.edge_hz) as usize).min(target.len() / 4);
+        let rows = |signal: &[f64]| -> Vec<f64> {
+            signal[settling..signal.len() - settling].iter().step_by(step).copied().collect()
+        };
+        let mut columns: Vec<Vec<f64>> = columns.iter().map(|column| rows(column)).collect();
+        let mut target = rows(target);
+        let free = vec![false; columns.len()];
+        let mut solution = LeastSquares::solve(&columns, &target, &free);
+        let mut used = target.len();
+        for _ in 0..ROUNDS {
+            let mut distances: Vec<f64> = solution.residual.iter().map(|left| left.abs()).collect();
+            let limit = OUTLIER * median(&mut distances) / 0.6745;
+            let outliers: Vec<usize> =
+                (0..target.len()).filter(|row| solution.residual[*row].abs() > limit).collect();
+            if outliers.is_empty() || used < outliers.len() + target.len() / 2 {
+                break;
+            }
+            used -= outliers.len();
+            // A row of zeros takes no part and keeps the others at their distance in time.
+            for row in outliers {
+                target[row] = 0.0;
+                columns.iter_mut().for_each(|column| column[row] = 0.0);
+            }
+            solution = LeastSquares::solve(&columns, &target, &free);
+        }
+        let (covariance, bandwidth_share) = solution.robust_covariance(&columns);
+        let unexplained = rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE);
+        Solved {
+            coefficients: solution.coefficients,
+            covariance,
+            critical: critical_value(bandwidth_share),
+            unexplained,
+        }
+    }
+}

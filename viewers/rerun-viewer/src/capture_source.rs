@@ -1,0 +1,157 @@
+//! A finished capture as a source: all of its samples, and the model that the whole of it gives.
+
+use std::path::Path;
+
+use archive::{Capture, attachment};
+use dynamics::{Calibration, Model, Motion};
+use identification::{Fit, FitOptions, Samples};
+
+use crate::capture_summary;
+use crate::layout::Subject;
+use crate::model_torque::KnobModel;
+use crate::source::{Event, ModelTorque, Reading, Source};
+
+/// Samples handed over at once: 2 s at 10 kHz.
+const SAMPLES_PER_POLL: usize = 20_000;
+/// Time over which the direction of turning is told where a table has no velocity, s.
+const DIRECTION_SPAN_S: f64 = 0.01;
+
+/// A capture, read and fitted.
+pub struct CaptureSource {
+    capture: Capture,
+    calibration: Option<Calibration>,
+    /// The fit, or one sentence on why there is none.
+    fit: Result<Fit, String>,
+    next_row: usize,
+    ended: bool,
+}
+
+impl CaptureSource {
+    /// Reads a capture and fits it; a capture that cannot be fitted is shown without a model.
+    ///
+    /// # Errors
+    /// One sentence on what is wrong with the file.
+    pub fn open(path: &Path) -> anyhow::Result<Self> {
+        let capture = Capture::load(path)?;
+        let calibration = capture
+            .attached_text(attachment::CALIBRATION)
+            .filter(|text| !text.is_empty())
+            .map(Calibration::from_toml)
+            .transpose();
+        let (calibration, fit) = match calibration {
+            Ok(calibration) => {
+                let options = FitOptions { calibration: calibration.clone(), ..FitOptions::default() };
+                let fit = identification::fit(&columns(&capture), &options).map_err(|error| error.to_string());
+                (calibration, fit)
+            }
+            Err(error) => (None, Err(error.to_string())),
+        };
+        Ok(Self { capture, calibration, fit, next_row: 0, ended: false })
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.capture.len()
+    }
+
+    /// What is laid out: the columns that the capture has.
+    pub fn subject(&self) -> Subject {
+        Subject::Capture {
+            velocity: self.capture.velocity_rad_s.is_some(),
+            acceleration: self.capture.acceleration_rad_s2.is_some(),
+        }
+    }
+
+    fn readings(&self, rows: std::ops::Range<usize>) -> Vec<Reading> {
+        let Capture { t_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, .. } = &self.capture;
+        let or_nan = |column: &Option<Vec<f64>>, row: usize| column.as_ref().map_or(f64::NAN, |column| column[row]);
+        rows.map(|row| Reading {
+            time_ns: nanoseconds(t_s[row]),
+            angle_rad: angle_rad[row],
+            velocity_rad_s: or_nan(velocity_rad_s, row),
+            acceleration_rad_s2: or_nan(acceleration_rad_s2, row),
+            torque_mnm: torque_mnm[row],
+            turning_positive: self.turning_positive(row),
+        })
+        .collect()
+    }
+
+    /// From the velocity, or else from the angle shortly before and shortly after.
+    fn turning_positive(&self, row: usize) -> bool {
+        let Capture { rate_hz, angle_rad, velocity_rad_s, .. } = &self.capture;
+        if let Some(velocity_rad_s) = velocity_rad_s {
+            return velocity_rad_s[row] > 0.0;
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+        let reach = ((DIRECTION_SPAN_S / 2.0 * rate_hz) as usize).max(1);
+        let last = angle_rad.len() - 1;
+        angle_rad[(row + reach).min(last)] > angle_rad[row.saturating_sub(reach)]
+    }
+}
+
+impl Source for CaptureSource {
+    fn poll(&mut self, _samples_wanted: bool, take_in: &mut dyn FnMut(Event<'_>)) -> anyhow::Result<()> {
+        if self.ended {
+            return Ok(());
+        }
+        if self.next_row == 0 {
+            take_in(Event::Text(&capture_summary::markdown(&self.capture, &self.fit)));
+        }
+        let end = (self.next_row + SAMPLES_PER_POLL).min(self.capture.len());
+        take_in(Event::Readings(&self.readings(self.next_row..end)));
+        self.next_row = end;
+        if end == self.capture.len() {
+            if let Ok(fit) = &self.fit {
+                let calibration = self.calibration.as_ref();
+                take_in(Event::Model { model: curves(fit, calibration), torque: &torque(fit, calibration) });
+            }
+            take_in(Event::End);
+            self.ended = true;
+        }
+        Ok(())
+    }
+
+    fn can_wait(&self) -> bool {
+        true
+    }
+}
+
+fn columns(capture: &Capture) -> Samples<'_> {
+    Samples {
+        t_s: &capture.t_s,
+        angle_rad: &capture.angle_rad,
+        velocity_rad_s: capture.velocity_rad_s.as_deref(),
+        acceleration_rad_s2: capture.acceleration_rad_s2.as_deref(),
+        torque_mnm: &capture.torque_mnm,
+    }
+}
+
+/// The model for the curves over angle and velocity.
+fn curves(fit: &Fit, calibration: Option<&Calibration>) -> KnobModel {
+    let knob = KnobModel::from_told(|name| fit.parameters.get(name)?.value);
+    calibration.map_or(knob, |known| knob.on_rig(known))
+}
+
+/// The torque of the effects as fitted, at the motion that the fit made out; nothing where the knob may stick.
+fn torque(fit: &Fit, calibration: Option<&Calibration>) -> Vec<ModelTorque> {
+    let zero_mnm = calibration.map_or(0.0, |known| known.torque_zero_mnm);
+    let model = Model { name: String::new(), description: String::new(), effects: fit.effects().to_vec() };
+    let at = |point: &identification::Point| Motion {
+        time_s: point.t_s,
+        angle_rad: point.angle_rad,
+        velocity_rad_s: point.velocity_rad_s,
+        acceleration_rad_s2: point.acceleration_rad_s2,
+    };
+    fit.points
+        .iter()
+        .map(|point| ModelTorque {
+            time_ns: nanoseconds(point.t_s),
+            torque_mnm: model.torque_mnm(&at(point)) + zero_mnm,
+        })
+        .collect()
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "a capture would have to last 292 years")]
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}

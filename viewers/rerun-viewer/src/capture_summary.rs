@@ -1,0 +1,148 @@
+//! The text beside the plots of a finished capture: what it is, and what the fit tells.
+
+use std::fmt::Write as _;
+
+use archive::Capture;
+use identification::{Fit, Parameter};
+
+use crate::summary::{alarmed, grouped, knob_title, three_digits, with_half_width};
+
+/// Largest difference between the halves of an interval that is written as value ± half width, as a share of it.
+const SYMMETRIC: f64 = 0.01;
+
+/// The text as Markdown; `fit` is the fit, or one sentence on why there is none.
+pub fn markdown(capture: &Capture, fit: &Result<Fit, String>) -> String {
+    // Writing to a String does not fail.
+    let mut text = String::new();
+    head(&mut text, capture);
+    match fit {
+        Ok(fit) => parameters(&mut text, fit),
+        Err(reason) => {
+            let _ = writeln!(text, "**No model:** {reason}\n");
+        }
+    }
+    ranges(&mut text, capture);
+    if let Ok(fit) = fit {
+        remarks(&mut text, fit);
+    }
+    text
+}
+
+fn head(text: &mut String, capture: &Capture) {
+    let file = capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let rate = rate(capture.rate_hz);
+    match &capture.description {
+        Some(run) => {
+            let _ = writeln!(text, "# {}\n\non **{}**, {rate}\n", knob_title(&run.knob), run.apparatus);
+            let _ = writeln!(text, "{file}\n");
+        }
+        None => {
+            let _ = writeln!(text, "# {file}\n\ntable, {rate}\n");
+        }
+    }
+    let duration_s = capture.t_s.last().zip(capture.t_s.first()).map_or(0.0, |(last, first)| last - first);
+    let _ = writeln!(text, "### {duration_s:.1} s \u{2014} {} samples\n", grouped(capture.len() as u64));
+    let absent = capture.ticks_without_sample();
+    if absent > 0 {
+        let _ = writeln!(text, "{} ticks without a sample\n", alarmed(absent));
+    }
+}
+
+/// In whole Hz or in kHz with as many digits as it has.
+fn rate(rate_hz: f64) -> String {
+    if rate_hz < 1_000.0 { format!("{rate_hz:.0} Hz") } else { format!("{} kHz", (rate_hz.round() / 1_000.0)) }
+}
+
+fn parameters(text: &mut String, fit: &Fit) {
+    let _ = writeln!(text, "| parameter | value ± 95 % | unit |\n|---|---:|---|");
+    for parameter in &fit.parameters.0 {
+        let name = parameter.name.replace('_', " ");
+        let _ = writeln!(text, "| {name} | {} | {} |", value_and_interval(parameter), parameter.unit);
+    }
+    let _ = writeln!(
+        text,
+        "\nresidual **{:.3} mNm** RMS, {:.2} % of the torque\n",
+        fit.residual_rms_mnm, fit.relative_error_percent
+    );
+}
+
+/// `2.301 ± 0.012`; an interval that lies unevenly about its value with both ends.
+fn value_and_interval(parameter: &Parameter) -> String {
+    match (parameter.value, parameter.ci95) {
+        (None, _) => "*cannot be told*".to_owned(),
+        (Some(value), None) => three_digits(value),
+        (Some(value), Some([low, high])) => {
+            let half_width = (high - low) / 2.0;
+            if ((high - value) - (value - low)).abs() <= SYMMETRIC * half_width {
+                return with_half_width(value, half_width);
+            }
+            format!("{} ({} to {})", three_digits(value), three_digits(low), three_digits(high))
+        }
+    }
+}
+
+fn ranges(text: &mut String, capture: &Capture) {
+    let columns = [
+        ("angle_rad", Some(&capture.angle_rad)),
+        ("velocity_rad_s", capture.velocity_rad_s.as_ref()),
+        ("acceleration_rad_s2", capture.acceleration_rad_s2.as_ref()),
+        ("torque_mnm", Some(&capture.torque_mnm)),
+    ];
+    let _ = writeln!(text, "| signal | from | to |\n|---|---:|---:|");
+    for (name, column) in columns.into_iter().filter_map(|(name, column)| Some((name, column?))) {
+        let low = column.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let _ = writeln!(text, "| {name} | {} | {} |", three_digits(low), three_digits(high));
+    }
+    text.push('\n');
+}
+
+/// Why parameters cannot be told, those with the same reason together, and what else is to be known.
+fn remarks(text: &mut String, fit: &Fit) {
+    let mut reasons: Vec<(Vec<String>, &str)> = Vec::new();
+    for parameter in &fit.parameters.0 {
+        let Some(reason) = &parameter.reason else { continue };
+        let name = parameter.name.replace('_', " ");
+        match reasons.iter_mut().find(|(_, known)| known == reason) {
+            Some((names, _)) => names.push(name),
+            None => reasons.push((vec![name], reason)),
+        }
+    }
+    for (names, reason) in reasons {
+        let _ = writeln!(text, "- **{}**: {reason}", names.join(", "));
+    }
+    for note in &fit.notes {
+        let _ = writeln!(text, "- {note}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(value: Option<f64>, ci95: Option<[f64; 2]>) -> Parameter {
+        Parameter { name: "inertia", value, unit: "mNm s²/rad", ci95, ci95_textbook: None, reason: None }
+    }
+
+    #[test]
+    fn an_interval_that_ends_at_zero_is_written_with_both_ends() {
+        let held = parameter(Some(0.0), Some([0.0, 0.25]));
+        assert_eq!(value_and_interval(&held), "0.000 (0.000 to 0.250)");
+        assert_eq!(value_and_interval(&parameter(Some(2.3), Some([2.288, 2.312]))), "2.300 ± 0.012");
+        assert_eq!(value_and_interval(&parameter(None, None)), "*cannot be told*");
+    }
+
+    #[test]
+    fn a_rate_is_written_without_idle_digits() {
+        assert_eq!([10_000.0, 1_024.0, 66.67].map(rate), ["10 kHz", "1.024 kHz", "67 Hz"]);
+    }
+
+    #[test]
+    fn a_capture_without_a_model_says_why_and_still_shows_its_ranges() {
+        let capture = Capture::from_columns(1_000.0, vec![0.0, 0.1, 0.2], vec![-1.0, 0.0, 3.0]);
+        let text = markdown(&capture, &Err("the knob did not move; excite it with a sweep".to_owned()));
+        assert!(text.contains("**No model:** the knob did not move; excite it with a sweep"));
+        assert!(text.contains("| torque_mnm | \u{2212}1.00 | 3.00 |"));
+        assert!(!text.contains("velocity_rad_s"));
+    }
+}
