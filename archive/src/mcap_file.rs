@@ -8,8 +8,8 @@ use std::path::Path;
 use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use shared_types::{LoopState, RunDescription};
 use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
+use shared_types::{LoopState, RunDescription};
 
 use crate::capture::Capture;
 use crate::channels::ChannelDefinition;
@@ -272,9 +272,7 @@ impl Rows {
                 commanded_angle,
                 commanded_torque,
             } = &mut self;
-            for column in
-                [angle_rad, velocity, acceleration, torque_mnm, commanded_angle, commanded_torque]
-            {
+            for column in [angle_rad, velocity, acceleration, torque_mnm, commanded_angle, commanded_torque] {
                 column.pop();
             }
             seq.pop();

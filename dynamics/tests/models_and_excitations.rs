@@ -73,7 +73,11 @@ fn every_excitation_starts_at_zero_and_its_derivatives_are_those_of_its_value() 
                 "{name} at {t} s: acceleration {acceleration} against {}",
                 here.acceleration
             );
-            assert!(here.value.abs() <= 1.05 * sweep.amplitude, "{name} exceeds its amplitude at {t} s: {}", here.value);
+            assert!(
+                here.value.abs() <= 1.05 * sweep.amplitude,
+                "{name} exceeds its amplitude at {t} s: {}",
+                here.value
+            );
         }
     }
 }

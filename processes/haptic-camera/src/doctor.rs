@@ -36,7 +36,10 @@ pub fn run() -> anyhow::Result<Outcome> {
     say(table);
     let amiss = findings.iter().filter(|finding| !finding.good).count();
     if amiss > 0 {
-        say(format!("{amiss} of {} points are amiss; a capture runs all the same unless programs are missing", findings.len()));
+        say(format!(
+            "{amiss} of {} points are amiss; a capture runs all the same unless programs are missing",
+            findings.len()
+        ));
         return Ok(Outcome::Failed);
     }
     Ok(Outcome::Done)
@@ -104,16 +107,16 @@ fn leftovers() -> Finding {
     let count = files_in_shared_memory(&rig::runtime_dir()).len();
     let found = match count {
         0 => "nothing of this rig lies in shared memory".to_owned(),
-        _ => format!("{count} files of this rig lie in shared memory: a capture is running, or one was killed (the next one clears it)"),
+        _ => format!(
+            "{count} files of this rig lie in shared memory: a capture is running, or one was killed (the next one clears it)"
+        ),
     };
     Finding { subject: "rig", good: true, found }
 }
 
 fn programs() -> Finding {
-    let missing: Vec<&str> = PROGRAMS
-        .into_iter()
-        .filter(|name| !program_path(name).is_ok_and(|path| path.exists()))
-        .collect();
+    let missing: Vec<&str> =
+        PROGRAMS.into_iter().filter(|name| !program_path(name).is_ok_and(|path| path.exists())).collect();
     let found = if missing.is_empty() {
         "all there".to_owned()
     } else {

@@ -4,9 +4,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use consumer::{Health, Stop};
-use shared_types::services::{
-    self, FIT_UPDATES, MessagePublisher, PROCESS_HEALTH, RigNode, SampleSubscriber,
-};
+use shared_types::services::{self, FIT_UPDATES, MessagePublisher, PROCESS_HEALTH, RigNode, SampleSubscriber};
 use shared_types::{FitUpdate, ProcessHealth, ProcessKind, RunDescription, Sample};
 
 /// The newest sample that was taken.

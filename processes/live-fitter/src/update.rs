@@ -68,13 +68,7 @@ fn told(parameter: &LiveParameter) -> Estimate {
 }
 
 fn absent() -> Estimate {
-    Estimate {
-        value: f64::NAN,
-        ci95_low: f64::NAN,
-        ci95_high: f64::NAN,
-        verdict: Verdict::Absent.code(),
-        reserved: 0,
-    }
+    Estimate { value: f64::NAN, ci95_low: f64::NAN, ci95_high: f64::NAN, verdict: Verdict::Absent.code(), reserved: 0 }
 }
 
 /// CPU time of this thread so far, ns.

@@ -37,7 +37,8 @@ fn run(options: &Options) -> anyhow::Result<()> {
     let stop_signal = stop_signal()?;
     let plan = Plan::new(options)?;
     let _lock = RigLock::take()?;
-    let control = ControlState::new(plan.control, &plan.rig.calibration).context("the rate is too low for the filters")?;
+    let control =
+        ControlState::new(plan.control, &plan.rig.calibration).context("the rate is too low for the filters")?;
     let description = RunDescription {
         run_id: wall_clock_time_ns() ^ (u64::from(std::process::id()) << 32),
         software_version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -65,8 +65,8 @@ impl Servo {
     /// A servo at rest; `None` when the rate is too low for its filters.
     pub(super) fn new(gains: ServoGains, calibration: &Calibration, rate_hz: f64) -> Option<Self> {
         // Whatever the knob, the shaft resonates at √(k/J) of the motor's side or above.
-        let resonance_hz = (calibration.torque_sensor_stiffness_mnm_rad / calibration.motor_inertia).sqrt()
-            / std::f64::consts::TAU;
+        let resonance_hz =
+            (calibration.torque_sensor_stiffness_mnm_rad / calibration.motor_inertia).sqrt() / std::f64::consts::TAU;
         Some(Self {
             gains,
             rig_inertia: calibration.motor_inertia + calibration.gripper_inertia,
@@ -93,8 +93,7 @@ impl Servo {
         let feedback_mnm = gains.proportional_mnm_rad * behind_rad
             + gains.derivative_mnm_s_rad * (setpoint.rate - velocity_rad_s)
             + self.integral_mnm;
-        let load_mnm =
-            measurement.torque_mnm - self.torque_zero_mnm - self.gripper_inertia * setpoint.acceleration;
+        let load_mnm = measurement.torque_mnm - self.torque_zero_mnm - self.gripper_inertia * setpoint.acceleration;
         self.rig_inertia * setpoint.acceleration
             + self.notch.run(feedback_mnm)
             + gains.load_share * self.load.run(load_mnm)
@@ -109,7 +108,8 @@ fn notch(frequency_hz: f64, depth: f64, width: f64, rate_hz: f64) -> Option<Coef
         return None;
     }
     let k = (std::f64::consts::PI * frequency_hz / rate_hz).tan();
-    let polynomial = |damping: f64| [1.0 + 2.0 * damping * k + k * k, 2.0 * (k * k - 1.0), 1.0 - 2.0 * damping * k + k * k];
+    let polynomial =
+        |damping: f64| [1.0 + 2.0 * damping * k + k * k, 2.0 * (k * k - 1.0), 1.0 - 2.0 * damping * k + k * k];
     let (zeros, poles) = (polynomial(depth), polynomial(width));
     Some(Coefficients {
         b0: zeros[0] / poles[0],

@@ -5,4 +5,4 @@ mod permission;
 mod tick_loop;
 
 pub use permission::{Permission, WakefulProcessors, keep_off_core, last_core};
-pub use tick_loop::{LoopEnds, LoopPort, SharedState, TickLoop};
+pub use tick_loop::{LoopPort, SharedState, TickLoop};

@@ -52,7 +52,7 @@ impl SharedState {
 
 /// The loop's ends of the rings.
 #[derive(Debug)]
-pub struct LoopEnds {
+struct LoopEnds {
     samples: Producer<Sample>,
     requests: Consumer<Request>,
 }
