@@ -100,3 +100,21 @@ fn a_knob_that_runs_away_ends_in_a_recorded_fault_and_exit_status_1() {
     assert_eq!(*capture.commanded_torque_mnm.unwrap().last().unwrap(), 0.0, "torque-free in the very sample");
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
+
+#[test]
+fn without_real_time_permission_a_capture_runs_all_the_same_and_is_marked() {
+    let bench = Bench::new().unwrap();
+    let plain = bench.command(&["capture", "--duration-s", "2", "--no-viewer", "--out", "out"]).unwrap();
+    // Root without the capabilities that real time takes is like an ordinary user.
+    let mut command = std::process::Command::new("setpriv");
+    command.args(["--bounding-set", "-sys_nice,-ipc_lock,-sys_resource", "--"]).arg(plain.get_program());
+    command.args(plain.get_args()).current_dir(plain.get_current_dir().unwrap());
+    command.env(shared_types::rig::RUNTIME_DIR_VARIABLE, bench.path("rig"));
+    let output = command.output().unwrap();
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{}", printed(&output));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("without full real-time permission"), "{said}");
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    let granted = capture.description.unwrap().realtime;
+    assert_eq!(granted & shared_types::realtime::FIFO, 0, "the archive says so");
+}

@@ -13,9 +13,10 @@ use crate::outcome::Outcome;
 pub fn run(options: &ViewOptions) -> anyhow::Result<Outcome> {
     let mut command = std::process::Command::new(program_path("rerun-viewer")?);
     command.arg(if options.native { "--native" } else { "--web" });
-    if let Some(capture) = &options.capture {
-        command.arg("--capture").arg(capture);
-    }
+    match &options.capture {
+        Some(capture) => command.arg("--capture").arg(capture),
+        None => command.arg("--foreground"),
+    };
     let status = command.status().context("the viewer cannot be started; build the whole workspace")?;
     Ok(if status.success() { Outcome::Done } else { Outcome::Failed })
 }

@@ -127,9 +127,9 @@ fn columns(capture: &Capture) -> Samples<'_> {
 }
 
 /// The model for the curves over angle and velocity.
-fn curves(fit: &Fit, calibration: Option<&Calibration>) -> KnobModel {
-    let knob = KnobModel::from_told(|name| fit.parameters.get(name)?.value);
-    calibration.map_or(knob, |known| knob.on_rig(known))
+fn curves(fit: &Fit, calibration: Option<&Calibration>) -> Option<KnobModel> {
+    let knob = KnobModel::from_told(|name| fit.parameters.get(name)?.value)?;
+    Some(calibration.map_or(knob, |known| knob.on_rig(known)))
 }
 
 /// The torque of the effects as fitted, at the motion that the fit made out; nothing where the knob may stick.
@@ -154,4 +154,66 @@ fn torque(fit: &Fit, calibration: Option<&Calibration>) -> Vec<ModelTorque> {
 #[allow(clippy::cast_possible_truncation, reason = "a capture would have to last 292 years")]
 fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test")]
+mod tests {
+    use std::io::Write as _;
+
+    use super::*;
+
+    /// What a source gives until it ends: readings, model torques and the text.
+    fn everything(source: &mut CaptureSource) -> (Vec<Reading>, Vec<ModelTorque>, String) {
+        let (mut readings, mut torques, mut text, mut ended) = (Vec::new(), Vec::new(), String::new(), false);
+        while !ended {
+            let mut take_in = |event: Event<'_>| match event {
+                Event::Readings(more) => readings.extend_from_slice(more),
+                Event::Model { torque, .. } => torques.extend_from_slice(torque),
+                Event::Text(told) => told.clone_into(&mut text),
+                Event::End => ended = true,
+                _ => {}
+            };
+            source.poll(true, &mut take_in).unwrap();
+        }
+        (readings, torques, text)
+    }
+
+    fn table(rows: impl Iterator<Item = (f64, f64, f64)>) -> tempfile::NamedTempFile {
+        let mut file = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
+        writeln!(file, "t_s,angle_rad,torque_mnm").unwrap();
+        rows.for_each(|(t_s, angle_rad, torque_mnm)| writeln!(file, "{t_s},{angle_rad},{torque_mnm}").unwrap());
+        file.flush().unwrap();
+        file
+    }
+
+    #[test]
+    fn a_table_is_shown_whole_with_the_torque_of_its_model() {
+        // Inertia 0.2 mNm s²/rad and 4 mNm of Coulomb friction, turned to and fro at 3 rad/s for 50 s.
+        let rows = (0..50_000).map(|row| {
+            let t_s = f64::from(row) / 1_000.0;
+            let (sine, cosine) = (3.0 * t_s).sin_cos();
+            (t_s, sine, -0.2 * 9.0 * sine + 4.0 * cosine.signum())
+        });
+        let mut source = CaptureSource::open(table(rows).path()).unwrap();
+        assert_eq!(source.subject(), Subject::Capture { velocity: false, acceleration: false });
+        let (readings, torques, text) = everything(&mut source);
+        assert_eq!(readings.len(), 50_000);
+        assert!(readings.iter().zip(0..).all(|(reading, row)| reading.time_ns == row * 1_000_000));
+        assert!(readings[100].turning_positive && !readings[1_000].turning_positive);
+        assert!(!torques.is_empty());
+        for moment in torques {
+            let row = usize::try_from(moment.time_ns).unwrap() / 1_000_000;
+            assert!((moment.torque_mnm - readings[row].torque_mnm).abs() < 0.1, "at row {row}");
+        }
+        assert!(text.contains("| inertia | 0.200"), "{text}");
+    }
+
+    #[test]
+    fn a_capture_that_cannot_be_fitted_is_shown_alone_with_the_reason() {
+        let still = (0..1_000).map(|row| (f64::from(row) / 1_000.0, 0.5, f64::from(row % 3)));
+        let (readings, torques, text) = everything(&mut CaptureSource::open(table(still).path()).unwrap());
+        assert_eq!((readings.len(), torques.len()), (1_000, 0));
+        assert!(text.contains("**No model:** the knob did not move"), "{text}");
+    }
 }

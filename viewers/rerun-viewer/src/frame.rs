@@ -2,6 +2,7 @@
 
 use shared_types::LoopStatus;
 
+use crate::decimation::Points;
 use crate::scatter::PlotUpdate;
 
 /// Everything that is new since the frame before; a frame that is dropped is only missed.
@@ -32,6 +33,14 @@ pub struct SeriesRows {
     pub values: Vec<f64>,
     /// Values in a row, at least one.
     pub values_per_row: usize,
+}
+
+impl SeriesRows {
+    /// One value a row; `None` when there are no points.
+    pub fn of_points(entity: String, points: Points) -> Option<Self> {
+        let Points { times_ns, values } = points;
+        (!times_ns.is_empty()).then_some(Self { entity, times_ns, values, values_per_row: 1 })
+    }
 }
 
 /// The control loop's lateness so far.

@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! rig ──► source ──► picture ──► outbox ──► screen ──► web page | window | file
-//!         20 ms      100 ms      drops      a thread of its own,
+//!         20 ms      250 ms      drops      a thread of its own,
 //!         polls      frames      oldest     may stall as it likes
 //! ```
 //!
@@ -41,6 +41,8 @@ pub mod rig_source;
 pub mod scatter;
 pub mod screen;
 pub mod series_styles;
+pub mod signals;
 pub mod source;
 pub mod summary;
+pub mod waiting_rows;
 pub mod web_page;

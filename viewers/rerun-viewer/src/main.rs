@@ -1,5 +1,6 @@
 //! The process `rerun-viewer`; see the library for what it reads, shows and survives.
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,11 +21,11 @@ use rerun_viewer::source::Source;
 /// How often shared memory is looked at.
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// How often a frame goes to the screen.
-const FRAME_PERIOD: Duration = Duration::from_millis(100);
+const FRAME_PERIOD: Duration = Duration::from_millis(250);
 /// Exit status when a file was written but lacks something.
 const EXIT_DATA_LOST: i32 = 3;
 /// Frames that may wait for a stalled screen: 10 s.
-const OUTBOX_FRAMES: usize = 100;
+const OUTBOX_FRAMES: usize = 40;
 
 fn main() -> ExitCode {
     match show(&Arguments::parse()) {
@@ -55,6 +56,10 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
     let shown = screen.show_from(Arc::clone(&outbox))?;
     follow(source, picture, &outbox, &stop, ends_with_run)?;
+    if in_foreground && subject == Subject::Live {
+        // There is no supervisor to do it.
+        shared_types::clean_up::clear_shared_memory()?;
+    }
 
     // rerun waits without limit when it is dropped, so it is given a time and then left behind.
     outbox.close();
@@ -77,9 +82,16 @@ fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subj
     let Some(path) = &arguments.capture else {
         return Ok((Box::new(RigSource::attach(arguments.restarts)?), Picture::default(), Subject::Live));
     };
+    if let Some(file) = arguments.save.as_deref().filter(|file| is_same_file(file, path)) {
+        anyhow::bail!("{} is the capture itself; give --save another name", file.display());
+    }
     let capture = CaptureSource::open(path)?;
     let (picture, subject) = (Picture::of_capture(capture.samples()), capture.subject());
     Ok((Box::new(capture), picture, subject))
+}
+
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
 }
 
 /// Turns what the source gives into frames until told to stop.

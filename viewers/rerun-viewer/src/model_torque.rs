@@ -4,19 +4,22 @@
 //! τ = M·θ̈ + [θ̇<0]·(−C₋ + B₋·θ̇) + [θ̇>0]·(C₊ + B₊·θ̇) + A·sin(θ/P + S)
 //! ```
 //!
-//! A term whose parameters the data cannot tell is left out. On a rig the torque sensor also bears
-//! the gripper and has a zero of its own, see [`KnobModel::on_rig`].
+//! A term whose parameters the data cannot tell is left out; where that is Coulomb friction there is
+//! no torque for turning in its direction. On a rig the torque sensor also bears the gripper and has
+//! a zero of its own, see [`KnobModel::on_rig`].
 
 use dynamics::Calibration;
 use shared_types::{Estimate, FitUpdate, Verdict};
+
+use crate::entities::PARAMETERS;
 
 /// Equation 1 with the parameters of one fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnobModel {
     /// M, mNm s²/rad.
     inertia: f64,
-    negative: Friction,
-    positive: Friction,
+    negative: Option<Friction>,
+    positive: Option<Friction>,
     detent: Option<Detent>,
     /// What the torque sensor reads with nothing attached, mNm.
     zero_mnm: f64,
@@ -43,23 +46,25 @@ impl KnobModel {
     pub fn from_fit(fit: &FitUpdate) -> Option<Self> {
         let estimates = fit.estimates();
         let value = |name: &str| estimates.iter().find(|(known, _)| *known == name).and_then(|(_, found)| told(found));
-        estimates.iter().any(|(name, _)| value(name).is_some()).then(|| Self::from_told(value))
+        Self::from_told(value)
     }
 
-    /// The model of the parameters that `told` has a value for, by their standard names.
-    pub fn from_told(told: impl Fn(&str) -> Option<f64>) -> Self {
+    /// The model of the parameters that `told` has a value for, by their standard names; `None` if it has none.
+    pub fn from_told(told: impl Fn(&str) -> Option<f64>) -> Option<Self> {
         let or_zero = |name: &str| told(name).unwrap_or(0.0);
+        let friction =
+            |coulomb: &str, viscous: &str| Some(Friction { coulomb: told(coulomb)?, viscous: or_zero(viscous) });
         let detent = match (told("detent_amplitude"), told("detent_period"), told("detent_phase")) {
             (Some(amplitude), Some(period), Some(phase)) if period != 0.0 => Some(Detent { amplitude, period, phase }),
             _ => None,
         };
-        Self {
+        PARAMETERS.iter().any(|(name, _)| told(name).is_some()).then(|| Self {
             inertia: or_zero("inertia"),
-            negative: Friction { coulomb: or_zero("coulomb_negative"), viscous: or_zero("viscous_negative") },
-            positive: Friction { coulomb: or_zero("coulomb_positive"), viscous: or_zero("viscous_positive") },
+            negative: friction("coulomb_negative", "viscous_negative"),
+            positive: friction("coulomb_positive", "viscous_positive"),
             detent,
             zero_mnm: 0.0,
-        }
+        })
     }
 
     /// The model as the rig's torque sensor reads it: with the gripper and the sensor's zero.
@@ -72,7 +77,7 @@ impl KnobModel {
         }
     }
 
-    /// The whole torque, mNm.
+    /// The whole torque, mNm; NaN where the friction cannot be told.
     pub fn torque_mnm(&self, angle_rad: f64, velocity_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
         self.zero_mnm
             + self.inertia * acceleration_rad_s2
@@ -85,12 +90,17 @@ impl KnobModel {
         self.zero_mnm
     }
 
-    /// Friction torque, mNm; none at rest.
+    /// Friction torque, mNm; none at rest, NaN where it cannot be told.
     pub fn friction_mnm(&self, velocity_rad_s: f64) -> f64 {
+        let sliding = |friction: Option<Friction>| {
+            friction.map_or(f64::NAN, |Friction { coulomb, viscous }| {
+                coulomb * velocity_rad_s.signum() + viscous * velocity_rad_s
+            })
+        };
         if velocity_rad_s < 0.0 {
-            -self.negative.coulomb + self.negative.viscous * velocity_rad_s
+            sliding(self.negative)
         } else if velocity_rad_s > 0.0 {
-            self.positive.coulomb + self.positive.viscous * velocity_rad_s
+            sliding(self.positive)
         } else {
             0.0
         }
@@ -167,6 +177,16 @@ mod tests {
         let model = KnobModel::from_fit(&fit).unwrap();
         assert_eq!(model.torque_mnm(0.1, 1.0, 1_000.0), 2.3 - 0.24);
         assert_eq!(model.detent_spacing_rad(), None);
+    }
+
+    #[test]
+    #[allow(clippy::unwrap_used, reason = "test")]
+    fn turning_in_a_direction_whose_friction_cannot_be_told_has_no_torque() {
+        let mut fit = knob_three();
+        fit.coulomb_negative.verdict = Verdict::NotYet.code();
+        let model = KnobModel::from_fit(&fit).unwrap();
+        assert!(model.torque_mnm(0.1, -2.0, 100.0).is_nan());
+        assert!(model.torque_mnm(0.1, 2.0, 100.0).is_finite());
     }
 
     #[test]

@@ -103,6 +103,17 @@ mod tests {
     }
 
     #[test]
+    fn whoever_can_wait_is_told_that_the_outbox_is_full_before_anything_is_lost() {
+        let outbox = Outbox::new(2);
+        while !outbox.is_full() {
+            outbox.push('a');
+        }
+        assert_eq!(outbox.dropped(), 0);
+        assert_eq!(outbox.take(Duration::ZERO), Taken::Item('a'));
+        assert!(!outbox.is_full());
+    }
+
+    #[test]
     fn frames_that_wait_are_still_shown_after_closing() {
         let outbox = Outbox::new(3);
         outbox.push('a');

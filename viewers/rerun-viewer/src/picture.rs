@@ -7,18 +7,15 @@ use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample}
 
 use crate::consumers::Consumers;
 use crate::decimation::{Decimator, Keep};
-use crate::entities::{self, HEALTH, MODEL_TORQUE, SIGNALS};
-use crate::extremes::Extremes;
+use crate::entities::{self, HEALTH};
 use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::model_torque::{KnobModel, told};
 use crate::scatter::{Abscissa, Scatter, ScatterPoint};
+use crate::signals::Signals;
 use crate::source::{Event, Reading};
 use crate::summary;
+use crate::waiting_rows::WaitingRows;
 
-/// Two points a bin give at most 500 points a second of each signal.
-const SIGNAL_BIN_NS: i64 = 4_000_000;
-/// Bin of the model's torque, which is drawn as dots over the measured line.
-const MODEL_BIN_NS: i64 = 10_000_000;
 /// Bin of the lateness, of which only the largest stays.
 const LATENESS_BIN_NS: i64 = 20_000_000;
 /// Points a second of the x-y plots.
@@ -29,17 +26,15 @@ const SCATTER_POINTS: usize = 4_000;
 const WHOLE_SCATTER_POINTS: usize = 8_000;
 /// Identity under which a finished capture is shown; there is only one.
 const CAPTURE_RUN: u64 = 0;
-/// How often the x-y plots get their new points.
-const PLOT_PERIOD: Duration = Duration::from_millis(250);
-/// How often parameters, curves, lateness and the text are renewed.
-const SLOW_PERIOD: Duration = Duration::from_millis(500);
+/// How often the x-y plots get their new points. A browser pays for each message, not for each
+/// point: without a graphics card it takes in some forty a second, and falls behind if more come.
+const PLOT_PERIOD: Duration = Duration::from_millis(500);
+/// How often the curves, the text and the points of the other tabs are renewed.
+const SLOW_PERIOD: Duration = Duration::from_millis(1_000);
 /// Slow periods that the extremes in the text look back: 10 s, as the plots do.
-const EXTREMES_KEPT: usize = 20;
-/// How often the processes' health is sent. A browser pays for each message, not for each point.
-const HEALTH_PERIOD: Duration = Duration::from_millis(2_000);
-
-/// Place of the model's torque among the signals.
-const MODEL: usize = SIGNALS.len() - 1;
+const EXTREMES_KEPT: usize = 10;
+/// How often the other tabs are sent their points.
+const TABS_PERIOD: Duration = Duration::from_millis(3_000);
 
 /// Gathers events and gives frames.
 #[derive(Debug)]
@@ -52,10 +47,10 @@ pub struct Picture {
     model: Option<KnobModel>,
     calibration: Option<Calibration>,
     consumers: Consumers,
-    signals: [Decimator; SIGNALS.len()],
-    extremes: [Extremes; SIGNALS.len()],
+    signals: Signals,
     lateness: Decimator,
-    health: Vec<SeriesRows>,
+    /// Rows of health and parameters that wait to be sent.
+    waiting: WaitingRows,
     scatters: [Scatter; 2],
     scatter_phase: f64,
     /// Share of a finished capture's samples that the x-y plots show.
@@ -66,7 +61,7 @@ pub struct Picture {
     summary_shown: String,
     next_plot: Instant,
     next_slow: Instant,
-    next_health: Instant,
+    next_tabs: Instant,
     source_ended: bool,
     ended: bool,
 }
@@ -89,13 +84,9 @@ impl Default for Picture {
             model: None,
             calibration: None,
             consumers: Consumers::default(),
-            signals: SIGNALS.map(|field| {
-                let bin_ns = if field == MODEL_TORQUE { MODEL_BIN_NS } else { SIGNAL_BIN_NS };
-                Decimator::new(Keep::MinMax, bin_ns)
-            }),
-            extremes: std::array::from_fn(|_| Extremes::new(EXTREMES_KEPT)),
+            signals: Signals::new(EXTREMES_KEPT),
             lateness: Decimator::new(Keep::Max, LATENESS_BIN_NS),
-            health: Vec::new(),
+            waiting: WaitingRows::default(),
             scatters: [Abscissa::Angle, Abscissa::Velocity].map(|abscissa| Scatter::new(abscissa, SCATTER_POINTS)),
             scatter_phase: 0.0,
             whole_scatter_share: None,
@@ -105,7 +96,7 @@ impl Default for Picture {
             summary_shown: String::new(),
             next_plot: Instant::now(),
             next_slow: Instant::now(),
-            next_health: Instant::now(),
+            next_tabs: Instant::now(),
             source_ended: false,
             ended: false,
         }
@@ -170,9 +161,9 @@ impl Picture {
                 }
             }
             Event::Model { model, torque } => {
-                self.model = Some(model);
+                self.model = model;
                 self.fit_is_new = true;
-                torque.iter().for_each(|moment| self.push_signal(MODEL, moment.time_ns, moment.torque_mnm));
+                torque.iter().for_each(|moment| self.signals.push_model_torque(moment.time_ns, moment.torque_mnm));
             }
             Event::Text(text) => self.text = Some(text.to_owned()),
             Event::End => self.source_ended = true,
@@ -200,26 +191,18 @@ impl Picture {
             let not_motion =
                 known.map_or(0.0, |known| known.acceleration_zero_rad_s2 + known.gravity_rad_s2(angle_rad));
             let torque_mnm = model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2 - not_motion);
-            self.push_signal(MODEL, time_ns, torque_mnm);
+            self.signals.push_model_torque(time_ns, torque_mnm);
         }
         self.lateness.push(time_ns, (sample.lateness_ns.max(1) as f64).log10());
         self.newest = Some(Newest { time_ns, monotonic_time_ns: sample.monotonic_time_ns });
     }
 
-    fn push_signal(&mut self, index: usize, time_ns: i64, value: f64) {
-        self.signals[index].push(time_ns, value);
-        self.extremes[index].push(value);
-    }
-
     fn take_in_reading(&mut self, reading: &Reading, scatter_share: f64) {
-        let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, turning_positive } =
-            *reading;
-        for (index, value) in [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm].into_iter().enumerate() {
-            self.push_signal(index, time_ns, value);
-        }
+        self.signals.push(reading);
         self.scatter_phase += scatter_share;
         if self.scatter_phase >= 1.0 {
             self.scatter_phase = self.scatter_phase.fract();
+            let Reading { angle_rad, velocity_rad_s, torque_mnm, turning_positive, .. } = *reading;
             let [over_angle, over_velocity] = &mut self.scatters;
             over_angle.push(ScatterPoint { x: angle_rad, torque_mnm, turning_positive });
             over_velocity.push(ScatterPoint { x: velocity_rad_s, torque_mnm, turning_positive });
@@ -239,19 +222,7 @@ impl Picture {
             [condition.cpu_share_percent, condition.resident_mib, condition.lost_samples as f64, condition.latency_ms];
         let time_ns = newest.time_ns + since(newest.monotonic_time_ns, condition.monotonic_time_ns);
         for (quantity, value) in HEALTH.into_iter().zip(values).filter(|(_, value)| value.is_finite()) {
-            let entity = entities::health(quantity, condition.kind.name());
-            match self.health.iter_mut().find(|rows| rows.entity == entity) {
-                Some(rows) => {
-                    rows.times_ns.push(time_ns);
-                    rows.values.push(value);
-                }
-                None => self.health.push(SeriesRows {
-                    entity,
-                    times_ns: vec![time_ns],
-                    values: vec![value],
-                    values_per_row: 1,
-                }),
-            }
+            self.waiting.push(entities::health(quantity, condition.kind.name()), time_ns, &[value]);
         }
     }
 
@@ -266,14 +237,15 @@ impl Picture {
             return None;
         }
         if finished {
-            self.signals.iter_mut().chain([&mut self.lateness]).for_each(Decimator::close_bin);
+            self.signals.close_bins();
+            self.lateness.close_bin();
         }
         let now = Instant::now();
         let slow = is_due(&mut self.next_slow, now, SLOW_PERIOD) || finished;
         let mut frame = Frame {
             run_id,
             time_ns: self.newest.map_or(0, |newest| newest.time_ns),
-            series: self.signal_rows(),
+            series: self.signals.take_rows(),
             plots: Vec::new(),
             lateness: None,
             summary: None,
@@ -282,36 +254,28 @@ impl Picture {
             let model = self.model.filter(|_| slow && self.fit_is_new);
             frame.plots = self.scatters.iter_mut().filter_map(|plot| plot.update(model.as_ref())).collect();
         }
-        if is_due(&mut self.next_health, now, HEALTH_PERIOD) || finished {
-            frame.series.append(&mut self.health);
-        }
         if slow {
-            frame.series.extend(self.timing_rows());
-            frame.series.extend(self.parameter_rows());
-            let histogram = self.status.as_ref().map(Lateness::from);
-            if histogram != std::mem::replace(&mut self.histogram_shown, histogram) {
-                frame.lateness = histogram;
-            }
+            self.keep_parameters();
             let summary = self.summary(frames_dropped);
             if summary != self.summary_shown {
                 self.summary_shown.clone_from(&summary);
                 frame.summary = Some(summary);
             }
-            self.extremes.iter_mut().for_each(Extremes::step);
+            self.signals.step_extremes();
+        }
+        if is_due(&mut self.next_tabs, now, TABS_PERIOD) || finished {
+            frame.series.extend(self.waiting.take());
+            frame.series.extend(self.timing_rows());
+            let histogram = self.status.as_ref().map(Lateness::from);
+            if histogram != std::mem::replace(&mut self.histogram_shown, histogram) {
+                frame.lateness = histogram;
+            }
         }
         Some(frame)
     }
 
-    fn signal_rows(&mut self) -> Vec<SeriesRows> {
-        SIGNALS
-            .into_iter()
-            .zip(&mut self.signals)
-            .filter_map(|(field, decimator)| single_rows(entities::signal(field), decimator))
-            .collect()
-    }
-
     fn timing_rows(&mut self) -> Vec<SeriesRows> {
-        let Some(lateness) = single_rows(entities::LATENESS.to_owned(), &mut self.lateness) else {
+        let Some(lateness) = SeriesRows::of_points(entities::LATENESS.to_owned(), self.lateness.take()) else {
             return Vec::new();
         };
         let log10_period_ns = self.rate_hz().map_or(f64::NAN, |rate_hz| (1e9 / rate_hz).log10());
@@ -323,22 +287,16 @@ impl Picture {
     }
 
     /// Value and interval of each parameter that can be told.
-    fn parameter_rows(&mut self) -> Vec<SeriesRows> {
+    fn keep_parameters(&mut self) {
         let (Some(fit), Some(newest), true) = (self.fit, self.newest, self.fit_is_new) else {
-            return Vec::new();
+            return;
         };
         self.fit_is_new = false;
         let time_ns = newest.time_ns - since(fit.monotonic_time_ns, newest.monotonic_time_ns);
-        fit.estimates()
-            .into_iter()
-            .filter(|(_, estimate)| told(estimate).is_some())
-            .map(|(name, estimate)| SeriesRows {
-                entity: entities::parameter(name),
-                times_ns: vec![time_ns],
-                values: vec![estimate.value, estimate.ci95_low, estimate.ci95_high],
-                values_per_row: 3,
-            })
-            .collect()
+        for (name, estimate) in fit.estimates().into_iter().filter(|(_, estimate)| told(estimate).is_some()) {
+            let values = [estimate.value, estimate.ci95_low, estimate.ci95_high];
+            self.waiting.push(entities::parameter(name), time_ns, &values);
+        }
     }
 
     fn summary(&self, frames_dropped: u64) -> String {
@@ -349,7 +307,7 @@ impl Picture {
             description: self.description.as_ref(),
             status: self.status.as_ref(),
             fit: self.fit.as_ref(),
-            ranges: std::array::from_fn(|index| (SIGNALS[index], self.extremes[index].range())),
+            ranges: self.signals.ranges(),
             consumers: &self.consumers,
             time_s: self.newest.map(|newest| seconds(newest.time_ns)),
             frames_dropped,
@@ -362,16 +320,6 @@ fn calibration(description: &RunDescription) -> Option<Calibration> {
     let text = &description.calibration_toml;
     let read = (!text.is_empty()).then(|| Calibration::from_toml(text))?;
     read.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}")).ok()
-}
-
-fn single_rows(entity: String, decimator: &mut Decimator) -> Option<SeriesRows> {
-    let points = decimator.take();
-    (!points.times_ns.is_empty()).then_some(SeriesRows {
-        entity,
-        times_ns: points.times_ns,
-        values: points.values,
-        values_per_row: 1,
-    })
 }
 
 /// Whether it is time, and if so when it is next.
@@ -442,7 +390,7 @@ mod tests {
         picture.take_in(Event::Fit(&FitUpdate { run_id: 7, ..FitUpdate::default() }));
         picture.take_in(Event::Samples { run_id: 7, samples: &second_of_samples() });
         let frame = picture.next_frame(0).unwrap();
-        assert!(rows(&frame, &entities::signal(MODEL_TORQUE)).is_none());
+        assert!(rows(&frame, &entities::signal(entities::MODEL_TORQUE)).is_none());
         assert!(rows(&frame, "fit/inertia").is_none());
     }
 
@@ -468,6 +416,34 @@ mod tests {
         assert!(picture.next_frame(0).is_none());
         picture.take_in(Event::Status(&status(8)));
         assert!(picture.next_frame(0).is_some());
+    }
+
+    #[test]
+    fn a_finished_capture_is_shown_from_its_first_sample_to_its_last() {
+        let readings: Vec<Reading> = (0..60_000)
+            .map(|index| Reading {
+                time_ns: index * 1_000_000,
+                angle_rad: if index == 0 || index == 59_999 { 7.0 } else { 0.1 },
+                velocity_rad_s: f64::NAN,
+                acceleration_rad_s2: f64::NAN,
+                torque_mnm: 1.0,
+                turning_positive: true,
+            })
+            .collect();
+        let mut picture = Picture::of_capture(readings.len());
+        picture.take_in(Event::Readings(&readings));
+        picture.take_in(Event::Model { model: KnobModel::from_told(|_| Some(1.0)), torque: &[] });
+        picture.take_in(Event::Text("# a capture"));
+        picture.take_in(Event::End);
+        let frame = picture.next_frame(0).unwrap();
+        let angle = rows(&frame, "signals/angle_rad").unwrap();
+        assert_eq!((angle.times_ns.first(), angle.times_ns.last()), (Some(&0), Some(&59_999_000_000)));
+        assert_eq!(angle.values.iter().filter(|value| **value == 7.0).count(), 2);
+        assert!(rows(&frame, "signals/velocity_rad_s").is_none());
+        assert!(frame.plots[0].points.len() > WHOLE_SCATTER_POINTS * 9 / 10);
+        assert!(frame.plots[0].curves.is_some());
+        assert_eq!(frame.summary.as_deref(), Some("# a capture"));
+        assert!(picture.finished() && picture.next_frame(0).is_none());
     }
 
     #[test]

@@ -26,7 +26,8 @@ impl Axis {
     pub fn around(low: f64, high: f64) -> Self {
         let middle = f64::midpoint(low, high);
         // A range of nothing still needs a width, in proportion to the value it shows.
-        let span = (high - low).max(middle.abs() * 1e-6).max(1e-9);
+        let least = if high > low { (middle.abs() * 1e-6).max(1e-9) } else { (middle.abs() * 0.1).max(0.01) };
+        let span = (high - low).max(least);
         let step = round_step(span / TARGET_TICKS);
         let low = ((middle - span / 2.0) / step).floor() * step;
         let high = ((middle + span / 2.0) / step).ceil() * step;
@@ -145,6 +146,7 @@ mod tests {
     fn a_constant_still_has_an_axis() {
         let axis = Axis::around(5.0, 5.0);
         assert!(axis.low <= 5.0 && axis.high >= 5.0 && axis.high > axis.low);
+        assert!(labels(&Axis::around(0.0, 0.0)).iter().all(|label| label.chars().count() <= 6));
     }
 
     #[test]

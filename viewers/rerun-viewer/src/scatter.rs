@@ -103,6 +103,8 @@ impl Scatter {
                 Abscissa::Angle => torque_over_angle(model, x),
                 Abscissa::Velocity => torque_over_velocity(model, x),
             };
+            // A direction whose friction cannot be told has no curve.
+            curves.retain(|curve| curve.iter().all(|point| point[1].is_finite()));
             // A model that is far off runs along the frame, not across the neighbouring views.
             curves.iter_mut().flatten().for_each(|point| point[1] = point[1].clamp(axes.y.low, axes.y.high));
             curves

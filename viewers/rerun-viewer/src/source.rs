@@ -52,8 +52,8 @@ pub enum Event<'a> {
     Readings(&'a [Reading]),
     /// The model fitted to a finished capture.
     Model {
-        /// For the curves over angle and velocity.
-        model: KnobModel,
+        /// For the curves over angle and velocity; `None` if no parameter can be told.
+        model: Option<KnobModel>,
         /// In the order of time.
         torque: &'a [ModelTorque],
     },

@@ -101,8 +101,12 @@ fn parameters(text: &mut String, fit: &FitUpdate) {
             let _ = writeln!(text, "| {} | {} | {unit} |", name.replace('_', " "), value_and_interval(&estimate));
         }
     }
-    let _ =
-        writeln!(text, "\nresidual **{:.3} mNm** RMS over {} samples\n", fit.residual_rms_mnm, grouped(fit.samples));
+    if fit.residual_rms_mnm.is_finite() {
+        let samples = grouped(fit.samples);
+        let _ = writeln!(text, "\nresidual **{:.3} mNm** RMS over {samples} samples\n", fit.residual_rms_mnm);
+    } else {
+        text.push('\n');
+    }
 }
 
 fn ranges(text: &mut String, facts: &Facts<'_>) {

@@ -41,6 +41,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> 
             fit::write(&report, &loaded.report_page(&fitted))?;
             say(format!("model    {}", model.display()));
             say(format!("report   {}", report.display()));
+            say(format!("view     haptic-camera view {}", archive.display()));
             say("");
             fit::show(&loaded, &fitted);
         }
