@@ -47,7 +47,9 @@ struct Tally {
 fn main() -> Result<(), Failure> {
     let study = Study::from_arguments()?;
     let outcomes = study.run()?;
-    println!("parameter            knob  told  held           textbook  mean error  SD of error  half width/1.96  z of the bias");
+    println!(
+        "parameter            knob  told  held           textbook  mean error  SD of error  half width/1.96  z of the bias"
+    );
     let mut names: Vec<&str> = Vec::new();
     for outcome in &outcomes {
         for parameter in &outcome.fit.parameters.0 {

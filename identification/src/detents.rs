@@ -4,6 +4,7 @@ use dynamics::{Effect, effects};
 
 use crate::estimate::Harmonic;
 use crate::frame::Frame;
+use crate::held_out;
 use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion, rms};
 use crate::problem::Problem;
@@ -18,7 +19,18 @@ const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
 const WORTHWHILE_AMPLITUDE: f64 = 0.1;
 /// How far above the background the evidence for a period must stand beyond what the number of periods tried gives by chance.
-const MARGIN: f64 = 14.0;
+const MARGIN: f64 = 6.0;
+/// Standard errors by which detents must predict stretches of the capture that they were not fitted to.
+const PREDICTS: f64 = 3.0;
+/// A detent must take away this many times what the placebo does: the best other period, one further true
+/// sinusoid being granted, in what the detent leaves …
+const PLACEBO: f64 = 2.0;
+/// … and this many times where the travel holds few of its periods: then any bend in the torque looks like it.
+const PLACEBO_OF_FEW: f64 = 20.0;
+/// So many periods are few.
+const FEW_PERIODS: f64 = 3.0;
+/// Margin for harmonics in the residual.
+const HARMONIC_MARGIN: f64 = 14.0;
 /// A period that explains less than this and does not stand out roughly is not looked at closely.
 const CLEARLY_NOT: f64 = 0.05;
 /// A model that leaves less than this share of the torque has nothing left to explain.
@@ -97,6 +109,19 @@ pub(crate) fn search<'a>(
     let rest = scan.powers(frame, motion, &solution.residual);
     let background = scan.background(&rest, 1.0 / period_rad);
     let clear = left - after > needed * background;
+    let (columns, width) = (&problem.columns, range.start);
+    let predicts = held_out::evidence(columns, width, &problem.target) > PREDICTS;
+    let periods = 1.0 / (period_rad * resolution);
+    let few = periods < FEW_PERIODS;
+    let placebo = scan.placebo(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
+    if clear && !(predicts && left - after > if few { PLACEBO_OF_FEW } else { PLACEBO } * placebo) {
+        return Detents::None(format!(
+            "no detents that can be told from other bends in the torque: the best period (P {period_rad:.4} rad, \
+             {periods:.1} of them in the travel) {}takes away {:.1} times what other periods do",
+            if predicts { "" } else { "does not predict stretches that it was not fitted to, and " },
+            (left - after) / placebo.max(f64::MIN_POSITIVE)
+        ));
+    }
     let inside = period_rad < 1.2 * longest && period_rad > 0.0 && amplitude_mnm.is_finite();
     if !clear || !inside {
         return Detents::None(no_detents(longest, shortest));
@@ -141,7 +166,7 @@ fn harmonics(problem: &Problem<'_>, solution: &LeastSquares, period_rad: f64, ba
             let (_, with) = problem.solve_with(&rows);
             let [.., sine, cosine] = with.coefficients[..] else { return None };
             let gain = total - dot(&with.residual, &with.residual);
-            (gain > MARGIN * background && gain > 0.01 * total).then(|| Harmonic {
+            (gain > HARMONIC_MARGIN * background && gain > 0.01 * total).then(|| Harmonic {
                 order,
                 amplitude_mnm: sine.hypot(cosine),
                 phase_rad: cosine.atan2(sine),

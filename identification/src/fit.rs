@@ -1,6 +1,6 @@
 //! From samples to a fitted model.
 
-use dynamics::{Calibration, Effect, Part, effects};
+use dynamics::{Effect, Part, effects};
 
 use crate::detents::{self, Detents, Found};
 use crate::estimate::{Fit, Harmonic, Preparation};
@@ -8,6 +8,8 @@ use crate::frame::Frame;
 use crate::karnopp::Stick;
 use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion};
+use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
+use crate::paper_preparation::PaperPreparation;
 use crate::problem::Problem;
 use crate::report::Report;
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
@@ -17,21 +19,10 @@ use crate::uniform::Uniform;
 /// A delay between torque and motion is believed only up to this many samples; more is an effect of its own.
 const LARGEST_DELAY_SAMPLES: f64 = 0.5;
 /// Standard errors by which a delay must differ from zero to be allowed for.
-const DELAY_SIGNIFICANCE: f64 = 3.0;
+const DELAY_SIGNIFICANCE: f64 = 4.5;
 
 /// A delay too long for a trim is told if it explains this share of the residual's sum of squares.
 const WORTH_A_NOTE: f64 = 0.25;
-
-/// What a fit may be told; nothing need be.
-#[derive(Clone, Debug, Default)]
-pub struct FitOptions {
-    /// What is known of the rig: zeros, delays, compliance and the gripper's inertia, which are taken out.
-    pub calibration: Option<Calibration>,
-    /// Effects to fit besides inertia, friction and detents; their searched parameters start at the values given.
-    pub further_effects: Vec<Effect>,
-    /// Fit without looking for detents.
-    pub without_detents: bool,
-}
 
 /// Fits inertia, friction and detents (equation 1 of Swindells and MacLean 2007) to a capture.
 ///
@@ -75,16 +66,22 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
     samples.check()?;
     let calibration = options.calibration.as_ref();
     let uniform = Uniform::of(samples, calibration);
-    let exact = KnobMotion::exact(&uniform, calibration);
-    let band = Band::of(&uniform, exact.is_some());
-    let first = Prepared::new(&uniform, exact.clone(), band, calibration)?;
+    if options.preparation == PreparationMethod::Paper {
+        let paper = Prepared::as_in_the_paper(&uniform)?;
+        let solved = paper.solve(samples, options);
+        return Ok(paper.report(solved, &uniform, samples, options));
+    }
+    let as_given = options.acceleration == AccelerationUse::Best;
+    let exact = KnobMotion::exact(&uniform, calibration).filter(|_| as_given);
+    let band = Band::of(&uniform, exact.is_some(), calibration);
+    let first = Prepared::new(&uniform, exact.clone(), band, options)?;
     let solved = first.solve(samples, options);
     let Some(wider) = first.band_for(&solved) else {
-        return Ok(first.report(solved, &uniform, samples, calibration));
+        return Ok(first.report(solved, &uniform, samples, options));
     };
-    let second = Prepared::new(&uniform, exact, wider, calibration)?;
+    let second = Prepared::new(&uniform, exact, wider, options)?;
     let solved = second.solve(samples, options);
-    Ok(second.report(solved, &uniform, samples, calibration))
+    Ok(second.report(solved, &uniform, samples, options))
 }
 
 /// Motion, mask and filter for one band.
@@ -105,25 +102,30 @@ struct Solved<'a> {
 }
 
 impl Prepared {
-    fn new(
-        uniform: &Uniform,
-        exact: Option<KnobMotion>,
-        band: Band,
-        calibration: Option<&Calibration>,
-    ) -> Result<Self, FitError> {
-        let motion = exact.unwrap_or_else(|| KnobMotion::measured(uniform, &band, calibration));
+    fn new(uniform: &Uniform, exact: Option<KnobMotion>, band: Band, options: &FitOptions) -> Result<Self, FitError> {
+        let calibration = options.calibration.as_ref();
+        let motion = exact.unwrap_or_else(|| KnobMotion::measured(uniform, &band, calibration, options.acceleration));
         let frame = Frame::new(uniform, &motion, &band);
-        let sliding = frame.sliding();
-        if sliding < FEWEST_SAMPLES / 2 {
-            return Err(FitError::HardlyMoving { threshold_rad_s: frame.threshold_rad_s, samples: sliding });
-        }
         let torque_mnm = motion.alike(&uniform.torque_mnm, uniform.rate_hz);
-        Ok(Self { band, motion, torque_mnm, frame })
+        Self { band, motion, torque_mnm, frame }.checked()
+    }
+
+    fn as_in_the_paper(uniform: &Uniform) -> Result<Self, FitError> {
+        let PaperPreparation { motion, torque_mnm, frame, band } = PaperPreparation::of(uniform);
+        Self { band, motion, torque_mnm, frame }.checked()
+    }
+
+    fn checked(self) -> Result<Self, FitError> {
+        let samples = self.frame.sliding();
+        if samples < FEWEST_SAMPLES / 2 {
+            return Err(FitError::HardlyMoving { threshold_rad_s: self.frame.threshold_rad_s, samples });
+        }
+        Ok(self)
     }
 
     fn solve(&self, samples: &Samples<'_>, options: &FitOptions) -> Solved<'_> {
         let Self { band, motion, torque_mnm, frame } = self;
-        let mut base = Problem::new(frame, motion, torque_mnm, &base_effects(&options.further_effects));
+        let mut base = Problem::new(frame, motion, band, torque_mnm, &base_effects(&options.further_effects));
         let solution = base.refine(20, |_, value| 0.1 * value.abs());
         let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad);
         let step = known_step.unwrap_or_else(|| smallest_step(samples.angle_rad));
@@ -157,16 +159,16 @@ impl Prepared {
         self.band.widened(wavenumber, quantile(&mut speeds, 0.95), self.frame.rate_hz)
     }
 
-    fn report(
-        &self,
-        solved: Solved<'_>,
-        uniform: &Uniform,
-        samples: &Samples<'_>,
-        calibration: Option<&Calibration>,
-    ) -> Fit {
+    fn report(&self, solved: Solved<'_>, uniform: &Uniform, samples: &Samples<'_>, options: &FitOptions) -> Fit {
+        let calibration = options.calibration.as_ref();
         let Self { band, motion, frame, .. } = self;
         let Solved { problem, solution, aliases_rad, harmonics, no_detents } = solved;
-        let trimmed = trim(problem, &solution);
+        let mut trimmed = trim(problem, &solution);
+        let instrumented = options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer;
+        if instrumented {
+            let encoder = KnobMotion::measured(uniform, band, calibration, AccelerationUse::Encoder);
+            trimmed.instrument(&encoder.acceleration_rad_s2);
+        }
         let report = Report { trimmed: &trimmed, motion, frame, band, calibration };
         let (mut parameters, comparison) = report.parameters(no_detents);
         let mut effects = trimmed.effects();
@@ -201,6 +203,8 @@ pub(crate) struct Trimmed<'a> {
     /// All columns: the effects' linear ones, then those of searched parameters, then that of the delay if it is fitted.
     pub(crate) columns: Vec<Vec<f64>>,
     pub(crate) solution: LeastSquares,
+    /// What the residual was made orthogonal to, if not the columns themselves.
+    pub(crate) instruments: Option<Vec<Vec<f64>>>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
     /// Delay that the data ask for although it is too long for a trim, s.
@@ -208,6 +212,13 @@ pub(crate) struct Trimmed<'a> {
 }
 
 impl Trimmed<'_> {
+    /// Solves again with another sensor's acceleration as the instrument for the inertia.
+    fn instrument(&mut self, acceleration_rad_s2: &[f64]) {
+        let instruments = self.problem.instruments(&self.columns, acceleration_rad_s2);
+        self.solution = self.solution.clone().instrumented(&self.columns, &instruments, &self.problem.target);
+        self.instruments = Some(instruments);
+    }
+
     /// The effects with all their values filled in.
     pub(crate) fn effects(&self) -> Vec<Effect> {
         let mut effects = self.problem.effects.clone();
@@ -245,13 +256,14 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
             problem.searched().iter().map(|which| problem.tangent(*which, &settled.coefficients)).collect();
         more.push(delay_rows);
         let (columns, solution) = problem.solve_with(&more);
-        return Trimmed { problem, columns, solution, delay_s, refused_delay_s: None };
+        return Trimmed { problem, columns, solution, instruments: None, delay_s, refused_delay_s: None };
     }
     let (columns, solution) = problem.solve_with(&tangents);
     Trimmed {
         problem,
         columns,
         solution,
+        instruments: None,
         delay_s: 0.0,
         refused_delay_s: (significant && worthwhile).then_some(delay_s),
     }

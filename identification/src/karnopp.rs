@@ -119,10 +119,10 @@ impl Stick {
         let torques = if direction == "negative" { &mut self.negative_mnm } else { &mut self.positive_mnm };
         if torques.len() < FEWEST {
             let reason = format!(
-                "the knob came to rest {} times and broke away in the {direction} direction {} times, but {FEWEST} are \
+                "the knob came to rest {} and broke away in the {direction} direction {}, but {FEWEST} breakaways are \
                  needed; hold it still between slow sweeps",
-                self.rests,
-                torques.len()
+                times(self.rests),
+                times(torques.len())
             );
             return Parameter::untold(name, unit, reason);
         }
@@ -141,6 +141,16 @@ impl Stick {
             ci95_textbook: None,
             reason: None,
         }
+    }
+}
+
+/// A number of times in words that read well.
+fn times(count: usize) -> String {
+    match count {
+        0 => "never".to_owned(),
+        1 => "once".to_owned(),
+        2 => "twice".to_owned(),
+        more => format!("{more} times"),
     }
 }
 

@@ -3,6 +3,7 @@
 use dynamics::{Calibration, Motion};
 
 use crate::motion::{Band, KnobMotion};
+use crate::options::AccelerationUse;
 use crate::samples::{FitError, Samples};
 use crate::uniform::Uniform;
 
@@ -17,8 +18,8 @@ pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> 
     samples.check()?;
     let uniform = Uniform::of(samples, calibration);
     let exact = KnobMotion::exact(&uniform, calibration);
-    let band = Band::of(&uniform, exact.is_some());
-    let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration));
+    let band = Band::of(&uniform, exact.is_some(), calibration);
+    let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
     // The grid has more points than the capture where samples were lost: each sample takes its own.
     let mut point = 0;
     let nearest = samples.t_s.iter().map(|&time_s| {

@@ -5,6 +5,22 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 /// A column of which less than this share of the square remains beside the others counts as collinear.
 const COLLINEAR: f64 = 1e-9;
 
+/// Least bandwidth as a share of the rows.
+const SHARE: f64 = 0.02;
+
+/// Noise of a column, in sums over the rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ColumnNoise {
+    pub(crate) column: usize,
+    /// What it adds to the column's square.
+    pub(crate) square: f64,
+    /// What it adds to the column's product with the target.
+    pub(crate) product: f64,
+}
+
+/// Noise of a column may make up at most this share of its square to be taken off: beyond, nothing would be left.
+const MOST_NOISE: f64 = 0.5;
+
 /// The solution of target ≈ Σ coefficient · column.
 #[derive(Clone, Debug)]
 pub(crate) struct LeastSquares {
@@ -23,6 +39,16 @@ pub(crate) struct LeastSquares {
 impl LeastSquares {
     /// Solves for `columns` (each as long as `target`); coefficients marked in `nonnegative` stay at or above zero.
     pub(crate) fn solve(columns: &[Vec<f64>], target: &[f64], nonnegative: &[bool]) -> Self {
+        Self::solve_noisy(columns, target, nonnegative, &[])
+    }
+
+    /// The same with the sums that `noise` gives taken off the normal equations.
+    pub(crate) fn solve_noisy(
+        columns: &[Vec<f64>],
+        target: &[f64],
+        nonnegative: &[bool],
+        noise: &[ColumnNoise],
+    ) -> Self {
         let count = columns.len();
         let scales: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt()).collect();
         let mut gram = DMatrix::zeros(count, count);
@@ -34,10 +60,15 @@ impl LeastSquares {
             }
         }
         let collinear = find_collinear(&gram, &scales);
+        let noise: Vec<ColumnNoise> =
+            noise.iter().copied().filter(|noise| noise.square < MOST_NOISE * scales[noise.column].powi(2)).collect();
+        for noise in &noise {
+            gram[(noise.column, noise.column)] -= noise.square / scales[noise.column].powi(2);
+        }
         let mut at_zero = vec![false; count];
         loop {
             let active: Vec<usize> = (0..count).filter(|index| !collinear[*index] && !at_zero[*index]).collect();
-            let mut solution = Self::solve_active(columns, target, &gram, &scales, &active);
+            let mut solution = Self::solve_active(columns, target, &gram, &scales, &active, &noise);
             let worst = active
                 .iter()
                 .copied()
@@ -62,6 +93,7 @@ impl LeastSquares {
         gram: &DMatrix<f64>,
         scales: &[f64],
         active: &[usize],
+        noise: &[ColumnNoise],
     ) -> Self {
         let count = columns.len();
         let part = DMatrix::from_fn(active.len(), active.len(), |row, column| gram[(active[row], active[column])]);
@@ -79,7 +111,11 @@ impl LeastSquares {
         for _ in 0..3 {
             let right = DVector::from_iterator(
                 active.len(),
-                active.iter().map(|index| dot(&columns[*index], &solution.residual) / scales[*index]),
+                active.iter().map(|index| {
+                    let noise = noise.iter().find(|noise| noise.column == *index);
+                    let noise = noise.map_or(0.0, |n| n.square * solution.coefficients[*index] - n.product);
+                    (dot(&columns[*index], &solution.residual) + noise) / scales[*index]
+                }),
             );
             let step = factor.solve(&right);
             for (index, step) in active.iter().zip(step.iter()) {
@@ -93,6 +129,31 @@ impl LeastSquares {
                 solution.inverse[(*at, *other)] = inverse[(row, column)] / (scales[*at] * scales[*other]);
             }
         }
+        solution
+    }
+
+    /// The same fit by instrumental variables: the residual is made orthogonal to the `instruments`, one per column,
+    /// which noise in the columns then does not bias. [`Self::robust_covariance`] wants the instruments.
+    pub(crate) fn instrumented(self, columns: &[Vec<f64>], instruments: &[Vec<f64>], target: &[f64]) -> Self {
+        let active: Vec<usize> =
+            (0..columns.len()).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
+        let size = |columns: &[Vec<f64>], index: usize| dot(&columns[index], &columns[index]).sqrt();
+        let cross = DMatrix::from_fn(active.len(), active.len(), |row, column| {
+            let (row, column) = (active[row], active[column]);
+            dot(&instruments[row], &columns[column]) / (size(instruments, row) * size(columns, column))
+        });
+        let Some(inverse) = cross.try_inverse() else { return self };
+        let mut solution = self;
+        solution.inverse.fill(0.0);
+        solution.coefficients.fill(0.0);
+        for (row, at) in active.iter().enumerate() {
+            for (column, other) in active.iter().enumerate() {
+                let share = inverse[(row, column)] / (size(columns, *at) * size(instruments, *other));
+                solution.inverse[(*at, *other)] = share;
+                solution.coefficients[*at] += share * dot(&instruments[*other], target);
+            }
+        }
+        solution.residual = residual(columns, target, &solution.coefficients);
         solution
     }
 
@@ -136,7 +197,7 @@ impl LeastSquares {
         let smoothed: Vec<Vec<f64>> = scores.iter().map(|score| smooth(score, &kernel)).collect();
         let middle = DMatrix::from_fn(count, count, |row, column| dot(&scores[row], &smoothed[column]));
         let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
-        (&self.inverse * middle * &self.inverse * freedom, bandwidth / rows as f64)
+        (&self.inverse * middle * self.inverse.transpose() * freedom, bandwidth / rows as f64)
     }
 }
 
@@ -205,8 +266,8 @@ fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
         below += 1.0 / (1.0 - correlation).powi(4);
     }
     let plug_in = if below > 0.0 { 2.6614 * (above / below * rows as f64).powf(0.2) } else { 0.0 };
-    // Never below the common filter's own memory of a few rows.
-    plug_in.max(8.0).min((rows as f64 / 8.0).max(1.0))
+    // First-order autocorrelations do not see all: a share of the rows, which the critical value then allows for.
+    plug_in.max((SHARE * rows as f64).clamp(8.0, 64.0)).min((rows as f64 / 8.0).max(1.0))
 }
 
 fn parzen(share: f64) -> f64 {
@@ -216,5 +277,29 @@ fn parzen(share: f64) -> f64 {
         2.0 * (1.0 - share).powi(3)
     } else {
         0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LeastSquares;
+
+    #[test]
+    fn sorting_the_samples_by_position_changes_nothing() {
+        let angle: Vec<f64> = (0..500).map(|n| (f64::from(n) * 0.37).sin()).collect();
+        let velocity: Vec<f64> = (0..500).map(|n| (f64::from(n) * 0.37).cos()).collect();
+        let torque: Vec<f64> = (0..500)
+            .map(|n| 2.0 * angle[n] + 0.5 * velocity[n] + 0.1 * f64::from(u32::try_from(n * n % 17).unwrap_or(0)))
+            .collect();
+        let mut order: Vec<usize> = (0..500).collect();
+        order.sort_by(|a, b| angle[*a].total_cmp(&angle[*b]));
+        let sorted = |values: &[f64]| order.iter().map(|index| values[*index]).collect::<Vec<f64>>();
+        let in_time = LeastSquares::solve(&[angle.clone(), velocity.clone()], &torque, &[false; 2]);
+        let by_angle = LeastSquares::solve(&[sorted(&angle), sorted(&velocity)], &sorted(&torque), &[false; 2]);
+        for (left, right) in in_time.coefficients.iter().zip(&by_angle.coefficients) {
+            assert!((left - right).abs() < 1e-12, "{left} in time, {right} by position");
+        }
+        let difference = in_time.textbook_covariance() - by_angle.textbook_covariance();
+        assert!(difference.norm() < 1e-12 * in_time.textbook_covariance().norm());
     }
 }

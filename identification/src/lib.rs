@@ -16,28 +16,39 @@
 //!    all pass one zero-phase low-pass and are decimated: the relation stays exactly linear.
 //! 3. Base effects by linear least squares with Coulomb friction at or above zero; the detent period by
 //!    a scan over everything that the travel supports, refined by Gauss–Newton.
-//! 4. 95 % intervals allow for residuals that are correlated and of varying size.
+//! 4. What the sensors' own noise adds to the normal equations is taken off them; it would shift the inertia.
+//! 5. 95 % intervals allow for residuals that are correlated and of varying size.
 //!
-//! [`live::LiveFit`] does the same to a stream.
+//! [`live::LiveFit`] does the same to a stream. [`average()`] makes one model of several captures,
+//! [`calibration`] finds out what is known of a rig, and [`checks`] looks at a capture without a fit.
 
+mod average;
+pub mod calibration;
+pub mod checks;
 mod detents;
 mod estimate;
 pub mod filter;
 mod fit;
 mod frame;
+mod held_out;
 mod karnopp;
 mod knob_motion;
 mod least_squares;
 pub mod live;
 mod motion;
+mod options;
+mod paper_preparation;
 mod problem;
 mod report;
 mod samples;
 mod scan;
+mod sensor_noise;
 mod spectrum;
 mod uniform;
 
+pub use average::{Average, Repeatability, average};
 pub use estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
-pub use fit::{FitOptions, fit};
+pub use fit::fit;
 pub use knob_motion::knob_motion;
+pub use options::{AccelerationUse, FitOptions, PreparationMethod};
 pub use samples::{FEWEST_SAMPLES, FitError, Samples};

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use crate::filter::{Fir, Sections, butterworth_low_pass};
+use crate::options::AccelerationUse;
 use crate::spectrum::{Spectrum, median, white_density};
 use crate::uniform::Uniform;
 
@@ -18,6 +19,9 @@ const WIDEST: f64 = 0.1;
 const NARROWEST_PER_SWEEP: f64 = 10.0;
 /// … and at most to this one, unless fine detents need more: beyond, rigs ring and their sensors differ.
 const WIDEST_PER_SWEEP: f64 = 25.0;
+/// Widest band as a multiple of 1/delay of a calibrated torque channel: a lag is a mere delay only far below its
+/// bandwidth. For a second-order Butterworth this is an eighth of it, where the rest is worth half a microsecond.
+const WIDEST_PER_LAG: f64 = 0.028;
 /// Rows are kept at this multiple of the band's edge.
 pub(crate) const ROWS_PER_EDGE: f64 = 2.5;
 /// Noise in the acceleration's power up to which the encoder does alone: an accelerometer's limited bandwidth costs more.
@@ -30,6 +34,9 @@ const SMOOTH_BETA: f64 = 7.857;
 const SMOOTH_PERIODS: f64 = 1.9;
 /// Samples on each side that two differentiations look at.
 const DIFFERENCE_REACH: usize = 8;
+/// Share of the filters' length that carries all but 10⁻⁴ of a step: with the whole length left out around stick,
+/// no parameter of the simulated rig's knobs differs.
+const EFFECTIVE: f64 = 0.4;
 /// Rows that the band should give if the sample rate permits: fewer make poor intervals.
 const FEWEST_ROWS: f64 = 1000.0;
 /// Scatter of an exact derivative column, relative to its RMS: rounding, not measurement.
@@ -54,6 +61,14 @@ pub(crate) struct KnobMotion {
     pub(crate) accelerometer: bool,
     /// White density of the encoder's noise, rad²/Hz.
     pub(crate) angle_density: f64,
+    /// Twist of the torque sensor that was taken out of the angle, rad/mNm.
+    pub(crate) compliance_rad_mnm: f64,
+    /// White density of the accelerometer's noise, rad²/s⁴ per Hz; 0 if it took no part.
+    pub(crate) accelerometer_density: f64,
+    /// Time constant of the accelerometer's lag that was undone, s.
+    pub(crate) lag_s: f64,
+    /// Frequency from which the accelerometer has the greater share, Hz; infinite if it took no part.
+    pub(crate) equal_hz: f64,
 }
 
 /// The band in which torque and motion are compared.
@@ -69,10 +84,10 @@ impl Band {
     /// As wide as the torque's excess over its noise reaches, no wider: beyond, there is only noise, and that
     /// of a twice differentiated angle grows fast. An exact motion has none and takes the widest band.
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-    pub(crate) fn of(uniform: &Uniform, exact: bool) -> Self {
+    pub(crate) fn of(uniform: &Uniform, exact: bool, calibration: Option<&Calibration>) -> Self {
         let rate_hz = uniform.rate_hz;
         let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
-        let floor = torque.median(0.35 * rate_hz, 0.5 * rate_hz);
+        let floor = uniform.torque_density;
         let torque_noise_mnm = (floor * rate_hz * 0.5).sqrt();
         let widest_hz = WIDEST * rate_hz;
         if exact {
@@ -84,7 +99,10 @@ impl Band {
         let duration_s = uniform.time_s.len() as f64 / rate_hz;
         let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
         let lowest_hz = (NARROWEST_PER_SWEEP * sweep_hz).max(enough_hz);
-        let edge_hz = (1.25 * reach_hz).min(WIDEST_PER_SWEEP * sweep_hz).max(lowest_hz).min(widest_hz);
+        let lag_s = calibration.map_or(0.0, |known| known.torque_delay_s.abs());
+        let alike_hz = (WIDEST_PER_LAG / lag_s).max(enough_hz);
+        let wanted_hz = (1.25 * reach_hz).min(WIDEST_PER_SWEEP * sweep_hz).max(lowest_hz);
+        let edge_hz = wanted_hz.min(alike_hz).min(widest_hz);
         Self { edge_hz, torque_noise_mnm }
     }
 
@@ -102,7 +120,12 @@ impl KnobMotion {
     }
 
     /// The motion as the sensors saw it, every cutoff chosen from the signals' own spectra.
-    pub(crate) fn measured(uniform: &Uniform, band: &Band, calibration: Option<&Calibration>) -> Self {
+    pub(crate) fn measured(
+        uniform: &Uniform,
+        band: &Band,
+        calibration: Option<&Calibration>,
+        acceleration_use: AccelerationUse,
+    ) -> Self {
         let rate_hz = uniform.rate_hz;
         let angle_density = white_density(&uniform.angle_rad, rate_hz);
         let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
@@ -119,12 +142,26 @@ impl KnobMotion {
         let mut acceleration = gradient(&velocity, rate_hz);
         let noise = angle_density * TAU.powi(4) * band.edge_hz.powi(5) / 5.0;
         let clear = noise < CLEAR * rms(&low_pass(4, band.edge_hz, rate_hz, &acceleration)).powi(2);
-        let accelerometer = uniform.acceleration_rad_s2.as_ref().filter(|_| !clear).and_then(|sensor| {
-            blend(&gradient(&gradient(&angle, rate_hz), rate_hz), sensor, rate_hz, angle_density, cutoff_hz)
-        });
+        let lag_s = uniform.acceleration_lag_s;
+        let sensor = uniform.acceleration_rad_s2.as_ref();
+        let accelerometer = match acceleration_use {
+            AccelerationUse::Best => sensor.filter(|_| !clear).and_then(|sensor| {
+                let encoder = gradient(&gradient(&angle, rate_hz), rate_hz);
+                blend(&encoder, sensor, lag_s, rate_hz, angle_density, cutoff_hz)
+            }),
+            AccelerationUse::Encoder => None,
+            // Nothing is known of the column's noise, so none is taken off.
+            AccelerationUse::Column | AccelerationUse::ColumnInstrumented => sensor.map(|sensor| Blend {
+                acceleration_rad_s2: smoother.filter(&prompt(sensor, lag_s, rate_hz)),
+                sensor_density: 0.0,
+                equal_hz: 0.0,
+            }),
+        };
         let blended = accelerometer.is_some();
+        let (mut accelerometer_density, mut equal_hz) = (0.0, f64::INFINITY);
         if let Some(better) = accelerometer {
-            acceleration = better;
+            acceleration = better.acceleration_rad_s2;
+            (accelerometer_density, equal_hz) = (better.sensor_density, better.equal_hz);
         }
         Self {
             time_s: uniform.time_s.clone(),
@@ -135,15 +172,31 @@ impl KnobMotion {
             // White angle noise, differentiated, up to the cutoff.
             velocity_noise_rad_s: (angle_density * TAU * TAU * cutoff_hz.powi(3) / 3.0).sqrt(),
             cutoff_hz,
-            reach: smoother.half_length() + DIFFERENCE_REACH,
+            reach: effective_reach(&smoother),
             accelerometer: blended,
             angle_density,
+            compliance_rad_mnm: calibration
+                .filter(|known| compliant(known))
+                .map_or(0.0, |known| 1.0 / known.torque_sensor_stiffness_mnm_rad),
+            accelerometer_density,
+            lag_s: uniform.acceleration_lag_s,
+            equal_hz,
         }
+    }
+
+    /// The low-pass that angle and torque passed.
+    pub(crate) fn smoother(&self, rate_hz: f64) -> Fir {
+        if self.exact { Fir::identity() } else { smoother(self.cutoff_hz, rate_hz) }
+    }
+
+    /// Share of the encoder in the acceleration at a frequency.
+    pub(crate) fn encoder_share(&self, frequency_hz: f64) -> f64 {
+        1.0 / (1.0 + (frequency_hz / self.equal_hz).powi(4))
     }
 
     /// A torque filtered as the motion is: what rings beyond the cutoff must not be in one and not in the other.
     pub(crate) fn alike(&self, torque_mnm: &[f64], rate_hz: f64) -> Vec<f64> {
-        if self.exact { torque_mnm.to_vec() } else { smoother(self.cutoff_hz, rate_hz).filter(torque_mnm) }
+        if self.exact { torque_mnm.to_vec() } else { self.smoother(rate_hz).filter(torque_mnm) }
     }
 
     /// The motion at a grid point.
@@ -207,6 +260,17 @@ fn smoother(cutoff_hz: f64, rate_hz: f64) -> Fir {
     Fir::kaiser_low_pass((SMOOTH_PERIODS * rate_hz / cutoff_hz).ceil() as usize, cutoff_hz, rate_hz, SMOOTH_BETA)
 }
 
+/// Samples on each side that still matter to a smoothed and twice differentiated sample.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a few hundred samples"
+)]
+fn effective_reach(smoother: &Fir) -> usize {
+    (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize
+}
+
 /// The given columns, if they are the angle's derivatives to within rounding.
 fn exact_motion(uniform: &Uniform) -> Option<KnobMotion> {
     let rate_hz = uniform.rate_hz;
@@ -226,6 +290,10 @@ fn exact_motion(uniform: &Uniform) -> Option<KnobMotion> {
         reach: 0,
         accelerometer: given.is_some(),
         angle_density: 0.0,
+        compliance_rad_mnm: 0.0,
+        accelerometer_density: 0.0,
+        lag_s: 0.0,
+        equal_hz: f64::INFINITY,
     })
 }
 
@@ -256,18 +324,42 @@ fn scatter(signal: &[f64]) -> f64 {
     median(&mut fourth) / 0.6745 / 70_f64.sqrt()
 }
 
+/// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.
+pub(crate) fn prompt(signal: &[f64], lag_s: f64, rate_hz: f64) -> Vec<f64> {
+    let rate = gradient(signal, rate_hz);
+    signal.iter().zip(&rate).map(|(value, rate)| value + lag_s * rate).collect()
+}
+
+/// An acceleration from both sensors.
+struct Blend {
+    acceleration_rad_s2: Vec<f64>,
+    /// White density of the accelerometer's noise, rad²/s⁴ per Hz.
+    sensor_density: f64,
+    /// Frequency at which both sensors have an equal share, Hz.
+    equal_hz: f64,
+}
+
 /// Encoder below the frequency where both sensors are equally noisy, accelerometer above.
 ///
 /// The encoder's white noise shows in its second derivative as f⁴, the accelerometer's stays white:
 /// the best weights 1/(1 + (f/f₀)⁴) are a second-order Butterworth filter run both ways. `None` if
 /// the accelerometer does not agree with the encoder where both see well.
-fn blend(encoder: &[f64], sensor: &[f64], rate_hz: f64, angle_density: f64, cutoff_hz: f64) -> Option<Vec<f64>> {
+fn blend(
+    encoder: &[f64],
+    sensor: &[f64],
+    lag_s: f64,
+    rate_hz: f64,
+    angle_density: f64,
+    cutoff_hz: f64,
+) -> Option<Blend> {
     let sensor_density = Spectrum::welch(sensor, rate_hz).median(0.3 * rate_hz, 0.45 * rate_hz);
     let equal_hz = (sensor_density / angle_density).powf(0.25) / TAU;
     if !(equal_hz.is_finite() && equal_hz > 0.0 && equal_hz < cutoff_hz) {
         return None;
     }
-    let (slow_encoder, slow_sensor) = (low_pass(4, equal_hz, rate_hz, encoder), low_pass(4, equal_hz, rate_hz, sensor));
+    let sensor = prompt(sensor, lag_s, rate_hz);
+    let (slow_encoder, slow_sensor) =
+        (low_pass(4, equal_hz, rate_hz, encoder), low_pass(4, equal_hz, rate_hz, &sensor));
     let mean = |signal: &[f64]| signal.iter().sum::<f64>() / signal.iter().map(|_| 1.0).sum::<f64>();
     let (encoder_mean, sensor_mean) = (mean(&slow_encoder), mean(&slow_sensor));
     let (mut product, mut square) = (0.0, 0.0);
@@ -278,8 +370,8 @@ fn blend(encoder: &[f64], sensor: &[f64], rate_hz: f64, angle_density: f64, cuto
     if (product / square - 1.0).abs() > 0.1 {
         return None;
     }
-    let difference: Vec<f64> = encoder.iter().zip(sensor).map(|(a, b)| a - b).collect();
+    let difference: Vec<f64> = encoder.iter().zip(&sensor).map(|(a, b)| a - b).collect();
     let slow = low_pass(2, equal_hz, rate_hz, &difference);
     let sum: Vec<f64> = sensor.iter().zip(&slow).map(|(a, b)| a + b).collect();
-    Some(smoother(cutoff_hz, rate_hz).filter(&sum))
+    Some(Blend { acceleration_rad_s2: smoother(cutoff_hz, rate_hz).filter(&sum), sensor_density, equal_hz })
 }

@@ -1,10 +1,11 @@
 //! The separable problem: coefficients are linear, the few searched parameters follow by Gauss–Newton.
 
-use dynamics::{Effect, Minimum};
+use dynamics::{Effect, Minimum, Part};
 
 use crate::frame::{self, Frame};
-use crate::least_squares::{LeastSquares, dot};
-use crate::motion::KnobMotion;
+use crate::least_squares::{ColumnNoise, LeastSquares, dot};
+use crate::motion::{Band, KnobMotion};
+use crate::sensor_noise::SensorNoise;
 
 /// Relative change of a searched parameter for its column by differences.
 const DIFFERENCE: f64 = 1e-6;
@@ -21,6 +22,9 @@ pub(crate) struct Problem<'a> {
     /// Rows of the linear columns, effect by effect.
     pub(crate) columns: Vec<Vec<f64>>,
     nonnegative: Vec<bool>,
+    noise: SensorNoise,
+    /// Columns whose coefficient is an inertia.
+    inertial: Vec<usize>,
 }
 
 /// A searched parameter.
@@ -31,7 +35,13 @@ pub(crate) struct Searched {
 }
 
 impl<'a> Problem<'a> {
-    pub(crate) fn new(frame: &'a Frame, motion: &'a KnobMotion, torque_mnm: &[f64], effects: &[Effect]) -> Self {
+    pub(crate) fn new(
+        frame: &'a Frame,
+        motion: &'a KnobMotion,
+        band: &Band,
+        torque_mnm: &[f64],
+        effects: &[Effect],
+    ) -> Self {
         let mut problem = Self {
             frame,
             motion,
@@ -39,6 +49,8 @@ impl<'a> Problem<'a> {
             effects: Vec::new(),
             columns: Vec::new(),
             nonnegative: Vec::new(),
+            noise: SensorNoise::of(frame, motion, band),
+            inertial: Vec::new(),
         };
         effects.iter().for_each(|effect| problem.add(*effect));
         problem
@@ -50,6 +62,9 @@ impl<'a> Problem<'a> {
         let parameters = effect.kind().parameters;
         // Where every coefficient is a parameter, the parameter's bound is the coefficient's.
         let direct = effect.kind().regressors.is_some_and(|r| r.searched.is_empty() && r.columns == parameters.len());
+        if matches!(effect.kind().part, Part::Inertia(_)) {
+            self.inertial.extend(self.columns.len()..self.columns.len() + full.len());
+        }
         for (index, column) in full.iter().enumerate() {
             self.columns.push(self.frame.rows(column));
             self.nonnegative.push(direct && parameters[index].minimum != Minimum::None);
@@ -58,7 +73,15 @@ impl<'a> Problem<'a> {
     }
 
     pub(crate) fn solve(&self) -> LeastSquares {
-        LeastSquares::solve(&self.columns, &self.target, &self.nonnegative)
+        LeastSquares::solve_noisy(&self.columns, &self.target, &self.nonnegative, &self.column_noise())
+    }
+
+    fn column_noise(&self) -> Vec<ColumnNoise> {
+        let SensorNoise { acceleration_squares, acceleration_torque } = self.noise;
+        self.inertial
+            .iter()
+            .map(|column| ColumnNoise { column: *column, square: acceleration_squares, product: acceleration_torque })
+            .collect()
     }
 
     /// Solves with further columns, whose coefficients are free.
@@ -66,7 +89,7 @@ impl<'a> Problem<'a> {
         let columns: Vec<Vec<f64>> = self.columns.iter().chain(more).cloned().collect();
         let mut nonnegative = self.nonnegative.clone();
         nonnegative.resize(columns.len(), false);
-        let solution = LeastSquares::solve(&columns, &self.target, &nonnegative);
+        let solution = LeastSquares::solve_noisy(&columns, &self.target, &nonnegative, &self.column_noise());
         (columns, solution)
     }
 
@@ -157,6 +180,15 @@ impl<'a> Problem<'a> {
             solution = better;
         }
         solution
+    }
+
+    /// All `columns`, the inertia's from another sensor's acceleration.
+    pub(crate) fn instruments(&self, columns: &[Vec<f64>], acceleration_rad_s2: &[f64]) -> Vec<Vec<f64>> {
+        let mut instruments = columns.to_vec();
+        for column in &self.inertial {
+            instruments[*column] = self.frame.rows(acceleration_rad_s2);
+        }
+        instruments
     }
 
     /// Rows of minus the model torque's derivative by time: its coefficient is the torque's delay in seconds.

@@ -41,7 +41,8 @@ impl Report<'_> {
     pub(crate) fn parameters(&self, no_detents: Option<String>) -> (Parameters, Comparison) {
         let Trimmed { columns, solution, .. } = self.trimmed;
         let textbook = solution.textbook_covariance();
-        let (robust, bandwidth_share) = solution.robust_covariance(columns);
+        let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
+        let (robust, bandwidth_share) = solution.robust_covariance(instruments);
         let critical = critical_value(bandwidth_share);
         let mut parameters = Vec::new();
         for (index, effect) in self.trimmed.effects().iter().enumerate() {

@@ -192,6 +192,19 @@ impl Scan {
         median(&mut near) / (2.0 * 2_f64.ln())
     }
 
+    /// Power of the second strongest period in what a detent of `wavenumber` left, multiples of it apart, mNm².
+    ///
+    /// Only periods are counted of which the travel holds at least `fewest`.
+    pub(crate) fn placebo(&self, left: &[f64], wavenumber: f64, fewest: f64) -> f64 {
+        let resolution = self.resolution();
+        let mut others = self.peaks(left, 64).into_iter().filter(|peak| {
+            let multiple = (peak.wavenumber / wavenumber).round().clamp(1.0, 3.0);
+            (peak.wavenumber - multiple * wavenumber).abs() > resolution && peak.wavenumber >= fewest * resolution
+        });
+        let Some(strongest) = others.next() else { return 0.0 };
+        others.find(|peak| (peak.wavenumber - strongest.wavenumber).abs() > resolution).map_or(0.0, |peak| peak.power)
+    }
+
     /// Σ uₙ·exp(ikθₙ) for every multiple of the spacing.
     #[allow(
         clippy::cast_precision_loss,

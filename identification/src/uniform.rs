@@ -3,7 +3,7 @@
 use dynamics::Calibration;
 
 use crate::Samples;
-use crate::spectrum::median;
+use crate::spectrum::{Spectrum, median};
 
 /// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
 const JITTER: f64 = 0.01;
@@ -20,7 +20,11 @@ pub(crate) struct Uniform {
     pub(crate) angle_rad: Vec<f64>,
     pub(crate) velocity_rad_s: Option<Vec<f64>>,
     pub(crate) acceleration_rad_s2: Option<Vec<f64>>,
+    /// Time constant of the first-order lag that is still in the acceleration, s.
+    pub(crate) acceleration_lag_s: f64,
     pub(crate) torque_mnm: Vec<f64>,
+    /// White density of the torque channel's noise, as the upper end of its spectrum shows it, mNm²/Hz.
+    pub(crate) torque_density: f64,
     /// Whether the grid point was measured; false inside gaps.
     pub(crate) present: Vec<bool>,
     /// Grid points that stand for lost samples.
@@ -31,6 +35,9 @@ impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
         let mut uniform = Self::on_grid(samples);
+        // Before any interpolation, which would take off the upper end.
+        let rate_hz = uniform.rate_hz;
+        uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);
         if let Some(calibration) = calibration {
             uniform.calibrate(calibration);
         }
@@ -60,7 +67,9 @@ impl Uniform {
                 angle_rad: samples.angle_rad.to_vec(),
                 velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
                 acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
+                acceleration_lag_s: 0.0,
                 torque_mnm: samples.torque_mnm.to_vec(),
+                torque_density: 0.0,
                 present: vec![true; count],
                 lost: 0,
             };
@@ -96,6 +105,8 @@ impl Uniform {
             angle_rad: sampled(samples.angle_rad),
             velocity_rad_s: samples.velocity_rad_s.map(sampled),
             acceleration_rad_s2: samples.acceleration_rad_s2.map(sampled),
+            acceleration_lag_s: 0.0,
+            torque_density: 0.0,
             torque_mnm: sampled(samples.torque_mnm),
             lost: present.iter().filter(|present| !**present).count(),
             present,
@@ -109,14 +120,34 @@ impl Uniform {
         }
         self.torque_mnm = advance(&self.torque_mnm, calibration.torque_delay_s * self.rate_hz);
         if let Some(acceleration) = &mut self.acceleration_rad_s2 {
-            // Gravity first: it belongs to the angle at which the sensor was read, the delay included.
-            let late = advance(&self.angle_rad, -calibration.acceleration_delay_s * self.rate_hz);
-            for (value, angle) in acceleration.iter_mut().zip(&late) {
-                *value -= calibration.acceleration_zero_rad_s2 + calibration.gravity_rad_s2(*angle);
+            // The sensor's lag stays in for now, and gravity passed it as the motion did.
+            let gravity: Vec<f64> = self.angle_rad.iter().map(|angle| calibration.gravity_rad_s2(*angle)).collect();
+            let lag = calibration.acceleration_delay_s * self.rate_hz;
+            for (value, gravity) in acceleration.iter_mut().zip(&lagged(&gravity, lag)) {
+                *value -= calibration.acceleration_zero_rad_s2 + gravity;
             }
-            *acceleration = advance(acceleration, calibration.acceleration_delay_s * self.rate_hz);
+            self.acceleration_lag_s = calibration.acceleration_delay_s;
         }
     }
+}
+
+/// The signal behind a first-order low-pass with a time constant of `lag` samples, exact for straight lines between samples.
+fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
+    let Some(first) = signal.first().filter(|_| lag > 0.0) else {
+        return signal.to_vec();
+    };
+    let decay = (-1.0 / lag).exp();
+    let (mut previous, mut state) = (*first, *first);
+    signal
+        .iter()
+        .map(|value| {
+            let slope = value - previous;
+            // Behind a ramp the output trails by slope · lag; what it was further away decays.
+            state = value - slope * lag + (state - previous + slope * lag) * decay;
+            previous = *value;
+            state
+        })
+        .collect()
 }
 
 /// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.

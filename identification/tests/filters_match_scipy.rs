@@ -64,3 +64,22 @@ fn a_filter_that_cannot_be_says_why() {
     assert_eq!(error, "the filter's edge of 3000 Hz must lie above 0 and below half the sample rate of 5000 Hz");
     assert!(chebyshev2_low_pass(0, 20.0, 100.0, 5000.0).is_err());
 }
+
+#[test]
+fn the_kaiser_low_pass_has_the_taps_that_scipy_gives() {
+    // scipy.signal.firwin(21, 200.0, window=("kaiser", 7.857), fs=5000.0)[:11], scipy 1.17.1
+    let expected = [
+        7.962182419160167e-05,
+        0.0008033273272385551,
+        0.0032362035892677964,
+        0.00897335556255359,
+        0.019670986371218852,
+        0.03625340604902998,
+        0.05807900264780902,
+        0.08251087537969291,
+        0.10525008023740072,
+        0.12146644955669457,
+        0.1273533829098048,
+    ];
+    assert!(worst(&Fir::kaiser_low_pass(10, 200.0, 5000.0, 7.857).taps()[..11], &expected) < 1e-12);
+}

@@ -1,6 +1,6 @@
 //! EMPS, a measured linear axis with published parameters (Janot, Gautier, Brunot 2019).
 //!
-//! `HAPTIC_CAMERA_MEASURED` names the folder that holds `emps.csv`; without it the test skips and says so.
+//! `HAPTIC_CAMERA_DATA` names the folder that holds `measured/`; where there is none the test skips and says so.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stderr, reason = "a test that skips says so")]
 
@@ -8,11 +8,15 @@ use identification::{FitOptions, Samples, fit};
 
 #[test]
 fn the_measured_axis_has_the_published_inertia_and_no_detents() {
-    let Some(folder) = std::env::var_os("HAPTIC_CAMERA_MEASURED") else {
-        eprintln!("skipped: HAPTIC_CAMERA_MEASURED does not name the folder with emps.csv");
+    let folder = std::env::var_os("HAPTIC_CAMERA_DATA").map_or_else(
+        || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
+        std::path::PathBuf::from,
+    );
+    let path = folder.join("measured/emps.csv");
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        eprintln!("skipped: there is no {}; HAPTIC_CAMERA_DATA may name the folder", path.display());
         return;
     };
-    let text = std::fs::read_to_string(std::path::Path::new(&folder).join("emps.csv")).unwrap();
     let rows: Vec<Vec<f64>> =
         text.lines().skip(1).map(|line| line.split(',').map(|value| value.parse().unwrap()).collect()).collect();
     let column = |index: usize| rows.iter().map(|row| row[index]).collect::<Vec<f64>>();

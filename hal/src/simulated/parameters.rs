@@ -90,8 +90,9 @@ impl Default for RigParameters {
     ///   that maker's later 4122 (its data sheet). Its peak current, 22 A, is what breaks knob 5 loose
     ///   even where its detents add to its stick, 200 + 130 mNm, as the paper says its rig does: with
     ///   20 A, 27 of 80 sweeps of 0.5 to 1.45 rad got stuck there, with 22 A none.
-    /// - Watchdog: 25 ms, longer than the stalls of up to 16 ms that a busy virtual host was seen to give
-    ///   a real-time thread, so that such a stall costs ticks and not the run.
+    /// - Watchdog: 100 ms. Stalls of up to 77 ms were seen on a virtual host that was busy compiling on
+    ///   all cores; such a stall is to cost ticks and not the run. A rig on hardware of its own, which
+    ///   does not stall, would have a shorter one.
     /// - Steps: Table 1. Gravity: 9.81 m/s² over a radius of 20 mm.
     /// - Noise, bandwidths, zero offsets, stiffness, damping and gripper: assumed, of the size that
     ///   the paper's sensors (ADXL 202, Sensotec QWFK-8M) and its ABS encasements have.
@@ -108,7 +109,7 @@ impl Default for RigParameters {
             supply_v: 12.0,
             peak_current_a: 22.0,
             current_bandwidth_hz: 3000.0,
-            watchdog_s: 0.025,
+            watchdog_s: 0.100,
 
             torque_sensor_stiffness_mnm_rad: 5e5,
             torque_sensor_damping: 2.0,
@@ -135,7 +136,7 @@ impl Default for RigParameters {
             rate_limit_hz: 20_000.0,
 
             substep_ns: 10_000,
-            catch_up_limit_s: 0.030,
+            catch_up_limit_s: 0.120,
         }
     }
 }

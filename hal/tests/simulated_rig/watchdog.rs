@@ -9,7 +9,8 @@ use super::{flywheel, ideal_sensors};
 const MILLISECOND_NS: u64 = 1_000_000;
 
 fn rig() -> SimulatedRig {
-    SimulatedRig::new(ideal_sensors(), flywheel(0.01), 1).unwrap()
+    let parameters = RigParameters { watchdog_s: 0.025, catch_up_limit_s: 0.030, ..ideal_sensors() };
+    SimulatedRig::new(parameters, flywheel(0.01), 1).unwrap()
 }
 
 #[test]

@@ -85,9 +85,7 @@ pub enum CalibrateError {
         travel_rad: f64,
     },
     /// The capture is mostly something else than what is calibrated.
-    #[error(
-        "{percent:.0} % of the {channel} is not what {expected}; {remedy}"
-    )]
+    #[error("{percent:.0} % of the {channel} is not what {expected}; {remedy}")]
     Unexplained {
         /// The channel.
         channel: &'static str,

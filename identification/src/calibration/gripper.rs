@@ -16,8 +16,7 @@ const FRICTION_MNM: f64 = 0.5;
 /// [`CalibrateError`] for a capture that does not accelerate the gripper enough.
 pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated, CalibrateError> {
     let calibration = Calibration { gripper_inertia: 0.0, ..known.clone() };
-    let options =
-        FitOptions { calibration: Some(calibration), without_detents: true, ..FitOptions::default() };
+    let options = FitOptions { calibration: Some(calibration), without_detents: true, ..FitOptions::default() };
     let fitted = fit(samples, &options)?;
     let inertia = fitted.parameters.get("inertia");
     let Some((value, [low, high])) = inertia.and_then(|inertia| inertia.value.zip(inertia.ci95)) else {

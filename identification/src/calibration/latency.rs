@@ -27,6 +27,8 @@ const EDGE_PER_SWEEP: f64 = 1.5;
 const LOWEST_EDGE_HZ: f64 = 25.0;
 /// Share of a channel that may be something else.
 const UNEXPLAINED: f64 = 0.5;
+/// Longest delay that is believed, s.
+const LONGEST_DELAY_S: f64 = 0.1;
 /// Rounds of taking gravity out at the delayed angle.
 const ROUNDS: usize = 3;
 
@@ -54,7 +56,11 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let torque = band.solve(&columns, &band.smooth(&uniform.torque_mnm));
     let mut found = vec![("torque", "torque_delay_s", torque)];
     if let Some(acceleration) = &uniform.acceleration_rad_s2 {
-        found.push(("acceleration", "acceleration_delay_s", acceleration_relation(&uniform, acceleration, known, &band, &columns)));
+        found.push((
+            "acceleration",
+            "acceleration_delay_s",
+            acceleration_relation(&uniform, acceleration, known, &band, &columns),
+        ));
     }
     let mut calibrated = Calibrated::default();
     let mut refusal = None;
@@ -96,7 +102,7 @@ fn acceleration_relation(
     let mut solved = relation(known.acceleration_delay_s);
     for _ in 1..ROUNDS {
         let (delay_s, _) = delay(&solved);
-        if !(delay_s.abs() < 0.1) {
+        if !delay_s.is_finite() || delay_s.abs() > LONGEST_DELAY_S {
             break;
         }
         solved = relation(delay_s);

@@ -74,8 +74,7 @@ impl Band {
         for _ in 0..ROUNDS {
             let mut distances: Vec<f64> = solution.residual.iter().map(|left| left.abs()).collect();
             let limit = OUTLIER * median(&mut distances) / 0.6745;
-            let outliers: Vec<usize> =
-                (0..target.len()).filter(|row| solution.residual[*row].abs() > limit).collect();
+            let outliers: Vec<usize> = (0..target.len()).filter(|row| solution.residual[*row].abs() > limit).collect();
             if outliers.is_empty() || used < outliers.len() + target.len() / 2 {
                 break;
             }

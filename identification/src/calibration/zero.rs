@@ -35,7 +35,9 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
             .map(|(seen, angle)| seen - known.gravity_rad_s2(*angle))
             .collect();
         let (value, half_width) = mean(&own, known.acceleration_step_rad_s2);
-        calibrated.estimates.push(Estimate { quantity: "acceleration_zero_rad_s2", value, half_width, unit: "rad/s²" });
+        calibrated
+            .estimates
+            .push(Estimate { quantity: "acceleration_zero_rad_s2", value, half_width, unit: "rad/s²" });
         calibrated.notes.push(format!(
             "acceleration_zero_rad_s2 is read beside a gravity of {:.1} rad/s²: it is as good as that is known",
             known.gravity_rad_s2(samples.angle_rad[0])

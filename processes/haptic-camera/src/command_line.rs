@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand};
 
 /// Captures how a mechanical knob feels, as numbers.
 #[derive(Debug, Parser)]
-#[command(name = "haptic-camera", version, about, propagate_version = true)]
+#[command(name = "haptic-camera", version, propagate_version = true)]
 #[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.")]
 pub struct CommandLine {
     /// What to do.
@@ -20,9 +20,28 @@ pub enum Command {
     /// Turn a knob through a sweep, watch it live, and keep an archive and a fitted model
     #[command(after_help = "Example:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures")]
     Capture(CaptureOptions),
-    /// Fit a model to a capture
+    /// Fit a model to a capture, or one model to several captures of the same knob
     #[command(after_help = "Example:\n  haptic-camera fit captures/20261121-101500-knob-3.mcap --report knob-3.html")]
     Fit(FitOptions),
+    /// Find the rig's zeros, gravity, delays or the gripper's inertia
+    #[command(
+        after_help = "Takes given captures, or turns the rig itself (nothing on the gripper). In this order:\n  \
+        haptic-camera calibrate zero --out rig.toml\n  \
+        haptic-camera calibrate gravity --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate latency --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate gripper --calibration rig.toml --out rig.toml\n  \
+        haptic-camera capture --calibration rig.toml --knob 3"
+    )]
+    Calibrate(CalibrateOptions),
+    /// Try the rig without a knob: how far what it measures lies from what it was told to do
+    #[command(after_help = "Example:\n  haptic-camera rig-test --offline --json rig-test.json")]
+    RigTest(RigTestOptions),
+    /// Check a fit by what a capture shows without one: detents counted, breakaways read off
+    #[command(after_help = "Example:\n  \
+        haptic-camera capture --knob 3 --sweep slow-turn --duration-s 15\n  \
+        haptic-camera capture --knob 3 --sweep slow-turn --amplitude 0.1 --duration-s 15\n  \
+        haptic-camera check TURN.mcap CREEP.mcap --model knob-3.toml")]
+    Check(CheckOptions),
     /// Simulate a model along a capture's motion or torque
     #[command(after_help = "Example:\n  haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
     Simulate(SimulateOptions),
@@ -41,16 +60,20 @@ pub struct CaptureOptions {
     /// The rig: `sim` is the simulated one
     #[arg(long, default_value = "sim")]
     pub apparatus: String,
-    /// The knob on the simulated rig: 1 to 5 for the paper's, or a model file
-    #[arg(long, default_value = "3", value_name = "1…5|FILE.toml")]
+    /// The knob on the simulated rig: 1 to 5 for the paper's, a model file, or none or locked for the gripper alone
+    #[arg(long, default_value = "3", value_name = "1…5|FILE.toml|none|locked")]
     pub knob: String,
-    /// The excitation: paper, linear-chirp, multisine, stepped-amplitude or hold
+    /// The rig's calibration, instead of the one that it comes with
+    #[arg(long, value_name = "CALIBRATION.toml")]
+    pub calibration: Option<PathBuf>,
+    /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
+    /// torque-ramp, tone or hold
     #[arg(long, default_value = "linear-chirp")]
     pub sweep: String,
     /// Command a torque instead of an angle
     #[arg(long)]
     pub torque: bool,
-    /// Largest commanded angle in rad, or torque in mNm [default: 1 rad, 20 mNm]
+    /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it]
     #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Samples per second
@@ -79,9 +102,9 @@ pub struct CaptureOptions {
 /// Options of `fit`.
 #[derive(Debug, Args)]
 pub struct FitOptions {
-    /// The capture: an archive or a CSV file
+    /// The capture, an archive or a CSV file; several of the same knob are made into one model
     #[arg(required = true, value_name = "CAPTURE")]
-    pub capture: PathBuf,
+    pub captures: Vec<PathBuf>,
     /// Write the result as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -91,6 +114,90 @@ pub struct FitOptions {
     /// Write the report page
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+}
+
+/// Options of what turns the rig without a knob.
+#[derive(Debug, Args)]
+pub struct RigOptions {
+    /// The rig: `sim` is the simulated one
+    #[arg(long, default_value = "sim")]
+    pub apparatus: String,
+    /// Run the simulated rig as fast as the processor goes, without the real-time processes
+    #[arg(long)]
+    pub offline: bool,
+    /// Seed of the simulated rig's noise
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Folder for the captures made on the way
+    #[arg(long, default_value = "captures", value_name = "DIR")]
+    pub captures_in: PathBuf,
+}
+
+/// Options of `calibrate`.
+#[derive(Debug, Args)]
+pub struct CalibrateOptions {
+    /// What to calibrate
+    #[arg(value_enum, value_name = "WHAT")]
+    pub what: CalibrationKind,
+    /// Captures made for it; without any the rig is turned, with nothing on the gripper
+    #[arg(value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// Where the calibration goes; may be the file given as --calibration
+    #[arg(long, value_name = "CALIBRATION.toml")]
+    pub out: PathBuf,
+    /// What is known so far, instead of what the captures say of their rig
+    #[arg(long, value_name = "PREVIOUS.toml")]
+    pub calibration: Option<PathBuf>,
+    /// How the rig is turned where no capture is given
+    #[command(flatten)]
+    pub rig: RigOptions,
+}
+
+/// What `calibrate` can find.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum CalibrationKind {
+    /// Gravity in the acceleration signal, from a slow turn of more than 360°.
+    Gravity,
+    /// The readings of torque sensor and accelerometer at rest, with nothing on the gripper.
+    Zero,
+    /// The gripper's inertia, from a sweep of the gripper alone.
+    Gripper,
+    /// How late torque and acceleration come, from fast sines of the gripper alone.
+    Latency,
+}
+
+/// Options of `rig-test`.
+#[derive(Debug, Args)]
+pub struct RigTestOptions {
+    /// The reading of the paper's sweep: paper (as printed) or linear-chirp
+    #[arg(long, default_value = "paper")]
+    pub sweep: String,
+    /// Samples per second
+    #[arg(long, default_value_t = 5_000.0, allow_negative_numbers = true)]
+    pub rate_hz: f64,
+    /// The rig's calibration, instead of the one that it comes with
+    #[arg(long, value_name = "CALIBRATION.toml")]
+    pub calibration: Option<PathBuf>,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// How the rig is turned
+    #[command(flatten)]
+    pub rig: RigOptions,
+}
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+pub struct CheckOptions {
+    /// Captures to look at: a slow turn for the detents, a creep or a torque ramp for the breakaway
+    #[arg(required = true, value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// The fitted model to check
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
 }
 
 /// Options of `simulate`.

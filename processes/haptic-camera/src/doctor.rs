@@ -92,8 +92,7 @@ fn scheduler_guard() -> Finding {
 }
 
 fn shared_memory() -> Finding {
-    let free = nix::sys::statvfs::statvfs("/dev/shm")
-        .map_or(0, |stat| stat.blocks_available() as u64 * stat.fragment_size() as u64);
+    let free = nix::sys::statvfs::statvfs("/dev/shm").map_or(0, |stat| stat.blocks_available() * stat.fragment_size());
     let good = free >= SHARED_MEMORY_BYTES;
     let found = if good {
         format!("{} MiB free in /dev/shm", free >> 20)

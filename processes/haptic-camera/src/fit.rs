@@ -2,31 +2,36 @@
 
 use std::io::Write as _;
 use std::os::unix::fs::PermissionsExt as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use dynamics::Model;
 use identification::{Fit, FitOptions};
 
 use crate::command_line;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
 use crate::parameter_table::{parameter_table, reasons};
+use crate::repeatability::repeatability_table;
 
 /// Fits a capture and writes what was asked for.
 ///
 /// # Errors
 /// One sentence on what is wrong with the capture or a file.
 pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded = LoadedCapture::load(&options.capture)?;
+    match options.captures.as_slice() {
+        [capture] => fit_one(capture, options),
+        captures => fit_several(captures, options),
+    }
+}
+
+fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
+    let loaded = LoadedCapture::load(capture)?;
     let fit = fit_capture(&loaded)?;
-    let json_to_output = options.json.as_deref() == Some(Path::new("-"));
-    if !json_to_output {
+    if !to_output(options.json.as_deref()) {
         show(&loaded, &fit);
     }
-    if let Some(path) = &options.json {
-        let text = serde_json::to_string_pretty(&fit)? + "\n";
-        if json_to_output { say(text.trim_end()) } else { write(path, &text)? }
-    }
+    write_json(options.json.as_deref(), &fit)?;
     if let Some(path) = &options.out {
         write(path, &fit.model(&loaded.title()).to_toml())?;
     }
@@ -34,6 +39,49 @@ pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
         write(path, &loaded.report_page(&fit))?;
     }
     Ok(Outcome::Done)
+}
+
+/// One model of several captures of the same knob.
+fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
+    anyhow::ensure!(
+        options.report.is_none(),
+        "a report shows one capture: fit the captures one at a time with --report, or leave it out"
+    );
+    let loaded = captures.iter().map(|path| LoadedCapture::load(path)).collect::<anyhow::Result<Vec<_>>>()?;
+    let fits = loaded.iter().map(fit_capture).collect::<anyhow::Result<Vec<Fit>>>()?;
+    let average = identification::average(&fits).context("there is no capture to fit")?;
+    if !to_output(options.json.as_deref()) {
+        let first = loaded.first().and_then(|one| one.truth.as_ref());
+        let alike = loaded.iter().all(|one| one.truth.as_ref() == first);
+        show_fit(first.filter(|_| alike), &average.fit);
+        say("");
+        say(repeatability_table(&average));
+    }
+    write_json(options.json.as_deref(), &average)?;
+    if let Some(path) = &options.out {
+        let titles: Vec<String> = loaded.iter().map(LoadedCapture::title).collect();
+        write(path, &average.model(&titles.join(" and ")).to_toml())?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Whether standard output is for the JSON alone.
+pub fn to_output(json: Option<&Path>) -> bool {
+    json == Some(Path::new("-"))
+}
+
+/// Writes a result as JSON, if it was asked for.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_json(path: Option<&Path>, result: &impl serde::Serialize) -> anyhow::Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let text = serde_json::to_string_pretty(result)? + "\n";
+    if to_output(Some(path)) {
+        say(text.trim_end());
+        return Ok(());
+    }
+    write(path, &text)
 }
 
 /// Fits a capture with all that is known of its rig.
@@ -48,7 +96,11 @@ pub fn fit_capture(loaded: &LoadedCapture) -> anyhow::Result<Fit> {
 
 /// Prints the fit for people.
 pub fn show(loaded: &LoadedCapture, fit: &Fit) {
-    say(parameter_table(fit, loaded.truth.as_ref()));
+    show_fit(loaded.truth.as_ref(), fit);
+}
+
+fn show_fit(truth: Option<&Model>, fit: &Fit) {
+    say(parameter_table(fit, truth));
     say(format!(
         "residual {:.3} mNm RMS, {:.2} % of the torque; mean 95 % interval of the model ±{:.3} mNm",
         fit.residual_rms_mnm, fit.relative_error_percent, fit.mean_ci95_mnm

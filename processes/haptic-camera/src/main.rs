@@ -2,7 +2,9 @@
 //!
 //! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.
 
+mod calibrate;
 mod capture;
+mod check;
 mod command_line;
 mod doctor;
 mod fit;
@@ -10,6 +12,9 @@ mod load;
 mod outcome;
 mod parameter_table;
 mod recover;
+mod repeatability;
+mod rig_run;
+mod rig_test;
 mod simulate;
 mod view;
 
@@ -28,6 +33,9 @@ fn main() -> ExitCode {
     let result = match CommandLine::parse().command {
         Command::Capture(options) => capture::run(&options),
         Command::Fit(options) => fit::run(&options),
+        Command::Calibrate(options) => calibrate::run(&options),
+        Command::RigTest(options) => rig_test::run(&options),
+        Command::Check(options) => check::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::View(options) => view::run(&options),
         Command::Recover(options) => recover::run(&options),

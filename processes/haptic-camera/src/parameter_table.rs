@@ -66,8 +66,8 @@ pub fn true_value(model: &Model, name: &str) -> Option<f64> {
 fn beside_truth(parameter: &Parameter, model: &Model, digits: usize) -> [String; 2] {
     let Some(value) = true_value(model, parameter.name) else { return ["none".to_owned(), String::new()] };
     let inside = match parameter.ci95 {
-        Some([low, high]) if (low..=high).contains(&value) => "inside",
-        Some(_) => "outside",
+        Some([low, high]) if (low..=high).contains(&value) => "in",
+        Some(_) => "out",
         None => "",
     };
     [format!("{value:.digits$}"), inside.to_owned()]

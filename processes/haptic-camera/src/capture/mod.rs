@@ -190,6 +190,9 @@ fn loop_arguments(options: &CaptureOptions) -> Vec<String> {
     if let Some(amplitude) = options.amplitude {
         arguments.push(format!("--amplitude={amplitude}"));
     }
+    if let Some(calibration) = &options.calibration {
+        arguments.push(format!("--calibration={}", calibration.display()));
+    }
     if let Some(core) = options.core {
         arguments.push(format!("--core={core}"));
     }

@@ -1,0 +1,104 @@
+//! Times the whole fit; `scripts/bench-fit` compares with scipy on the columns written here.
+//!
+//! `cargo run --release -p identification --example bench_fit -- COLUMNS [MOST_SAMPLES]`
+#![allow(clippy::print_stdout, reason = "an example speaks to its user")]
+
+mod common;
+
+use std::time::Instant;
+
+use common::Uniform;
+use dynamics::{Drive, Effect, Excitation, Model, Motion, effects};
+use identification::{FitOptions, Samples, fit};
+
+/// M, C₋, C₊, B₋, B₊, A, P, S of the paper's Table 2.
+const TABLE_2: [f64; 8] = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.2, 0.9];
+const RATE_HZ: f64 = 5000.0;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let path = arguments.next().ok_or("name the file to which the columns shall be written")?;
+    let most: usize = arguments.next().map_or(Ok(1_000_000), |text| text.parse())?;
+    let columns = capture(30_000)?;
+    let bytes: Vec<u8> = columns.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    std::fs::write(path, bytes)?;
+    let (seconds, period_rad) = timed(&columns, 15)?;
+    println!("{{\"samples\": 30000, \"seconds\": {seconds}, \"period_rad\": {period_rad}}}");
+    let mut samples = 10_000;
+    while samples <= most {
+        let columns = capture(samples)?;
+        let (seconds, _) = timed(&columns, 3)?;
+        println!("{{\"samples\": {samples}, \"seconds\": {seconds}, \"peak_kib\": {}}}", peak_kib());
+        samples *= 10;
+    }
+    Ok(())
+}
+
+/// Time, angle, velocity, acceleration and noisy torque.
+#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+fn capture(samples: usize) -> Result<[Vec<f64>; 5], Box<dyn std::error::Error>> {
+    let knob = Model {
+        name: String::new(),
+        description: String::new(),
+        effects: vec![
+            Effect::new(&effects::inertia::KIND, &TABLE_2[..1]),
+            Effect::new(&effects::friction::KIND, &TABLE_2[1..5]),
+            Effect::new(&effects::detent::KIND, &TABLE_2[5..]),
+        ],
+    };
+    let sweep = Excitation::named("paper", Drive::Position)?;
+    let mut random = Uniform(7);
+    let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| Vec::with_capacity(samples));
+    for index in 1..=samples {
+        let motion = motion(index as f64 / RATE_HZ, (samples == 30_000).then_some(&sweep));
+        let torque_mnm = knob.torque_mnm(&motion) + 4.0 * (random.next() - 0.5);
+        let row = [motion.time_s, motion.angle_rad, motion.velocity_rad_s, motion.acceleration_rad_s2, torque_mnm];
+        columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+    }
+    Ok(columns)
+}
+
+/// The sweep, or two sines: the frequency of a sweep would grow with the number of samples.
+fn motion(time_s: f64, sweep: Option<&Excitation>) -> Motion {
+    if let Some(sweep) = sweep {
+        let set = sweep.at(time_s);
+        return Motion {
+            time_s,
+            angle_rad: set.value,
+            velocity_rad_s: set.rate,
+            acceleration_rad_s2: set.acceleration,
+        };
+    }
+    let sines = [(1.0, 3.0), (0.4, 8.1)];
+    let sum = |of: fn(f64, f64, f64) -> f64| sines.iter().map(|(size, rate)| of(*size, *rate, time_s)).sum();
+    Motion {
+        time_s,
+        angle_rad: sum(|size, rate, t| size * (rate * t).sin()),
+        velocity_rad_s: sum(|size, rate, t| size * rate * (rate * t).cos()),
+        acceleration_rad_s2: sum(|size, rate, t| -size * rate * rate * (rate * t).sin()),
+    }
+}
+
+/// Median time of a fit, s, and the period it found.
+fn timed(columns: &[Vec<f64>; 5], runs: usize) -> Result<(f64, f64), Box<dyn std::error::Error>> {
+    let [t_s, angle_rad, velocity, acceleration, torque_mnm] = columns;
+    let samples =
+        Samples { t_s, angle_rad, velocity_rad_s: Some(velocity), acceleration_rad_s2: Some(acceleration), torque_mnm };
+    let mut times = Vec::new();
+    let mut period_rad = f64::NAN;
+    for _ in 0..runs {
+        let start = Instant::now();
+        let fit = fit(&samples, &FitOptions::default())?;
+        times.push(start.elapsed().as_secs_f64());
+        period_rad = fit.parameters.get("detent_period").and_then(|p| p.value).unwrap_or(f64::NAN);
+    }
+    times.sort_by(f64::total_cmp);
+    Ok((times[runs / 2], period_rad))
+}
+
+/// Most memory that this process ever held, KiB; 0 where the system does not tell.
+fn peak_kib() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}

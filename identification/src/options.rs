@@ -1,0 +1,48 @@
+//! What a fit may be told.
+
+use dynamics::{Calibration, Effect};
+
+/// What a fit may be told; nothing need be.
+#[derive(Clone, Debug, Default)]
+pub struct FitOptions {
+    /// What is known of the rig: zeros, delays, compliance and the gripper's inertia, which are taken out.
+    pub calibration: Option<Calibration>,
+    /// Effects to fit besides inertia, friction and detents; their searched parameters start at the values given.
+    pub further_effects: Vec<Effect>,
+    /// Fit without looking for detents.
+    pub without_detents: bool,
+    /// How the capture is filtered before the fit.
+    pub preparation: PreparationMethod,
+    /// Where the acceleration comes from.
+    pub acceleration: AccelerationUse,
+}
+
+/// How a capture is filtered before the fit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PreparationMethod {
+    /// Every edge from the signals' own spectra, mask first, then one linear-phase filter over torque and all columns.
+    #[default]
+    Automatic,
+    /// As Swindells and MacLean 2007 did, so that fits compare like with like: velocity through a 10th-order
+    /// Butterworth low-pass (500 Hz), then θ, θ̇, θ̈ and τ each through a 3rd-order Chebyshev low-pass of the second
+    /// kind with 20 dB and the edges 1, 1, 0.5 and 0.5 kHz; all without phase shift. The acceleration is the
+    /// accelerometer's, the twist of the torque sensor stays in, and every sliding sample is a row.
+    Paper,
+}
+
+/// Where the acceleration comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AccelerationUse {
+    /// Encoder and accelerometer, each where it is quieter; what their noise does to the inertia is taken off.
+    #[default]
+    Best,
+    /// The encoder's second derivative alone.
+    Encoder,
+    /// The column `acceleration_rad_s2` alone, held for exact: noise in it draws the inertia towards zero.
+    Column,
+    /// The same column with the encoder's second derivative as its instrument: the residual is made orthogonal to the
+    /// instrument, whose noise is independent of the column's, so the inertia is not drawn anywhere (A. Janot,
+    /// P.-O. Vandanjon, M. Gautier, A generic instrumental variable approach for industrial robot identification, IEEE
+    /// Trans. Control Syst. Technol. 22, 2014, 132–145, with the other sensor in place of a simulation).
+    ColumnInstrumented,
+}

@@ -1,0 +1,69 @@
+//! The calibration file: values, and in comments how well each is known and from where.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use dynamics::Calibration;
+use identification::calibration::Calibrated;
+
+use crate::fit;
+use crate::repeatability::digits;
+
+/// A calibration file as it was.
+pub struct Previous {
+    /// Its values.
+    pub calibration: Calibration,
+    comments: Vec<String>,
+}
+
+impl Previous {
+    /// Reads a calibration file.
+    ///
+    /// # Errors
+    /// One sentence on what is wrong with it.
+    pub fn read(path: &Path) -> anyhow::Result<Self> {
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("the calibration {} cannot be read; check the path", path.display()))?;
+        let calibration =
+            Calibration::from_toml(&text).with_context(|| format!("{} is no calibration", path.display()))?;
+        let comments = text.lines().filter(|line| line.starts_with("# ")).map(str::to_owned).collect();
+        Ok(Self { calibration, comments })
+    }
+}
+
+/// Writes what was known with what was learnt in its place.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(
+    path: &Path,
+    told: &Calibrated,
+    known: &Calibration,
+    previous: Option<&Previous>,
+    captures: &[PathBuf],
+) -> anyhow::Result<()> {
+    let learnt = |comment: &&String| {
+        told.estimates.iter().any(|estimate| comment.starts_with(&format!("# {}:", estimate.quantity)))
+    };
+    let mut text = String::new();
+    for comment in previous.iter().flat_map(|previous| &previous.comments).filter(|comment| !learnt(comment)) {
+        let _ = writeln!(text, "{comment}");
+    }
+    let date = jiff::Zoned::now().strftime("%Y-%m-%d %H:%M:%S %Z");
+    let sources: Vec<String> = captures.iter().map(|capture| capture.display().to_string()).collect();
+    for estimate in &told.estimates {
+        let digits = digits(estimate.half_width);
+        let _ = writeln!(
+            text,
+            "# {}: {:.digits$} ± {:.digits$} {}, 95 %, {date} from {}",
+            estimate.quantity,
+            estimate.value,
+            estimate.half_width,
+            estimate.unit,
+            sources.join(", ")
+        );
+    }
+    text += &told.applied_to(known).to_toml();
+    fit::write(path, &text)
+}

@@ -1,0 +1,101 @@
+//! `calibrate`: what is known of the rig, found out from captures.
+
+mod file;
+mod table;
+
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use dynamics::Calibration;
+use identification::Samples;
+use identification::calibration::{self, CalibrateError, Calibrated};
+
+use crate::command_line::{CalibrateOptions, CalibrationKind, RigOptions};
+use crate::load::LoadedCapture;
+use crate::outcome::{Outcome, say};
+use crate::rig_run::RigRun;
+
+/// Amplitude of the fast sines with nothing on the gripper, rad.
+const FAST_AMPLITUDE_RAD: f64 = 0.1;
+
+/// Calibrates from the captures given, or makes one.
+///
+/// # Errors
+/// One sentence on why a capture does not do, or a file cannot be read or written.
+pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
+    let previous = options.calibration.as_deref().map(file::Previous::read).transpose()?;
+    let captures = if options.captures.is_empty() {
+        vec![options.what.capture(&options.rig, options.calibration.as_ref())?]
+    } else {
+        options.captures.clone()
+    };
+    let mut known: Option<Calibration> = previous.as_ref().map(|previous| previous.calibration.clone());
+    let mut found = Vec::new();
+    for path in &captures {
+        let loaded = LoadedCapture::load(path)?;
+        let base = match (&known, &loaded.calibration) {
+            (Some(known), _) => known.clone(),
+            (None, Some(own)) => own.clone(),
+            (None, None) => anyhow::bail!(
+                "{} says nothing of its rig; give what is known of it with --calibration PREVIOUS.toml",
+                path.display()
+            ),
+        };
+        let told = options
+            .what
+            .calibrate(&loaded.samples(), &base)
+            .with_context(|| format!("{} does not calibrate the {}", path.display(), options.what.subject()))?;
+        known.get_or_insert(base);
+        found.push(told);
+    }
+    let (Some(known), Some(told)) = (known, calibration::combine(&found)) else {
+        anyhow::bail!("there is no capture to calibrate from");
+    };
+    say(table::table(&known, &told));
+    for note in &told.notes {
+        say(format!("- {note}"));
+    }
+    file::write(&options.out, &told, &known, previous.as_ref(), &captures)?;
+    say(format!("calibration  {}", options.out.display()));
+    Ok(Outcome::Done)
+}
+
+impl CalibrationKind {
+    fn calibrate(self, samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated, CalibrateError> {
+        match self {
+            Self::Gravity => calibration::gravity(samples, known),
+            Self::Zero => calibration::zero(samples, known),
+            Self::Gripper => calibration::gripper(samples, known),
+            Self::Latency => calibration::latency(samples, known),
+        }
+    }
+
+    /// What it is about, in words.
+    fn subject(self) -> &'static str {
+        match self {
+            Self::Gravity => "gravity",
+            Self::Zero => "zeros",
+            Self::Gripper => "gripper",
+            Self::Latency => "delays",
+        }
+    }
+
+    /// Makes the capture that it needs.
+    fn capture(self, rig: &RigOptions, calibration: Option<&PathBuf>) -> anyhow::Result<PathBuf> {
+        let fast = |sweep: &str, amplitude, duration_s| RigRun {
+            knob: "none",
+            sweep: sweep.to_owned(),
+            torque: false,
+            amplitude,
+            rate_hz: 10_000.0,
+            duration_s,
+            calibration: calibration.cloned(),
+        };
+        let run = match self {
+            Self::Gravity => fast("slow-turn", None, 15.0),
+            Self::Zero => RigRun { torque: true, ..fast("hold", None, 5.0) },
+            Self::Gripper | Self::Latency => fast("fast-multisine", Some(FAST_AMPLITUDE_RAD), 10.0),
+        };
+        run.archive(rig, &format!("calibrate-{}", self.subject()))
+    }
+}

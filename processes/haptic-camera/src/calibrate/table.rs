@@ -1,0 +1,34 @@
+//! What a calibration learnt, for a terminal.
+
+use comfy_table::{CellAlignment, Table, presets};
+use dynamics::Calibration;
+use identification::calibration::Calibrated;
+
+use crate::repeatability::digits;
+
+/// Each quantity as it was believed and as it was found, with its interval.
+pub fn table(known: &Calibration, told: &Calibrated) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["quantity", "before", "found", "95 %", "unit"]);
+    let before = toml::Table::try_from(known).unwrap_or_default();
+    for estimate in &told.estimates {
+        // Delays are fractions of a sample: microseconds read better.
+        let (factor, unit) = if estimate.unit == "s" { (1e6, "µs") } else { (1.0, estimate.unit) };
+        let digits = digits(factor * estimate.half_width);
+        let believed = before.get(estimate.quantity).and_then(toml::Value::as_float);
+        table.add_row([
+            estimate.quantity.to_owned(),
+            believed.map_or_else(String::new, |value| format!("{:.digits$}", factor * value)),
+            format!("{:.digits$}", factor * estimate.value),
+            format!("±{:.digits$}", factor * estimate.half_width),
+            unit.to_owned(),
+        ]);
+    }
+    for column in 1..4 {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}

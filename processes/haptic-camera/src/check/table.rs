@@ -1,0 +1,31 @@
+//! The check for a terminal.
+
+use comfy_table::{CellAlignment, Table, presets};
+
+use super::Agreement;
+use crate::repeatability::digits;
+
+/// What was seen beside what was fitted.
+pub fn table(agreement: &[Agreement]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"]);
+    for row in agreement {
+        let width = row.ci95.map_or(1e-3 * row.checked.abs(), |[low, high]| high - low);
+        let digits = digits(width);
+        table.add_row([
+            row.quantity.to_owned(),
+            format!("{:.digits$}", row.checked),
+            row.ci95.map_or_else(String::new, |[low, high]| format!("{low:.digits$} to {high:.digits$}")),
+            row.model.map_or_else(String::new, |model| format!("{model:.digits$}")),
+            row.difference_percent.map_or_else(String::new, |percent| format!("{percent:+.1} %")),
+            row.unit.to_owned(),
+        ]);
+    }
+    for column in [1, 2, 3, 4] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}

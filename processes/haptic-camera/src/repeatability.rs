@@ -1,0 +1,44 @@
+//! How captures of the same knob repeat, as a table for an 80-column terminal.
+
+use comfy_table::{CellAlignment, Table, presets};
+use identification::Average;
+
+/// Most captures whose values stand side by side; of more, the differences alone.
+const SIDE_BY_SIDE: usize = 3;
+
+/// Each parameter's values, their difference, and what their intervals allow.
+pub fn repeatability_table(average: &Average) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    let mut header = vec!["parameter".to_owned()];
+    let shown = if average.captures <= SIDE_BY_SIDE { average.captures } else { 0 };
+    header.extend((1..=shown).map(|number| format!("capture {number}")));
+    header.extend(["difference", "allowed", "ratio", "unit"].map(str::to_owned));
+    table.set_header(header);
+    for parameter in &average.fit.parameters.0 {
+        let Some(record) = average.repeatability.get(parameter.name) else { continue };
+        let digits = digits(record.difference_ci95);
+        let mut row = vec![parameter.name.to_owned()];
+        row.extend(record.values.iter().take(shown).map(|value| match value {
+            Some(value) => format!("{value:.digits$}"),
+            None => "-".to_owned(),
+        }));
+        row.push(format!("{:.digits$}", record.difference));
+        row.push(format!("±{:.digits$}", record.difference_ci95));
+        row.push(format!("{:.2}", record.ratio));
+        row.push(record.unit.to_owned());
+        table.add_row(row);
+    }
+    for column in 1..shown + 4 {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+/// Decimals that show a width with two digits.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
+pub fn digits(width: f64) -> usize {
+    if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 }
+}

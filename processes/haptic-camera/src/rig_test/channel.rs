@@ -1,0 +1,150 @@
+//! One channel of the rig: the original signal, the measured one, and what lies between them.
+
+use std::f64::consts::TAU;
+
+use dynamics::Excitation;
+use identification::filter::chebyshev2_low_pass;
+use serde::Serialize;
+
+use crate::load::LoadedCapture;
+
+/// Frequency at which the lag is taken, Hz.
+const LAG_HZ: f64 = 30.0;
+/// Time for which a tone is faded in and the rig settles, s.
+const SETTLED_S: f64 = 1.0;
+
+/// A channel of the paper's Table 3.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    Position,
+    Velocity,
+    Acceleration,
+    Torque,
+}
+
+/// Original minus measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct Comparison {
+    pub channel: &'static str,
+    pub unit: &'static str,
+    pub mean: f64,
+    pub sd: f64,
+    /// Standard deviation behind the paper's filters for a fit, which take out what no fit sees.
+    pub sd_filtered: f64,
+    pub paper_mean: f64,
+    pub paper_sd: f64,
+}
+
+/// How late a channel shows a sine.
+#[derive(Clone, Debug, Serialize)]
+pub struct Lag {
+    pub channel: &'static str,
+    /// Phase lag, rad; negative if the channel is ahead.
+    pub phase_rad: f64,
+    pub delay_ms: f64,
+    /// Measured amplitude over the original one.
+    pub gain: f64,
+}
+
+impl Channel {
+    pub const ALL: [Self; 4] = [Self::Position, Self::Velocity, Self::Acceleration, Self::Torque];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Torque => "torque",
+        }
+    }
+
+    /// Unit, mean and standard deviation of Table 3.
+    fn paper(self) -> (&'static str, f64, f64) {
+        match self {
+            Self::Position => ("rad", 0.0012, 0.0032),
+            Self::Velocity => ("rad/s", 0.0016, 0.0244),
+            Self::Acceleration => ("rad/s²", 0.664, 0.4148),
+            Self::Torque => ("Nm", 0.0010, 0.0018),
+        }
+    }
+
+    /// Time, original and measured signal, sample by sample, in Table 3's units.
+    fn signals(self, loaded: &LoadedCapture, excitation: &Excitation) -> Vec<[f64; 3]> {
+        let capture = &loaded.capture;
+        let known = loaded.calibration.as_ref();
+        let start_rad = capture.commanded_angle_rad.as_ref().map_or(0.0, |commanded| {
+            commanded.first().map_or(0.0, |first| first - excitation.at(capture.t_s[0]).value)
+        });
+        let column = |column: &Option<Vec<f64>>, row: usize| column.as_ref().map_or(f64::NAN, |column| column[row]);
+        (0..capture.len())
+            .map(|row| {
+                let time_s = capture.t_s[row];
+                let set = excitation.at(time_s);
+                let (original, measured) = match self {
+                    Self::Position => (start_rad + set.value, capture.angle_rad[row]),
+                    Self::Velocity => (set.rate, column(&capture.velocity_rad_s, row)),
+                    Self::Acceleration => {
+                        let seen = column(&capture.acceleration_rad_s2, row);
+                        let still = known.map_or(0.0, |known| {
+                            known.acceleration_zero_rad_s2 + known.gravity_rad_s2(capture.angle_rad[row])
+                        });
+                        (set.acceleration, seen - still)
+                    }
+                    Self::Torque => {
+                        let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
+                        (1e-3 * set.value, 1e-3 * (capture.torque_mnm[row] - zero_mnm))
+                    }
+                };
+                [time_s, original, measured]
+            })
+            .collect()
+    }
+
+    /// Mean and standard deviation of original minus measured.
+    pub fn compare(self, loaded: &LoadedCapture, excitation: &Excitation) -> Comparison {
+        let differences: Vec<f64> =
+            self.signals(loaded, excitation).iter().map(|[_, original, measured]| original - measured).collect();
+        // Third-order Chebyshev II, 20 dB, forwards and backwards (section 4.2).
+        let edge_hz = match self {
+            Self::Position | Self::Velocity => 1000.0,
+            Self::Acceleration | Self::Torque => 500.0,
+        };
+        let filtered = chebyshev2_low_pass(3, 20.0, edge_hz, loaded.capture.rate_hz)
+            .map_or_else(|_| differences.clone(), |filter| filter.filter_zero_phase(&differences));
+        let (unit, paper_mean, paper_sd) = self.paper();
+        let (mean, sd) = mean_and_sd(&differences);
+        Comparison { channel: self.name(), unit, mean, sd, sd_filtered: mean_and_sd(&filtered).1, paper_mean, paper_sd }
+    }
+
+    /// Phase and gain at 30 Hz, over a whole number of periods.
+    pub fn lag(self, loaded: &LoadedCapture, excitation: &Excitation) -> Lag {
+        let signals = self.signals(loaded, excitation);
+        let end_s = signals.last().map_or(0.0, |[time_s, ..]| *time_s);
+        let until_s = SETTLED_S + ((end_s - SETTLED_S) * LAG_HZ).floor() / LAG_HZ;
+        let (mut original, mut measured) = ([0.0; 2], [0.0; 2]);
+        for [time_s, told, seen] in signals.iter().filter(|[time_s, ..]| (SETTLED_S..until_s).contains(time_s)) {
+            let (sine, cosine) = (TAU * LAG_HZ * time_s).sin_cos();
+            for (sum, value) in [(&mut original, told), (&mut measured, seen)] {
+                sum[0] += value * cosine;
+                sum[1] += value * sine;
+            }
+        }
+        // For cos(ωt − φ) the sums are in the ratio cos φ to sin φ.
+        let difference = measured[1].atan2(measured[0]) - original[1].atan2(original[0]);
+        let phase_rad = difference - TAU * (difference / TAU).round();
+        Lag {
+            channel: self.name(),
+            phase_rad,
+            delay_ms: 1e3 * phase_rad / (TAU * LAG_HZ),
+            gain: measured[0].hypot(measured[1]) / original[0].hypot(original[1]),
+        }
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+fn mean_and_sd(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (mean, variance.sqrt())
+}

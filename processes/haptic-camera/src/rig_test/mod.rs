@@ -1,0 +1,89 @@
+//! `rig-test`: what the rig measures beside what it was told to do, as the paper's Table 3 has it.
+//!
+//! Three runs: the gripper alone through the paper's sweep for position, velocity and acceleration; the
+//! locked gripper under a torque sweep; and both once more at 30 Hz, where the paper speaks of a lag.
+
+mod channel;
+mod table;
+
+use dynamics::Excitation;
+use serde::Serialize;
+
+use anyhow::Context as _;
+
+use crate::command_line::RigTestOptions;
+use crate::fit::{to_output, write_json};
+use crate::load::LoadedCapture;
+use crate::outcome::{Outcome, say};
+use crate::rig_run::RigRun;
+use channel::{Channel, Comparison, Lag};
+
+/// Length of the paper's sweep: 30,000 samples at 5 kHz, s.
+const SWEEP_S: f64 = 6.0;
+/// Length of the run at one frequency, s.
+const TONE_S: f64 = 3.0;
+/// The paper's amplitude of the torque sweep, 0.02 Nm.
+const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
+
+/// What `rig-test --json` writes.
+#[derive(Debug, Serialize)]
+struct RigTest {
+    sweep: String,
+    rate_hz: f64,
+    differences: Vec<Comparison>,
+    lag_at_30_hz: Vec<Lag>,
+}
+
+/// Turns the rig and compares.
+///
+/// # Errors
+/// Whatever keeps the rig from being turned, and a file that cannot be written.
+pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
+    let free = |sweep: &str, duration_s| RigRun {
+        knob: "none",
+        sweep: sweep.to_owned(),
+        torque: false,
+        amplitude: None,
+        rate_hz: options.rate_hz,
+        duration_s,
+        calibration: options.calibration.clone(),
+    };
+    let locked = |sweep: &str, duration_s| RigRun {
+        knob: "locked",
+        torque: true,
+        amplitude: Some(TORQUE_AMPLITUDE_MNM),
+        ..free(sweep, duration_s)
+    };
+    let made = |run: &RigRun, purpose| LoadedCapture::load(&run.archive(&options.rig, purpose)?);
+    let sweep = options.sweep.as_str();
+    let spun = [made(&free(sweep, SWEEP_S), "rig-test-free")?, made(&free("tone", TONE_S), "rig-test-free-30-hz")?];
+    let held =
+        [made(&locked(sweep, SWEEP_S), "rig-test-locked")?, made(&locked("tone", TONE_S), "rig-test-locked-30-hz")?];
+
+    let mut test = RigTest {
+        sweep: sweep.to_owned(),
+        rate_hz: options.rate_hz,
+        differences: Vec::new(),
+        lag_at_30_hz: Vec::new(),
+    };
+    for channel in Channel::ALL {
+        let [sweep, tone] = if channel == Channel::Torque { &held } else { &spun };
+        test.differences.push(channel.compare(sweep, &excitation(sweep)?));
+        test.lag_at_30_hz.push(channel.lag(tone, &excitation(tone)?));
+    }
+    if !to_output(options.json.as_deref()) {
+        say("");
+        say("original minus measured; filtered: its SD behind the low-passes that the paper fits with");
+        say(table::differences(&test.differences));
+        say("");
+        say(table::lags(&test.lag_at_30_hz));
+    }
+    write_json(options.json.as_deref(), &test)?;
+    Ok(Outcome::Done)
+}
+
+/// What the rig was told to do.
+fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
+    let description = loaded.capture.description.as_ref().context("the run has no description")?;
+    toml::from_str(&description.excitation_toml).context("the run's excitation cannot be read")
+}

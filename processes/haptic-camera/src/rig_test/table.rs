@@ -1,0 +1,54 @@
+//! The rig test for a terminal.
+
+use comfy_table::{CellAlignment, Table, presets};
+
+use super::channel::{Comparison, Lag};
+
+/// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
+pub fn differences(differences: &[Comparison]) -> Table {
+    let mut table = plain();
+    table.set_header(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"]);
+    for row in differences {
+        table.add_row([
+            row.channel.to_owned(),
+            format!("{:.5}", row.mean),
+            format!("{:.5}", row.sd),
+            format!("{:.5}", row.sd_filtered),
+            format!("{:.4}", row.paper_mean),
+            format!("{:.4}", row.paper_sd),
+            row.unit.to_owned(),
+        ]);
+    }
+    align(table, 6)
+}
+
+/// Phase lags at 30 Hz; the paper says below 0.5 rad.
+pub fn lags(lags: &[Lag]) -> Table {
+    let mut table = plain();
+    table.set_header(["lag at 30 Hz", "rad", "ms", "gain", "paper"]);
+    for lag in lags {
+        table.add_row([
+            lag.channel.to_owned(),
+            format!("{:.4}", lag.phase_rad),
+            format!("{:.3}", lag.delay_ms),
+            format!("{:.4}", lag.gain),
+            "< 0.5 rad".to_owned(),
+        ]);
+    }
+    align(table, 5)
+}
+
+fn plain() -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table
+}
+
+fn align(mut table: Table, columns: usize) -> Table {
+    for column in 1..columns {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
