@@ -1,4 +1,4 @@
-"""Tabulates the costs of a capture from its archive; called by scripts/bench-capture."""
+"""Tabulates the costs of captures from their archives; called by scripts/bench-capture."""
 
 import os
 import sys
@@ -37,18 +37,28 @@ def cyclictest(label, path):
     print(f"{label:34}" + "".join(points) + f"{int(worst[0]):10d}")
 
 
-archive, before, after = sys.argv[1:4]
-names = ["tick", "lateness_ns", "missed_ticks", "sensor_read_ns", "control_ns", "push_ns"]
-sample = columns(archive, "/sample", names)
-status = columns(archive, "/status", ["rate_hz"])
-rate_hz = status["rate_hz"][-1]
-seconds = (sample["tick"][-1] + 1) / rate_hz
-stall_ns = sample["lateness_ns"] + sample["missed_ticks"] * 1e9 / rate_hz
+def loop(path):
+    sample = columns(path, "/sample", ["tick", "lateness_ns", "missed_ticks", "sensor_read_ns", "control_ns", "push_ns"])
+    rate_hz = columns(path, "/status", ["rate_hz"])["rate_hz"][-1]
+    sample["stall_ns"] = sample["lateness_ns"] + sample["missed_ticks"] * 1e9 / rate_hz
+    return sample, rate_hz
 
-print(f"\n{len(sample['tick'])} samples at {rate_hz:.0f} Hz, {sample['missed_ticks'].sum()} ticks missed\n")
-print(f"{'microseconds':34}" + "".join(f"{p:>10}" for p in ("p50", "p99", "p99.9", "p99.99", "max")))
+
+archive, killed, before, between, after = sys.argv[1:6]
+sample, rate_hz = loop(archive)
+disturbed, _ = loop(killed)
+seconds = (sample["tick"][-1] + 1) / rate_hz
+
+print(f"\n{rate_hz:.0f} Hz for {seconds:.0f} s")
+print(f"{'':34}{'samples':>10}{'missed':>10}{'overruns':>10}")
+for label, run in (("undisturbed", sample), ("consumers killed", disturbed)):
+    missed = run["missed_ticks"]
+    print(f"{label:34}{len(missed):10}{missed.sum():10}{(missed > 0).sum():10}")
+print(f"\n{'microseconds':34}" + "".join(f"{p:>10}" for p in ("p50", "p99", "p99.9", "p99.99", "max")))
 cyclictest("cyclictest before", before)
-percentiles("lateness of the loop", stall_ns)
+percentiles("lateness, undisturbed", sample["stall_ns"])
+cyclictest("cyclictest between", between)
+percentiles("lateness, consumers killed", disturbed["stall_ns"])
 cyclictest("cyclictest after", after)
 percentiles("sensor read (simulated rig)", sample["sensor_read_ns"])
 percentiles("control step", sample["control_ns"])
@@ -60,15 +70,13 @@ if fit:
 health = columns(archive, "/health", ["process", "latency_ns", "cpu_time_ns", "resident_bytes", "monotonic_time_ns"])
 for code, name in PROCESSES.items():
     mine = health["process"] == code
-    if mine.sum() < 3:
-        continue
-    percentiles(f"tick to {name}", health["latency_ns"][mine][2:])
+    if mine.sum() > 3:
+        percentiles(f"tick to {name}", health["latency_ns"][mine][2:])
 print(f"\n{'process':34}{'CPU':>10}{'resident':>14}")
 for code, name in PROCESSES.items():
     mine = health["process"] == code
-    if mine.sum() < 3:
-        continue
-    cpu = np.diff(health["cpu_time_ns"][mine][[1, -1]])[0] / np.diff(health["monotonic_time_ns"][mine][[1, -1]])[0]
-    print(f"{name:34}{100 * cpu:9.2f}%{health['resident_bytes'][mine][-1] / 2**20:10.1f} MiB")
+    if mine.sum() > 3:
+        cpu_ns, time_ns = (np.ptp(health[column][mine]) for column in ("cpu_time_ns", "monotonic_time_ns"))
+        print(f"{name:34}{100 * cpu_ns / time_ns:9.2f}%{health['resident_bytes'][mine][-1] / 2**20:10.1f} MiB")
 size = os.path.getsize(archive)
 print(f"\narchive: {size / len(sample['tick']):.1f} bytes a sample, {size / seconds * 3600 / 1e9:.2f} GB an hour")

@@ -17,7 +17,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`write`] | [`CaptureWriter`]: the recorder's way in |
+//! | [`mod@write`] | [`CaptureWriter`]: the recorder's way in |
 //! | [`capture`] | [`Capture`]: columns, from MCAP or CSV, and back |
 //! | [`schema`] | where each field lies in a message, from the schema in the file |
 //! | [`recover`](mod@recover) | a whole file from a broken one, saying what was lost |

@@ -3,7 +3,7 @@
 //! - **Payloads** ([`Sample`], [`FitUpdate`], [`LoopStatus`], [`ProcessHealth`]) are `#[repr(C)]`
 //!   structs without padding. Their bytes are at once what lies in shared memory and the body of
 //!   a little-endian CDR message; struct and `ros2msg` schema come from one definition
-//!   ([`wire_message!`](crate::wire)), so neither can drift from the other.
+//!   (see [`wire`]), so neither can drift from the other.
 //! - **Services** ([`services`]) name the iceoryx2 services, their queue depths and history, and
 //!   carry each payload's layout as an attribute: a process built from another definition is
 //!   refused with [`ServiceError::OtherLayout`](services::ServiceError) and never reads garbage.

@@ -1,6 +1,6 @@
 //! One definition for a payload's memory layout and its schema.
 //!
-//! [`wire_message!`] writes a `#[repr(C)]` struct and the list of its fields from the same lines.
+//! The macro `wire_message!` writes a `#[repr(C)]` struct and the list of its fields from the same lines.
 //! The list gives the `ros2msg` schema text and the layout identity. The derive of
 //! [`zerocopy::IntoBytes`] refuses a struct with padding at compile time, and the field order
 //! (eight-byte fields first) makes the C offsets equal the CDR ones, so that the bytes of the
