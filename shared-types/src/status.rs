@@ -4,8 +4,7 @@ use iceoryx2::prelude::ZeroCopySend;
 
 /// Upper edges of the lateness bins, ns; the last bin counts everything above the last edge.
 ///
-/// Powers of two from 32 ns to 2.1 s would need more bins than a glance needs: these are two per
-/// decade from 30 ns to 10 ms.
+/// Two per decade from 30 ns to 1 ms, which is what a glance needs, then one more at 10 ms.
 pub const LATENESS_BIN_EDGES_NS: [u64; 11] =
     [30, 100, 300, 1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 10_000_000];
 

@@ -8,8 +8,7 @@ use archive::Capture;
 use clap::Parser as _;
 use rt_loop::control::{ControlState, Reading, Request};
 use rt_loop::plan::{Options, Plan};
-use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
-use shared_types::{ClockMapping, LoopState, RunDescription, Sample};
+use shared_types::{LoopState, Sample};
 
 use crate::command_line::RigOptions;
 use crate::outcome::say;
@@ -108,24 +107,8 @@ impl RigRun {
         let mut arguments = self.arguments(rig);
         arguments.insert(0, "rt-loop".to_owned());
         let plan = Plan::new(&Options::try_parse_from(arguments)?)?;
-        let description = RunDescription {
-            run_id: wall_clock_time_ns() ^ (u64::from(std::process::id()) << 32),
-            software_version: env!("CARGO_PKG_VERSION").to_owned(),
-            apparatus: plan.rig.name.clone(),
-            knob: plan.knob.clone(),
-            rate_hz: plan.control.rate_hz,
-            planned_ticks: plan.control.planned_ticks,
-            clock: ClockMapping { monotonic_time_ns: monotonic_time_ns(), wall_clock_time_ns: wall_clock_time_ns() },
-            realtime: 0,
-            excitation_toml: toml::to_string(&plan.control.excitation)?,
-            calibration_toml: plan.rig.calibration.to_toml(),
-            simulated_knob_toml: Some(plan.simulated_knob.to_toml()),
-            notes: [
-                plan.rig.notes.as_slice(),
-                &[("time".to_owned(), "offline: the plant's, not a clock's".to_owned())],
-            ]
-            .concat(),
-        };
+        let mut description = plan.description()?;
+        description.notes.push(("time".to_owned(), "offline: the plant's, not a clock's".to_owned()));
         let samples = samples_of(plan)?;
         let column = |of: fn(&Sample) -> f64| samples.iter().map(of).collect::<Vec<f64>>();
         let capture = Capture {

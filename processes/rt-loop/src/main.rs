@@ -12,8 +12,7 @@ use rt_loop::plan::{Options, Plan};
 use rt_loop::publisher::StreamPublisher;
 use rt_loop::realtime::{Permission, TickLoop, WakefulProcessors, keep_off_core};
 use rt_loop::rig_lock::RigLock;
-use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
-use shared_types::{ClockMapping, RunDescription};
+use shared_types::RunDescription;
 
 fn main() -> ExitCode {
     tracing_subscriber::fmt()
@@ -39,20 +38,7 @@ fn run(options: &Options) -> anyhow::Result<()> {
     let _lock = RigLock::take()?;
     let control =
         ControlState::new(plan.control, &plan.rig.calibration).context("the rate is too low for the filters")?;
-    let description = RunDescription {
-        run_id: wall_clock_time_ns() ^ (u64::from(std::process::id()) << 32),
-        software_version: env!("CARGO_PKG_VERSION").to_owned(),
-        apparatus: plan.rig.name.clone(),
-        knob: plan.knob.clone(),
-        rate_hz: plan.control.rate_hz,
-        planned_ticks: plan.control.planned_ticks,
-        clock: ClockMapping { monotonic_time_ns: monotonic_time_ns(), wall_clock_time_ns: wall_clock_time_ns() },
-        realtime: 0,
-        excitation_toml: toml::to_string(&plan.control.excitation)?,
-        calibration_toml: plan.rig.calibration.to_toml(),
-        simulated_knob_toml: Some(plan.simulated_knob.to_toml()),
-        notes: plan.rig.notes.clone(),
-    };
+    let description = plan.description()?;
     let (tick_loop, port) = TickLoop::new(plan.apparatus, control, plan.control.rate_hz);
     let shared = Arc::clone(&port.shared);
     let (tell_permission, permission) = mpsc::channel();

@@ -8,6 +8,8 @@ use dynamics::knobs::Fixture;
 use dynamics::{Calibration, Drive, Excitation, Model, ModelError, knobs};
 use hal::simulated::{RigParameters, SimulatedRig};
 use hal::{Apparatus, RigDescription};
+use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
+use shared_types::{ClockMapping, RunDescription};
 
 use crate::control::{ControlPlan, ServoGains};
 
@@ -130,6 +132,27 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// What a consumer must know about a run of this plan that begins now, without real-time permission so far.
+    ///
+    /// # Errors
+    /// When the excitation has no TOML form.
+    pub fn description(&self) -> Result<RunDescription, toml::ser::Error> {
+        Ok(RunDescription {
+            run_id: wall_clock_time_ns() ^ (u64::from(std::process::id()) << 32),
+            software_version: env!("CARGO_PKG_VERSION").to_owned(),
+            apparatus: self.rig.name.clone(),
+            knob: self.knob.clone(),
+            rate_hz: self.control.rate_hz,
+            planned_ticks: self.control.planned_ticks,
+            clock: ClockMapping { monotonic_time_ns: monotonic_time_ns(), wall_clock_time_ns: wall_clock_time_ns() },
+            realtime: 0,
+            excitation_toml: toml::to_string(&self.control.excitation)?,
+            calibration_toml: self.rig.calibration.to_toml(),
+            simulated_knob_toml: Some(self.simulated_knob.to_toml()),
+            notes: self.rig.notes.clone(),
+        })
+    }
+
     /// Checks the options against the rig.
     ///
     /// # Errors
