@@ -162,7 +162,7 @@ fn without_friction(motion: &KnobMotion, fitted: &[Effect], index: usize, moving
         .map(|effect| match effect.kind().part {
             Part::Torque(torque) => torque(effect.values(), &at),
             Part::Inertia(inertia) if moving => inertia(effect.values()) * at.acceleration_rad_s2,
-            Part::Inertia(_) | Part::Friction(_) | Part::Stick(_) => 0.0,
+            _ => 0.0,
         })
         .sum()
 }
