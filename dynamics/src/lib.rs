@@ -33,6 +33,7 @@ mod hypothesis;
 pub mod knobs;
 mod model;
 mod motion;
+mod prediction;
 pub mod simulate;
 
 pub use bristles::Bristles;
