@@ -26,6 +26,7 @@ mod average;
 pub mod calibration;
 pub mod checks;
 mod detents;
+pub mod diagnosis;
 mod estimate;
 pub mod filter;
 mod fit;
