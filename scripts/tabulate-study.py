@@ -33,9 +33,10 @@ def number(value, half_width):
 
 
 def creep(check, name):
-    """The breakaway torque that a creep showed, as a fit gives a parameter; none if it showed none twice."""
+    """The breakaway torque that a creep showed, as a fit gives a parameter; none if its interval reaches zero."""
     seen = next((a for a in check["agreement"] if a["quantity"] == name), None)
-    return {"value": seen["checked"], "ci95": seen["ci95"]} if seen and seen["ci95"] else None
+    told = seen and seen["ci95"] and seen["ci95"][0] > 0
+    return {"value": seen["checked"], "ci95": seen["ci95"]} if told else None
 
 
 def main(folder):

@@ -15,6 +15,7 @@ model, check = Path(sys.argv[1]), json.loads(Path(sys.argv[2]).read_text())
 text = model.read_text()
 for seen in check["agreement"]:
     name = seen["quantity"]
-    if name in ("static_negative", "static_positive"):
+    # What a resting knob bears is above zero: where the interval is not, lost motion or chance made the reading.
+    if name in ("static_negative", "static_positive") and seen["ci95"] and seen["ci95"][0] > 0:
         text = re.sub(rf"^{name} = \S+", f"{name} = {seen['checked']:.6g}", text, flags=re.MULTILINE)
 model.write_text(text)
