@@ -32,11 +32,12 @@ def number(value, half_width):
     return f"{value:.4g}"
 
 
-def creep(check, name):
-    """The breakaway torque that a creep showed, as a fit gives a parameter; none if its interval reaches zero."""
+def breakaway(check, name, truth):
+    """The breakaway torque that a creep showed, and how far it lies from the truth; none if its interval reaches zero."""
     seen = next((a for a in check["agreement"] if a["quantity"] == name), None)
-    told = seen and seen["ci95"] and seen["ci95"][0] > 0
-    return {"value": seen["checked"], "ci95": seen["ci95"]} if told else None
+    if not (seen and seen["ci95"] and seen["ci95"][0] > 0):
+        return f"not told ({truth:g})"
+    return f"{seen['checked']:.4g} ({truth:g}, {100 * (seen['checked'] / truth - 1):+.1f} %)"
 
 
 def main(folder):
@@ -49,7 +50,8 @@ def main(folder):
         for fit, check, truth in zip(fits, checks, paper):
             parameter = fit["parameters"][name]
             if name.startswith("static"):
-                parameter = creep(check, name) or parameter
+                cells.append(breakaway(check, name, truth))
+                continue
             if parameter["value"] is None:
                 cells.append("none" if truth is None else f"not told ({truth:g})")
                 continue
