@@ -7,7 +7,7 @@ use crate::frame::Frame;
 use crate::held_out;
 use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion, rms};
-use crate::problem::Problem;
+use crate::problem::{Column, Problem};
 use crate::scan::{FEWEST_PERIODS, Scan};
 
 /// Peaks of the scan that are refined, at most, …
@@ -87,10 +87,10 @@ pub(crate) fn search<'a>(
             let mut problem = base.clone();
             problem.add(Effect::new(&effects::detent::KIND, &[0.0, 1.0 / peak.wavenumber, 0.0]));
             let solution = problem.refine(2, limit);
-            (dot(&solution.residual, &solution.residual), problem)
+            (dot(&solution.residual, &solution.residual), problem, solution)
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((close, mut problem)) = best else {
+    let Some((close, mut problem, solution)) = best else {
         return Detents::None(no_detents(longest, shortest));
     };
     let needed = 2.0 * scan.independent().ln() + MARGIN;
@@ -98,7 +98,7 @@ pub(crate) fn search<'a>(
     if 1.5 * (left - close) < rough && left - close < CLEARLY_NOT * left {
         return Detents::None(no_detents(longest, shortest));
     }
-    let solution = problem.refine(12, limit);
+    let solution = problem.refine_from(solution, 12, limit);
     let detent = problem.effects.len() - 1;
     let period_rad = problem.effects[detent].values()[1];
     let range = problem.range(detent);
@@ -159,10 +159,8 @@ fn harmonics(problem: &Problem<'_>, solution: &LeastSquares, period_rad: f64, ba
         .into_iter()
         .filter_map(|order| {
             let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
-            let rows: Vec<Vec<f64>> = crate::frame::columns(&effect, problem.motion)
-                .iter()
-                .map(|column| problem.frame.rows(column))
-                .collect();
+            let rows = problem.frame.effect_rows(&effect, problem.motion);
+            let rows: Vec<Column> = rows.into_iter().map(Column::from).collect();
             let (_, with) = problem.solve_with(&rows);
             let [.., sine, cosine] = with.coefficients[..] else { return None };
             let gain = total - dot(&with.residual, &with.residual);

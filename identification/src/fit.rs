@@ -10,7 +10,7 @@ use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion};
 use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
 use crate::paper_preparation::PaperPreparation;
-use crate::problem::Problem;
+use crate::problem::{Column, Problem};
 use crate::report::Report;
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
 use crate::spectrum::quantile;
@@ -201,10 +201,10 @@ impl Prepared {
 pub(crate) struct Trimmed<'a> {
     pub(crate) problem: Problem<'a>,
     /// All columns: the effects' linear ones, then those of searched parameters, then that of the delay if it is fitted.
-    pub(crate) columns: Vec<Vec<f64>>,
+    pub(crate) columns: Vec<Column>,
     pub(crate) solution: LeastSquares,
     /// What the residual was made orthogonal to, if not the columns themselves.
-    pub(crate) instruments: Option<Vec<Vec<f64>>>,
+    pub(crate) instruments: Option<Vec<Column>>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
     /// Delay that the data ask for although it is too long for a trim, s.
@@ -233,7 +233,7 @@ impl Trimmed<'_> {
 
 /// Fits a small delay of the torque channel, if the data show one, together with everything else.
 fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
-    let tangents: Vec<Vec<f64>> =
+    let tangents: Vec<Column> =
         problem.searched().iter().map(|which| problem.tangent(*which, &solution.coefficients)).collect();
     let mut with_delay = tangents.clone();
     with_delay.push(problem.delay_column(&solution.coefficients));
@@ -250,9 +250,10 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
         // The delay shifts the searched parameters too: the column takes it out, then they settle again.
         let mut problem = problem;
         let delay_rows = columns[delay_index].clone();
-        problem.target.iter_mut().zip(&delay_rows).for_each(|(torque, value)| *torque -= delay_s * value);
+        problem.target =
+            problem.target.iter().zip(&*delay_rows).map(|(torque, value)| torque - delay_s * value).collect();
         let settled = problem.refine(4, |_, value| 0.01 * value.abs());
-        let mut more: Vec<Vec<f64>> =
+        let mut more: Vec<Column> =
             problem.searched().iter().map(|which| problem.tangent(*which, &settled.coefficients)).collect();
         more.push(delay_rows);
         let (columns, solution) = problem.solve_with(&more);

@@ -45,6 +45,7 @@ mod scan;
 mod sensor_noise;
 mod spectrum;
 mod uniform;
+mod vector;
 
 pub use average::{Average, Repeatability, average};
 pub use estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};

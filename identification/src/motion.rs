@@ -218,29 +218,40 @@ fn compliant(calibration: &Calibration) -> bool {
     calibration.torque_sensor_stiffness_mnm_rad.is_finite() && calibration.torque_sensor_stiffness_mnm_rad > 0.0
 }
 
+/// Samples on each side that [`gradient`] looks at.
+pub(crate) const GRADIENT_REACH: usize = 4;
+
 /// Derivative per second by central differences of eighth order, of lower order towards the ends.
 ///
 /// Plain central differences take (ωh)²/6 off a signal, ω its frequency and h the sample period: at 100 Hz and
 /// 10 kHz that already shifts an inertia by more than its interval. Eighth order takes off (ωh)⁸/630.
 pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
-    const WEIGHTS: [&[f64]; 4] = [
+    const WEIGHTS: [&[f64]; GRADIENT_REACH] = [
         &[1.0 / 2.0],
         &[2.0 / 3.0, -1.0 / 12.0],
         &[3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0],
         &[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0],
     ];
     let last = signal.len() - 1;
-    (0..signal.len())
-        .map(|index| match index.min(last - index).min(WEIGHTS.len()) {
-            0 if last == 0 => 0.0,
-            0 if index == 0 => (signal[1] - signal[0]) * rate_hz,
-            0 => (signal[last] - signal[last - 1]) * rate_hz,
-            order => {
-                let pairs = WEIGHTS[order - 1].iter().zip(1..);
-                rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
-            }
-        })
-        .collect()
+    let towards_end = |index: usize| match index.min(last - index).min(WEIGHTS.len()) {
+        0 if last == 0 => 0.0,
+        0 if index == 0 => (signal[1] - signal[0]) * rate_hz,
+        0 => (signal[last] - signal[last - 1]) * rate_hz,
+        order => {
+            let pairs = WEIGHTS[order - 1].iter().zip(1..);
+            rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
+        }
+    };
+    let [a, b, c, d] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0].map(|weight: f64| weight * rate_hz);
+    let mut rate = Vec::with_capacity(signal.len());
+    rate.extend((0..GRADIENT_REACH.min(signal.len())).map(towards_end));
+    rate.extend(
+        signal.windows(2 * GRADIENT_REACH + 1).map(|w| {
+            (a * (w[5] - w[3]) + b * (w[6] - w[2])) + (c * (w[7] - w[1]) + d * (w[8] - w[0]))
+        }),
+    );
+    rate.extend((rate.len()..signal.len()).map(towards_end));
+    rate
 }
 
 /// Root of the mean square.

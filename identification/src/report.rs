@@ -8,6 +8,7 @@ use crate::fit::Trimmed;
 use crate::frame::Frame;
 use crate::least_squares::dot;
 use crate::motion::{Band, KnobMotion, rms};
+use crate::problem::Column;
 
 /// Two-sided 95 % of a normal distribution, in standard deviations.
 const NORMAL_95: f64 = 1.959_964;
@@ -272,8 +273,8 @@ impl Report<'_> {
 }
 
 /// Standard deviation of the predicted torque, row by row.
-fn prediction_sd(columns: &[Vec<f64>], covariance: &DMatrix<f64>) -> Vec<f64> {
-    let rows = columns.first().map_or(0, Vec::len);
+fn prediction_sd(columns: &[Column], covariance: &DMatrix<f64>) -> Vec<f64> {
+    let rows = columns.first().map_or(0, |column| column.len());
     let mut row = vec![0.0; columns.len()];
     (0..rows)
         .map(|index| {

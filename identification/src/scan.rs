@@ -13,6 +13,7 @@ use realfft::{RealFftPlanner, RealToComplex, num_complex::Complex};
 use crate::frame::Frame;
 use crate::least_squares::dot;
 use crate::motion::{Band, KnobMotion};
+use crate::problem::Column;
 use crate::samples::span;
 use crate::spectrum::{median, quantile};
 
@@ -65,7 +66,7 @@ impl Scan {
         motion: &KnobMotion,
         band: &Band,
         angle_step_rad: f64,
-        base_rows: &[Vec<f64>],
+        base_rows: &[Column],
         inverse: &DMatrix<f64>,
     ) -> Option<Self> {
         let sliding = || motion.angle_rad.iter().zip(&frame.mask).filter(|(_, mask)| **mask > 0.0).map(|(a, _)| *a);
