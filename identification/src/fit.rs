@@ -155,7 +155,8 @@ impl Prepared {
             return None;
         }
         let wavenumber = 1.0 / solved.problem.effects.last()?.values()[1];
-        let mut speeds: Vec<f64> = self.motion.velocity_rad_s.iter().map(|velocity| velocity.abs()).collect();
+        let at_rows = self.motion.velocity_rad_s.iter().step_by(self.frame.step);
+        let mut speeds: Vec<f64> = at_rows.map(|velocity| velocity.abs()).collect();
         self.band.widened(wavenumber, quantile(&mut speeds, 0.95), self.frame.rate_hz)
     }
 
@@ -279,7 +280,10 @@ fn base_effects(further: &[Effect]) -> Vec<Effect> {
 
 /// The smallest difference between two samples that differ: the encoder's step, if it has one.
 fn smallest_step(angle_rad: &[f64]) -> f64 {
-    angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min)
+    angle_rad.iter().zip(&angle_rad[1..]).fold(f64::INFINITY, |least, (left, right)| {
+        let step = (right - left).abs();
+        if step > 0.0 && step < least { step } else { least }
+    })
 }
 
 fn preparation(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, band: &Band) -> Preparation {

@@ -6,8 +6,9 @@ use dynamics::{Calibration, Motion};
 
 use crate::filter::{Fir, Sections, butterworth_low_pass};
 use crate::options::AccelerationUse;
-use crate::spectrum::{Spectrum, median, white_density};
+use crate::spectrum::{Spectrum, white_density};
 use crate::uniform::Uniform;
+use crate::vector::dot;
 
 /// Share of the torque's power above its noise that may lie beyond the fit's band.
 const POWER_BEYOND_BAND: f64 = 1e-4;
@@ -86,13 +87,13 @@ impl Band {
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub(crate) fn of(uniform: &Uniform, exact: bool, calibration: Option<&Calibration>) -> Self {
         let rate_hz = uniform.rate_hz;
-        let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
         let floor = uniform.torque_density;
         let torque_noise_mnm = (floor * rate_hz * 0.5).sqrt();
         let widest_hz = WIDEST * rate_hz;
         if exact {
             return Self { edge_hz: widest_hz, torque_noise_mnm };
         }
+        let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
         let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
         let velocity = Spectrum::welch(&gradient(&uniform.angle_rad, rate_hz), rate_hz);
         let sweep_hz = velocity.power_below(SWEEP_POWER, 0.0);
@@ -256,8 +257,9 @@ pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
 
 /// Root of the mean square.
 pub(crate) fn rms(values: &[f64]) -> f64 {
-    let count: f64 = values.iter().map(|_| 1.0).sum();
-    (values.iter().map(|value| value * value).sum::<f64>() / f64::max(count, 1.0)).sqrt()
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    let count = values.len().max(1) as f64;
+    (dot(values, values) / count).sqrt()
 }
 
 fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
@@ -310,29 +312,41 @@ fn exact_motion(uniform: &Uniform) -> Option<KnobMotion> {
 
 /// Whether a column is smooth to rounding and neither early nor late against the derivative of another.
 fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
+    /// Samples that are differentiated together.
+    const BLOCK: usize = 2048;
     let size = rms(column);
-    let derivative = gradient(of, rate_hz);
-    let rate = gradient(&derivative, rate_hz);
+    if !(size > 0.0 && is_smooth(column, EXACT * size)) {
+        return false;
+    }
+    let length = column.len();
     let (mut lag, mut weight, mut square) = (0.0, 0.0, 0.0);
-    for index in 1..column.len() - 1 {
-        let difference = column[index] - derivative[index];
-        lag += difference * rate[index];
-        weight += rate[index] * rate[index];
-        square += difference * difference;
+    for start in (0..length).step_by(BLOCK) {
+        let end = (start + BLOCK).min(length);
+        let around = start.saturating_sub(2 * GRADIENT_REACH)..(end + 2 * GRADIENT_REACH).min(length);
+        let derivative = gradient(&of[around.clone()], rate_hz);
+        let rate = gradient(&derivative, rate_hz);
+        let inside = start.max(1)..end.min(length - 1);
+        let shifted = inside.start - around.start..inside.end - around.start;
+        let difference: Vec<f64> =
+            column[inside].iter().zip(&derivative[shifted.clone()]).map(|(column, rate)| column - rate).collect();
+        let rate = &rate[shifted];
+        lag += dot(&difference, rate);
+        weight += dot(rate, rate);
+        square += dot(&difference, &difference);
     }
     let difference = (square / weight.max(f64::MIN_POSITIVE)).sqrt();
-    size > 0.0
-        && scatter(column) < EXACT * size
-        && (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz
-        && difference < 0.1 / rate_hz
+    (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz && difference < 0.1 / rate_hz
 }
 
-/// Standard deviation of white noise as the fourth differences show it; motion hardly shows there.
-fn scatter(signal: &[f64]) -> f64 {
-    let mut fourth: Vec<f64> =
-        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+/// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
+fn is_smooth(signal: &[f64], limit: f64) -> bool {
     // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.
-    median(&mut fourth) / 0.6745 / 70_f64.sqrt()
+    let limit = limit * 0.6745 * 70_f64.sqrt();
+    let below = signal
+        .windows(5)
+        .map(|w| usize::from((w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs() < limit))
+        .sum::<usize>();
+    2 * below > signal.len().saturating_sub(4)
 }
 
 /// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.

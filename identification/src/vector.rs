@@ -87,6 +87,31 @@ pub(crate) fn residual<C: Deref<Target = [f64]>>(
     products
 }
 
+/// `xᵀ·matrix·x` for the symmetric `matrix` and every row x of the columns.
+pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &DMatrix<f64>, output: &mut [f64]) {
+    let rows = output.len();
+    output.fill(0.0);
+    Arch::new().dispatch(|| {
+        let mut inner = [0.0; BLOCK];
+        for start in (0..rows).step_by(BLOCK) {
+            let block = start..(start + BLOCK).min(rows);
+            let inner = &mut inner[..block.len()];
+            for (index, column) in columns.iter().enumerate() {
+                inner.fill(0.0);
+                for (other, right) in columns[..=index].iter().enumerate() {
+                    let factor = if other == index { 1.0 } else { 2.0 } * matrix[(index, other)];
+                    for (sum, value) in inner.iter_mut().zip(&right[block.clone()]) {
+                        *sum += factor * value;
+                    }
+                }
+                for ((slot, sum), value) in output[block.clone()].iter_mut().zip(&*inner).zip(&column[block.clone()]) {
+                    *slot += sum * value;
+                }
+            }
+        }
+    });
+}
+
 /// Every `step`-th sample of a filtered signal: `output[i] = Σ taps[j] · input[i · step + j]`.
 pub(crate) fn decimate(input: &[f64], taps: &[f64], step: usize, output: &mut [f64]) {
     Arch::new().dispatch(|| {
