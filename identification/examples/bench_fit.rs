@@ -18,16 +18,17 @@ const RATE_HZ: f64 = 5000.0;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let path = arguments.next().ok_or("name the file to which the columns shall be written")?;
-    let most: usize = arguments.next().map_or(Ok(1_000_000), |text| text.parse())?;
+    let most: usize = arguments.next().map_or(Ok(10_000_000), |text| text.parse())?;
     let columns = capture(30_000)?;
     let bytes: Vec<u8> = columns.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
     std::fs::write(path, bytes)?;
-    let (seconds, period_rad) = timed(&columns, 15)?;
-    println!("{{\"samples\": 30000, \"seconds\": {seconds}, \"period_rad\": {period_rad}}}");
+    let (times, period_rad) = timed(&columns, 41)?;
+    println!("{{\"samples\": 30000, \"all_seconds\": {times:?}, \"period_rad\": {period_rad}}}");
     let mut samples = 10_000;
     while samples <= most {
         let columns = capture(samples)?;
-        let (seconds, _) = timed(&columns, 3)?;
+        let (times, _) = timed(&columns, if samples < 1_000_000 { 15 } else { 3 })?;
+        let seconds = times[times.len() / 2];
         println!("{{\"samples\": {samples}, \"seconds\": {seconds}, \"peak_kib\": {}}}", peak_kib());
         samples *= 10;
     }
@@ -79,8 +80,8 @@ fn motion(time_s: f64, sweep: Option<&Excitation>) -> Motion {
     }
 }
 
-/// Median time of a fit, s, and the period it found.
-fn timed(columns: &[Vec<f64>; 5], runs: usize) -> Result<(f64, f64), Box<dyn std::error::Error>> {
+/// Times of fits, s, in order, and the period they found.
+fn timed(columns: &[Vec<f64>; 5], runs: usize) -> Result<(Vec<f64>, f64), Box<dyn std::error::Error>> {
     let [t_s, angle_rad, velocity, acceleration, torque_mnm] = columns;
     let samples =
         Samples { t_s, angle_rad, velocity_rad_s: Some(velocity), acceleration_rad_s2: Some(acceleration), torque_mnm };
@@ -93,7 +94,7 @@ fn timed(columns: &[Vec<f64>; 5], runs: usize) -> Result<(f64, f64), Box<dyn std
         period_rad = fit.parameters.get("detent_period").and_then(|p| p.value).unwrap_or(f64::NAN);
     }
     times.sort_by(f64::total_cmp);
-    Ok((times[runs / 2], period_rad))
+    Ok((times, period_rad))
 }
 
 /// Most memory that this process ever held, KiB; 0 where the system does not tell.

@@ -31,6 +31,8 @@ const PLACEBO_OF_FEW: f64 = 20.0;
 const FEW_PERIODS: f64 = 3.0;
 /// Margin for harmonics in the residual.
 const HARMONIC_MARGIN: f64 = 14.0;
+/// A harmonic is looked at closely if the scan shows the margin divided by this.
+const HARMONIC_LOOK: f64 = 2.0;
 /// A period that explains less than this and does not stand out roughly is not looked at closely.
 const CLEARLY_NOT: f64 = 0.05;
 /// A model that leaves less than this share of the torque has nothing left to explain.
@@ -141,7 +143,10 @@ pub(crate) fn search<'a>(
         })
         .map(|peak| 1.0 / peak.wavenumber)
         .collect();
-    let harmonics = harmonics(&problem, &solution, period_rad, background);
+    let evident = |order: u32| {
+        scan.near(&rest, f64::from(order) / period_rad).is_none_or(|power| HARMONIC_LOOK * power > HARMONIC_MARGIN * background)
+    };
+    let harmonics = harmonics(&problem, &solution, period_rad, background, evident);
     Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
 }
 
@@ -153,10 +158,19 @@ fn no_detents(longest: f64, shortest: f64) -> String {
 }
 
 /// The second and third harmonic in the residual, where they stand out.
-fn harmonics(problem: &Problem<'_>, solution: &LeastSquares, period_rad: f64, background: f64) -> Vec<Harmonic> {
+///
+/// `evident` tells whether the scan shows enough at an order for a closer look.
+fn harmonics(
+    problem: &Problem<'_>,
+    solution: &LeastSquares,
+    period_rad: f64,
+    background: f64,
+    evident: impl Fn(u32) -> bool,
+) -> Vec<Harmonic> {
     let total = dot(&solution.residual, &solution.residual);
     [2_u32, 3]
         .into_iter()
+        .filter(|order| evident(*order))
         .filter_map(|order| {
             let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
             let rows = problem.frame.effect_rows(&effect, problem.motion);

@@ -10,6 +10,8 @@ pub(crate) use crate::vector::dot;
 /// A column of which less than this share of the square remains beside the others counts as collinear.
 const COLLINEAR: f64 = 1e-9;
 
+/// A correction that would move the prediction by less than this share of the target is rounding.
+const SETTLED: f64 = 1e-15;
 /// Places at which half of the covariance's kernel is told apart.
 const PLACES_PER_HALF: usize = 16;
 
@@ -128,6 +130,9 @@ impl LeastSquares {
             for (index, step) in active.iter().zip(step.iter()) {
                 solution.coefficients[*index] += step / scales[*index];
             }
+            if step.norm() <= SETTLED * dot(target, target).sqrt() {
+                break;
+            }
         }
         solution.residual = residual(columns, target, &solution.coefficients);
         let inverse = factor.inverse();
@@ -189,35 +194,29 @@ impl LeastSquares {
     ///
     /// Parzen's kernel is a triangle convolved with itself, and a triangle is a box convolved with itself: with running
     /// sums the cost does not depend on the bandwidth, and the result has no negative eigenvalue.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of rows"
-    )]
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn robust_covariance<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> (DMatrix<f64>, f64) {
         let rows = self.residual.len();
-        let scores: Vec<Vec<f64>> = columns
-            .iter()
-            .map(|column| column.iter().zip(&self.residual).map(|(value, residual)| value * residual).collect())
-            .collect();
-        let bandwidth = parzen_bandwidth(&scores, rows);
-        let half = (0.5 * bandwidth).round().max(1.0) as usize;
-        // Neighbours far closer than the bandwidth count as one.
-        let group = (half / PLACES_PER_HALF).max(1);
-        let width = half.div_ceil(group);
-        let smooth: Vec<Vec<f64>> = scores
-            .iter()
-            .map(|score| boxed(&boxed(&score.chunks(group).map(|part| part.iter().sum()).collect::<Vec<_>>(), width), width))
-            .collect();
+        let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
+        let (smooth, width, bandwidth) = smooth_scores(&scores);
         let mut middle = DMatrix::zeros(columns.len(), columns.len());
         vector::products(&smooth, 0, &mut middle);
-        let length = width as f64;
-        // The triangle's sum of squares: what the kernel would else be at lag zero.
-        middle *= 3.0 / (length * (2.0 * length * length + 1.0));
+        middle *= kernel_scale(width);
         let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
-        let bandwidth = 2.0 * (width * group) as f64;
         (&self.inverse * middle * self.inverse.transpose() * freedom, bandwidth / rows as f64)
+    }
+
+    /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn robust_deviation<C: Deref<Target = [f64]>>(&self, columns: &[C], coefficient: usize) -> f64 {
+        let rows = self.residual.len();
+        let shares: Vec<f64> = (0..columns.len()).map(|column| -self.inverse[(coefficient, column)]).collect();
+        let mut influence = vec![0.0; rows];
+        vector::residual(columns, &shares, &influence.clone(), &mut influence);
+        let score = vector::multiply(&influence, &self.residual);
+        let (smooth, width, _) = smooth_scores(&[score]);
+        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
+        (dot(&smooth[0], &smooth[0]) * kernel_scale(width) * freedom).sqrt()
     }
 }
 
@@ -272,6 +271,34 @@ fn find_collinear(gram: &DMatrix<f64>, scales: &[f64]) -> Vec<bool> {
         }
     }
     collinear
+}
+
+/// Scores summed over triangles, whose inner products are the long-run covariance but for [`kernel_scale`]; half the
+/// bandwidth in their own places, and the bandwidth in rows.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of rows"
+)]
+fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) {
+    let rows = scores.first().map_or(0, Vec::len);
+    let half = (0.5 * parzen_bandwidth(scores, rows)).round().max(1.0) as usize;
+    // Neighbours far closer than the bandwidth count as one.
+    let group = (half / PLACES_PER_HALF).max(1);
+    let width = half.div_ceil(group);
+    let smooth = |score: &Vec<f64>| {
+        let places: Vec<f64> = score.chunks(group).map(|part| part.iter().sum()).collect();
+        boxed(&boxed(&places, width), width)
+    };
+    (scores.iter().map(smooth).collect(), width, 2.0 * (width * group) as f64)
+}
+
+/// One over the triangle's sum of squares: what the kernel would else be at lag zero.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+fn kernel_scale(width: usize) -> f64 {
+    let width = width as f64;
+    3.0 / (width * (2.0 * width * width + 1.0))
 }
 
 /// Sums of `width` neighbours at every place that any of the values reaches.

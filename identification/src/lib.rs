@@ -29,6 +29,7 @@ mod detents;
 mod estimate;
 pub mod filter;
 mod fit;
+mod fourier;
 mod frame;
 mod held_out;
 mod karnopp;
@@ -44,6 +45,7 @@ mod samples;
 mod scan;
 mod sensor_noise;
 mod spectrum;
+mod time_order;
 mod uniform;
 mod vector;
 

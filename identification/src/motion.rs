@@ -1,5 +1,6 @@
 //! The knob's motion from encoder and accelerometer.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion};
@@ -97,7 +98,7 @@ impl Band {
         let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
         let velocity = Spectrum::welch(&gradient(&uniform.angle_rad, rate_hz), rate_hz);
         let sweep_hz = velocity.power_below(SWEEP_POWER, 0.0);
-        let duration_s = uniform.time_s.len() as f64 / rate_hz;
+        let duration_s = uniform.torque_mnm.len() as f64 / rate_hz;
         let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
         let lowest_hz = (NARROWEST_PER_SWEEP * sweep_hz).max(enough_hz);
         let lag_s = calibration.map_or(0.0, |known| known.torque_delay_s.abs());
@@ -116,7 +117,9 @@ impl Band {
 
 impl KnobMotion {
     /// The given velocity and acceleration, if they are the angle's derivatives to within rounding.
-    pub(crate) fn exact(uniform: &Uniform, calibration: Option<&Calibration>) -> Option<Self> {
+    ///
+    /// The columns move out of `uniform`, which is left without motion.
+    pub(crate) fn exact(uniform: &mut Uniform, calibration: Option<&Calibration>) -> Option<Self> {
         if calibration.is_some_and(compliant) { None } else { exact_motion(uniform) }
     }
 
@@ -196,8 +199,8 @@ impl KnobMotion {
     }
 
     /// A torque filtered as the motion is: what rings beyond the cutoff must not be in one and not in the other.
-    pub(crate) fn alike(&self, torque_mnm: &[f64], rate_hz: f64) -> Vec<f64> {
-        if self.exact { torque_mnm.to_vec() } else { self.smoother(rate_hz).filter(torque_mnm) }
+    pub(crate) fn alike<'a>(&self, torque_mnm: &'a [f64], rate_hz: f64) -> Cow<'a, [f64]> {
+        if self.exact { torque_mnm.into() } else { self.smoother(rate_hz).filter(torque_mnm).into() }
     }
 
     /// The motion at a grid point.
@@ -285,23 +288,28 @@ fn effective_reach(smoother: &Fir) -> usize {
 }
 
 /// The given columns, if they are the angle's derivatives to within rounding.
-fn exact_motion(uniform: &Uniform) -> Option<KnobMotion> {
+fn exact_motion(uniform: &mut Uniform) -> Option<KnobMotion> {
     let rate_hz = uniform.rate_hz;
     let velocity = uniform.velocity_rad_s.as_ref()?;
     if uniform.lost > 0 || !is_exact_derivative(velocity, &uniform.angle_rad, rate_hz) {
         return None;
     }
-    let given = uniform.acceleration_rad_s2.as_ref().filter(|given| is_exact_derivative(given, velocity, rate_hz));
+    let accelerometer = uniform
+        .acceleration_rad_s2
+        .as_ref()
+        .is_some_and(|given| is_exact_derivative(given, velocity, rate_hz));
+    let velocity_rad_s = uniform.velocity_rad_s.take()?;
+    let given = uniform.acceleration_rad_s2.take().filter(|_| accelerometer);
     Some(KnobMotion {
-        time_s: uniform.time_s.clone(),
-        angle_rad: uniform.angle_rad.clone(),
-        velocity_rad_s: velocity.clone(),
-        acceleration_rad_s2: given.cloned().unwrap_or_else(|| gradient(velocity, rate_hz)),
+        time_s: std::mem::take(&mut uniform.time_s),
+        angle_rad: std::mem::take(&mut uniform.angle_rad),
+        acceleration_rad_s2: given.unwrap_or_else(|| gradient(&velocity_rad_s, rate_hz)),
+        velocity_rad_s,
         exact: true,
         velocity_noise_rad_s: 0.0,
         cutoff_hz: 0.5 * rate_hz,
         reach: 0,
-        accelerometer: given.is_some(),
+        accelerometer,
         angle_density: 0.0,
         compliance_rad_mnm: 0.0,
         accelerometer_density: 0.0,

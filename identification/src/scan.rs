@@ -8,13 +8,15 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::DMatrix;
-use realfft::{RealFftPlanner, RealToComplex, num_complex::Complex};
+use realfft::{RealToComplex, num_complex::Complex};
 
+use crate::fourier;
 use crate::frame::Frame;
 use crate::least_squares::dot;
 use crate::motion::{Band, KnobMotion};
 use crate::problem::Column;
 use crate::spectrum::{median, quantile};
+use crate::vector;
 
 /// Fewest periods that the travel must hold for a period to be told.
 pub(crate) const FEWEST_PERIODS: f64 = 1.25;
@@ -99,19 +101,19 @@ impl Scan {
         let length = ((BINS_PER_PERIOD * last as f64) as usize).next_power_of_two().clamp(1024, LARGEST_TRANSFORM);
         let base_last = last.min(MOST_BASE);
         let coarse_length = ((2.0 * BINS_PER_PERIOD * base_last as f64) as usize).next_power_of_two();
-        let coarse = Gather::new(coarse_length, offset_rad, spacing);
+        let coarse = Gather::new(coarse_length, offset_rad, spacing, 2 * base_last);
         // A base column varies slowly, and low wavenumbers pass the rows' filter: rows alone will do.
         let angles: Vec<f64> = at_rows().map(|index| motion.angle_rad[index]).collect();
         let masks: Vec<f64> = at_rows().map(|index| frame.mask[index]).collect();
-        let base = base_rows.iter().map(|rows| coarse.sums(rows, &angles, base_last)).collect();
+        let base = base_rows.iter().map(|rows| coarse.sums(rows, &angles)).collect();
         let mut scan = Self {
             travel_rad,
             spacing,
             first,
             last,
-            fine: Gather::new(length, offset_rad, spacing),
+            fine: Gather::new(length, offset_rad, spacing, last),
             base,
-            weights: coarse.sums(&masks, &angles, 2 * base_last),
+            weights: coarse.sums(&masks, &angles),
             attenuation: Vec::new(),
             inverse: inverse.clone(),
         };
@@ -138,7 +140,7 @@ impl Scan {
 
     /// What a detent at each wavenumber would take off the residual's sum of squares, mNm².
     pub(crate) fn powers(&self, frame: &Frame, motion: &KnobMotion, residual: &[f64]) -> Vec<f64> {
-        let target = self.fine.sums(&frame.spread(residual), &motion.angle_rad, self.last);
+        let target = self.fine.sums(&frame.spread(residual), &motion.angle_rad);
         let total = self.weights[0].re;
         let ridge = 3e-3;
         let mut sines = vec![0.0; self.base.len()];
@@ -196,8 +198,33 @@ impl Scan {
         order.sort_by(stronger);
         order
             .into_iter()
-            .map(|index| Peak { wavenumber: (index + self.first) as f64 * self.spacing, power: powers[index] })
+            .map(|index| {
+                // Between two wavenumbers, where the parabola through three has its top.
+                let at = |index: Option<usize>| index.and_then(|index| powers.get(index)).copied();
+                let top = match (at(index.checked_sub(1)), at(Some(index + 1))) {
+                    (Some(left), Some(right)) => {
+                        let bend = 2.0 * powers[index] - left - right;
+                        if bend > 0.0 { 0.5 * (right - left) / bend } else { 0.0 }
+                    }
+                    _ => 0.0,
+                };
+                Peak { wavenumber: ((index + self.first) as f64 + top) * self.spacing, power: powers[index] }
+            })
             .collect()
+    }
+
+    /// Largest power within a peak's width of a wavenumber, mNm²; `None` beyond what was searched.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "indices of wavenumbers"
+    )]
+    pub(crate) fn near(&self, powers: &[f64], wavenumber: f64) -> Option<f64> {
+        let place = (wavenumber / self.spacing).round() as usize;
+        let from = place.saturating_sub(OVERSAMPLING as usize).checked_sub(self.first)?;
+        let part = powers.get(from..=from + 2 * OVERSAMPLING as usize)?;
+        Some(part.iter().copied().fold(0.0, f64::max))
     }
 
     /// Typical power of what is no detent around a wavenumber: the median of the neighbourhood, mNm².
@@ -276,56 +303,43 @@ impl Scan {
 struct Gather {
     offset_rad: f64,
     bin_rad: f64,
-    length: usize,
+    /// What undoes the spline and its shift, for every wavenumber up to the last.
+    correction: Vec<Complex<f64>>,
     transform: std::sync::Arc<dyn RealToComplex<f64>>,
 }
 
 impl Gather {
-    /// Sums by a transform of `length` bins, a power of two, whose wavenumbers are `spacing` apart.
+    /// Sums for k = 0, 1, …, `last` times the `spacing` by a transform of `length` bins, a power of two.
     #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
-    fn new(length: usize, offset_rad: f64, spacing: f64) -> Self {
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
-        Self { offset_rad, bin_rad: TAU / (spacing * length as f64), length, transform }
+    fn new(length: usize, offset_rad: f64, spacing: f64, last: usize) -> Self {
+        let half = 0.5 * TAU / length as f64;
+        let turn = Complex::from_polar(1.0, -2.0 * half);
+        let mut shift = Complex::new(1.0, 0.0);
+        let correction = (0..=last)
+            .map(|index| {
+                // The bins lie one too late, and the spline's own transform is the fourth power of a sinc.
+                let sinc = if index == 0 { 1.0 } else { (half * index as f64).sin() / (half * index as f64) };
+                let correction = shift / sinc.powi(4);
+                shift *= turn;
+                correction
+            })
+            .collect();
+        let bin_rad = TAU / (spacing * length as f64);
+        Self { offset_rad, bin_rad, correction, transform: fourier::forward(length) }
     }
 
-    /// Σ uₙ·exp(ikθₙ) for k = 0, 1, …, `last` times the spacing.
+    /// Σ uₙ·exp(ikθₙ) for all k.
     ///
     /// Every value is shared out among four bins by a cubic spline, whose own transform is divided out again.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "indices of angle bins"
-    )]
-    fn sums(&self, values: &[f64], angles: &[f64], last: usize) -> Vec<Complex<f64>> {
+    fn sums(&self, values: &[f64], angles: &[f64]) -> Vec<Complex<f64>> {
         let mut bins = self.transform.make_input_vec();
-        let (per_bin, wrap) = (1.0 / self.bin_rad, self.length - 1);
-        for (value, angle) in values.iter().zip(angles) {
-            let place = ((angle - self.offset_rad) * per_bin).max(0.0);
-            let index = place as usize;
-            let share = place - index as f64;
-            let rest = 1.0 - share;
-            let sixth = value / 6.0;
-            // Weights for the bins before, at, after and two after, one bin later throughout.
-            bins[index & wrap] += sixth * rest * rest * rest;
-            bins[(index + 1) & wrap] += sixth * (4.0 - 3.0 * share * share * (1.0 + rest));
-            bins[(index + 2) & wrap] += sixth * (4.0 - 3.0 * rest * rest * (1.0 + share));
-            bins[(index + 3) & wrap] += sixth * share * share * share;
-        }
+        // What is masked counts as zero, so it does not matter where angles beyond the sliding ones end up.
+        vector::share_out(values, angles, self.offset_rad, self.bin_rad, &mut bins);
         let mut sums = self.transform.make_output_vec();
         if self.transform.process(&mut bins, &mut sums).is_err() {
             sums.fill(Complex::new(0.0, 0.0));
         }
-        sums.truncate(last + 1);
-        let step = TAU / self.length as f64;
-        for (index, sum) in sums.iter_mut().enumerate() {
-            let (sine, cosine) = (0.5 * step * index as f64).sin_cos();
-            let half_angle = 0.5 * step * index as f64;
-            let spline = if index == 0 { 1.0 } else { (sine / half_angle).powi(4) };
-            // The transform has the other sign in the exponent, and the bins lie one too late.
-            let (sine, cosine) = (2.0 * sine * cosine, cosine * cosine - sine * sine);
-            *sum = sum.conj() * Complex::new(cosine, -sine) / spline;
-        }
-        sums
+        // The transform has the other sign in the exponent.
+        sums.iter().zip(&self.correction).map(|(sum, correction)| sum.conj() * correction).collect()
     }
 }

@@ -87,6 +87,11 @@ pub(crate) fn residual<C: Deref<Target = [f64]>>(
     products
 }
 
+/// Row by row product of two columns.
+pub(crate) fn multiply(left: &[f64], right: &[f64]) -> Vec<f64> {
+    left.iter().zip(right).map(|(left, right)| left * right).collect()
+}
+
 /// `xᵀ·matrix·x` for the symmetric `matrix` and every row x of the columns.
 pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &DMatrix<f64>, output: &mut [f64]) {
     let rows = output.len();
@@ -113,26 +118,36 @@ pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &D
 }
 
 /// Every `step`-th sample of a filtered signal: `output[i] = Σ taps[j] · input[i · step + j]`.
+///
+/// With the input sorted by its place modulo `step`, neighbouring outputs take neighbouring inputs: whole vectors of
+/// outputs are summed at once.
 pub(crate) fn decimate(input: &[f64], taps: &[f64], step: usize, output: &mut [f64]) {
+    let length = output.len() + taps.len().div_ceil(step);
+    let mut phases = vec![0.0; length * step];
+    let places: Vec<(usize, f64)> =
+        taps.iter().enumerate().map(|(index, tap)| ((index % step) * length + index / step, *tap)).collect();
     Arch::new().dispatch(|| {
-        for (slot, window) in output.iter_mut().zip(input.windows(taps.len()).step_by(step)) {
-            *slot = tap_sum(window, taps);
+        for (place, values) in input.chunks(step).take(length).enumerate() {
+            for (phase, value) in values.iter().enumerate() {
+                phases[phase * length + place] = *value;
+            }
+        }
+        let (blocks, rest) = output.as_chunks_mut::<LANES>();
+        for (block, start) in blocks.iter_mut().zip((0..).step_by(LANES)) {
+            let mut sums = [0.0; LANES];
+            for (place, tap) in &places {
+                let place = place + start;
+                for (sum, value) in sums.iter_mut().zip(&phases[place..place + LANES]) {
+                    *sum += tap * value;
+                }
+            }
+            *block = sums;
+        }
+        let done = blocks.len() * LANES;
+        for (slot, window) in rest.iter_mut().zip(input.windows(taps.len()).step_by(step).skip(done)) {
+            *slot = dot_inline(window, taps);
         }
     });
-}
-
-#[inline(always)]
-fn tap_sum(window: &[f64], taps: &[f64]) -> f64 {
-    const FEW: usize = 8;
-    let (left, right) = (window.chunks_exact(FEW), taps.chunks_exact(FEW));
-    let rest: f64 = left.remainder().iter().zip(right.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; FEW];
-    for (a, b) in left.zip(right) {
-        for lane in 0..FEW {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 /// The adjoint of [`decimate`]: adds `kept[i] · taps[j]` to `output[i · step + j]`.
@@ -141,6 +156,32 @@ pub(crate) fn spread(kept: &[f64], taps: &[f64], step: usize, output: &mut [f64]
         for (index, value) in kept.iter().enumerate() {
             for (slot, tap) in output[index * step..index * step + taps.len()].iter_mut().zip(taps) {
                 *slot += value * tap;
+            }
+        }
+    });
+}
+
+/// Shares every value out among four bins by a cubic spline; its place lies between the second and the third of them.
+pub(crate) fn share_out(values: &[f64], angles: &[f64], offset_rad: f64, bin_rad: f64, bins: &mut [f64]) {
+    let per_bin = 1.0 / bin_rad;
+    let Some(last) = bins.len().checked_sub(4) else { return };
+    Arch::new().dispatch(|| {
+        for (value, angle) in values.iter().zip(angles) {
+            let place = ((angle - offset_rad) * per_bin).max(0.0);
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of a bin")]
+            let index = place as u32;
+            let share = place - f64::from(index);
+            let rest = 1.0 - share;
+            let sixth = value / 6.0;
+            let shares = [
+                sixth * rest * rest * rest,
+                sixth * (4.0 - 3.0 * share * share * (1.0 + rest)),
+                sixth * (4.0 - 3.0 * rest * rest * (1.0 + share)),
+                sixth * share * share * share,
+            ];
+            let first = (index as usize).min(last);
+            for (bin, share) in bins[first..first + 4].iter_mut().zip(shares) {
+                *bin += share;
             }
         }
     });
