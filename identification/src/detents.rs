@@ -144,7 +144,8 @@ pub(crate) fn search<'a>(
         .map(|peak| 1.0 / peak.wavenumber)
         .collect();
     let evident = |order: u32| {
-        scan.near(&rest, f64::from(order) / period_rad).is_none_or(|power| HARMONIC_LOOK * power > HARMONIC_MARGIN * background)
+        scan.near(&rest, f64::from(order) / period_rad)
+            .is_none_or(|power| HARMONIC_LOOK * power > HARMONIC_MARGIN * background)
     };
     let harmonics = harmonics(&problem, &solution, period_rad, background, evident);
     Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))

@@ -118,7 +118,12 @@ struct Solved<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    fn new(uniform: &'a Uniform, exact: Option<KnobMotion>, band: Band, options: &FitOptions) -> Result<Self, FitError> {
+    fn new(
+        uniform: &'a Uniform,
+        exact: Option<KnobMotion>,
+        band: Band,
+        options: &FitOptions,
+    ) -> Result<Self, FitError> {
         let calibration = options.calibration.as_ref();
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(uniform, &band, calibration, options.acceleration));
         let frame = Frame::new(uniform, &motion, &band);

@@ -64,9 +64,8 @@ impl LeastSquares {
     ) -> Self {
         let count = columns.len();
         let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
-        let mut gram = DMatrix::from_fn(count, count, |row, column| {
-            products[(row, column)] / (scales[row] * scales[column])
-        });
+        let mut gram =
+            DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
         let collinear = find_collinear(&gram, &scales);
         let noise: Vec<ColumnNoise> =
             noise.iter().copied().filter(|noise| noise.square < MOST_NOISE * scales[noise.column].powi(2)).collect();
@@ -146,7 +145,12 @@ impl LeastSquares {
 
     /// The same fit by instrumental variables: the residual is made orthogonal to the `instruments`, one per column,
     /// which noise in the columns then does not bias. [`Self::robust_covariance`] wants the instruments.
-    pub(crate) fn instrumented<C: Deref<Target = [f64]>>(self, columns: &[C], instruments: &[C], target: &[f64]) -> Self {
+    pub(crate) fn instrumented<C: Deref<Target = [f64]>>(
+        self,
+        columns: &[C],
+        instruments: &[C],
+        target: &[f64],
+    ) -> Self {
         let active: Vec<usize> =
             (0..columns.len()).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
         let size = |columns: &[C], index: usize| dot(&columns[index], &columns[index]).sqrt();
@@ -232,8 +236,7 @@ fn residual<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], coefficient
 /// Coefficients of the first `count` columns from inner products, the target's last; zero for collinear columns.
 pub(crate) fn solve_products(products: &DMatrix<f64>, count: usize) -> Vec<f64> {
     let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
-    let gram =
-        DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
+    let gram = DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
     let collinear = find_collinear(&gram, &scales);
     let active: Vec<usize> = (0..count).filter(|index| !collinear[*index]).collect();
     let part = DMatrix::from_fn(active.len(), active.len(), |row, column| gram[(active[row], active[column])]);

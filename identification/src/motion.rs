@@ -250,9 +250,9 @@ pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
     let mut rate = Vec::with_capacity(signal.len());
     rate.extend((0..GRADIENT_REACH.min(signal.len())).map(towards_end));
     rate.extend(
-        signal.windows(2 * GRADIENT_REACH + 1).map(|w| {
-            (a * (w[5] - w[3]) + b * (w[6] - w[2])) + (c * (w[7] - w[1]) + d * (w[8] - w[0]))
-        }),
+        signal
+            .windows(2 * GRADIENT_REACH + 1)
+            .map(|w| (a * (w[5] - w[3]) + b * (w[6] - w[2])) + (c * (w[7] - w[1]) + d * (w[8] - w[0]))),
     );
     rate.extend((rate.len()..signal.len()).map(towards_end));
     rate
@@ -294,10 +294,8 @@ fn exact_motion(uniform: &mut Uniform) -> Option<KnobMotion> {
     if uniform.lost > 0 || !is_exact_derivative(velocity, &uniform.angle_rad, rate_hz) {
         return None;
     }
-    let accelerometer = uniform
-        .acceleration_rad_s2
-        .as_ref()
-        .is_some_and(|given| is_exact_derivative(given, velocity, rate_hz));
+    let accelerometer =
+        uniform.acceleration_rad_s2.as_ref().is_some_and(|given| is_exact_derivative(given, velocity, rate_hz));
     let velocity_rad_s = uniform.velocity_rad_s.take()?;
     let given = uniform.acceleration_rad_s2.take().filter(|_| accelerometer);
     Some(KnobMotion {

@@ -133,8 +133,7 @@ impl<'a> Problem<'a> {
         nonnegative.resize(columns.len(), false);
         let mut products = self.products.clone().resize(columns.len(), columns.len(), 0.0);
         vector::products(&columns, self.columns.len(), &mut products);
-        let solution =
-            LeastSquares::solve_noisy(&columns, &products, &self.target, &nonnegative, &self.column_noise());
+        let solution = LeastSquares::solve_noisy(&columns, &products, &self.target, &nonnegative, &self.column_noise());
         (columns, solution)
     }
 
@@ -252,12 +251,9 @@ impl<'a> Problem<'a> {
     /// The Gauss–Newton step of the searched parameters, all coefficients moving along, and what it would take off the
     /// sum of squares.
     fn gauss_newton(&self, searched: &[Searched], solution: &LeastSquares) -> Option<(DVector<f64>, f64)> {
-        let tangents: Vec<Column> =
-            searched.iter().map(|which| self.tangent(*which, &solution.coefficients)).collect();
-        let slope = DVector::from_iterator(
-            tangents.len(),
-            tangents.iter().map(|tangent| dot(tangent, &solution.residual)),
-        );
+        let tangents: Vec<Column> = searched.iter().map(|which| self.tangent(*which, &solution.coefficients)).collect();
+        let slope =
+            DVector::from_iterator(tangents.len(), tangents.iter().map(|tangent| dot(tangent, &solution.residual)));
         let cross = DMatrix::from_fn(self.columns.len(), tangents.len(), |row, column| {
             dot(&self.columns[row], &tangents[column])
         });

@@ -233,9 +233,8 @@ fn sine_cosine(argument: f64) -> (f64, f64) {
     let quadrant = shifted.to_bits();
     let rest = ((argument - turns * HALF_PI[0]) - turns * HALF_PI[1]) - turns * HALF_PI[2];
     let square = rest * rest;
-    let polynomial = |c: &[f64; 6]| {
-        c[0] + square * (c[1] + square * (c[2] + square * (c[3] + square * (c[4] + square * c[5]))))
-    };
+    let polynomial =
+        |c: &[f64; 6]| c[0] + square * (c[1] + square * (c[2] + square * (c[3] + square * (c[4] + square * c[5]))));
     let sine = rest + rest * square * polynomial(&SINE);
     let cosine = 1.0 - 0.5 * square + square * square * polynomial(&COSINE);
     // Odd quadrants swap both; bit 1 of the quadrant, or of the next one, is the sign.
