@@ -15,6 +15,7 @@ import scipy
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import least_squares
 from scipy.signal import cheby2, sosfiltfilt
+from threadpoolctl import threadpool_limits
 
 START = 0.21
 RUNS = 15
@@ -62,19 +63,24 @@ def fit(columns, solve):
     return solution.x[0], solution.nfev, half_widths, predicted
 
 
-def timed(solve):
+def timed(solve, threads):
     times = []
-    for _ in range(RUNS):
-        begin = time.perf_counter()
-        outcome = fit(columns, solve)
-        times.append(time.perf_counter() - begin)
-    return times, outcome
+    with threadpool_limits(threads):
+        fit(columns, solve)
+        before = time.process_time()
+        for _ in range(RUNS):
+            begin = time.perf_counter()
+            outcome = fit(columns, solve)
+            times.append(time.perf_counter() - begin)
+        processor = (time.process_time() - before) / RUNS
+    return times, processor, outcome
 
 
-def line(name, times, period):
-    times = numpy.sort(times) * 1e3
-    print(f"{name:52} {numpy.median(times):8.2f} {times[0]:8.2f} ms   P {period:.5f} rad")
-    return numpy.median(times), times[0]
+def line(name, times, processor, period):
+    """Prints and returns median, least and processor time in ms."""
+    row = 1e3 * numpy.array([numpy.median(times), numpy.min(times), processor])
+    print(f"{name:48} {row[0]:8.2f} {row[1]:8.2f} {row[2]:9.2f}   P {period:.5f} rad")
+    return row
 
 
 ours = results[0]
@@ -82,14 +88,20 @@ print(f"{columns.shape[1]} raw samples; scipy {scipy.__version__}, numpy {numpy.
 print("scipy: Chebyshev low-passes both ways, variable projection from P = 0.21 (truth 0.2), covariance, intervals")
 print("fit:   checks, evidence whether the motion is exact, mask, band, linear-phase filters, period searched over all")
 print("       that the travel supports without a start, evidence for detents, harmonics, a delay, correlated intervals")
-print(f"{'':52} {'median':>8} {'least':>8}")
+print(f"{'ms':48} {'median':>8} {'least':>8} {'processor':>9}")
 peers = {}
 for name, solve in (("numpy.linalg.lstsq", lstsq), ("normal equations", normal_equations)):
-    times, outcome = timed(solve)
-    peers[name] = line(f"scipy, {name}, {outcome[1]} steps", times, outcome[0])
-own = line("fit", numpy.array(ours["all_seconds"]), ours["period_rad"])
+    for threads in (1, 2):
+        times, processor, outcome = timed(solve, threads)
+        row = line(f"scipy, {name}, {outcome[1]} steps, {threads} threads", times, processor, outcome[0])
+        peers[name] = numpy.minimum(row, peers.get(name, row))
+own = line("fit, one thread", ours["all_seconds"], ours["processor_seconds"], ours["period_rad"])
 for name, peer in peers.items():
-    print(f"fit is {peer[0] / own[0]:.1f} times as fast as scipy with {name} (by the least times {peer[1] / own[1]:.1f})")
+    ratios = peer / own
+    print(
+        f"fit is {ratios[0]:.1f} times as fast as scipy with {name}, the better number of threads"
+        f" (least times {ratios[1]:.1f}, processor time {ratios[2]:.1f})"
+    )
 print("samples     seconds   µs per sample   peak memory   bytes per sample, the columns' own 40 included")
 for row in results[1:]:
     print(

@@ -14,6 +14,8 @@ use identification::{FitOptions, Samples, fit};
 /// M, C₋, C₊, B₋, B₊, A, P, S of the paper's Table 2.
 const TABLE_2: [f64; 8] = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.2, 0.9];
 const RATE_HZ: f64 = 5000.0;
+/// Fits of the capture that scipy fits too.
+const RUNS: u32 = 41;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -22,8 +24,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let columns = capture(30_000)?;
     let bytes: Vec<u8> = columns.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
     std::fs::write(path, bytes)?;
-    let (times, period_rad) = timed(&columns, 41)?;
-    println!("{{\"samples\": 30000, \"all_seconds\": {times:?}, \"period_rad\": {period_rad}}}");
+    let before = processor_seconds();
+    let (times, period_rad) = timed(&columns, RUNS)?;
+    let processor = (processor_seconds() - before) / f64::from(RUNS);
+    println!(
+        "{{\"samples\": 30000, \"all_seconds\": {times:?}, \"processor_seconds\": {processor}, \"period_rad\": {period_rad}}}"
+    );
     let mut samples = 10_000;
     while samples <= most {
         let columns = capture(samples)?;
@@ -81,7 +87,7 @@ fn motion(time_s: f64, sweep: Option<&Excitation>) -> Motion {
 }
 
 /// Times of fits, s, in order, and the period they found.
-fn timed(columns: &[Vec<f64>; 5], runs: usize) -> Result<(Vec<f64>, f64), Box<dyn std::error::Error>> {
+fn timed(columns: &[Vec<f64>; 5], runs: u32) -> Result<(Vec<f64>, f64), Box<dyn std::error::Error>> {
     let [t_s, angle_rad, velocity, acceleration, torque_mnm] = columns;
     let samples =
         Samples { t_s, angle_rad, velocity_rad_s: Some(velocity), acceleration_rad_s2: Some(acceleration), torque_mnm };
@@ -95,6 +101,13 @@ fn timed(columns: &[Vec<f64>; 5], runs: usize) -> Result<(Vec<f64>, f64), Box<dy
     }
     times.sort_by(f64::total_cmp);
     Ok((times, period_rad))
+}
+
+/// Time that a processor has spent on this thread, s; 0 where the system does not tell.
+fn processor_seconds() -> f64 {
+    let status = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds: Option<f64> = status.split_whitespace().next().and_then(|text| text.parse().ok());
+    nanoseconds.map_or(0.0, |nanoseconds| 1e-9 * nanoseconds)
 }
 
 /// Most memory that this process ever held, KiB; 0 where the system does not tell.

@@ -13,8 +13,9 @@ use crate::vector;
 
 /// Relative change of a searched parameter for its column by differences.
 const DIFFERENCE: f64 = 1e-6;
-/// A step that would take off less than this share of the sum of squares is not worth taking.
-const SETTLED: f64 = 1e-9;
+/// A step is not worth taking that would take off less than this multiple of the residual's mean square: it is
+/// shorter than a hundredth of the parameter's standard deviation.
+const SETTLED: f64 = 1e-4;
 
 /// One column of rows, shared by all that look at it.
 pub(crate) type Column = Arc<[f64]>;
@@ -212,6 +213,8 @@ impl<'a> Problem<'a> {
         if searched.is_empty() {
             return solution;
         }
+        #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+        let rows = self.target.len() as f64;
         for _ in 0..rounds {
             let Some((full, gain)) = self.gauss_newton(&searched, &solution) else { break };
             let start: Vec<f64> = searched.iter().map(|which| self.value(*which)).collect();
@@ -222,7 +225,7 @@ impl<'a> Problem<'a> {
                 .map(|((which, step), value)| step.clamp(-limit(*which, *value), limit(*which, *value)))
                 .collect();
             let before = dot(&solution.residual, &solution.residual);
-            if gain <= SETTLED * before {
+            if gain * rows <= SETTLED * before {
                 break;
             }
             let mut share = 1.0;

@@ -192,13 +192,13 @@ pub(crate) fn share_out(values: &[f64], angles: &[f64], offset_rad: f64, bin_rad
 /// Cody and Waite's reduction to ±π/4 and the polynomials of fdlibm (`k_sin.c`, `k_cos.c`, Sun Microsystems 1993).
 pub(crate) fn sines(angle: &[f64], wavenumber: f64, sine: &mut [f64], cosine: &mut [f64]) {
     Arch::new().dispatch(|| {
-        let mut largest = 0.0_f64;
+        let mut too_large = 0_u64;
         for ((angle, sine), cosine) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
             let argument = angle * wavenumber;
-            largest = if argument.abs() > largest { argument.abs() } else { largest };
+            too_large |= u64::from(argument.abs() > LARGEST_ARGUMENT);
             (*sine, *cosine) = sine_cosine(argument);
         }
-        if largest > LARGEST_ARGUMENT {
+        if too_large != 0 {
             for ((angle, sine), cosine) in angle.iter().zip(sine).zip(cosine) {
                 (*sine, *cosine) = (angle * wavenumber).sin_cos();
             }

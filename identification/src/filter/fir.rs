@@ -133,11 +133,17 @@ impl Fir {
 
     /// Gain at a frequency; real, since the phase is zero about the middle tap.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
     pub fn gain(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
-        let half = self.half_length();
-        let angle = 2.0 * PI * frequency_hz / rate_hz;
-        self.taps.iter().enumerate().map(|(index, tap)| tap * (angle * (index as f64 - half as f64)).cos()).sum()
+        let step = (2.0 * PI * frequency_hz / rate_hz).cos();
+        // cos((m + 1)x) = 2·cos x·cos mx − cos((m − 1)x), outwards from the middle tap.
+        let (mut before, mut cosine) = (step, 1.0);
+        let mut taps = self.taps[self.half_length()..].iter();
+        let mut gain = taps.next().copied().unwrap_or(0.0);
+        for tap in taps {
+            (before, cosine) = (cosine, 2.0 * step * cosine - before);
+            gain += 2.0 * tap * cosine;
+        }
+        gain
     }
 }
 
