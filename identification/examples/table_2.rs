@@ -138,7 +138,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let median = errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN);
         // As printed: 1.500 for 1.5 is an error below half of the last digit.
         let paper = (PAPER[index] - values[index]).abs();
-        let beaten: f64 = errors.iter().filter(|error| **error <= paper).map(|_| 1.0).sum();
+        let beaten = errors.iter().filter(|error| **error <= paper).fold(0.0, |count, _| count + 1.0);
         println!(
             "{name:20} {:6.2}   {rms:.3e}   {:.3e}  {:.3}   {:+.3} ± {:.3}  {median:.3e}   {paper:.1e}    {:5.1} %    {:.3}  {:.3}",
             values[index],
