@@ -93,7 +93,7 @@ peers = {}
 for name, solve in (("numpy.linalg.lstsq", lstsq), ("normal equations", normal_equations)):
     for threads in (1, 2):
         times, processor, outcome = timed(solve, threads)
-        row = line(f"scipy, {name}, {outcome[1]} steps, {threads} threads", times, processor, outcome[0])
+        row = line(f"scipy, {name}, {outcome[1]} steps, {threads} thread{'s' if threads > 1 else ''}", times, processor, outcome[0])
         peers[name] = numpy.minimum(row, peers.get(name, row))
 own = line("fit, one thread", ours["all_seconds"], ours["processor_seconds"], ours["period_rad"])
 for name, peer in peers.items():
@@ -102,9 +102,10 @@ for name, peer in peers.items():
         f"fit is {ratios[0]:.1f} times as fast as scipy with {name}, the better number of threads"
         f" (least times {ratios[1]:.1f}, processor time {ratios[2]:.1f})"
     )
-print("samples     seconds   µs per sample   peak memory   bytes per sample, the columns' own 40 included")
+print("samples     seconds   processor   µs per sample   peak memory   bytes per sample, the columns' own 40 included")
 for row in results[1:]:
     print(
-        f"{row['samples']:9} {row['seconds']:9.4f} {1e6 * row['seconds'] / row['samples']:12.3f}"
-        f" {row['peak_kib'] / 1024:13.0f} MiB {1024 * row['peak_kib'] / row['samples']:10.0f}"
+        f"{row['samples']:9} {row['seconds']:9.4f} {row['processor_seconds']:11.4f}"
+        f" {1e6 * row['processor_seconds'] / row['samples']:15.3f}"
+        f" {row['peak_kib'] / 1024:9.0f} MiB {1024 * row['peak_kib'] / row['samples']:10.0f}"
     )

@@ -33,9 +33,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut samples = 10_000;
     while samples <= most {
         let columns = capture(samples)?;
-        let (times, _) = timed(&columns, if samples < 1_000_000 { 15 } else { 3 })?;
+        let runs = if samples < 1_000_000 { 15 } else { 1 };
+        let before = processor_seconds();
+        let (times, _) = timed(&columns, runs)?;
+        let processor = (processor_seconds() - before) / f64::from(runs);
         let seconds = times[times.len() / 2];
-        println!("{{\"samples\": {samples}, \"seconds\": {seconds}, \"peak_kib\": {}}}", peak_kib());
+        println!(
+            "{{\"samples\": {samples}, \"seconds\": {seconds}, \"processor_seconds\": {processor}, \"peak_kib\": {}}}",
+            peak_kib()
+        );
         samples *= 10;
     }
     Ok(())
