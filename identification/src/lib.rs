@@ -30,6 +30,7 @@ pub mod diagnosis;
 mod estimate;
 pub mod filter;
 mod fit;
+mod fourier;
 mod frame;
 mod held_out;
 mod karnopp;
@@ -45,7 +46,9 @@ mod samples;
 mod scan;
 mod sensor_noise;
 mod spectrum;
+mod time_order;
 mod uniform;
+mod vector;
 
 pub use average::{Average, Repeatability, average};
 pub use estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};

@@ -53,6 +53,15 @@ impl Uniform {
     fn on_grid(samples: &Samples<'_>) -> Self {
         let time = samples.t_s;
         let count = time.len();
+        let mean = (time[count - 1] - time[0]) / (count - 1) as f64;
+        let mut farthest = 0.0_f64;
+        for (left, right) in time.iter().zip(&time[1..]) {
+            farthest = farthest.max((right - left - mean).abs());
+        }
+        // No step differs by more than the scatter may be: neither gaps nor jitter, and nothing to sort.
+        if farthest < JITTER * mean {
+            return Self::regular(samples, mean);
+        }
         let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let typical = median(&mut steps);
         let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
@@ -61,18 +70,7 @@ impl Uniform {
         let scatter =
             (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
         if gaps == 0 && scatter < JITTER {
-            return Self {
-                rate_hz: 1.0 / step,
-                time_s: time.to_vec(),
-                angle_rad: samples.angle_rad.to_vec(),
-                velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
-                acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
-                acceleration_lag_s: 0.0,
-                torque_mnm: samples.torque_mnm.to_vec(),
-                torque_density: 0.0,
-                present: vec![true; count],
-                lost: 0,
-            };
+            return Self::regular(samples, step);
         }
         // Time without the excess of long gaps, so that a pause does not fill memory.
         let mut compressed = Vec::with_capacity(count);
@@ -110,6 +108,22 @@ impl Uniform {
             torque_mnm: sampled(samples.torque_mnm),
             lost: present.iter().filter(|present| !**present).count(),
             present,
+        }
+    }
+
+    /// Samples that lie on a grid already.
+    fn regular(samples: &Samples<'_>, step_s: f64) -> Self {
+        Self {
+            rate_hz: 1.0 / step_s,
+            time_s: samples.t_s.to_vec(),
+            angle_rad: samples.angle_rad.to_vec(),
+            velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
+            acceleration_lag_s: 0.0,
+            torque_mnm: samples.torque_mnm.to_vec(),
+            torque_density: 0.0,
+            present: vec![true; samples.t_s.len()],
+            lost: 0,
         }
     }
 
