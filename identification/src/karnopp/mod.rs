@@ -36,6 +36,9 @@ const FEWEST_SAMPLES: usize = 12;
 /// Time that the shaft is given to calm down after the knob came to rest, s.
 const CALM_S: f64 = 0.001;
 
+/// Speed at rest, in standard deviations of the velocity's noise.
+const AT_REST: f64 = 8.0;
+
 /// The rests of a capture and what their ends tell.
 pub(crate) struct Stick {
     /// Torques at breakaway in the negative direction, magnitudes, mNm.
@@ -67,7 +70,7 @@ impl Stick {
             negative_mnm: Readings::default(),
             positive_mnm: Readings::default(),
             arrivals_rad_s: Readings::default(),
-            resolved_rad_s: 8.0 * motion.velocity_noise_rad_s,
+            resolved_rad_s: AT_REST * motion.velocity_noise_rad_s,
             rests: 0,
         };
         // Encoder and torque sensor sit on the other side of the torque sensor's spring, and the torque that tells its
