@@ -194,8 +194,7 @@ impl<'a> Prepared<'a> {
         let report = Report { trimmed: &trimmed, motion, frame, band, calibration };
         let (mut parameters, comparison) = report.parameters(no_detents);
         let mut effects = trimmed.effects();
-        Stick::of(&uniform.torque_mnm, motion, &effects, frame.rate_hz, &uniform.present)
-            .report(&mut parameters, &mut effects);
+        Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
         let mut notes = report.notes();
         if uniform.lost > 0 {
             notes.push(format!("{} samples are missing from the capture; the fit leaves the gaps out", uniform.lost));

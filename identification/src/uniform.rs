@@ -23,6 +23,10 @@ pub(crate) struct Uniform {
     /// Time constant of the first-order lag that is still in the acceleration, s.
     pub(crate) acceleration_lag_s: f64,
     pub(crate) torque_mnm: Vec<f64>,
+    /// The torque as it was received, before its delay was taken out, mNm; empty where there was none to take out.
+    received_mnm: Vec<f64>,
+    /// The delay that was taken out, in samples.
+    torque_delay: f64,
     /// White density of the torque channel's noise, as the upper end of its spectrum shows it, mNm²/Hz.
     pub(crate) torque_density: f64,
     /// Whether the grid point was measured; false inside gaps.
@@ -104,6 +108,8 @@ impl Uniform {
             velocity_rad_s: samples.velocity_rad_s.map(sampled),
             acceleration_rad_s2: samples.acceleration_rad_s2.map(sampled),
             acceleration_lag_s: 0.0,
+            received_mnm: Vec::new(),
+            torque_delay: 0.0,
             torque_density: 0.0,
             torque_mnm: sampled(samples.torque_mnm),
             lost: present.iter().filter(|present| !**present).count(),
@@ -121,10 +127,17 @@ impl Uniform {
             acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
             acceleration_lag_s: 0.0,
             torque_mnm: samples.torque_mnm.to_vec(),
+            received_mnm: Vec::new(),
+            torque_delay: 0.0,
             torque_density: 0.0,
             present: vec![true; samples.t_s.len()],
             lost: 0,
         }
+    }
+
+    /// The torque as it was received, mNm, and by how many samples that is late.
+    pub(crate) fn received_torque(&self) -> (&[f64], f64) {
+        if self.received_mnm.is_empty() { (&self.torque_mnm, 0.0) } else { (&self.received_mnm, self.torque_delay) }
     }
 
     /// Takes out zeros, gravity and the channels' delays.
@@ -132,7 +145,11 @@ impl Uniform {
         for torque in &mut self.torque_mnm {
             *torque -= calibration.torque_zero_mnm;
         }
-        self.torque_mnm = advance(&self.torque_mnm, calibration.torque_delay_s * self.rate_hz);
+        self.torque_delay = calibration.torque_delay_s * self.rate_hz;
+        if self.torque_delay != 0.0 {
+            let prompt = advance(&self.torque_mnm, self.torque_delay);
+            self.received_mnm = std::mem::replace(&mut self.torque_mnm, prompt);
+        }
         if let Some(acceleration) = &mut self.acceleration_rad_s2 {
             // The sensor's lag stays in for now, and gravity passed it as the motion did.
             let gravity: Vec<f64> = self.angle_rad.iter().map(|angle| calibration.gravity_rad_s2(*angle)).collect();
