@@ -31,6 +31,8 @@ const PLACEBO_OF_FEW: f64 = 20.0;
 const FEW_PERIODS: f64 = 3.0;
 /// Margin for harmonics in the residual.
 const HARMONIC_MARGIN: f64 = 14.0;
+/// Overtones are looked for up to this multiple of the detent.
+const HIGHEST_OVERTONE: u32 = 12;
 /// A period that explains less than this and does not stand out roughly is not looked at closely.
 const CLEARLY_NOT: f64 = 0.05;
 /// A model that leaves less than this share of the torque has nothing left to explain.
@@ -141,7 +143,7 @@ pub(crate) fn search<'a>(
         })
         .map(|peak| 1.0 / peak.wavenumber)
         .collect();
-    let harmonics = harmonics(&problem, &solution, period_rad, background);
+    let harmonics = harmonics(&problem, &solution, period_rad, shortest, background);
     Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
 }
 
@@ -152,26 +154,46 @@ fn no_detents(longest: f64, shortest: f64) -> String {
     )
 }
 
-/// The second and third harmonic in the residual, where they stand out.
-fn harmonics(problem: &Problem<'_>, solution: &LeastSquares, period_rad: f64, background: f64) -> Vec<Harmonic> {
-    let total = dot(&solution.residual, &solution.residual);
-    [2_u32, 3]
-        .into_iter()
-        .filter_map(|order| {
-            let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
-            let rows: Vec<Vec<f64>> = crate::frame::columns(&effect, problem.motion)
-                .iter()
-                .map(|column| problem.frame.rows(column))
-                .collect();
-            let (_, with) = problem.solve_with(&rows);
-            let [.., sine, cosine] = with.coefficients[..] else { return None };
-            let gain = total - dot(&with.residual, &with.residual);
-            (gain > HARMONIC_MARGIN * background && gain > 0.01 * total).then(|| Harmonic {
-                order,
-                amplitude_mnm: sine.hypot(cosine),
-                phase_rad: cosine.atan2(sine),
-                explains_percent: 100.0 * gain / total,
-            })
-        })
-        .collect()
+/// The overtones in the residual that stand out and predict stretches of the capture that they were not fitted to.
+fn harmonics(
+    problem: &Problem<'_>,
+    solution: &LeastSquares,
+    period_rad: f64,
+    shortest_rad: f64,
+    background: f64,
+) -> Vec<Harmonic> {
+    let mut total = dot(&solution.residual, &solution.residual);
+    let mut found: Vec<(Harmonic, Vec<Vec<f64>>)> = Vec::new();
+    let orders = (2..=HIGHEST_OVERTONE).take_while(|order| period_rad / f64::from(*order) >= shortest_rad);
+    for order in orders {
+        let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
+        let own: Vec<Vec<f64>> =
+            crate::frame::columns(&effect, problem.motion).iter().map(|column| problem.frame.rows(column)).collect();
+        let rows: Vec<Vec<f64>> = found.iter().flat_map(|(_, rows)| rows).chain(&own).cloned().collect();
+        let (columns, with) = problem.solve_with(&rows);
+        let [.., sine, cosine] = with.coefficients[..] else { continue };
+        let left = dot(&with.residual, &with.residual);
+        let gain = total - left;
+        if gain < HARMONIC_MARGIN * background || gain < 0.01 * total {
+            continue;
+        }
+        if held_out::evidence(&columns, columns.len() - own.len(), &problem.target) < PREDICTS {
+            continue;
+        }
+        let harmonic = Harmonic {
+            order: Some(order),
+            per_turn: f64::from(order) / period_rad,
+            amplitude_mnm: sine.hypot(cosine),
+            amplitude_ci95_mnm: None,
+            phase_rad: cosine.atan2(sine),
+            phase_ci95_rad: None,
+            explains_percent: 100.0 * gain / total,
+            relative_error_percent: None,
+        };
+        total = left;
+        found.push((harmonic, own));
+    }
+    let mut harmonics: Vec<Harmonic> = found.into_iter().map(|(harmonic, _)| harmonic).collect();
+    harmonics.sort_by(|a, b| b.amplitude_mnm.total_cmp(&a.amplitude_mnm));
+    harmonics
 }

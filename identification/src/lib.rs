@@ -24,11 +24,13 @@
 
 mod average;
 pub mod calibration;
+mod central_differences;
 pub mod checks;
 mod detents;
 mod estimate;
 pub mod filter;
 mod fit;
+mod fixed_preparation;
 mod frame;
 mod held_out;
 mod karnopp;
@@ -39,8 +41,10 @@ mod motion;
 mod options;
 mod paper_preparation;
 mod problem;
+mod quasi_static;
 mod report;
 mod samples;
+mod saturation;
 mod scan;
 mod sensor_noise;
 mod spectrum;

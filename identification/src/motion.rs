@@ -317,7 +317,7 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
 }
 
 /// Standard deviation of white noise as the fourth differences show it; motion hardly shows there.
-fn scatter(signal: &[f64]) -> f64 {
+pub(crate) fn scatter(signal: &[f64]) -> f64 {
     let mut fourth: Vec<f64> =
         signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
     // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.

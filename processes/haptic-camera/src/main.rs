@@ -8,6 +8,7 @@ mod check;
 mod command_line;
 mod doctor;
 mod fit;
+mod harmonic_table;
 mod load;
 mod outcome;
 mod parameter_table;
