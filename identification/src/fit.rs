@@ -70,11 +70,11 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
     samples.check()?;
     match fit_moving(samples, options) {
         Err(hardly @ FitError::HardlyMoving { .. }) if options.preparation == PreparationMethod::Automatic => {
-            quasi_static::fit(samples, !options.without_detents).ok_or_else(|| {
-                let saturated = Rails::of(samples.torque_mnm).samples();
-                let total = samples.t_s.len();
-                if 2 * saturated > total { FitError::Saturated { samples: saturated, total } } else { hardly }
-            })
+            let (saturated, total) = (Rails::of(samples.torque_mnm).samples(), samples.t_s.len());
+            if 2 * saturated > total {
+                return Err(FitError::Saturated { samples: saturated, total });
+            }
+            quasi_static::fit(samples, !options.without_detents).ok_or(hardly)
         }
         result => result,
     }

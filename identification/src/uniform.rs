@@ -142,6 +142,16 @@ impl Uniform {
                 *present &= !faulty[index] && !faulty[index.saturating_sub(1)];
             }
         }
+        // A jump would look like an encoder full of noise.
+        for run in frozen.iter().filter(|run| run.end < samples.t_s.len()) {
+            let (start, end) = (samples.t_s[run.start], samples.t_s[run.end]);
+            let (from, to) = (samples.angle_rad[run.start], samples.angle_rad[run.end]);
+            for (angle, time) in self.angle_rad.iter_mut().zip(&self.time_s) {
+                if (start..end).contains(time) {
+                    *angle = from + (to - from) * (time - start) / (end - start);
+                }
+            }
+        }
         self.faults.extend(torque.note("torque", "mNm"));
         self.faults.extend(frozen_note(&frozen));
         let acceleration = samples.acceleration_rad_s2.map(Rails::of).unwrap_or_default();

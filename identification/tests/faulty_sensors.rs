@@ -106,7 +106,7 @@ fn an_encoder_that_stands_still_while_the_knob_turns_is_said_and_left_out() {
 fn a_torque_sensor_mostly_at_its_rails_serves_for_no_fit() {
     let mut capture = digitised(1);
     capture.torque_mnm.iter_mut().for_each(|torque| *torque = torque.clamp(-0.36, 0.36));
-    let error = fit(&capture.samples(), &FitOptions::default()).unwrap_err();
+    let error = fit(&capture.samples(), &FitOptions::default()).err().unwrap();
     assert!(matches!(error, FitError::Saturated { .. }), "{error}");
     assert!(error.to_string().contains("wider range"));
 }

@@ -33,7 +33,7 @@ struct Map {
     torque_mnm: Vec<f64>,
 }
 
-/// Fits friction and the ladder of sinusoids to checked samples; `None` if the knob did not wander through its travel.
+/// Fits friction and the ladder of sinusoids to checked samples; `None` if the knob did not wander slowly through its travel.
 pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> {
     let rails = Rails::of(samples.torque_mnm);
     let map = Map::of(samples, &rails)?;
@@ -80,7 +80,8 @@ pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> 
 impl Map {
     fn of(samples: &Samples<'_>, rails: &Rails) -> Option<Self> {
         let step = smallest_step(samples.angle_rad);
-        let directions = passes::directions(samples.angle_rad, step)?;
+        let duration_s = samples.t_s.last()? - samples.t_s.first()?;
+        let directions = passes::directions(samples.angle_rad, duration_s, step)?;
         let index: Vec<usize> = (0..directions.len()).filter(|at| directions[*at] != 0 && !rails.holds(*at)).collect();
         (index.len() >= FEWEST_SAMPLES).then(|| Self {
             angle_rad: index.iter().map(|at| samples.angle_rad[*at]).collect(),
