@@ -33,6 +33,8 @@ const FEW_PERIODS: f64 = 3.0;
 const HARMONIC_MARGIN: f64 = 14.0;
 /// A harmonic is looked at closely if the scan shows the margin divided by this.
 const HARMONIC_LOOK: f64 = 2.0;
+/// Overtones are looked for up to this multiple of the detent.
+const HIGHEST_OVERTONE: u32 = 12;
 /// A period that explains less than this and does not stand out roughly is not looked at closely.
 const CLEARLY_NOT: f64 = 0.05;
 /// A model that leaves less than this share of the torque has nothing left to explain.
@@ -147,7 +149,7 @@ pub(crate) fn search<'a>(
         scan.near(&rest, f64::from(order) / period_rad)
             .is_none_or(|power| HARMONIC_LOOK * power > HARMONIC_MARGIN * background)
     };
-    let harmonics = harmonics(&problem, &solution, period_rad, background, evident);
+    let harmonics = harmonics(&problem, &solution, [period_rad, shortest], background, evident);
     Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
 }
 
@@ -158,33 +160,49 @@ fn no_detents(longest: f64, shortest: f64) -> String {
     )
 }
 
-/// The second and third harmonic in the residual, where they stand out.
+/// The overtones in the residual that stand out and predict stretches of the capture that they were not fitted to.
 ///
 /// `evident` tells whether the scan shows enough at an order for a closer look.
 fn harmonics(
     problem: &Problem<'_>,
     solution: &LeastSquares,
-    period_rad: f64,
+    [period_rad, shortest_rad]: [f64; 2],
     background: f64,
     evident: impl Fn(u32) -> bool,
 ) -> Vec<Harmonic> {
-    let total = dot(&solution.residual, &solution.residual);
-    [2_u32, 3]
-        .into_iter()
-        .filter(|order| evident(*order))
-        .filter_map(|order| {
-            let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
-            let rows = problem.frame.effect_rows(&effect, problem.motion);
-            let rows: Vec<Column> = rows.into_iter().map(Column::from).collect();
-            let (_, with) = problem.solve_with(&rows);
-            let [.., sine, cosine] = with.coefficients[..] else { return None };
-            let gain = total - dot(&with.residual, &with.residual);
-            (gain > HARMONIC_MARGIN * background && gain > 0.01 * total).then(|| Harmonic {
-                order,
-                amplitude_mnm: sine.hypot(cosine),
-                phase_rad: cosine.atan2(sine),
-                explains_percent: 100.0 * gain / total,
-            })
-        })
-        .collect()
+    let mut total = dot(&solution.residual, &solution.residual);
+    let mut found: Vec<(Harmonic, Vec<Column>)> = Vec::new();
+    let orders = (2..=HIGHEST_OVERTONE).take_while(|order| period_rad / f64::from(*order) >= shortest_rad);
+    let orders = orders.filter(|order| evident(*order));
+    for order in orders {
+        let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
+        let own: Vec<Column> =
+            problem.frame.effect_rows(&effect, problem.motion).into_iter().map(Column::from).collect();
+        let rows: Vec<Column> = found.iter().flat_map(|(_, rows)| rows).chain(&own).cloned().collect();
+        let (columns, with) = problem.solve_with(&rows);
+        let [.., sine, cosine] = with.coefficients[..] else { continue };
+        let left = dot(&with.residual, &with.residual);
+        let gain = total - left;
+        if gain < HARMONIC_MARGIN * background || gain < 0.01 * total {
+            continue;
+        }
+        if held_out::evidence(&columns, columns.len() - own.len(), &problem.target) < PREDICTS {
+            continue;
+        }
+        let harmonic = Harmonic {
+            order: Some(order),
+            per_turn: f64::from(order) / period_rad,
+            amplitude_mnm: sine.hypot(cosine),
+            amplitude_ci95_mnm: None,
+            phase_rad: cosine.atan2(sine),
+            phase_ci95_rad: None,
+            explains_percent: 100.0 * gain / total,
+            relative_error_percent: None,
+        };
+        total = left;
+        found.push((harmonic, own));
+    }
+    let mut harmonics: Vec<Harmonic> = found.into_iter().map(|(harmonic, _)| harmonic).collect();
+    harmonics.sort_by(|a, b| b.amplitude_mnm.total_cmp(&a.amplitude_mnm));
+    harmonics
 }

@@ -53,17 +53,28 @@ impl Serialize for Parameters {
     }
 }
 
-/// One harmonic of the detents, as the residual shows it.
+/// One sinusoid of the angle.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Harmonic {
-    /// Order; the detent itself is 1.
-    pub order: u32,
+    /// Multiple of the detent that it is, the detent itself being 1; `None` if it is no multiple.
+    pub order: Option<u32>,
+    /// Periods per turn: the wavenumber in 1/rad. A whole number by rule only where a quasi-static fit covered a turn.
+    pub per_turn: f64,
     /// Amplitude, mNm.
     pub amplitude_mnm: f64,
-    /// Phase in amplitude·sin(order·θ/P + phase), rad.
+    /// 95 % interval of the amplitude, mNm; given by quasi-static fits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude_ci95_mnm: Option<[f64; 2]>,
+    /// Phase in amplitude·sin(per_turn·θ + phase), rad.
     pub phase_rad: f64,
-    /// Share of the residual's sum of squares that it explains, %.
+    /// 95 % interval of the phase, rad; given by quasi-static fits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase_ci95_rad: Option<[f64; 2]>,
+    /// Share that it explains of the sum of squares which friction and the stronger sinusoids leave, %.
     pub explains_percent: f64,
+    /// Relative error of the model with this and all stronger sinusoids, %; given by quasi-static fits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relative_error_percent: Option<f64>,
 }
 
 /// One point of the comparison between capture and model, for plots.
@@ -90,6 +101,9 @@ pub struct Point {
 /// How the data were prepared: every choice that the fit made by itself.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Preparation {
+    /// How the capture was prepared: `automatic`, `paper`, `central-differences`, or `quasi-static` where the knob
+    /// turned too slowly for anything else.
+    pub method: &'static str,
     /// Sample rate, Hz.
     pub rate_hz: f64,
     /// Samples that were lost in gaps, as the sample times tell.
@@ -135,7 +149,8 @@ pub struct Fit {
     pub rows: usize,
     /// How much later than the motion the torque was seen, s; zero where the data show no difference.
     pub torque_delay_s: f64,
-    /// Harmonics of the detents in the residual; they are not part of the model.
+    /// Sinusoids of the angle, strongest first. Of a moving knob: overtones of the detents that the residual holds, which
+    /// are not part of the model. Of a quasi-static map: all that it holds, the detent itself first, all in the model.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub detent_harmonics: Vec<Harmonic>,
     /// Other detent periods that explain the data nearly as well, rad.

@@ -4,17 +4,21 @@ use std::borrow::Cow;
 
 use dynamics::{Effect, Part, effects};
 
+use crate::central_differences::central_differences;
 use crate::detents::{self, Detents, Found};
 use crate::estimate::{Fit, Harmonic, Preparation};
+use crate::fixed_preparation::FixedPreparation;
 use crate::frame::Frame;
 use crate::karnopp::Stick;
 use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion};
 use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
-use crate::paper_preparation::PaperPreparation;
+use crate::paper_preparation::paper_preparation;
 use crate::problem::{Column, Problem};
+use crate::quasi_static;
 use crate::report::Report;
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
+use crate::saturation::Rails;
 use crate::spectrum::quantile;
 use crate::time_order::Sorted;
 use crate::uniform::Uniform;
@@ -77,12 +81,31 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
 /// [`fit`] of samples in the order of time.
 fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     samples.check()?;
+    match fit_moving(samples, options) {
+        Err(hardly @ FitError::HardlyMoving { .. }) if options.preparation == PreparationMethod::Automatic => {
+            let (saturated, total) = (Rails::of(samples.torque_mnm).samples(), samples.t_s.len());
+            if 2 * saturated > total {
+                return Err(FitError::Saturated { samples: saturated, total });
+            }
+            quasi_static::fit(samples, !options.without_detents).ok_or(hardly)
+        }
+        result => result,
+    }
+}
+
+/// Fits a capture in which the knob moves fast enough for its speed to be told.
+fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     let calibration = options.calibration.as_ref();
     let mut uniform = Uniform::of(samples, calibration);
-    if options.preparation == PreparationMethod::Paper {
-        let paper = Prepared::as_in_the_paper(&uniform)?;
-        let solved = paper.solve(samples, options);
-        return Ok(paper.report(solved, &uniform, samples, options));
+    let fixed = match options.preparation {
+        PreparationMethod::Automatic => None,
+        PreparationMethod::Paper => Some(paper_preparation(&uniform)),
+        PreparationMethod::CentralDifferences => Some(central_differences(&uniform)),
+    };
+    if let Some(fixed) = fixed {
+        let prepared = Prepared::fixed(fixed)?;
+        let solved = prepared.solve(samples, options);
+        return Ok(prepared.report(solved, &uniform, samples, options));
     }
     let as_given = options.acceleration == AccelerationUse::Best;
     let exact = if as_given { KnobMotion::exact(&mut uniform, calibration) } else { None };
@@ -131,8 +154,8 @@ impl<'a> Prepared<'a> {
         Self { band, motion, torque_mnm, frame }.checked()
     }
 
-    fn as_in_the_paper(uniform: &Uniform) -> Result<Self, FitError> {
-        let PaperPreparation { motion, torque_mnm, frame, band } = PaperPreparation::of(uniform);
+    fn fixed(fixed: FixedPreparation) -> Result<Self, FitError> {
+        let FixedPreparation { motion, torque_mnm, frame, band } = fixed;
         Self { band, motion, torque_mnm: torque_mnm.into(), frame }.checked()
     }
 
@@ -185,7 +208,11 @@ impl<'a> Prepared<'a> {
         let calibration = options.calibration.as_ref();
         let Self { band, motion, frame, .. } = self;
         let Solved { problem, solution, aliases_rad, harmonics, no_detents } = solved;
-        let mut trimmed = trim(problem, &solution);
+        let mut trimmed = if options.preparation == PreparationMethod::CentralDifferences {
+            untrimmed(problem)
+        } else {
+            trim(problem, &solution)
+        };
         let instrumented = options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer;
         if instrumented {
             let encoder = KnobMotion::measured(uniform, band, calibration, AccelerationUse::Encoder);
@@ -199,6 +226,7 @@ impl<'a> Prepared<'a> {
         if uniform.lost > 0 {
             notes.push(format!("{} samples are missing from the capture; the fit leaves the gaps out", uniform.lost));
         }
+        notes.extend(uniform.faults.iter().cloned());
         Fit {
             parameters,
             residual_rms_mnm: comparison.residual_rms_mnm,
@@ -210,7 +238,10 @@ impl<'a> Prepared<'a> {
             torque_delay_s: trimmed.delay_s,
             detent_harmonics: harmonics,
             detent_aliases_rad: aliases_rad,
-            preparation: preparation(uniform, motion, frame, band),
+            preparation: Preparation {
+                method: options.preparation.name(),
+                ..preparation(uniform, motion, frame, band)
+            },
             notes,
             points: comparison.points,
             effects,
@@ -290,6 +321,15 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
     }
 }
 
+/// The problem as it is, without a delay.
+fn untrimmed(problem: Problem<'_>) -> Trimmed<'_> {
+    let solution = problem.solve();
+    let tangents: Vec<Column> =
+        problem.searched().iter().map(|which| problem.tangent(*which, &solution.coefficients)).collect();
+    let (columns, solution) = problem.solve_with(&tangents);
+    Trimmed { problem, columns, solution, instruments: None, delay_s: 0.0, refused_delay_s: None }
+}
+
 fn base_effects(further: &[Effect]) -> Vec<Effect> {
     let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
     base.into_iter()
@@ -298,7 +338,7 @@ fn base_effects(further: &[Effect]) -> Vec<Effect> {
 }
 
 /// The smallest difference between two samples that differ: the encoder's step, if it has one.
-fn smallest_step(angle_rad: &[f64]) -> f64 {
+pub(crate) fn smallest_step(angle_rad: &[f64]) -> f64 {
     angle_rad.iter().zip(&angle_rad[1..]).fold(f64::INFINITY, |least, (left, right)| {
         let step = (right - left).abs();
         if step > 0.0 && step < least { step } else { least }
@@ -309,6 +349,7 @@ fn preparation(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, band: &Ban
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     let share = frame.sliding() as f64 / motion.len() as f64;
     Preparation {
+        method: PreparationMethod::default().name(),
         rate_hz: uniform.rate_hz,
         lost_samples: uniform.lost,
         exact_motion: motion.exact,

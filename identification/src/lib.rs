@@ -24,6 +24,7 @@
 
 mod average;
 pub mod calibration;
+mod central_differences;
 pub mod checks;
 mod detents;
 pub mod diagnosis;
@@ -31,6 +32,7 @@ mod estimate;
 pub mod filter;
 mod fit;
 mod fourier;
+mod fixed_preparation;
 mod frame;
 mod held_out;
 mod karnopp;
@@ -41,8 +43,10 @@ mod motion;
 mod options;
 mod paper_preparation;
 mod problem;
+mod quasi_static;
 mod report;
 mod samples;
+mod saturation;
 mod scan;
 mod sensor_noise;
 mod spectrum;

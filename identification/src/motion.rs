@@ -344,6 +344,14 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
     (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz && difference < 0.1 / rate_hz
 }
 
+/// Standard deviation of white noise as the fourth differences show it; motion hardly shows there.
+pub(crate) fn scatter(signal: &[f64]) -> f64 {
+    let mut fourth: Vec<f64> =
+        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+    // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.
+    crate::spectrum::median(&mut fourth) / 0.6745 / 70_f64.sqrt()
+}
+
 /// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
 fn is_smooth(signal: &[f64], limit: f64) -> bool {
     // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.

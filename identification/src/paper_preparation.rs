@@ -1,6 +1,7 @@
 //! The preparation of Swindells and MacLean 2007, for comparison.
 
 use crate::filter::{Fir, butterworth_low_pass, chebyshev2_low_pass};
+use crate::fixed_preparation::FixedPreparation;
 use crate::frame::Frame;
 use crate::motion::{Band, KnobMotion, gradient, prompt, rms};
 use crate::uniform::Uniform;
@@ -19,53 +20,44 @@ const HIGHEST: f64 = 0.45;
 const SLOW: f64 = 0.01;
 
 /// Motion, torque and rows as the paper prepares them.
-pub(crate) struct PaperPreparation {
-    pub(crate) motion: KnobMotion,
-    pub(crate) torque_mnm: Vec<f64>,
-    pub(crate) frame: Frame,
-    pub(crate) band: Band,
-}
-
-impl PaperPreparation {
-    pub(crate) fn of(uniform: &Uniform) -> Self {
-        let rate_hz = uniform.rate_hz;
-        let angle = chebyshev(&uniform.angle_rad, MOTION_EDGE_HZ, rate_hz);
-        let rough = gradient(&uniform.angle_rad, rate_hz);
-        let smooth = butterworth_low_pass(BUTTERWORTH.0, BUTTERWORTH.1.min(HIGHEST * rate_hz), rate_hz)
-            .map_or(rough.clone(), |sections| sections.filter_zero_phase(&rough));
-        let velocity = chebyshev(&smooth, MOTION_EDGE_HZ, rate_hz);
-        let sensor = uniform.acceleration_rad_s2.as_ref();
-        let acceleration = sensor
-            .map_or_else(|| gradient(&velocity, rate_hz), |sensor| prompt(sensor, uniform.acceleration_lag_s, rate_hz));
-        let threshold_rad_s = SLOW * rms(&velocity);
-        let mask = velocity
-            .iter()
-            .zip(&uniform.present)
-            .map(|(velocity, present)| f64::from(*present && velocity.abs() > threshold_rad_s))
-            .collect();
-        let motion = KnobMotion {
-            time_s: uniform.time_s.clone(),
-            angle_rad: angle,
-            velocity_rad_s: velocity,
-            acceleration_rad_s2: chebyshev(&acceleration, TORQUE_EDGE_HZ, rate_hz),
-            exact: false,
-            velocity_noise_rad_s: 0.0,
-            cutoff_hz: TORQUE_EDGE_HZ.min(HIGHEST * rate_hz),
-            reach: 0,
-            accelerometer: sensor.is_some(),
-            angle_density: 0.0,
-            compliance_rad_mnm: 0.0,
-            accelerometer_density: 0.0,
-            lag_s: uniform.acceleration_lag_s,
-            equal_hz: 0.0,
-        };
-        let edge_hz = TORQUE_EDGE_HZ.min(HIGHEST * rate_hz);
-        Self {
-            motion,
-            torque_mnm: chebyshev(&uniform.torque_mnm, TORQUE_EDGE_HZ, rate_hz),
-            frame: Frame { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s },
-            band: Band { edge_hz, torque_noise_mnm: (uniform.torque_density * 0.5 * rate_hz).sqrt() },
-        }
+pub(crate) fn paper_preparation(uniform: &Uniform) -> FixedPreparation {
+    let rate_hz = uniform.rate_hz;
+    let angle = chebyshev(&uniform.angle_rad, MOTION_EDGE_HZ, rate_hz);
+    let rough = gradient(&uniform.angle_rad, rate_hz);
+    let smooth = butterworth_low_pass(BUTTERWORTH.0, BUTTERWORTH.1.min(HIGHEST * rate_hz), rate_hz)
+        .map_or(rough.clone(), |sections| sections.filter_zero_phase(&rough));
+    let velocity = chebyshev(&smooth, MOTION_EDGE_HZ, rate_hz);
+    let sensor = uniform.acceleration_rad_s2.as_ref();
+    let acceleration = sensor
+        .map_or_else(|| gradient(&velocity, rate_hz), |sensor| prompt(sensor, uniform.acceleration_lag_s, rate_hz));
+    let threshold_rad_s = SLOW * rms(&velocity);
+    let mask = velocity
+        .iter()
+        .zip(&uniform.present)
+        .map(|(velocity, present)| f64::from(*present && velocity.abs() > threshold_rad_s))
+        .collect();
+    let motion = KnobMotion {
+        time_s: uniform.time_s.clone(),
+        angle_rad: angle,
+        velocity_rad_s: velocity,
+        acceleration_rad_s2: chebyshev(&acceleration, TORQUE_EDGE_HZ, rate_hz),
+        exact: false,
+        velocity_noise_rad_s: 0.0,
+        cutoff_hz: TORQUE_EDGE_HZ.min(HIGHEST * rate_hz),
+        reach: 0,
+        accelerometer: sensor.is_some(),
+        angle_density: 0.0,
+        compliance_rad_mnm: 0.0,
+        accelerometer_density: 0.0,
+        lag_s: uniform.acceleration_lag_s,
+        equal_hz: 0.0,
+    };
+    let edge_hz = TORQUE_EDGE_HZ.min(HIGHEST * rate_hz);
+    FixedPreparation {
+        motion,
+        torque_mnm: chebyshev(&uniform.torque_mnm, TORQUE_EDGE_HZ, rate_hz),
+        frame: Frame { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s },
+        band: Band { edge_hz, torque_noise_mnm: (uniform.torque_density * 0.5 * rate_hz).sqrt() },
     }
 }
 

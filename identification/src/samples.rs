@@ -72,6 +72,17 @@ pub enum FitError {
         /// Samples above it.
         samples: usize,
     },
+    /// So much of the torque is at an end of its range that the rest is too little.
+    #[error(
+        "the torque channel stands at an end of its range for {samples} of {total} samples, and the rest is too little for \
+         a fit; excite the knob less, or use a sensor with a wider range"
+    )]
+    Saturated {
+        /// Samples at an end of the range.
+        samples: usize,
+        /// All samples.
+        total: usize,
+    },
     /// The torque channel says nothing.
     #[error("the torque is {torque_mnm} mNm throughout; check the torque sensor and its cable")]
     ConstantTorque {

@@ -3,6 +3,7 @@
 use dynamics::Calibration;
 
 use crate::Samples;
+use crate::saturation::{Rails, frozen, frozen_note};
 use crate::spectrum::{Spectrum, median};
 
 /// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
@@ -29,16 +30,19 @@ pub(crate) struct Uniform {
     torque_delay: f64,
     /// White density of the torque channel's noise, as the upper end of its spectrum shows it, mNm²/Hz.
     pub(crate) torque_density: f64,
-    /// Whether the grid point was measured; false inside gaps.
+    /// Whether the grid point was measured; false inside gaps, and where a sensor stood at its rail or still.
     pub(crate) present: Vec<bool>,
     /// Grid points that stand for lost samples.
     pub(crate) lost: usize,
+    /// What is wrong with sensors, a sentence each.
+    pub(crate) faults: Vec<String>,
 }
 
 impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
         let mut uniform = Self::on_grid(samples);
+        uniform.leave_out_faults(samples, calibration);
         // Before any interpolation, which would take off the upper end.
         let rate_hz = uniform.rate_hz;
         uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);
@@ -114,6 +118,52 @@ impl Uniform {
             torque_mnm: sampled(samples.torque_mnm),
             lost: present.iter().filter(|present| !**present).count(),
             present,
+            faults: Vec::new(),
+        }
+    }
+
+    /// Marks samples where a channel stood at its rail or the encoder stood still as not measured, and does without an
+    /// accelerometer that is at its rail: the encoder tells the same.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a delay of a few samples")]
+    fn leave_out_faults(&mut self, samples: &Samples<'_>, calibration: Option<&Calibration>) {
+        let torque = Rails::of(samples.torque_mnm);
+        let frozen = frozen(samples.angle_rad, samples.torque_mnm);
+        let delay = calibration.map_or(0.0, |known| known.torque_delay_s.abs()) * self.rate_hz;
+        // Interpolation between samples looks at two neighbours besides.
+        let margin = 2 + delay.ceil() as usize;
+        let mut faulty = vec![false; samples.t_s.len()];
+        for run in torque.runs().iter().chain(&frozen) {
+            let last = (run.end + margin).min(faulty.len());
+            faulty[run.start.saturating_sub(margin)..last].fill(true);
+        }
+        if faulty.contains(&true) {
+            let mut index = 0;
+            for (present, time) in self.present.iter_mut().zip(&self.time_s) {
+                while index + 1 < faulty.len() && samples.t_s[index] < *time {
+                    index += 1;
+                }
+                *present &= !faulty[index] && !faulty[index.saturating_sub(1)];
+            }
+        }
+        // A jump would look like an encoder full of noise.
+        for run in frozen.iter().filter(|run| run.end < samples.t_s.len()) {
+            let (start, end) = (samples.t_s[run.start], samples.t_s[run.end]);
+            let (from, to) = (samples.angle_rad[run.start], samples.angle_rad[run.end]);
+            for (angle, time) in self.angle_rad.iter_mut().zip(&self.time_s) {
+                if (start..end).contains(time) {
+                    *angle = from + (to - from) * (time - start) / (end - start);
+                }
+            }
+        }
+        self.faults.extend(torque.note("torque", "mNm"));
+        self.faults.extend(frozen_note(&frozen));
+        let acceleration = samples.acceleration_rad_s2.map(Rails::of).unwrap_or_default();
+        if acceleration.samples() > 0 {
+            self.acceleration_rad_s2 = None;
+            self.faults.push(format!(
+                "the acceleration channel stands at an end of its range for {} samples: the acceleration was taken from the                  encoder instead",
+                acceleration.samples()
+            ));
         }
     }
 
@@ -132,6 +182,7 @@ impl Uniform {
             torque_density: 0.0,
             present: vec![true; samples.t_s.len()],
             lost: 0,
+            faults: Vec::new(),
         }
     }
 

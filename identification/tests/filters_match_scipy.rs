@@ -1,7 +1,7 @@
 //! Filters against coefficients and outputs of `scipy.signal` (`fixtures/scipy_filters.py` made them).
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use identification::filter::{Fir, Sections, butterworth_low_pass, chebyshev2_low_pass};
+use identification::filter::{Fir, Sections, butterworth_low_pass, chebyshev1_low_pass, chebyshev2_low_pass};
 use serde_json::Value;
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -24,6 +24,7 @@ fn each_design(mut check: impl FnMut(&Value, &Value, &Sections)) {
         let order = usize::try_from(design["order"].as_u64().unwrap()).unwrap();
         let sections = match design["kind"].as_str().unwrap() {
             "butterworth" => butterworth_low_pass(order, number("edge_hz"), number("rate_hz")).unwrap(),
+            "chebyshev1" => chebyshev1_low_pass(order, 0.05, number("edge_hz"), number("rate_hz")).unwrap(),
             _ => chebyshev2_low_pass(order, 20.0, number("edge_hz"), number("rate_hz")).unwrap(),
         };
         check(&scipy["input"], design, &sections);

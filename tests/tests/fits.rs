@@ -29,6 +29,21 @@ fn the_emps_axis_is_fitted_to_its_published_inertia_without_any_option() {
 }
 
 #[test]
+fn the_cogging_map_is_fitted_without_any_option() {
+    let Some(folder) = measured_captures() else { return };
+    let bench = Bench::new().unwrap();
+    let fit = fit_json(&bench, &folder.join("laas-cogging-map.csv").to_string_lossy());
+    let counts: Vec<f64> =
+        fit["detent_harmonics"].as_array().unwrap().iter().map(|one| one["per_turn"].as_f64().unwrap()).collect();
+    for per_turn in [72.0, 18.0, 12.0, 24.0, 36.0] {
+        assert!(counts.contains(&per_turn), "{per_turn} per turn is not among {counts:?}");
+    }
+    assert!(fit["relative_error_percent"].as_f64().unwrap() <= 18.4);
+    let inertia = &fit["parameters"]["inertia"];
+    assert!(inertia["value"].is_null() && inertia["reason"].as_str().unwrap().contains("sweep faster"));
+}
+
+#[test]
 fn a_captured_knob_is_fitted_close_to_the_truth_and_every_untold_parameter_has_its_reason() {
     let bench = Bench::new().unwrap();
     for (knob, inertia) in [("1", 0.091), ("2", 0.28), ("3", 0.035), ("4", 0.049)] {

@@ -74,9 +74,9 @@ impl Capture {
         stretches: Stretches,
     ) -> Result<Self, FitError> {
         samples.check()?;
-        let uniform = Uniform::of(samples, calibration);
+        let mut uniform = Uniform::of(samples, calibration);
         let rate_hz = uniform.rate_hz;
-        let exact = KnobMotion::exact(&uniform, calibration);
+        let exact = KnobMotion::exact(&mut uniform, calibration);
         let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz), ..Band::of(&uniform, exact.is_some(), calibration) };
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
         let mut frame = Frame::new(&uniform, &motion, &band);
@@ -86,7 +86,7 @@ impl Capture {
         if sliding < crate::FEWEST_SAMPLES / 2 {
             return Err(FitError::HardlyMoving { threshold_rad_s: frame.threshold_rad_s, samples: sliding });
         }
-        let torque = motion.alike(&uniform.torque_mnm, rate_hz);
+        let torque = motion.alike(&uniform.torque_mnm, rate_hz).into_owned();
         let rate = gradient(&torque, rate_hz);
         let curvature = gradient(&rate, rate_hz);
         let passed = frame.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
@@ -100,7 +100,7 @@ impl Capture {
             torque_noise_mnm: resting_mnm.map_or(white_mnm, |resting| resting.max(white_mnm)),
             acceleration_noise_rad_s2: (noise.acceleration_squares / weight).sqrt(),
             weight,
-            angle_step_rad: smallest_step(samples.angle_rad),
+            angle_step_rad: crate::fit::smallest_step(samples.angle_rad),
             band,
             motions: (0..motion.len()).map(|index| motion.at(index)).collect(),
             motion,
@@ -243,10 +243,4 @@ fn remove_parabola(values: &mut [f64]) {
         let coefficient = if square > 0.0 { product / square } else { 0.0 };
         values.iter_mut().enumerate().for_each(|(index, value)| *value -= coefficient * polynomial(at(index)));
     }
-}
-
-/// Smallest step between different neighbouring angles, rad.
-fn smallest_step(angle_rad: &[f64]) -> f64 {
-    let steps = angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0);
-    steps.fold(f64::INFINITY, f64::min)
 }

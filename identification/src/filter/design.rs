@@ -1,4 +1,4 @@
-//! Low-pass designs: Butterworth and Chebyshev of the second kind.
+//! Low-pass designs: Butterworth and Chebyshev of both kinds.
 
 use std::f64::consts::PI;
 
@@ -23,8 +23,8 @@ pub enum FilterError {
         /// The sample rate, Hz.
         rate_hz: f64,
     },
-    /// A stop band that does not attenuate.
-    #[error("the stop band's attenuation of {attenuation_db} dB must be above 0")]
+    /// A stop band that does not attenuate, or a pass band without ripple.
+    #[error("the filter's attenuation of {attenuation_db} dB must be above 0")]
     Attenuation {
         /// The attenuation asked for, dB.
         attenuation_db: f64,
@@ -46,6 +46,27 @@ pub fn butterworth_low_pass(order: usize, edge_hz: f64, rate_hz: f64) -> Result<
     check(order, edge_hz, rate_hz)?;
     let poles = prototype_poles(order);
     Ok(digital_low_pass(ZerosPolesGain { zeros: Vec::new(), poles, gain: 1.0 }, edge_hz, rate_hz))
+}
+
+/// Chebyshev low-pass of the first kind: within `ripple_db` of unit gain up to `edge_hz`, steep beyond.
+///
+/// # Errors
+/// [`FilterError`] for an order outside 1 to 20, an edge outside (0, `rate_hz`/2) or a ripple not above zero.
+pub fn chebyshev1_low_pass(order: usize, ripple_db: f64, edge_hz: f64, rate_hz: f64) -> Result<Sections, FilterError> {
+    check(order, edge_hz, rate_hz)?;
+    if ripple_db.is_nan() || ripple_db <= 0.0 {
+        return Err(FilterError::Attenuation { attenuation_db: ripple_db });
+    }
+    let ripple = (10_f64.powf(0.1 * ripple_db) - 1.0).sqrt();
+    let stretch = (1.0 / ripple).asinh() / as_f64(order);
+    let poles: Vec<_> = prototype_poles(order)
+        .into_iter()
+        .map(|pole| Complex::new(stretch.sinh() * pole.re, stretch.cosh() * pole.im))
+        .collect();
+    let gain = poles.iter().map(|pole| -pole).product::<Complex<f64>>().re;
+    // Of even order, the gain at frequency zero is at the lower end of the ripple.
+    let gain = if order.is_multiple_of(2) { gain / ripple.hypot(1.0) } else { gain };
+    Ok(digital_low_pass(ZerosPolesGain { zeros: Vec::new(), poles, gain }, edge_hz, rate_hz))
 }
 
 /// Chebyshev low-pass of the second kind: flat pass band, at least `attenuation_db` from `edge_hz` upwards.

@@ -35,6 +35,13 @@ impl Fir {
         Self { taps: vec![1.0] }
     }
 
+    /// A filter of symmetric taps, scaled to unit gain at frequency zero; their number must be odd.
+    #[must_use]
+    pub(crate) fn of_taps(taps: &[f64]) -> Self {
+        let sum: f64 = taps.iter().sum();
+        Self { taps: taps.iter().map(|tap| tap / sum).collect() }
+    }
+
     /// `window` is a function of the place between −1 and 1.
     #[allow(clippy::cast_precision_loss, reason = "taps are few")]
     fn windowed_sinc(half_length: usize, edge_hz: f64, rate_hz: f64, window: impl Fn(f64) -> f64) -> Self {

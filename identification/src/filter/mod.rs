@@ -7,6 +7,6 @@ mod design;
 mod fir;
 mod sections;
 
-pub use design::{FilterError, butterworth_low_pass, chebyshev2_low_pass};
+pub use design::{FilterError, butterworth_low_pass, chebyshev1_low_pass, chebyshev2_low_pass};
 pub use fir::Fir;
 pub use sections::{SectionState, Sections};

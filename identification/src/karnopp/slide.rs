@@ -171,7 +171,7 @@ impl Slide<'_> {
                 Part::Inertia(of) => inertia += of(effect.values()),
                 Part::Torque(torque) => taken_mnm += torque(effect.values(), at),
                 Part::Friction(torque) => taken_mnm += torque(effect.values(), at, direction),
-                Part::Stick(_) => {}
+                _ => {}
             }
         }
         (torque_mnm - taken_mnm) / inertia
@@ -182,7 +182,7 @@ impl Slide<'_> {
         let at = Motion { angle_rad, ..Motion::default() };
         let torque = |effect: &Effect| match effect.kind().part {
             Part::Torque(torque) => torque(effect.values(), &at),
-            Part::Inertia(_) | Part::Friction(_) | Part::Stick(_) => 0.0,
+            _ => 0.0,
         };
         self.effects.iter().map(torque).sum()
     }

@@ -118,6 +118,30 @@ pub struct FitOptions {
     /// Write the report page
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    /// How the capture is filtered before the fit
+    #[arg(long, value_enum, default_value = "automatic")]
+    pub preparation: Preparation,
+}
+
+/// How a capture is filtered before a fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Preparation {
+    /// Every edge from the signals' own spectra.
+    Automatic,
+    /// As Swindells and MacLean 2007 did.
+    Paper,
+    /// Angle through a 100 Hz Butterworth low-pass, differenced twice, decimated to 100 Hz: common for robots.
+    CentralDifferences,
+}
+
+impl From<Preparation> for identification::PreparationMethod {
+    fn from(preparation: Preparation) -> Self {
+        match preparation {
+            Preparation::Automatic => Self::Automatic,
+            Preparation::Paper => Self::Paper,
+            Preparation::CentralDifferences => Self::CentralDifferences,
+        }
+    }
 }
 
 /// Options of `diagnose`.

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use dynamics::Model;
-use identification::{Fit, FitOptions};
+use identification::{Fit, FitOptions, PreparationMethod};
 
 use crate::command_line;
+use crate::harmonic_table::harmonic_table;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
 use crate::parameter_table::{parameter_table, reasons};
@@ -27,7 +28,7 @@ pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
 
 fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
     let loaded = LoadedCapture::load(capture)?;
-    let fit = fit_capture(&loaded)?;
+    let fit = fit_prepared(&loaded, options.preparation.into())?;
     if !to_output(options.json.as_deref()) {
         show(&loaded, &fit);
     }
@@ -48,7 +49,8 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
         "a report shows one capture: fit the captures one at a time with --report, or leave it out"
     );
     let loaded = captures.iter().map(|path| LoadedCapture::load(path)).collect::<anyhow::Result<Vec<_>>>()?;
-    let fits = loaded.iter().map(fit_capture).collect::<anyhow::Result<Vec<Fit>>>()?;
+    let prepared = |one| fit_prepared(one, options.preparation.into());
+    let fits = loaded.iter().map(prepared).collect::<anyhow::Result<Vec<Fit>>>()?;
     let average = identification::average(&fits).context("there is no capture to fit")?;
     if !to_output(options.json.as_deref()) {
         let first = loaded.first().and_then(|one| one.truth.as_ref());
@@ -89,7 +91,12 @@ pub fn write_json(path: Option<&Path>, result: &impl serde::Serialize) -> anyhow
 /// # Errors
 /// One sentence on why nothing can be told from it.
 pub fn fit_capture(loaded: &LoadedCapture) -> anyhow::Result<Fit> {
-    let options = FitOptions { calibration: loaded.calibration.clone(), ..FitOptions::default() };
+    fit_prepared(loaded, PreparationMethod::default())
+}
+
+/// The same with a preparation of one's choice.
+fn fit_prepared(loaded: &LoadedCapture, preparation: PreparationMethod) -> anyhow::Result<Fit> {
+    let options = FitOptions { calibration: loaded.calibration.clone(), preparation, ..FitOptions::default() };
     identification::fit(&loaded.samples(), &options)
         .with_context(|| format!("{} cannot be fitted", loaded.capture.source.display()))
 }
@@ -105,6 +112,10 @@ fn show_fit(truth: Option<&Model>, fit: &Fit) {
         "residual {:.3} mNm RMS, {:.2} % of the torque; mean 95 % interval of the model ±{:.3} mNm",
         fit.residual_rms_mnm, fit.relative_error_percent, fit.mean_ci95_mnm
     ));
+    if let Some(table) = harmonic_table(fit) {
+        say("");
+        say(table);
+    }
     for line in reasons(fit).iter().chain(&fit.notes) {
         say(format!("- {line}"));
     }

@@ -9,6 +9,7 @@ mod command_line;
 mod diagnose;
 mod doctor;
 mod fit;
+mod harmonic_table;
 mod load;
 mod outcome;
 mod parameter_table;

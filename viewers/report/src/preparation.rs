@@ -39,11 +39,13 @@ pub(crate) fn untold(fit: &Fit) -> Markup {
                         " rad."
                     }
                 }
-                @for harmonic in &fit.detent_harmonics {
-                    li {
-                        "The residual holds harmonic " (harmonic.order) " of the detents: "
-                        (three(harmonic.amplitude_mnm)) " mNm, " (two(harmonic.explains_percent))
-                        " % of its sum of squares. The detents are no pure sine."
+                @if fit.preparation.method != "quasi-static" {
+                    @for harmonic in &fit.detent_harmonics {
+                        li {
+                            "The residual holds harmonic " (harmonic.order.unwrap_or(0)) " of the detents: "
+                            (three(harmonic.amplitude_mnm)) " mNm, " (two(harmonic.explains_percent))
+                            " % of its sum of squares. The detents are no pure sine."
+                        }
                     }
                 }
                 @for note in &fit.notes { li { (sentence(note)) } }

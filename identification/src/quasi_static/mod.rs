@@ -1,0 +1,328 @@
+//! A knob that was turned too slowly for its speed to be told: torque against angle and direction alone.
+//!
+//! Stepped or creeping captures map the torque along the angle. Inertia and viscous friction have no part in them; Coulomb
+//! friction shows as the distance between passes in the two directions, and detents as sinusoids of the angle,
+//! counted per turn where a whole turn was covered.
+
+mod block_sums;
+mod ladder;
+mod passes;
+
+use dynamics::{Effect, effects};
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
+use crate::fit::smallest_step;
+use crate::motion::{rms, scatter};
+use crate::samples::{FEWEST_SAMPLES, Samples};
+use crate::saturation::Rails;
+use crate::spectrum::median;
+use block_sums::{BlockSums, STUDENT_95};
+use ladder::Grid;
+
+/// Two-sided 95 % of a normal distribution, in standard deviations.
+const NORMAL_95: f64 = 1.959_964;
+/// Fewest rows of a direction from which its friction is told.
+const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
+
+/// The rows of a map.
+struct Map {
+    index: Vec<usize>,
+    angle_rad: Vec<f64>,
+    directions: Vec<i8>,
+    torque_mnm: Vec<f64>,
+}
+
+/// Fits friction and the ladder of sinusoids to checked samples; `None` if the knob did not wander slowly through its travel.
+pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> {
+    let rails = Rails::of(samples.torque_mnm);
+    let map = Map::of(samples, &rails)?;
+    let mut sums = BlockSums::new(map.torque_mnm.clone());
+    let frictions: Vec<(&'static str, i8)> = [("coulomb_negative", -1), ("coulomb_positive", 1)]
+        .into_iter()
+        .filter(|(_, direction)| map.directions.iter().filter(|d| **d == *direction).count() >= FEWEST_ROWS)
+        .collect();
+    for (_, direction) in &frictions {
+        sums.push(map.directions.iter().map(|d| if d == direction { f64::from(*d) } else { 0.0 }).collect());
+    }
+    let grid = Grid::of(&map.angle_rad);
+    let wavenumbers = if look_for_detents { ladder::climb(&mut sums, &map.angle_rad, &grid) } else { Vec::new() };
+    let fitted = Fitted::of(sums, &map, frictions.len(), &wavenumbers)?;
+
+    let none = if look_for_detents { fitted.no_detents(&grid) } else { "detents were not asked for".to_owned() };
+    let mut notes = vec![format!(
+        "the knob turned too slowly for its speed to be told: torque against angle and direction was fitted, from {} passes",
+        map.passes()
+    )];
+    notes.extend(rails.note("torque", "mNm"));
+    if !wavenumbers.is_empty() && !grid.whole_turn {
+        notes.push("less than a whole turn was covered: counts per turn are not whole numbers by rule".to_owned());
+    }
+    let residual = &fitted.residual;
+    Some(Fit {
+        parameters: fitted.parameters(&frictions, &none),
+        residual_rms_mnm: rms(residual),
+        relative_error_percent: 100.0 * rms(residual) / rms(&map.torque_mnm),
+        mean_ci95_mnm: STUDENT_95 * fitted.mean_prediction_sd(&fitted.covariance),
+        mean_ci95_textbook_mnm: NORMAL_95 * fitted.mean_prediction_sd(&fitted.textbook),
+        samples: samples.t_s.len(),
+        rows: map.torque_mnm.len(),
+        torque_delay_s: 0.0,
+        detent_harmonics: fitted.harmonics.clone(),
+        detent_aliases_rad: Vec::new(),
+        preparation: preparation(samples, map.torque_mnm.len()),
+        notes,
+        points: fitted.points(samples, &map),
+        effects: fitted.effects(&frictions),
+    })
+}
+
+impl Map {
+    fn of(samples: &Samples<'_>, rails: &Rails) -> Option<Self> {
+        let step = smallest_step(samples.angle_rad);
+        let duration_s = samples.t_s.last()? - samples.t_s.first()?;
+        let directions = passes::directions(samples.angle_rad, duration_s, step)?;
+        let index: Vec<usize> = (0..directions.len()).filter(|at| directions[*at] != 0 && !rails.holds(*at)).collect();
+        (index.len() >= FEWEST_SAMPLES).then(|| Self {
+            angle_rad: index.iter().map(|at| samples.angle_rad[*at]).collect(),
+            directions: index.iter().map(|at| directions[*at]).collect(),
+            torque_mnm: index.iter().map(|at| samples.torque_mnm[*at]).collect(),
+            index,
+        })
+    }
+
+    /// Number of passes: runs of one direction.
+    fn passes(&self) -> usize {
+        1 + self.directions.windows(2).filter(|pair| pair[0] != pair[1]).count()
+    }
+}
+
+/// The settled map: friction columns first, then sine and cosine of each sinusoid.
+struct Fitted {
+    sums: BlockSums,
+    coefficients: DVector<f64>,
+    covariance: DMatrix<f64>,
+    textbook: DMatrix<f64>,
+    residual: Vec<f64>,
+    /// Strongest first.
+    harmonics: Vec<Harmonic>,
+    /// Half widths of the strongest one's period, phase-independent: as estimated, and by the textbook, rad.
+    period_half_widths_rad: [f64; 2],
+}
+
+impl Fitted {
+    fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
+        let estimate = sums.estimate()?;
+        let coefficients = estimate.coefficients;
+        let pair =
+            |position: usize| [coefficients[frictions + 2 * position], coefficients[frictions + 2 * position + 1]];
+        let mut order: Vec<usize> = (0..wavenumbers.len()).collect();
+        let size = |position: &usize| pair(*position)[0].hypot(pair(*position)[1]);
+        order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        let mut chosen: Vec<usize> = (0..frictions).collect();
+        let total: f64 = map.torque_mnm.iter().map(|torque| torque * torque).sum();
+        let mut before = sums.left(&chosen)?;
+        let mut harmonics = Vec::new();
+        for position in &order {
+            let at = frictions + 2 * position;
+            chosen.extend([at, at + 1]);
+            let after = sums.left(&chosen)?;
+            let [sine, cosine] = pair(*position);
+            let amplitude = sine.hypot(cosine);
+            let half = STUDENT_95 * along(&estimate.covariance, at, [sine / amplitude, cosine / amplitude]);
+            let turn =
+                STUDENT_95 * along(&estimate.covariance, at, [-cosine / amplitude, sine / amplitude]) / amplitude;
+            let phase = cosine.atan2(sine);
+            harmonics.push(Harmonic {
+                order: overtone(wavenumbers[*position], wavenumbers[order[0]]),
+                per_turn: wavenumbers[*position],
+                amplitude_mnm: amplitude,
+                amplitude_ci95_mnm: Some([amplitude - half, amplitude + half]),
+                phase_rad: phase,
+                phase_ci95_rad: Some([phase - turn, phase + turn]),
+                explains_percent: 100.0 * (1.0 - after / before),
+                relative_error_percent: Some(100.0 * (after / total).sqrt()),
+            });
+            before = after;
+        }
+        let mut period_half_widths_rad = [0.0; 2];
+        if let Some(strongest) = order.first() {
+            let base = sums.width();
+            let wavenumber = wavenumbers[*strongest];
+            sums.push(ladder::tangent(&map.angle_rad, wavenumber, pair(*strongest)));
+            if let Some(wider) = sums.estimate() {
+                let half = |covariance: &DMatrix<f64>| covariance[(base, base)].max(0.0).sqrt() / wavenumber.powi(2);
+                period_half_widths_rad = [STUDENT_95 * half(&wider.covariance), NORMAL_95 * half(&wider.textbook)];
+            }
+            sums.truncate(base);
+        }
+        Some(Self {
+            residual: sums.residual(&coefficients),
+            sums,
+            coefficients,
+            covariance: estimate.covariance,
+            textbook: estimate.textbook,
+            harmonics,
+            period_half_widths_rad,
+        })
+    }
+
+    fn no_detents(&self, grid: &Grid) -> String {
+        format!(
+            "no torque that repeats with the angle stands out and predicts stretches that it was not fitted to{}",
+            if grid.whole_turn { "" } else { "; turn the knob further" }
+        )
+    }
+
+    fn parameters(&self, frictions: &[(&'static str, i8)], no_detents: &str) -> Parameters {
+        let slow = "the knob turned too slowly: its speed and acceleration do not stand out of the sensors' noise; \
+                    sweep faster"
+            .to_owned();
+        let mut parameters = Vec::new();
+        for kind in effects::inertia::KIND.parameters.iter().chain(effects::friction::KIND.parameters) {
+            let direction = if kind.name.ends_with("_negative") { "negative" } else { "positive" };
+            parameters.push(match frictions.iter().position(|(name, _)| *name == kind.name) {
+                Some(at) if self.coefficients[at] >= 0.0 => Parameter {
+                    name: kind.name,
+                    value: Some(self.coefficients[at]),
+                    unit: kind.unit,
+                    ci95: Some(interval(self.coefficients[at], STUDENT_95 * self.covariance[(at, at)].max(0.0).sqrt())),
+                    ci95_textbook: Some(interval(
+                        self.coefficients[at],
+                        NORMAL_95 * self.textbook[(at, at)].max(0.0).sqrt(),
+                    )),
+                    reason: None,
+                },
+                Some(at) => Parameter::untold(
+                    kind.name,
+                    kind.unit,
+                    format!(
+                        "the mean torque in the {direction} direction is {:.3} mNm against friction: the torque channel has \
+                         an offset; calibrate its zero",
+                        self.coefficients[at].abs()
+                    ),
+                ),
+                None if kind.name.starts_with("coulomb") => Parameter::untold(
+                    kind.name,
+                    kind.unit,
+                    format!("the knob never turned in the {direction} direction for long enough; sweep both ways"),
+                ),
+                None => Parameter::untold(kind.name, kind.unit, slow.clone()),
+            });
+        }
+        let [amplitude, period, phase] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
+        if let Some(strongest) = self.harmonics.first() {
+            let told = |kind: &dynamics::ParameterKind, value: f64, ci95: Option<[f64; 2]>| Parameter {
+                name: kind.name,
+                value: Some(value),
+                unit: kind.unit,
+                ci95,
+                ci95_textbook: None,
+                reason: None,
+            };
+            let period_rad = 1.0 / strongest.per_turn;
+            parameters.push(told(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
+            parameters.push(told(period, period_rad, Some(interval(period_rad, self.period_half_widths_rad[0]))));
+            parameters.push(told(phase, strongest.phase_rad, strongest.phase_ci95_rad));
+        } else {
+            let untold =
+                |kind: &dynamics::ParameterKind| Parameter::untold(kind.name, kind.unit, no_detents.to_owned());
+            parameters.extend([amplitude, period, phase].map(untold));
+        }
+        for kind in effects::karnopp_stick::KIND.parameters {
+            parameters.push(Parameter::untold(kind.name, kind.unit, slow.clone()));
+        }
+        Parameters(parameters)
+    }
+
+    /// Inertia (not told), friction and one detent for each sinusoid.
+    fn effects(&self, frictions: &[(&'static str, i8)]) -> Vec<Effect> {
+        let coulomb = |name: &str| {
+            frictions.iter().position(|(known, _)| *known == name).map_or(0.0, |at| self.coefficients[at].max(0.0))
+        };
+        let friction = [coulomb("coulomb_negative"), coulomb("coulomb_positive"), 0.0, 0.0];
+        let mut effects =
+            vec![Effect::new(&effects::inertia::KIND, &[0.0]), Effect::new(&effects::friction::KIND, &friction)];
+        effects.extend(self.harmonics.iter().map(|harmonic| {
+            let values = [harmonic.amplitude_mnm, 1.0 / harmonic.per_turn, harmonic.phase_rad];
+            Effect::new(&effects::detent::KIND, &values)
+        }));
+        effects
+    }
+
+    fn points(&self, samples: &Samples<'_>, map: &Map) -> Vec<Point> {
+        let mut row = DVector::zeros(self.sums.width());
+        (0..map.index.len())
+            .map(|at| {
+                self.sums.row(at, &mut row);
+                Point {
+                    t_s: samples.t_s[map.index[at]],
+                    angle_rad: map.angle_rad[at],
+                    velocity_rad_s: 0.0,
+                    acceleration_rad_s2: 0.0,
+                    torque_mnm: map.torque_mnm[at],
+                    torque_model_mnm: map.torque_mnm[at] - self.residual[at],
+                    torque_model_ci95_mnm: STUDENT_95 * sd(&row, &self.covariance),
+                    residual_mnm: self.residual[at],
+                }
+            })
+            .collect()
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    fn mean_prediction_sd(&self, covariance: &DMatrix<f64>) -> f64 {
+        let mut row = DVector::zeros(self.sums.width());
+        let rows = self.residual.len();
+        let sum: f64 = (0..rows)
+            .map(|at| {
+                self.sums.row(at, &mut row);
+                sd(&row, covariance)
+            })
+            .sum();
+        sum / rows as f64
+    }
+}
+
+fn interval(value: f64, half: f64) -> [f64; 2] {
+    [value - half, value + half]
+}
+
+/// Standard deviation of a row's prediction.
+fn sd(row: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
+    row.dot(&(covariance * row)).max(0.0).sqrt()
+}
+
+/// Standard deviation of the combination of two neighbouring coefficients with the weights given.
+fn along(covariance: &DMatrix<f64>, at: usize, [first, second]: [f64; 2]) -> f64 {
+    let variance = first * first * covariance[(at, at)]
+        + 2.0 * first * second * covariance[(at, at + 1)]
+        + second * second * covariance[(at + 1, at + 1)];
+    variance.max(0.0).sqrt()
+}
+
+/// Which multiple of the strongest a wavenumber is, if it is one.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small whole number")]
+fn overtone(wavenumber: f64, strongest: f64) -> Option<u32> {
+    let ratio = wavenumber / strongest;
+    ((ratio - ratio.round()).abs() < 1e-9 && ratio >= 1.0).then(|| ratio.round() as u32)
+}
+
+fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
+    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let rate_hz = 1.0 / median(&mut steps);
+    #[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
+    let used = rows as f64 / samples.t_s.len() as f64;
+    Preparation {
+        method: "quasi-static",
+        rate_hz,
+        lost_samples: 0,
+        exact_motion: false,
+        accelerometer: false,
+        angle_cutoff_hz: 0.5 * rate_hz,
+        band_hz: 0.5 * rate_hz,
+        stick_threshold_rad_s: 0.0,
+        sliding_percent: 100.0 * used,
+        angle_noise_rad: scatter(samples.angle_rad),
+        torque_noise_mnm: scatter(samples.torque_mnm),
+    }
+}

@@ -1,0 +1,33 @@
+//! The sinusoids of the angle that a fit found.
+
+use comfy_table::{CellAlignment, Table, presets};
+use identification::Fit;
+
+/// The sinusoids, strongest first; `None` if there are none.
+pub fn harmonic_table(fit: &Fit) -> Option<Table> {
+    let harmonics = &fit.detent_harmonics;
+    let first = harmonics.first()?;
+    let whole_model = first.relative_error_percent.is_some();
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    let mut header = vec!["per turn", "of the detent", "amplitude mNm", "phase rad"];
+    header.push(if whole_model { "relative error with it %" } else { "of the residual %" });
+    table.set_header(header);
+    for harmonic in harmonics {
+        // Where every harmonic is a whole number per turn, it is written as one.
+        let digits = if harmonics.iter().all(|one| one.per_turn.fract() == 0.0) { 0 } else { 3 };
+        table.add_row([
+            format!("{:.digits$}", harmonic.per_turn),
+            harmonic.order.map_or_else(String::new, |order| format!("{order}×")),
+            with_interval(harmonic.amplitude_mnm, harmonic.amplitude_ci95_mnm),
+            with_interval(harmonic.phase_rad, harmonic.phase_ci95_rad),
+            format!("{:.2}", harmonic.relative_error_percent.unwrap_or(harmonic.explains_percent)),
+        ]);
+    }
+    table.column_iter_mut().for_each(|column| column.set_cell_alignment(CellAlignment::Right));
+    Some(table)
+}
+
+fn with_interval(value: f64, ci95: Option<[f64; 2]>) -> String {
+    ci95.map_or_else(|| format!("{value:.3}"), |[low, high]| format!("{value:.3} ± {:.3}", 0.5 * (high - low)))
+}
