@@ -2,50 +2,23 @@
 //! and random detent periods over two decades.
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
+#[path = "../tests/common/mod.rs"]
 mod common;
 
-use common::Uniform;
-use dynamics::{Drive, Effect, Excitation, Model, Motion, effects};
+use common::{SLIDING, TABLE_2, Uniform, knob, sweep};
+use dynamics::Motion;
 use identification::{FitOptions, Samples, fit};
 use nalgebra::{DMatrix, DVector};
 
 const RATE_HZ: f64 = 5000.0;
-const NAMES: [&str; 8] = [
-    "inertia",
-    "coulomb_negative",
-    "coulomb_positive",
-    "viscous_negative",
-    "viscous_positive",
-    "detent_amplitude",
-    "detent_period",
-    "detent_phase",
-];
-
-fn knob(values: &[f64; 8]) -> Model {
-    Model {
-        name: String::new(),
-        description: String::new(),
-        effects: vec![
-            Effect::new(&effects::inertia::KIND, &values[..1]),
-            Effect::new(&effects::friction::KIND, &values[1..5]),
-            Effect::new(&effects::detent::KIND, &values[5..]),
-        ],
-    }
-}
-
 struct Capture {
     motion: Vec<Motion>,
     columns: [Vec<f64>; 4],
 }
 
-fn capture(sweep: &Excitation) -> Capture {
-    let motion: Vec<Motion> = (1..=30_000)
-        .map(|n| {
-            let time_s = f64::from(n) / RATE_HZ;
-            let set = sweep.at(time_s);
-            Motion { time_s, angle_rad: set.value, velocity_rad_s: set.rate, acceleration_rad_s2: set.acceleration }
-        })
-        .collect();
+fn capture(excitation: &str) -> Capture {
+    let at = sweep(excitation);
+    let motion: Vec<Motion> = (1..=30_000).map(|n| at(f64::from(n) / RATE_HZ)).collect();
     let column = |of: fn(&Motion) -> f64| motion.iter().map(of).collect::<Vec<f64>>();
     let columns = [
         column(|m| m.time_s),
@@ -84,9 +57,8 @@ fn bound(capture: &Capture, values: &[f64; 8], noise_mnm: f64) -> DVector<f64> {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let runs: u32 = std::env::args().nth(1).map_or(Ok(200), |text| text.parse())?;
-    let values = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.2, 0.9];
-    let sweep = Excitation::named("paper", Drive::Position)?;
-    let capture = capture(&sweep);
+    let values = TABLE_2;
+    let capture = capture("paper");
     let clean: Vec<f64> = capture.motion.iter().map(|motion| knob(&values).torque_mnm(motion)).collect();
     let perfect = fit(&capture.samples(&clean), &FitOptions::default())?;
     println!("noise-free: relative error {:e} %", perfect.relative_error_percent);
@@ -101,7 +73,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let start = std::time::Instant::now();
         let fit = fit(&capture.samples(&noisy), &FitOptions::default())?;
         time += start.elapsed();
-        for (index, name) in NAMES.iter().enumerate() {
+        for (index, name) in SLIDING.iter().enumerate() {
             let Some((parameter, value)) = fit.parameters.get(name).and_then(|p| p.value.map(|v| (p, v))) else {
                 println!("{name} untold: {:?}", fit.parameters.get(name).and_then(|p| p.reason.clone()));
                 continue;
@@ -116,7 +88,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("{runs} noisy captures of 30,000 samples, {:?} each", time / runs);
     println!("parameter            target   RMS error   bound       ratio  cover  textbook");
-    for (index, name) in NAMES.iter().enumerate() {
+    for (index, name) in SLIDING.iter().enumerate() {
         let rms = (squares[index] / f64::from(runs)).sqrt();
         println!(
             "{name:20} {:6.2}   {rms:.3e}   {:.3e}   {:.3}  {:.3}  {:.3}",
@@ -132,7 +104,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Random knobs with periods over two decades on the linear chirp, with as much noise.
 fn periods(runs: u32, random: &mut Uniform) -> Result<(), Box<dyn std::error::Error>> {
-    let capture = capture(&Excitation::named("linear-chirp", Drive::Position)?);
+    let capture = capture("linear-chirp");
     let (mut found, mut inside, mut worst, mut untold) = (0, 0, 0.0_f64, 0);
     for _ in 0..runs {
         let mut between = |low: f64, high: f64| low * (high / low).powf(random.next());

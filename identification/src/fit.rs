@@ -170,7 +170,7 @@ impl Prepared {
             trimmed.instrument(&encoder.acceleration_rad_s2);
         }
         let report = Report { trimmed: &trimmed, motion, frame, band, calibration };
-        let (mut parameters, comparison) = report.parameters(no_detents);
+        let (mut parameters, covariance, comparison) = report.parameters(no_detents);
         let mut effects = trimmed.effects();
         Stick::of(&uniform.torque_mnm, motion, &effects, frame.rate_hz, &uniform.present)
             .report(&mut parameters, &mut effects);
@@ -180,6 +180,7 @@ impl Prepared {
         }
         Fit {
             parameters,
+            covariance,
             residual_rms_mnm: comparison.residual_rms_mnm,
             relative_error_percent: comparison.relative_error_percent,
             mean_ci95_mnm: comparison.mean_ci95_mnm,
