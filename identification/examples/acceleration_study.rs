@@ -1,6 +1,6 @@
 //! What noise in the acceleration does to the inertia, and what each sensor and estimator makes of it.
 //!
-//! `cargo run --release -p identification --example acceleration_study -- [SEEDS] [column|rig|coarse]`
+//! `cargo run --release -p identification --example acceleration_study -- [SEEDS] [column|rig|coarse|recorded]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
 #[path = "../tests/common/mod.rs"]
@@ -61,17 +61,18 @@ fn main() -> Result<(), Failure> {
     }
     if asked("rig") {
         let cases = [(1, "paper"), (2, "paper"), (3, "paper"), (2, "linear-chirp")];
-        sensors("the rig as it is", &RigParameters::default(), &cases, seeds)?;
+        sensors("the rig as it is", &RigParameters::default(), None, &cases, seeds)?;
     }
-    if asked("coarse") {
-        for lines in [16_384.0, 4096.0] {
-            let rig = RigParameters {
-                angle_step_rad: TAU / lines,
-                acceleration_noise_rms_rad_s2: PAPER_NOISE_RAD_S2,
-                ..RigParameters::default()
-            };
-            let title = format!("an encoder of {lines} steps a turn, {PAPER_NOISE_RAD_S2} rad/s² of noise");
-            sensors(&title, &rig, &[(1, "paper"), (2, "linear-chirp"), (3, "linear-chirp")], seeds)?;
+    let cases = [(1, "paper"), (2, "linear-chirp"), (3, "linear-chirp")];
+    let noisy = RigParameters { acceleration_noise_rms_rad_s2: PAPER_NOISE_RAD_S2, ..RigParameters::default() };
+    for lines in [16_384.0, 4096.0] {
+        let words = format!("an encoder of {lines} steps a turn, {PAPER_NOISE_RAD_S2} rad/s² of noise");
+        if asked("coarse") {
+            let rig = RigParameters { angle_step_rad: TAU / lines, ..noisy.clone() };
+            sensors(&format!("{words}; the servo has that encoder"), &rig, None, &cases, seeds)?;
+        }
+        if asked("recorded") {
+            sensors(&format!("{words}; the servo has a fine one"), &noisy, Some(TAU / lines), &cases, seeds)?;
         }
     }
     Ok(())
@@ -116,8 +117,15 @@ fn noisy_column(seeds: u64) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Encoder alone, accelerometer alone, and both by filters and by the recursive smoother, on a simulated rig.
-fn sensors(title: &str, rig: &RigParameters, cases: &[(u32, &str)], seeds: u64) -> Result<(), Failure> {
+/// Encoder alone, accelerometer alone, and both by filters and by the recursive smoother, on a simulated rig; the angle
+/// is recorded in steps of `recorded_step_rad`, if that is coarser than the rig's own.
+fn sensors(
+    title: &str,
+    rig: &RigParameters,
+    recorded_step_rad: Option<f64>,
+    cases: &[(u32, &str)],
+    seeds: u64,
+) -> Result<(), Failure> {
     println!("{title}; 10 s at 10 kHz, {seeds} captures each");
     let uses = [
         ("encoder", AccelerationUse::Encoder),
@@ -132,7 +140,10 @@ fn sensors(title: &str, rig: &RigParameters, cases: &[(u32, &str)], seeds: u64) 
         for seed in 1..=seeds {
             let mut random = Uniform(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
             let amplitude_rad = 0.95 + 0.1 * random.next();
-            let capture = captured_at(&knob, name, amplitude_rad, rig.clone(), 10.0, seed)?;
+            let mut capture = captured_at(&knob, name, amplitude_rad, rig.clone(), 10.0, seed)?;
+            if let Some(step_rad) = recorded_step_rad {
+                capture.angle_rad.iter_mut().for_each(|angle| *angle = (*angle / step_rad).round() * step_rad);
+            }
             for (result, (_, acceleration)) in results.iter_mut().zip(uses) {
                 let options = FitOptions { acceleration, ..capture.options() };
                 result.take(&capture.samples(), &options, truth)?;

@@ -128,7 +128,7 @@ impl KnobMotion {
         acceleration_use: AccelerationUse,
     ) -> Self {
         let rate_hz = uniform.rate_hz;
-        let angle_density = white_density(&uniform.angle_rad, rate_hz);
+        let mut angle_density = white_density(&uniform.angle_rad, rate_hz);
         let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
         let mut angle = uniform.angle_rad.clone();
         if let Some(known) = calibration.filter(|known| compliant(known)) {
@@ -160,6 +160,7 @@ impl KnobMotion {
                     velocity = gradient(&smooth, rate_hz);
                     acceleration = gradient(&velocity, rate_hz);
                     (accelerometer, accelerometer_density) = (true, sensors.sensor_density());
+                    angle_density = sensors.angle_density();
                     (equal_hz, fused_hz) = (sensors.equal_hz(), sensors.equal_hz());
                 }
             }

@@ -44,6 +44,14 @@ pub struct Agreement {
     pub birge_ratio: f64,
 }
 
+impl Agreement {
+    /// Whether chance may explain the differences.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        self.probability >= UNLIKELY
+    }
+}
+
 /// A model of several captures; serialises to what `fit --json` gives, with `captures`, `agreement` and `repeatability`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Average {
@@ -144,7 +152,7 @@ fn notes(
     for (index, fit) in fits.iter().enumerate() {
         notes.extend(fit.notes.iter().map(|note| format!("capture {}: {note}", index + 1)));
     }
-    if let Some(agreement) = agreement.filter(|agreement| agreement.probability < UNLIKELY) {
+    if let Some(agreement) = agreement.filter(|agreement| !agreement.agrees()) {
         notes.push(format!(
             "taken together the captures differ {:.1} times as much as their intervals say; the mean's intervals allow for it",
             agreement.birge_ratio

@@ -16,13 +16,16 @@ mod kalman_smoother;
 use std::f64::consts::TAU;
 
 use crate::motion::{gradient, low_pass, prompt, rms};
-use crate::spectrum::{Spectrum, white_density};
+use crate::spectrum::{Spectrum, median, white_density};
 
 pub(crate) use blend::blend;
 pub(crate) use kalman_smoother::kalman_smoother;
 
 /// Largest disagreement of both sensors, relative, where both see well.
 const DISAGREEMENT: f64 = 0.1;
+
+/// The encoder's noise is read from this multiple of the frequency at which both are equally noisy.
+const CLEAR_OF_SENSOR: f64 = 1.5;
 
 /// What both sensors gave, on an even grid.
 pub(crate) struct Sensors<'a> {
@@ -75,7 +78,32 @@ impl<'a> Sensors<'a> {
             sensor_density,
             equal_hz,
         };
-        (equal_hz.is_finite() && equal_hz > 0.0 && equal_hz < cutoff_hz && sensors.agree()).then_some(sensors)
+        let takes_part = |sensors: &Self| sensors.equal_hz > 0.0 && sensors.equal_hz < cutoff_hz;
+        let sensors = Some(sensors).filter(takes_part)?.with_density_in_band(cutoff_hz);
+        (takes_part(&sensors) && sensors.agree()).then_some(sensors)
+    }
+
+    /// The encoder's noise as the disagreement of both sensors shows it where they take turns: the steps of a coarse
+    /// encoder make less noise there than at the upper end of the spectrum, where a moving knob puts them.
+    fn with_density_in_band(mut self, cutoff_hz: f64) -> Self {
+        let difference: Vec<f64> =
+            self.prompt_rad_s2.iter().zip(&self.second_derivative_rad_s2).map(|(a, b)| a - b).collect();
+        let spectrum = Spectrum::welch(&difference, self.rate_hz);
+        let mut densities: Vec<f64> = spectrum
+            .frequencies()
+            .zip(&spectrum.density)
+            .filter(|(frequency, _)| (CLEAR_OF_SENSOR * self.equal_hz..=cutoff_hz).contains(frequency))
+            .map(|(frequency, density)| {
+                let square = (TAU * frequency).powi(2);
+                (density - self.sensor_density * (1.0 + square * self.lag_s.powi(2))) / (square * square)
+            })
+            .collect();
+        let density = median(&mut densities);
+        if density > 0.0 {
+            self.angle_density = density;
+            self.equal_hz = (self.sensor_density / density).powf(0.25) / TAU;
+        }
+        self
     }
 
     /// Whether both sensors say the same below the frequency where they are equally noisy.
@@ -94,6 +122,10 @@ impl<'a> Sensors<'a> {
 
     pub(crate) fn sensor_density(&self) -> f64 {
         self.sensor_density
+    }
+
+    pub(crate) fn angle_density(&self) -> f64 {
+        self.angle_density
     }
 
     pub(crate) fn equal_hz(&self) -> f64 {
