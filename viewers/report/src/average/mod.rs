@@ -66,7 +66,10 @@ fn title(page: &AveragePage<'_>) -> String {
         return format!("Knob {first}, {} captures", page.captures.len());
     }
     let sources: Vec<&str> = page.captures.iter().map(|capture| capture.source.as_str()).collect();
-    sources.join(" and ")
+    match sources.as_slice() {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        _ => sources.concat(),
+    }
 }
 
 fn agreement_words(agreement: Agreement) -> String {
