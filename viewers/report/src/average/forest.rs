@@ -17,9 +17,8 @@ const BOTTOM: f64 = 24.0;
 /// Half the height of an interval's ends and of the mean's diamond, SVG units.
 const END: f64 = 4.0;
 const DIAMOND: f64 = 5.5;
-/// Most round values along the axis, and the width of a letter at them, SVG units.
+/// Round values along the axis.
 const TICKS: usize = 4;
-const LETTER: f64 = 7.5;
 /// Half widths of the mean's interval, or of the widest capture's, within which a true value widens the axis.
 const REACH: f64 = 2.0;
 
@@ -85,7 +84,7 @@ fn plot(name: &str, record: &Repeatability, truth: Option<f64>) -> Markup {
         svg.plot xmlns="http://www.w3.org/2000/svg" viewBox={"0 0 " (WIDTH) " " (height)} role="img"
             aria-label={"Values of " (name) ", capture by capture"} {
             path.area.model d={"M" (x(low)) " 0H" (x(high)) "V" (bottom) "H" (x(low)) "Z"} {}
-            @for (at, label) in ticks(&axis) {
+            @for (at, label) in axis.ticks(TICKS) {
                 path.line.grid d={"M" (x(at)) " 0V" (bottom)} {}
                 text.label x=(x(at)) y=(bottom) dy="1.3em" text-anchor="middle" { (label) }
             }
@@ -111,19 +110,6 @@ fn whisker(x: &impl Fn(f64) -> String, [low, high]: [f64; 2], value: f64, y: f64
         } {}
         circle.point cx=(x(value)) cy=(y) r="3.2" {}
     }
-}
-
-/// As many round values as fit side by side.
-fn ticks(axis: &Axis) -> Vec<(f64, String)> {
-    let room = WIDTH - LEFT - RIGHT;
-    let fits = |ticks: &Vec<(f64, String)>| {
-        let distance = ticks.windows(2).map(|pair| room * (axis.share(pair[1].0) - axis.share(pair[0].0)));
-        let widest = ticks.iter().map(|(_, label)| label.chars().map(|_| LETTER).sum::<f64>()).fold(0.0, f64::max);
-        distance.fold(f64::INFINITY, f64::min) > widest
-    };
-    let all = axis.ticks(TICKS);
-    let every = |step: usize| all.iter().step_by(step).cloned().collect::<Vec<_>>();
-    (1..=all.len().max(1)).map(every).find(fits).unwrap_or_default()
 }
 
 /// Middle of a row, SVG units.

@@ -66,10 +66,7 @@ fn title(page: &AveragePage<'_>) -> String {
         return format!("Knob {first}, {} captures", page.captures.len());
     }
     let sources: Vec<&str> = page.captures.iter().map(|capture| capture.source.as_str()).collect();
-    match sources.as_slice() {
-        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
-        _ => sources.concat(),
-    }
+    sources.join(" and ")
 }
 
 fn agreement_words(agreement: Agreement) -> String {

@@ -60,12 +60,8 @@ fn row(page: &AveragePage<'_>, shown: &[Fit], parameter: &Parameter) -> Markup {
             (difference(page.average.repeatability.get(parameter.name)))
             td.unit { (parameter.unit) }
             @if page.truth.is_some() {
-                @let true_value = truth.unwrap_or_default();
-                @let digits = parameter.ci95.map_or_else(
-                    || Digits::significant(true_value, 3),
-                    |[low, high]| Digits::of_interval(true_value, 0.5 * (high - low)),
-                );
-                td.number { (truth_words(truth, parameter.ci95, digits)) }
+                @let half = parameter.ci95.map_or(f64::NAN, |[low, high]| 0.5 * (high - low));
+                td.number { (truth_words(truth, parameter.ci95, Digits::of_interval(truth.unwrap_or_default(), half))) }
             }
         }
     }
