@@ -1,26 +1,32 @@
 //! What noise in the acceleration does to the inertia, and what each sensor and estimator makes of it.
 //!
-//! `cargo run --release -p identification --example acceleration_study -- [SEEDS]`
+//! `cargo run --release -p identification --example acceleration_study -- [SEEDS] [column|rig|coarse|recorded]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
+#[path = "../tests/common/mod.rs"]
 mod common;
 
-use common::{Uniform, capture};
-use dynamics::{Drive, Excitation, Motion, knobs};
+use std::f64::consts::TAU;
+
+use common::{Capture, Failure, Uniform, captured_at, sweep};
+use dynamics::knobs;
 use hal::simulated::RigParameters;
 use identification::{AccelerationUse, FitOptions, Samples, fit};
 
-type Failure = Box<dyn std::error::Error + Send + Sync>;
+/// Noise of the acceleration that the paper states for its sensor, rad/s².
+const PAPER_NOISE_RAD_S2: f64 = 2.8;
 
 /// Errors and intervals of the inertia over many captures.
 #[derive(Default)]
 struct Errors {
     errors: Vec<f64>,
     held: u32,
+    asked: u32,
 }
 
 impl Errors {
     fn take(&mut self, samples: &Samples<'_>, options: &FitOptions, truth: f64) -> Result<(), Failure> {
+        self.asked += 1;
         let fit = fit(samples, options)?;
         if let Some((value, [low, high])) = fit.parameters.get("inertia").and_then(|p| p.value.zip(p.ci95)) {
             self.errors.push(value / truth - 1.0);
@@ -35,8 +41,9 @@ impl Errors {
         let mean = self.errors.iter().sum::<f64>() / count;
         let rms = (self.errors.iter().map(|e| e * e).sum::<f64>() / count).sqrt();
         format!(
-            "told {:4}   mean error {:+9.5} %   RMS error {:9.5} %   held {:5.1} %",
+            "told {:4} of {:3}   mean error {:+9.5} %   RMS error {:9.5} %   held {:5.1} %",
             self.errors.len(),
+            self.asked,
             100.0 * mean,
             100.0 * rms,
             100.0 * f64::from(self.held) / count
@@ -45,10 +52,30 @@ impl Errors {
 }
 
 fn main() -> Result<(), Failure> {
-    let seeds: u64 = std::env::args().nth(1).map_or(Ok(200), |text| text.parse())?;
-    noisy_column(seeds)?;
-    println!();
-    sensors(seeds)
+    let mut arguments = std::env::args().skip(1);
+    let seeds: u64 = arguments.next().map_or(Ok(50), |text| text.parse())?;
+    let part = arguments.next();
+    let asked = |name: &str| part.as_deref().is_none_or(|part| part == name);
+    if asked("column") {
+        noisy_column(seeds)?;
+    }
+    if asked("rig") {
+        let cases = [(1, "paper"), (2, "paper"), (3, "paper"), (2, "linear-chirp")];
+        sensors("the rig as it is", &RigParameters::default(), None, &cases, seeds)?;
+    }
+    let cases = [(1, "paper"), (2, "linear-chirp"), (3, "linear-chirp")];
+    let noisy = RigParameters { acceleration_noise_rms_rad_s2: PAPER_NOISE_RAD_S2, ..RigParameters::default() };
+    for lines in [16_384.0, 4096.0] {
+        let words = format!("an encoder of {lines} steps a turn, {PAPER_NOISE_RAD_S2} rad/s² of noise");
+        if asked("coarse") {
+            let rig = RigParameters { angle_step_rad: TAU / lines, ..noisy.clone() };
+            sensors(&format!("{words}; the servo has that encoder"), &rig, None, &cases, seeds)?;
+        }
+        if asked("recorded") {
+            sensors(&format!("{words}; the servo has a fine one"), &noisy, Some(TAU / lines), &cases, seeds)?;
+        }
+    }
+    Ok(())
 }
 
 /// A noisy acceleration column as the only source, plain and instrumented by the encoder.
@@ -56,69 +83,76 @@ fn noisy_column(seeds: u64) -> Result<(), Failure> {
     println!("a noisy acceleration column as the only source; knob 2, linear chirp, 6 s at 5 kHz, {seeds} seeds");
     let knob = knobs::paper_knob(2)?;
     let truth = knob.parameter("inertia").unwrap_or_default();
-    let sweep = Excitation::named("linear-chirp", Drive::Position)?;
+    let motion = sweep("linear-chirp");
     for noise_rad_s2 in [50.0, 200.0, 500.0] {
         let mut results = [Errors::default(), Errors::default()];
         for seed in 1..=seeds {
             let mut random = Uniform(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
             let (mut t_s, mut angle, mut acceleration, mut torque) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
             for tick in 1..=30_000 {
-                let time_s = f64::from(tick) / 5000.0;
-                let set = sweep.at(time_s);
-                let motion = Motion {
-                    time_s,
-                    angle_rad: set.value,
-                    velocity_rad_s: set.rate,
-                    acceleration_rad_s2: set.acceleration,
-                };
-                t_s.push(time_s);
-                angle.push((set.value / 9.8e-6).round() * 9.8e-6);
-                acceleration.push(set.acceleration + noise_rad_s2 * random.normal());
+                let motion = motion(f64::from(tick) / 5000.0);
+                t_s.push(motion.time_s);
+                angle.push((motion.angle_rad / 9.8e-6).round() * 9.8e-6);
+                acceleration.push(motion.acceleration_rad_s2 + noise_rad_s2 * random.normal());
                 torque.push(knob.torque_mnm(&motion) + 0.25 * random.normal());
             }
-            let samples = Samples {
-                t_s: &t_s,
-                angle_rad: &angle,
-                velocity_rad_s: None,
-                acceleration_rad_s2: Some(&acceleration),
-                torque_mnm: &torque,
+            let capture = Capture {
+                t_s,
+                angle_rad: angle,
+                acceleration_rad_s2: Some(acceleration),
+                torque_mnm: torque,
+                ..Capture::default()
             };
-            for (result, acceleration) in
-                results.iter_mut().zip([AccelerationUse::Column, AccelerationUse::ColumnInstrumented])
-            {
+            let uses = [AccelerationUse::Column, AccelerationUse::ColumnInstrumented];
+            for (result, acceleration) in results.iter_mut().zip(uses) {
                 let options = FitOptions { acceleration, without_detents: true, ..FitOptions::default() };
-                result.take(&samples, &options, truth)?;
+                result.take(&capture.samples(), &options, truth)?;
             }
         }
         for (name, result) in ["least squares", "instrumented"].iter().zip(&results) {
             println!("noise {noise_rad_s2:5.0} rad/s²   {name:14} {}", result.line());
         }
     }
+    println!();
     Ok(())
 }
 
-/// Encoder alone, accelerometer alone, and both, on the simulated rig.
-fn sensors(seeds: u64) -> Result<(), Failure> {
-    println!("the sensors on the simulated rig, 10 s at 10 kHz, {} captures each", seeds / 4);
-    for (number, name) in [(1, "paper"), (2, "paper"), (3, "paper"), (2, "linear-chirp")] {
-        let knob = knobs::paper_knob(number)?;
+/// Encoder alone, accelerometer alone, and both by filters and by the recursive smoother, on a simulated rig; the angle
+/// is recorded in steps of `recorded_step_rad`, if that is coarser than the rig's own.
+fn sensors(
+    title: &str,
+    rig: &RigParameters,
+    recorded_step_rad: Option<f64>,
+    cases: &[(u32, &str)],
+    seeds: u64,
+) -> Result<(), Failure> {
+    println!("{title}; 10 s at 10 kHz, {seeds} captures each");
+    let uses = [
+        ("encoder", AccelerationUse::Encoder),
+        ("accelerometer", AccelerationUse::Column),
+        ("blend", AccelerationUse::Best),
+        ("smoother", AccelerationUse::KalmanSmoother),
+    ];
+    for (number, name) in cases {
+        let knob = knobs::paper_knob(*number)?;
         let truth = knob.parameter("inertia").unwrap_or_default();
-        let uses = [AccelerationUse::Encoder, AccelerationUse::Column, AccelerationUse::Best];
-        let mut results = [Errors::default(), Errors::default(), Errors::default()];
-        for seed in 1..=seeds / 4 {
+        let mut results: [Errors; 4] = Default::default();
+        for seed in 1..=seeds {
             let mut random = Uniform(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
             let amplitude_rad = 0.95 + 0.1 * random.next();
-            let sweep = Excitation::named(name, Drive::Position)?.with_amplitude(amplitude_rad)?;
-            let capture = capture(&knob, sweep, RigParameters::default(), 10.0, seed)?;
-            for (result, acceleration) in results.iter_mut().zip(uses) {
-                let calibration = Some(capture.calibration.clone());
-                let options = FitOptions { calibration, acceleration, ..FitOptions::default() };
+            let mut capture = captured_at(&knob, name, amplitude_rad, rig.clone(), 10.0, seed)?;
+            if let Some(step_rad) = recorded_step_rad {
+                capture.angle_rad.iter_mut().for_each(|angle| *angle = (*angle / step_rad).round() * step_rad);
+            }
+            for (result, (_, acceleration)) in results.iter_mut().zip(uses) {
+                let options = FitOptions { acceleration, ..capture.options() };
                 result.take(&capture.samples(), &options, truth)?;
             }
         }
-        for (source, result) in ["encoder", "accelerometer", "both"].iter().zip(&results) {
+        for ((source, _), result) in uses.iter().zip(&results) {
             println!("knob {number} {name:13} {source:14} {}", result.line());
         }
     }
+    println!();
     Ok(())
 }

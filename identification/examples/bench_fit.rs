@@ -3,16 +3,15 @@
 //! `cargo run --release -p identification --example bench_fit -- COLUMNS [MOST_SAMPLES]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
+#[path = "../tests/common/mod.rs"]
 mod common;
 
 use std::time::Instant;
 
-use common::Uniform;
-use dynamics::{Drive, Effect, Excitation, Model, Motion, effects};
+use common::{TABLE_2, Uniform, knob, sweep};
+use dynamics::Motion;
 use identification::{FitOptions, Samples, fit};
 
-/// M, C₋, C₊, B₋, B₊, A, P, S of the paper's Table 2.
-const TABLE_2: [f64; 8] = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.2, 0.9];
 const RATE_HZ: f64 = 5000.0;
 /// Fits of the capture that scipy fits too.
 const RUNS: u32 = 41;
@@ -21,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let path = arguments.next().ok_or("name the file to which the columns shall be written")?;
     let most: usize = arguments.next().map_or(Ok(10_000_000), |text| text.parse())?;
-    let columns = capture(30_000)?;
+    let columns = capture(30_000);
     let bytes: Vec<u8> = columns.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
     std::fs::write(path, bytes)?;
     let before = processor_seconds();
@@ -32,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     let mut samples = 10_000;
     while samples <= most {
-        let columns = capture(samples)?;
+        let columns = capture(samples);
         let runs = if samples < 1_000_000 { 15 } else { 1 };
         let before = processor_seconds();
         let (times, _) = timed(&columns, runs)?;
@@ -49,39 +48,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Time, angle, velocity, acceleration and noisy torque.
 #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-fn capture(samples: usize) -> Result<[Vec<f64>; 5], Box<dyn std::error::Error>> {
-    let knob = Model {
-        name: String::new(),
-        description: String::new(),
-        effects: vec![
-            Effect::new(&effects::inertia::KIND, &TABLE_2[..1]),
-            Effect::new(&effects::friction::KIND, &TABLE_2[1..5]),
-            Effect::new(&effects::detent::KIND, &TABLE_2[5..]),
-        ],
-    };
-    let sweep = Excitation::named("paper", Drive::Position)?;
+fn capture(samples: usize) -> [Vec<f64>; 5] {
+    let knob = knob(&TABLE_2);
+    let paper = sweep("paper");
     let mut random = Uniform(7);
     let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| Vec::with_capacity(samples));
     for index in 1..=samples {
-        let motion = motion(index as f64 / RATE_HZ, (samples == 30_000).then_some(&sweep));
+        let time_s = index as f64 / RATE_HZ;
+        // The frequency of a sweep would grow with the number of samples.
+        let motion = if samples == 30_000 { paper(time_s) } else { two_sines(time_s) };
         let torque_mnm = knob.torque_mnm(&motion) + 4.0 * (random.next() - 0.5);
         let row = [motion.time_s, motion.angle_rad, motion.velocity_rad_s, motion.acceleration_rad_s2, torque_mnm];
         columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
     }
-    Ok(columns)
+    columns
 }
 
-/// The sweep, or two sines: the frequency of a sweep would grow with the number of samples.
-fn motion(time_s: f64, sweep: Option<&Excitation>) -> Motion {
-    if let Some(sweep) = sweep {
-        let set = sweep.at(time_s);
-        return Motion {
-            time_s,
-            angle_rad: set.value,
-            velocity_rad_s: set.rate,
-            acceleration_rad_s2: set.acceleration,
-        };
-    }
+fn two_sines(time_s: f64) -> Motion {
     let sines = [(1.0, 3.0), (0.4, 8.1)];
     let sum = |of: fn(f64, f64, f64) -> f64| sines.iter().map(|(size, rate)| of(*size, *rate, time_s)).sum();
     Motion {

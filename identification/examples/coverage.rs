@@ -4,17 +4,16 @@
 //! [--ideal noise,steps,compliance,lags] [--first-seed N] [--duration S] [--errors FILE.csv]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
+#[path = "../tests/common/mod.rs"]
 mod common;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{Uniform, capture, true_value};
-use dynamics::{Drive, Excitation, knobs};
+use common::{Failure, Uniform, captured_at, true_value};
+use dynamics::knobs;
 use hal::simulated::RigParameters;
-use identification::{Fit, FitOptions, fit};
-
-type Failure = Box<dyn std::error::Error + Send + Sync>;
+use identification::{Fit, fit};
 
 /// What of the rig is made ideal.
 const IMPERFECTIONS: [&str; 4] = ["noise", "steps", "compliance", "lags"];
@@ -172,11 +171,9 @@ impl Study {
             let sweep = &self.sweeps[index / self.knobs.len() % self.sweeps.len()];
             let seed = self.first_seed + index as u64;
             let amplitude_rad = amplitude_rad(seed);
-            let excitation = Excitation::named(sweep, Drive::Position)?.with_amplitude(amplitude_rad)?;
             let model = knobs::paper_knob(knob)?;
-            let capture = capture(&model, excitation, self.parameters.clone(), self.duration_s, seed)?;
-            let options = FitOptions { calibration: Some(capture.calibration.clone()), ..FitOptions::default() };
-            let fit = fit(&capture.samples(), &options)?;
+            let capture = captured_at(&model, sweep, amplitude_rad, self.parameters.clone(), self.duration_s, seed)?;
+            let fit = fit(&capture.samples(), &capture.options())?;
             if index < self.knobs.len() * self.sweeps.len() {
                 println!(
                     "knob {knob} {sweep}: residual {:.3} mNm, {:.3} %, delay {:.2} µs, {:?} {:?}",

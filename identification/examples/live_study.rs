@@ -1,44 +1,28 @@
 //! The live fit against the fit of the whole capture on the simulated rig, and what it costs.
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
-use dynamics::{Drive, Excitation, knobs};
-use hal::Apparatus;
-use hal::simulated::{RigParameters, SimulatedRig};
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use common::{Capture, RATE_HZ, run};
+use dynamics::{Drive, knobs};
+use identification::fit;
 use identification::live::{LiveFit, LiveSample};
-use identification::{FitOptions, Samples, fit};
 
-const RATE_HZ: f64 = 10_000.0;
-
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nanoseconds of a few seconds")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for number in 1..=5 {
-        let mut rig = SimulatedRig::new(RigParameters::default(), knobs::paper_knob(number)?, 1)?;
-        let calibration = rig.description().calibration.clone();
-        let sweep = Excitation::named("linear-chirp", Drive::Position)?;
-        rig.enable()?;
-        let inertia = calibration.motor_inertia + calibration.gripper_inertia;
-        let (mut previous, mut velocity) = (0.0, 0.0);
-        let (mut t_s, mut angle, mut torque, mut acceleration) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        for tick in 0..100_000_u32 {
-            let time_s = f64::from(tick) / RATE_HZ;
-            let measured = rig.read((time_s * 1e9).round() as u64)?;
-            let set = sweep.at(time_s);
-            velocity += 0.3 * ((measured.angle_rad - previous) * RATE_HZ - velocity);
-            previous = measured.angle_rad;
-            rig.write_torque(
-                inertia * set.acceleration + 3000.0 * (set.value - measured.angle_rad) + 20.0 * (set.rate - velocity),
-            )?;
-            t_s.push(time_s);
-            angle.push(measured.angle_rad);
-            acceleration.push(measured.acceleration_rad_s2);
-            torque.push(measured.torque_mnm);
-        }
-        let mut live = LiveFit::new(RATE_HZ, Some(&calibration));
+        let capture = run(&knobs::paper_knob(number)?, "linear-chirp", Drive::Position, None, 10.0, 1);
+        let Capture { t_s, angle_rad, torque_mnm, .. } = &capture;
+        let mut live = LiveFit::new(RATE_HZ, capture.calibration.as_ref());
         let (mut pushing, mut estimating, mut slowest) = (0.0, 0.0, 0.0_f64);
         for block in 0..1000 {
             let start = std::time::Instant::now();
             for index in block * 100..(block + 1) * 100 {
-                live.push(&LiveSample { time_s: t_s[index], angle_rad: angle[index], torque_mnm: torque[index] });
+                live.push(&LiveSample {
+                    time_s: t_s[index],
+                    angle_rad: angle_rad[index],
+                    torque_mnm: torque_mnm[index],
+                });
             }
             pushing += start.elapsed().as_secs_f64();
             if block % 5 == 4 {
@@ -61,14 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             1e3 * slowest
         );
         let estimate = live.estimate();
-        let samples = Samples {
-            t_s: &t_s,
-            angle_rad: &angle,
-            velocity_rad_s: None,
-            acceleration_rad_s2: Some(&acceleration),
-            torque_mnm: &torque,
-        };
-        let whole = fit(&samples, &FitOptions { calibration: Some(calibration), ..FitOptions::default() })?;
+        let whole = fit(&capture.samples(), &capture.options())?;
         println!("  residual {:?} against {:.4}", estimate.residual_rms_mnm, whole.residual_rms_mnm);
         for live in &estimate.parameters {
             let whole = whole.parameters.get(live.name);

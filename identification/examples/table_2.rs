@@ -4,53 +4,26 @@
 //! `cargo run --release -p identification --example table_2 -- [CAPTURES] [PERIODS]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
+#[path = "../tests/common/mod.rs"]
 mod common;
 
-use common::Uniform;
-use dynamics::{Drive, Effect, Excitation, Model, Motion, effects};
+use common::{SLIDING, TABLE_2, Uniform, knob, sweep};
+use dynamics::Motion;
 use identification::{FitOptions, Samples, fit};
 use nalgebra::{DMatrix, DVector};
 
 const RATE_HZ: f64 = 5000.0;
-const NAMES: [&str; 8] = [
-    "inertia",
-    "coulomb_negative",
-    "coulomb_positive",
-    "viscous_negative",
-    "viscous_positive",
-    "detent_amplitude",
-    "detent_period",
-    "detent_phase",
-];
-
-/// What Swindells and MacLean print as their fit of one such capture (Table 2), in the order of `NAMES`.
+/// What Swindells and MacLean print as their fit of one such capture (Table 2), in the order of [`SLIDING`].
 const PAPER: [f64; 8] = [0.398, 1.512, 1.992, 0.999, 1.500, 1.0080, 0.199, 0.884];
-
-fn knob(values: &[f64; 8]) -> Model {
-    Model {
-        name: String::new(),
-        description: String::new(),
-        effects: vec![
-            Effect::new(&effects::inertia::KIND, &values[..1]),
-            Effect::new(&effects::friction::KIND, &values[1..5]),
-            Effect::new(&effects::detent::KIND, &values[5..]),
-        ],
-    }
-}
 
 struct Capture {
     motion: Vec<Motion>,
     columns: [Vec<f64>; 4],
 }
 
-fn capture(sweep: &Excitation) -> Capture {
-    let motion: Vec<Motion> = (1..=30_000)
-        .map(|n| {
-            let time_s = f64::from(n) / RATE_HZ;
-            let set = sweep.at(time_s);
-            Motion { time_s, angle_rad: set.value, velocity_rad_s: set.rate, acceleration_rad_s2: set.acceleration }
-        })
-        .collect();
+fn capture(excitation: &str) -> Capture {
+    let at = sweep(excitation);
+    let motion: Vec<Motion> = (1..=30_000).map(|n| at(f64::from(n) / RATE_HZ)).collect();
     let column = |of: fn(&Motion) -> f64| motion.iter().map(of).collect::<Vec<f64>>();
     let columns = [
         column(|m| m.time_s),
@@ -90,9 +63,8 @@ fn bound(capture: &Capture, values: &[f64; 8], noise_mnm: f64) -> DVector<f64> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let runs: u32 = std::env::args().nth(1).map_or(Ok(200), |text| text.parse())?;
     let problems: u32 = std::env::args().nth(2).map_or(Ok(1000), |text| text.parse())?;
-    let values = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.2, 0.9];
-    let sweep = Excitation::named("paper", Drive::Position)?;
-    let capture = capture(&sweep);
+    let values = TABLE_2;
+    let capture = capture("paper");
     let clean: Vec<f64> = capture.motion.iter().map(|motion| knob(&values).torque_mnm(motion)).collect();
     let perfect = fit(&capture.samples(&clean), &FitOptions::default())?;
     println!("noise-free: relative error {:e} %", perfect.relative_error_percent);
@@ -107,7 +79,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let start = std::time::Instant::now();
         let fit = fit(&capture.samples(&noisy), &FitOptions::default())?;
         time += start.elapsed();
-        for (index, name) in NAMES.iter().enumerate() {
+        for (index, name) in SLIDING.iter().enumerate() {
             let Some((parameter, value)) = fit.parameters.get(name).and_then(|p| p.value.map(|v| (p, v))) else {
                 println!("{name} untold: {:?}", fit.parameters.get(name).and_then(|p| p.reason.clone()));
                 continue;
@@ -127,7 +99,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
         "parameter            target   RMS error   bound      ratio   bias ± SE       median err  paper's    beaten in  cover  textbook"
     );
-    for (index, name) in NAMES.iter().enumerate() {
+    for (index, name) in SLIDING.iter().enumerate() {
         let errors = &mut errors[index];
         let count: f64 = errors.iter().map(|_| 1.0).sum();
         let mean = errors.iter().sum::<f64>() / count;
@@ -156,7 +128,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Random knobs with periods over two decades on the linear chirp, with as much noise.
 fn periods(runs: u32, random: &mut Uniform) -> Result<(), Box<dyn std::error::Error>> {
-    let capture = capture(&Excitation::named("linear-chirp", Drive::Position)?);
+    let capture = capture("linear-chirp");
     let (mut right, mut says, mut wrong, mut near, mut worst) = (0, 0, 0, 0, 0.0_f64);
     for _ in 0..runs {
         let mut between = |low: f64, high: f64| low * (high / low).powf(random.next());

@@ -53,6 +53,20 @@ impl Serialize for Parameters {
     }
 }
 
+/// Covariance of a fit's parameters for residuals that are correlated and of varying size.
+///
+/// Parameters are left out that the data cannot tell, that are held at zero, or that were read off the capture
+/// (`static_*`): their intervals are not those of a regression.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Covariance {
+    /// Names of the parameters, in the order of rows and columns.
+    pub order: Vec<&'static str>,
+    /// The symmetric matrix, row by row, in the products of the parameters' units.
+    pub rows: Vec<Vec<f64>>,
+    /// Half width of a 95 % interval over the standard deviation: more than 1.96, since the covariance is itself estimated.
+    pub critical: f64,
+}
+
 /// One sinusoid of the angle.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Harmonic {
@@ -135,6 +149,8 @@ pub struct Preparation {
 pub struct Fit {
     /// The parameters with intervals or reasons.
     pub parameters: Parameters,
+    /// How the parameters' errors go together.
+    pub covariance: Covariance,
     /// RMS of measured minus model torque, mNm.
     pub residual_rms_mnm: f64,
     /// 100 · ‖measured − model‖ / ‖measured‖.

@@ -219,7 +219,7 @@ impl<'a> Prepared<'a> {
             trimmed.instrument(&encoder.acceleration_rad_s2);
         }
         let report = Report { trimmed: &trimmed, motion, frame, band, calibration };
-        let (mut parameters, comparison) = report.parameters(no_detents);
+        let (mut parameters, covariance, comparison) = report.parameters(no_detents);
         let mut effects = trimmed.effects();
         Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
         let mut notes = report.notes();
@@ -229,6 +229,7 @@ impl<'a> Prepared<'a> {
         notes.extend(uniform.faults.iter().cloned());
         Fit {
             parameters,
+            covariance,
             residual_rms_mnm: comparison.residual_rms_mnm,
             relative_error_percent: comparison.relative_error_percent,
             mean_ci95_mnm: comparison.mean_ci95_mnm,

@@ -11,7 +11,7 @@
 //! (the detent period), are not. [`fit`] solves this without a starting point:
 //!
 //! 1. The motion comes from the encoder, low-passed without phase shift where its signal sinks into its
-//!    noise, and differentiated; above the frequency where an accelerometer is quieter, from that.
+//!    noise, and differentiated; above the frequency where an accelerometer is quieter, that takes part.
 //! 2. Samples where the knob may stick are multiplied by zero in the torque *and in every column*, then
 //!    all pass one zero-phase low-pass and are decimated: the relation stays exactly linear.
 //! 3. Base effects by linear least squares with Coulomb friction at or above zero; the detent period by
@@ -34,6 +34,7 @@ mod fit;
 mod fourier;
 mod fixed_preparation;
 mod frame;
+mod fusion;
 mod held_out;
 mod karnopp;
 mod knob_motion;
@@ -54,8 +55,8 @@ mod time_order;
 mod uniform;
 mod vector;
 
-pub use average::{Average, Repeatability, average};
-pub use estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
+pub use average::{Agreement, Average, Repeatability, Told, average};
+pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
 pub use knob_motion::knob_motion;
 pub use options::{AccelerationUse, FitOptions, PreparationMethod};

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use crate::filter::{Fir, Sections, butterworth_low_pass};
+use crate::fusion::{Sensors, blend, kalman_smoother};
 use crate::options::AccelerationUse;
 use crate::spectrum::{Spectrum, white_density};
 use crate::uniform::Uniform;
@@ -131,7 +132,7 @@ impl KnobMotion {
         acceleration_use: AccelerationUse,
     ) -> Self {
         let rate_hz = uniform.rate_hz;
-        let angle_density = white_density(&uniform.angle_rad, rate_hz);
+        let mut angle_density = white_density(&uniform.angle_rad, rate_hz);
         let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
         let mut angle = uniform.angle_rad.clone();
         if let Some(known) = calibration.filter(|known| compliant(known)) {
@@ -141,31 +142,49 @@ impl KnobMotion {
             }
         }
         let smoother = smoother(cutoff_hz, rate_hz);
-        let smooth = smoother.filter(&angle);
-        let velocity = gradient(&smooth, rate_hz);
+        let mut smooth = smoother.filter(&angle);
+        let mut velocity = gradient(&smooth, rate_hz);
         let mut acceleration = gradient(&velocity, rate_hz);
         let noise = angle_density * TAU.powi(4) * band.edge_hz.powi(5) / 5.0;
         let clear = noise < CLEAR * rms(&low_pass(4, band.edge_hz, rate_hz, &acceleration)).powi(2);
         let lag_s = uniform.acceleration_lag_s;
-        let sensor = uniform.acceleration_rad_s2.as_ref();
-        let accelerometer = match acceleration_use {
-            AccelerationUse::Best => sensor.filter(|_| !clear).and_then(|sensor| {
-                let encoder = gradient(&gradient(&angle, rate_hz), rate_hz);
-                blend(&encoder, sensor, lag_s, rate_hz, angle_density, cutoff_hz)
-            }),
-            AccelerationUse::Encoder => None,
-            // Nothing is known of the column's noise, so none is taken off.
-            AccelerationUse::Column | AccelerationUse::ColumnInstrumented => sensor.map(|sensor| Blend {
-                acceleration_rad_s2: smoother.filter(&prompt(sensor, lag_s, rate_hz)),
-                sensor_density: 0.0,
-                equal_hz: 0.0,
-            }),
+        let column = uniform.acceleration_rad_s2.as_ref();
+        let sensors = || {
+            let (encoder, present) = (&uniform.angle_rad, &uniform.present);
+            Sensors::of(&angle, encoder, column?, present, lag_s, rate_hz, cutoff_hz)
         };
-        let blended = accelerometer.is_some();
-        let (mut accelerometer_density, mut equal_hz) = (0.0, f64::INFINITY);
-        if let Some(better) = accelerometer {
-            acceleration = better.acceleration_rad_s2;
-            (accelerometer_density, equal_hz) = (better.sensor_density, better.equal_hz);
+        let (mut accelerometer, mut accelerometer_density) = (false, 0.0);
+        // Where the accelerometer takes over in the acceleration, and in the velocity.
+        let (mut equal_hz, mut fused_hz) = (f64::INFINITY, f64::INFINITY);
+        match acceleration_use {
+            AccelerationUse::Encoder => {}
+            AccelerationUse::Best => {
+                if let Some(sensors) = (!clear).then(sensors).flatten() {
+                    smooth = smoother.filter(&blend(&sensors));
+                    velocity = gradient(&smooth, rate_hz);
+                    acceleration = gradient(&velocity, rate_hz);
+                    (accelerometer, accelerometer_density) = (true, sensors.sensor_density());
+                    angle_density = sensors.angle_density();
+                    (equal_hz, fused_hz) = (sensors.equal_hz(), sensors.equal_hz());
+                }
+            }
+            AccelerationUse::KalmanSmoother => {
+                if let Some(sensors) = sensors() {
+                    let smoothed = kalman_smoother(&sensors);
+                    smooth = smoother.filter(&smoothed.angle_rad);
+                    velocity = smoother.filter(&smoothed.velocity_rad_s);
+                    acceleration = smoother.filter(&smoothed.acceleration_rad_s2);
+                    // Given all readings the smoothed motion's error is no part of it: none is taken off.
+                    (accelerometer, equal_hz, fused_hz) = (true, 0.0, sensors.equal_hz());
+                }
+            }
+            // Nothing is known of the column's noise, so none is taken off.
+            AccelerationUse::Column | AccelerationUse::ColumnInstrumented => {
+                if let Some(column) = column {
+                    acceleration = smoother.filter(&prompt(column, lag_s, rate_hz));
+                    (accelerometer, equal_hz) = (true, 0.0);
+                }
+            }
         }
         Self {
             time_s: uniform.time_s.clone(),
@@ -173,17 +192,16 @@ impl KnobMotion {
             velocity_rad_s: velocity,
             acceleration_rad_s2: acceleration,
             exact: false,
-            // White angle noise, differentiated, up to the cutoff.
-            velocity_noise_rad_s: (angle_density * TAU * TAU * cutoff_hz.powi(3) / 3.0).sqrt(),
+            velocity_noise_rad_s: velocity_noise_rad_s(angle_density, cutoff_hz, fused_hz),
             cutoff_hz,
             reach: effective_reach(&smoother),
-            accelerometer: blended,
+            accelerometer,
             angle_density,
             compliance_rad_mnm: calibration
                 .filter(|known| compliant(known))
                 .map_or(0.0, |known| 1.0 / known.torque_sensor_stiffness_mnm_rad),
             accelerometer_density,
-            lag_s: uniform.acceleration_lag_s,
+            lag_s,
             equal_hz,
         }
     }
@@ -196,6 +214,23 @@ impl KnobMotion {
     /// Share of the encoder in the acceleration at a frequency.
     pub(crate) fn encoder_share(&self, frequency_hz: f64) -> f64 {
         1.0 / (1.0 + (frequency_hz / self.equal_hz).powi(4))
+    }
+
+    /// White density of the acceleration's noise at a frequency, as far as it is known, rad²/s⁴ per Hz; `angle_density` is
+    /// that of the encoder, with all that was added to it.
+    pub(crate) fn acceleration_density(&self, frequency_hz: f64, angle_density: f64) -> f64 {
+        let square = (TAU * frequency_hz).powi(2);
+        let encoder = self.encoder_share(frequency_hz);
+        angle_density * (square * encoder).powi(2)
+            + self.accelerometer_density * (1.0 - encoder).powi(2) * (1.0 + square * self.lag_s.powi(2))
+    }
+
+    /// Standard deviation of the acceleration's noise up to a frequency, as far as it is known, rad/s².
+    pub(crate) fn acceleration_noise_rad_s2(&self, edge_hz: f64) -> f64 {
+        if self.exact {
+            return 0.0;
+        }
+        integral(edge_hz, |frequency_hz| self.acceleration_density(frequency_hz, self.angle_density)).sqrt()
     }
 
     /// A torque filtered as the motion is: what rings beyond the cutoff must not be in one and not in the other.
@@ -224,6 +259,19 @@ fn compliant(calibration: &Calibration) -> bool {
 
 /// Samples on each side that [`gradient`] looks at.
 pub(crate) const GRADIENT_REACH: usize = 4;
+/// Standard deviation of the velocity's noise up to `cutoff_hz`: white angle noise differentiated, of which the
+/// accelerometer leaves the share 1/(1 + (f/f₀)⁴) where it takes part from `fused_hz` on.
+fn velocity_noise_rad_s(angle_density: f64, cutoff_hz: f64, fused_hz: f64) -> f64 {
+    let density = |frequency_hz: f64| (TAU * frequency_hz).powi(2) / (1.0 + (frequency_hz / fused_hz).powi(4));
+    (angle_density * integral(cutoff_hz, density)).sqrt()
+}
+
+/// Integral of a density from zero to `edge_hz`.
+fn integral(edge_hz: f64, density: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 256;
+    let width_hz = edge_hz / f64::from(STEPS);
+    width_hz * (0..STEPS).map(|step| density((f64::from(step) + 0.5) * width_hz)).sum::<f64>()
+}
 
 /// Derivative per second by central differences of eighth order, of lower order towards the ends.
 ///
@@ -265,7 +313,8 @@ pub(crate) fn rms(values: &[f64]) -> f64 {
     (dot(values, values) / count).sqrt()
 }
 
-fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
+/// A Butterworth low-pass run both ways.
+pub(crate) fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
     let sections: Option<Sections> = butterworth_low_pass(order, edge_hz, rate_hz).ok();
     sections.map_or_else(|| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
 }
@@ -367,50 +416,4 @@ fn is_smooth(signal: &[f64], limit: f64) -> bool {
 pub(crate) fn prompt(signal: &[f64], lag_s: f64, rate_hz: f64) -> Vec<f64> {
     let rate = gradient(signal, rate_hz);
     signal.iter().zip(&rate).map(|(value, rate)| value + lag_s * rate).collect()
-}
-
-/// An acceleration from both sensors.
-struct Blend {
-    acceleration_rad_s2: Vec<f64>,
-    /// White density of the accelerometer's noise, rad²/s⁴ per Hz.
-    sensor_density: f64,
-    /// Frequency at which both sensors have an equal share, Hz.
-    equal_hz: f64,
-}
-
-/// Encoder below the frequency where both sensors are equally noisy, accelerometer above.
-///
-/// The encoder's white noise shows in its second derivative as f⁴, the accelerometer's stays white:
-/// the best weights 1/(1 + (f/f₀)⁴) are a second-order Butterworth filter run both ways. `None` if
-/// the accelerometer does not agree with the encoder where both see well.
-fn blend(
-    encoder: &[f64],
-    sensor: &[f64],
-    lag_s: f64,
-    rate_hz: f64,
-    angle_density: f64,
-    cutoff_hz: f64,
-) -> Option<Blend> {
-    let sensor_density = Spectrum::welch(sensor, rate_hz).median(0.3 * rate_hz, 0.45 * rate_hz);
-    let equal_hz = (sensor_density / angle_density).powf(0.25) / TAU;
-    if !(equal_hz.is_finite() && equal_hz > 0.0 && equal_hz < cutoff_hz) {
-        return None;
-    }
-    let sensor = prompt(sensor, lag_s, rate_hz);
-    let (slow_encoder, slow_sensor) =
-        (low_pass(4, equal_hz, rate_hz, encoder), low_pass(4, equal_hz, rate_hz, &sensor));
-    let mean = |signal: &[f64]| signal.iter().sum::<f64>() / signal.iter().map(|_| 1.0).sum::<f64>();
-    let (encoder_mean, sensor_mean) = (mean(&slow_encoder), mean(&slow_sensor));
-    let (mut product, mut square) = (0.0, 0.0);
-    for (a, b) in slow_encoder.iter().zip(&slow_sensor) {
-        product += (a - encoder_mean) * (b - sensor_mean);
-        square += (a - encoder_mean).powi(2);
-    }
-    if (product / square - 1.0).abs() > 0.1 {
-        return None;
-    }
-    let difference: Vec<f64> = encoder.iter().zip(&sensor).map(|(a, b)| a - b).collect();
-    let slow = low_pass(2, equal_hz, rate_hz, &difference);
-    let sum: Vec<f64> = sensor.iter().zip(&slow).map(|(a, b)| a + b).collect();
-    Some(Blend { acceleration_rad_s2: smoother(cutoff_hz, rate_hz).filter(&sum), sensor_density, equal_hz })
 }

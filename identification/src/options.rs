@@ -55,6 +55,9 @@ pub enum AccelerationUse {
     /// Encoder and accelerometer, each where it is quieter; what their noise does to the inertia is taken off.
     #[default]
     Best,
+    /// Angle, velocity and acceleration from the fixed-interval smoother of Rauch, Tung and Striebel over both sensors, with
+    /// white jerk as the prior. No better than `Best` in what was measured, and slower; here to be compared with.
+    KalmanSmoother,
     /// The encoder's second derivative alone.
     Encoder,
     /// The column `acceleration_rad_s2` alone, held for exact: noise in it draws the inertia towards zero.

@@ -1,9 +1,9 @@
 //! Values, intervals and reasons from the settled problem.
 
 use dynamics::{Calibration, Effect, Part, effects};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, RowDVector};
 
-use crate::estimate::{Parameter, Parameters, Point};
+use crate::estimate::{Covariance, Parameter, Parameters, Point};
 use crate::fit::Trimmed;
 use crate::frame::Frame;
 use crate::least_squares::dot;
@@ -39,8 +39,8 @@ pub(crate) struct Comparison {
 }
 
 impl Report<'_> {
-    /// All parameters, and the comparison on the rows; `no_detents` is the reason if there are none.
-    pub(crate) fn parameters(&self, no_detents: Option<String>) -> (Parameters, Comparison) {
+    /// All parameters, their covariance, and the comparison on the rows; `no_detents` is the reason if there are none.
+    pub(crate) fn parameters(&self, no_detents: Option<String>) -> (Parameters, Covariance, Comparison) {
         let Trimmed { columns, solution, .. } = self.trimmed;
         let textbook = solution.textbook_covariance();
         let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
@@ -55,7 +55,29 @@ impl Report<'_> {
                 parameters.push(Parameter::untold(parameter.name, parameter.unit, reason.clone()));
             }
         }
-        (Parameters(parameters), self.compare([&robust, &textbook], critical))
+        let covariance = self.covariance(&parameters, &robust, critical);
+        (Parameters(parameters), covariance, self.compare([&robust, &textbook], critical))
+    }
+
+    /// Covariance of the parameters that are told and not held at zero, from that of the coefficients.
+    fn covariance(&self, parameters: &[Parameter], coefficients: &DMatrix<f64>, critical: f64) -> Covariance {
+        let mut order = Vec::new();
+        let mut derivatives = Vec::new();
+        for (index, effect) in self.trimmed.effects().iter().enumerate() {
+            let jacobian = self.jacobian(index, effect, coefficients);
+            for (position, (kind, _)) in effect.parameters().enumerate() {
+                // The textbook's interval is left out where a parameter is held at zero.
+                if parameters.iter().any(|told| told.name == kind.name && told.ci95_textbook.is_some()) {
+                    order.push(kind.name);
+                    derivatives.push(jacobian.row(position).into_owned());
+                }
+            }
+        }
+        let row = |left: &RowDVector<f64>| {
+            let product = left * coefficients;
+            derivatives.iter().map(|right| product.dot(right)).collect()
+        };
+        Covariance { rows: derivatives.iter().map(row).collect(), order, critical }
     }
 
     /// What a reader should know besides.
@@ -170,7 +192,7 @@ impl Report<'_> {
             ));
         }
         if name == effects::inertia::KIND.parameters[0].name {
-            let noise = self.acceleration_noise_rad_s2();
+            let noise = self.motion.acceleration_noise_rad_s2(self.band.edge_hz);
             let seen = rms(&columns[column]);
             if noise * noise > NOISY_ACCELERATION * seen * seen {
                 return Some(format!(
@@ -194,15 +216,6 @@ impl Report<'_> {
                 half * rms(&used)
             )
         })
-    }
-
-    /// Standard deviation of the noise in the filtered acceleration, rad/s².
-    fn acceleration_noise_rad_s2(&self) -> f64 {
-        if self.motion.exact {
-            return 0.0;
-        }
-        let edge_hz = self.band.edge_hz;
-        (self.motion.angle_density * std::f64::consts::TAU.powi(4) * edge_hz.powi(5) / 5.0).sqrt()
     }
 
     /// Names of the parameters that a column is a sum of, or that are a sum with it.

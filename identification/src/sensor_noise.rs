@@ -44,10 +44,8 @@ impl SensorNoise {
             let square = (TAU * frequency_hz).powi(2);
             let encoder = motion.encoder_share(frequency_hz);
             let angle_density = motion.angle_density + torque_density * compliance * compliance;
-            density.acceleration_squares += width_hz
-                * passed
-                * (angle_density * (square * encoder).powi(2)
-                    + motion.accelerometer_density * (1.0 - encoder).powi(2) * (1.0 + square * motion.lag_s.powi(2)));
+            density.acceleration_squares +=
+                width_hz * passed * motion.acceleration_density(frequency_hz, angle_density);
             density.acceleration_torque += width_hz * passed * torque_density * square * compliance * encoder;
         }
         let rows = frame.mask.iter().map(|mask| mask * mask).sum::<f64>() / frame.step as f64;

@@ -2,43 +2,21 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "figures that are not asserted are printed")]
 
-mod bench;
+mod common;
 
-use bench::run;
-use dynamics::effects::detent::canonical;
+use common::{SLIDING, run, true_value};
 use dynamics::{Drive, Model, knobs};
-use identification::{Fit, FitOptions, average, fit};
+use identification::{Fit, average, fit};
 
 fn fitted(knob: &Model, sweep: &str, seed: u64) -> Fit {
     let capture = run(knob, sweep, Drive::Position, None, 8.0, seed);
-    let options = FitOptions { calibration: Some(capture.truth.clone()), ..FitOptions::default() };
-    fit(&capture.samples(), &options).unwrap()
-}
-
-fn truth(knob: &Model, name: &str) -> f64 {
-    let detent = knob.effect("detent").map(|detent| canonical(detent.values()[0], detent.values()[2]));
-    match (name, detent) {
-        ("detent_amplitude", Some((amplitude, _))) => amplitude,
-        ("detent_phase", Some((_, phase))) => phase,
-        _ => knob.parameter(name).unwrap(),
-    }
+    fit(&capture.samples(), &capture.options()).unwrap()
 }
 
 fn half_width(fit: &Fit, name: &str) -> f64 {
     let [low, high] = fit.parameters.get(name).unwrap().ci95.unwrap();
     0.5 * (high - low)
 }
-
-const SLIDING: [&str; 8] = [
-    "inertia",
-    "coulomb_negative",
-    "coulomb_positive",
-    "viscous_negative",
-    "viscous_positive",
-    "detent_amplitude",
-    "detent_period",
-    "detent_phase",
-];
 
 #[test]
 fn the_mean_of_captures_has_narrower_intervals_that_still_hold_the_truth() {
@@ -54,7 +32,7 @@ fn the_mean_of_captures_has_narrower_intervals_that_still_hold_the_truth() {
                 let parameter = mean.fit.parameters.get(name).unwrap();
                 let [low, high] = parameter.ci95.unwrap();
                 told += 1;
-                held += u32::from((low..=high).contains(&truth(&knob, name)));
+                held += u32::from((low..=high).contains(&true_value(&knob, name).unwrap()));
                 narrower += half_width(&mean.fit, name) / half_width(&fits[0], name).min(half_width(&fits[1], name));
             }
         }

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "figures that are not asserted are printed")]
 
-mod bench;
+mod common;
 
-use bench::run;
+use common::run;
 use dynamics::knobs::{self, Fixture};
 use dynamics::{Calibration, Drive};
 use identification::calibration::{CalibrateError, Calibrated, Estimate, combine, gravity, gripper, latency, zero};
@@ -60,11 +60,11 @@ fn gravity_is_found_from_a_slow_turn_even_of_a_knob_with_detents_and_stick() {
         let (mut amplitude, mut phase, mut offset) = (Tally::default(), Tally::default(), Tally::default());
         for seed in 1..=SEEDS {
             let turn = run(&knob, "slow-turn", Drive::Position, None, 15.0, seed);
-            let known = Calibration { acceleration_delay_s: turn.truth.acceleration_delay_s, ..ignorant(&turn.truth) };
+            let known = Calibration { acceleration_delay_s: turn.rig().acceleration_delay_s, ..ignorant(turn.rig()) };
             let found = gravity(&turn.samples(), &known).unwrap();
-            amplitude.count(found.get("gravity_amplitude_rad_s2").unwrap(), turn.truth.gravity_amplitude_rad_s2);
-            phase.count(found.get("gravity_phase_rad").unwrap(), turn.truth.gravity_phase_rad);
-            offset.count(found.get("acceleration_zero_rad_s2").unwrap(), turn.truth.acceleration_zero_rad_s2);
+            amplitude.count(found.get("gravity_amplitude_rad_s2").unwrap(), turn.rig().gravity_amplitude_rad_s2);
+            phase.count(found.get("gravity_phase_rad").unwrap(), turn.rig().gravity_phase_rad);
+            offset.count(found.get("acceleration_zero_rad_s2").unwrap(), turn.rig().acceleration_zero_rad_s2);
         }
         println!("knob {number}");
         amplitude.assert_good("gravity_amplitude_rad_s2", 0.5);
@@ -78,10 +78,10 @@ fn zeros_are_found_at_rest() {
     let (mut torque, mut acceleration) = (Tally::default(), Tally::default());
     for seed in 1..=SEEDS {
         let rest = run(&Fixture::None.model().unwrap(), "hold", Drive::Torque, None, 5.0, seed);
-        let known = Calibration { torque_zero_mnm: 0.0, acceleration_zero_rad_s2: 0.0, ..rest.truth.clone() };
+        let known = Calibration { torque_zero_mnm: 0.0, acceleration_zero_rad_s2: 0.0, ..rest.rig().clone() };
         let found = zero(&rest.samples(), &known).unwrap();
-        torque.count(found.get("torque_zero_mnm").unwrap(), rest.truth.torque_zero_mnm);
-        acceleration.count(found.get("acceleration_zero_rad_s2").unwrap(), rest.truth.acceleration_zero_rad_s2);
+        torque.count(found.get("torque_zero_mnm").unwrap(), rest.rig().torque_zero_mnm);
+        acceleration.count(found.get("acceleration_zero_rad_s2").unwrap(), rest.rig().acceleration_zero_rad_s2);
     }
     torque.assert_good("torque_zero_mnm", 0.01);
     acceleration.assert_good("acceleration_zero_rad_s2", 0.1);
@@ -97,11 +97,11 @@ fn both_channels_delays_are_found_to_a_fraction_of_a_sample() {
             acceleration_delay_s: 0.0,
             gripper_inertia: 0.0,
             torque_zero_mnm: 0.0,
-            ..fast.truth.clone()
+            ..fast.rig().clone()
         };
         let found = latency(&fast.samples(), &known).unwrap();
-        torque.count(found.get("torque_delay_s").unwrap(), fast.truth.torque_delay_s);
-        acceleration.count(found.get("acceleration_delay_s").unwrap(), fast.truth.acceleration_delay_s);
+        torque.count(found.get("torque_delay_s").unwrap(), fast.rig().torque_delay_s);
+        acceleration.count(found.get("acceleration_delay_s").unwrap(), fast.rig().acceleration_delay_s);
     }
     torque.assert_good("torque_delay_s", 10e-6);
     acceleration.assert_good("acceleration_delay_s", 10e-6);
@@ -112,10 +112,10 @@ fn the_grippers_inertia_is_found_from_a_sweep_without_a_knob() {
     let mut inertia = Tally::default();
     for seed in 1..=SEEDS {
         let sweep = run(&Fixture::None.model().unwrap(), "fast-multisine", Drive::Position, Some(0.1), 10.0, seed);
-        let known = Calibration { gripper_inertia: 0.0, ..sweep.truth.clone() };
+        let known = Calibration { gripper_inertia: 0.0, ..sweep.rig().clone() };
         let found = gripper(&sweep.samples(), &known).unwrap();
         assert_eq!(found.notes, Vec::<String>::new());
-        inertia.count(found.get("gripper_inertia").unwrap(), sweep.truth.gripper_inertia);
+        inertia.count(found.get("gripper_inertia").unwrap(), sweep.rig().gripper_inertia);
     }
     inertia.assert_good("gripper_inertia", 2e-4);
 }
@@ -126,7 +126,7 @@ fn a_rig_of_which_nothing_is_known_is_calibrated_step_by_step() {
     let rest = run(&none, "hold", Drive::Torque, None, 5.0, 21);
     let fast = run(&none, "fast-multisine", Drive::Position, Some(0.1), 10.0, 22);
     let turn = run(&none, "slow-turn", Drive::Position, None, 15.0, 23);
-    let truth = &rest.truth;
+    let truth = rest.rig();
     let mut known = ignorant(truth);
     // Gravity and delay lean on each other a little: twice around is enough.
     for _ in 0..2 {
@@ -155,14 +155,14 @@ fn captures_made_for_something_else_are_refused_in_one_sentence() {
     let rest = run(&none, "hold", Drive::Torque, None, 1.0, 1);
     let sweep = run(&none, "linear-chirp", Drive::Position, None, 3.0, 1);
     let stuck = run(&knobs::paper_knob(1).unwrap(), "linear-chirp", Drive::Position, None, 3.0, 1);
-    let known = ignorant(&rest.truth);
+    let known = ignorant(rest.rig());
     assert!(matches!(gravity(&sweep.samples(), &known), Err(CalibrateError::LessThanATurn { .. })));
     assert!(matches!(zero(&sweep.samples(), &known), Err(CalibrateError::NotAtRest { .. })));
     assert!(gripper(&rest.samples(), &known).is_err());
     let deaf = identification::Samples { acceleration_rad_s2: None, ..sweep.samples() };
     assert!(gravity(&deaf, &known).is_err());
     // Friction is no inertia: its torque does not follow the acceleration.
-    let refused = latency(&stuck.samples(), &stuck.truth).unwrap();
+    let refused = latency(&stuck.samples(), stuck.rig()).unwrap();
     assert!(refused.get("torque_delay_s").is_none() && refused.notes.len() == 1, "{refused:?}");
     for message in [
         gravity(&sweep.samples(), &known).unwrap_err().to_string(),

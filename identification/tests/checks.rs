@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "figures that are not asserted are printed")]
 
-mod bench;
+mod common;
 
-use bench::run;
+use common::{Capture, RATE_HZ, run};
 use dynamics::{Direction, Drive, Model, Motion, knobs};
 use identification::checks::{Breakaway, CountError, breakaways, count_detents};
 
@@ -54,12 +54,12 @@ fn thresholds(knob: &Model, seen: &[Breakaway], direction: Direction) -> Vec<f64
 }
 
 #[track_caller]
-fn assert_thresholds(number: u32, capture: &bench::Bench, fewest: usize) {
+fn assert_thresholds(number: u32, capture: &Capture, fewest: usize) {
     let knob = knobs::paper_knob(number).unwrap();
     let steps = capture.angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let fastest_rad_s = steps.fold(0.0, f64::max) * bench::RATE_HZ;
+    let fastest_rad_s = steps.fold(0.0, f64::max) * RATE_HZ;
     assert!(fastest_rad_s < 60.0, "knob {number} runs away at {fastest_rad_s} rad/s");
-    let seen = breakaways(&capture.samples(), Some(&capture.truth)).unwrap();
+    let seen = breakaways(&capture.samples(), Some(capture.rig())).unwrap();
     for direction in [Direction::Negative, Direction::Positive] {
         let torques = thresholds(&knob, &seen, direction);
         let limits = knob.stick_limits(&Motion::default());

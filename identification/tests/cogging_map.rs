@@ -3,12 +3,12 @@
 //! `HAPTIC_CAMERA_DATA` names the folder that holds `measured/`; where there is none the test skips and says so.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
 use std::f64::consts::TAU;
 
 use identification::{Fit, FitError, FitOptions, Samples, fit};
-use support::{Capture, Uniform, measured};
+use common::{Capture, Uniform, measured};
 
 /// A knob stepped by 0.002 rad with rests, at 1 kHz: friction ±`coulomb`, sinusoids (wavenumber, amplitude, phase).
 fn stepped(turns: &[(f64, f64)], coulomb: [f64; 2], sinusoids: &[[f64; 3]], random: &mut Uniform) -> Capture {

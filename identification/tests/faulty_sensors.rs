@@ -1,10 +1,16 @@
 //! A sensor at the end of its range, or one that stands still, is said, and what can still be told is told.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
 use identification::{Fit, FitError, FitOptions, Samples, fit};
-use support::{Capture, Uniform, ideal, knob, rig, sweep};
+use common::{Capture, Uniform, ideal, knob, run, sweep};
+use dynamics::{Drive, knobs};
+
+/// Ten seconds of a paper's knob that follows the linear chirp on the simulated rig.
+fn rig(number: u32, seed: u64) -> Capture {
+    run(&knobs::paper_knob(number).unwrap(), "linear-chirp", Drive::Position, None, 10.0, seed)
+}
 
 const KNOB: [f64; 8] = [0.1, 3.0, 4.0, 0.5, 0.6, 2.0, 0.05, 0.3];
 

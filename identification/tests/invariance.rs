@@ -4,13 +4,13 @@
 //! would be worth less than a hundredth of them.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
 use std::f64::consts::{PI, TAU};
 
 use dynamics::{Effect, EffectKind, Minimum, ParameterKind, Part, Regressors};
 use identification::{Fit, FitOptions, fit};
-use support::{Capture, Uniform, ideal, knob, sweep};
+use common::{Capture, Uniform, ideal, knob, sweep};
 
 const SEEDS: u64 = 30;
 /// Largest difference between two answers that are the same, in half widths of the 95 % interval.

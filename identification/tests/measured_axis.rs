@@ -3,10 +3,10 @@
 //! `HAPTIC_CAMERA_DATA` names the folder that holds `measured/`; where there is none the tests skip and say so.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
 use identification::{Fit, FitOptions, PreparationMethod, Samples, fit};
-use support::measured;
+use common::measured;
 
 /// The asymmetric model as published: inertia, and the friction of each direction.
 const PUBLISHED: [(&str, f64); 5] = [

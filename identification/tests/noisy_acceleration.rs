@@ -1,11 +1,11 @@
 //! Noise in the acceleration: what it does to the inertia, and what undoes it.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
+use common::{Capture, Uniform, ideal, knob, sweep};
 use dynamics::Motion;
 use identification::{AccelerationUse, FitOptions, PreparationMethod, fit};
-use support::{Capture, Uniform, ideal, knob, sweep};
 
 const KNOB: [f64; 8] = [0.3, 3.0, 4.0, 0.5, 0.6, 0.0, 0.05, 0.3];
 /// RMS of the noise on the acceleration column, rad/s².

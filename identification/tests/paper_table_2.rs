@@ -1,22 +1,11 @@
 //! The paper's simulated knob (Table 2): equation 2 as printed, 30,000 samples at 5 kHz, noise 4·(rand − 0.5).
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
+use common::{SLIDING, TABLE_2, Uniform, ideal, knob, sweep};
 use identification::{FitOptions, fit};
-use support::{Uniform, ideal, knob, sweep};
 
-const TABLE_2: [f64; 8] = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.2, 0.9];
-const NAMES: [&str; 8] = [
-    "inertia",
-    "coulomb_negative",
-    "coulomb_positive",
-    "viscous_negative",
-    "viscous_positive",
-    "detent_amplitude",
-    "detent_period",
-    "detent_phase",
-];
 /// Cramér–Rao bound of the standard deviations, from the Fisher information of these 30,000 samples
 /// with white noise of 4/√12 mNm (derivatives of equation 1 by differences; `examples/table_2.rs`).
 const BOUND: [f64; 8] = [6.504e-4, 2.279e-2, 1.387e-2, 7.541e-3, 5.764e-3, 1.030e-2, 7.089e-4, 1.091e-2];
@@ -26,7 +15,7 @@ fn a_perfect_capture_is_explained_to_the_last_digits() {
     let capture = ideal(&knob(&TABLE_2), sweep("paper"), 0.0, &mut Uniform(1));
     let fit = fit(&capture.samples(), &FitOptions::default()).unwrap();
     assert!(fit.relative_error_percent < 1e-9, "{}", fit.relative_error_percent);
-    for (name, truth) in NAMES.iter().zip(TABLE_2) {
+    for (name, truth) in SLIDING.iter().zip(TABLE_2) {
         let value = fit.parameters.get(name).unwrap().value.unwrap();
         assert!((value - truth).abs() < 1e-9 * truth, "{name} is {value}");
     }
@@ -40,14 +29,14 @@ fn errors_in_noise_are_at_the_cramer_rao_bound_and_intervals_hold_the_truth() {
     for _ in 0..RUNS {
         let capture = ideal(&knob(&TABLE_2), sweep("paper"), 2.0, &mut random);
         let fit = fit(&capture.samples(), &FitOptions::default()).unwrap();
-        for (index, name) in NAMES.iter().enumerate() {
+        for (index, name) in SLIDING.iter().enumerate() {
             let parameter = fit.parameters.get(name).unwrap();
             let [low, high] = parameter.ci95.unwrap();
             squares[index] += (parameter.value.unwrap() - TABLE_2[index]).powi(2);
             covered += u32::from(low <= TABLE_2[index] && TABLE_2[index] <= high);
         }
     }
-    for (index, name) in NAMES.iter().enumerate() {
+    for (index, name) in SLIDING.iter().enumerate() {
         // Two hundred runs leave the RMS itself uncertain by 5 %: three times that is allowed.
         let ratio = (squares[index] / f64::from(RUNS)).sqrt() / BOUND[index];
         assert!(ratio < 1.15, "{name}: RMS error {ratio} times the bound");

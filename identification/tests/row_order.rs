@@ -1,11 +1,11 @@
 //! The paper sorts its rows by position before the fit; least squares does not care.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
 use identification::{FitOptions, Point, PreparationMethod, fit};
 use nalgebra::{DMatrix, DVector};
-use support::{Uniform, ideal, knob, sweep};
+use common::{Uniform, ideal, knob, sweep};
 
 /// Least squares of the rows in the order given: M, C₋, C₊, B₋, B₊, and A·cos S, A·sin S at the period known.
 fn solve(points: &[Point], period_rad: f64) -> Vec<f64> {

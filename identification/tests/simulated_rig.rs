@@ -1,21 +1,20 @@
 //! Knobs of the paper on the simulated rig: stick, noise, delays, compliance, gripper.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
-use dynamics::{effects::detent, knobs};
+use common::{Capture, run, true_value};
+use dynamics::{Drive, knobs};
+use identification::fit;
 use identification::live::{LiveFit, LiveSample, Verdict};
-use identification::{FitOptions, fit};
-use support::{Capture, rig};
+
+/// Ten seconds of a paper's knob that follows the linear chirp.
+fn rig(number: u32, seed: u64) -> Capture {
+    run(&knobs::paper_knob(number).unwrap(), "linear-chirp", Drive::Position, None, 10.0, seed)
+}
 
 fn truth(number: u32, name: &str) -> Option<f64> {
-    let knob = knobs::paper_knob(number).unwrap();
-    let canonical = || knob.effect("detent").map(|e| detent::canonical(e.values()[0], e.values()[2]));
-    match name {
-        "detent_amplitude" => canonical().map(|(amplitude, _)| amplitude),
-        "detent_phase" => canonical().map(|(_, phase)| phase),
-        _ => knob.parameter(name),
-    }
+    true_value(&knobs::paper_knob(number).unwrap(), name)
 }
 
 fn stream(live: &mut LiveFit, capture: &Capture, keep: impl Fn(usize) -> bool) {
@@ -37,7 +36,7 @@ fn intervals_hold_the_truth_of_knobs_1_to_4() {
     for number in 1..=4 {
         for seed in 1..=5 {
             let capture = rig(number, seed);
-            let options = FitOptions { calibration: capture.calibration.clone(), ..FitOptions::default() };
+            let options = capture.options();
             let fit = fit(&capture.samples(), &options).unwrap();
             assert_eq!(fit.parameters.get("detent_period").unwrap().value.is_some(), number >= 3);
             for parameter in fit.parameters.0.iter().filter(|parameter| !parameter.name.starts_with("static")) {
@@ -59,7 +58,7 @@ fn the_live_fit_comes_to_the_values_of_the_whole_capture() {
         let mut live = LiveFit::new(10_000.0, capture.calibration.as_ref());
         stream(&mut live, &capture, |_| true);
         let estimate = live.estimate();
-        let options = FitOptions { calibration: capture.calibration.clone(), ..FitOptions::default() };
+        let options = capture.options();
         let whole = fit(&capture.samples(), &options).unwrap();
         for parameter in &estimate.parameters {
             let [value, expected] = [parameter.value, whole.parameters.get(parameter.name).unwrap().value];

@@ -1,11 +1,11 @@
 //! What a capture cannot tell is said in a sentence, and what it can tell is still told.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod support;
+mod common;
 
+use common::{Uniform, ideal, knob, sweep};
 use dynamics::Motion;
 use identification::{FitError, FitOptions, Samples, fit};
-use support::{Uniform, ideal, knob, sweep};
 
 const KNOB: [f64; 8] = [0.1, 3.0, 4.0, 0.5, 0.6, 2.0, 0.05, 0.3];
 

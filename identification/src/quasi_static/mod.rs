@@ -11,7 +11,7 @@ mod passes;
 use dynamics::{Effect, effects};
 use nalgebra::{DMatrix, DVector};
 
-use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
+use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::smallest_step;
 use crate::motion::{rms, scatter};
 use crate::samples::{FEWEST_SAMPLES, Samples};
@@ -60,6 +60,7 @@ pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> 
     }
     let residual = &fitted.residual;
     Some(Fit {
+        covariance: Covariance::default(),
         parameters: fitted.parameters(&frictions, &none),
         residual_rms_mnm: rms(residual),
         relative_error_percent: 100.0 * rms(residual) / rms(&map.torque_mnm),

@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use dynamics::Model;
 use identification::{Fit, FitOptions, PreparationMethod};
+use report::AveragePage;
 
 use crate::command_line;
 use crate::harmonic_table::harmonic_table;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
 use crate::parameter_table::{parameter_table, reasons};
-use crate::repeatability::repeatability_table;
+use crate::repeatability::{agreement_line, repeatability_table};
 
 /// Fits a capture and writes what was asked for.
 ///
@@ -44,18 +45,17 @@ fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result
 
 /// One model of several captures of the same knob.
 fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    anyhow::ensure!(
-        options.report.is_none(),
-        "a report shows one capture: fit the captures one at a time with --report, or leave it out"
-    );
     let loaded = captures.iter().map(|path| LoadedCapture::load(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let prepared = |one| fit_prepared(one, options.preparation.into());
     let fits = loaded.iter().map(prepared).collect::<anyhow::Result<Vec<Fit>>>()?;
     let average = identification::average(&fits).context("there is no capture to fit")?;
+    let first = loaded.first().and_then(|one| one.truth.as_ref());
+    let truth = first.filter(|_| loaded.iter().all(|one| one.truth.as_ref() == first));
     if !to_output(options.json.as_deref()) {
-        let first = loaded.first().and_then(|one| one.truth.as_ref());
-        let alike = loaded.iter().all(|one| one.truth.as_ref() == first);
-        show_fit(first.filter(|_| alike), &average.fit);
+        show_fit(truth, &average.fit);
+        if let Some(agreement) = average.agreement {
+            say(agreement_line(agreement));
+        }
         say("");
         say(repeatability_table(&average));
     }
@@ -63,6 +63,10 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
     if let Some(path) = &options.out {
         let titles: Vec<String> = loaded.iter().map(LoadedCapture::title).collect();
         write(path, &average.model(&titles.join(" and ")).to_toml())?;
+    }
+    if let Some(path) = &options.report {
+        let captures = loaded.iter().map(LoadedCapture::facts).collect();
+        write(path, &report::average_page(&AveragePage { average: &average, fits: &fits, captures, truth }))?;
     }
     Ok(Outcome::Done)
 }

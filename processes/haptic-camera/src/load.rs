@@ -63,7 +63,7 @@ impl LoadedCapture {
 
     /// What a report page says of the capture besides the fit.
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-    fn facts(&self) -> CaptureFacts {
+    pub fn facts(&self) -> CaptureFacts {
         let capture = &self.capture;
         let file = capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let facts = CaptureFacts {

@@ -1,7 +1,7 @@
 //! How captures of the same knob repeat, as a table for an 80-column terminal.
 
 use comfy_table::{CellAlignment, Table, presets};
-use identification::Average;
+use identification::{Agreement, Average};
 
 /// Most captures whose values stand side by side; of more, the differences alone.
 const SIDE_BY_SIDE: usize = 3;
@@ -35,6 +35,15 @@ pub fn repeatability_table(average: &Average) -> Table {
         }
     }
     table
+}
+
+/// Whether the captures agree as a whole.
+pub fn agreement_line(agreement: Agreement) -> String {
+    let words = if agreement.agrees() { "agree within" } else { "differ by more than" };
+    format!(
+        "the captures {words} their intervals: chi-squared {:.1} over {} degrees of freedom (p = {:.2e}), Birge ratio {:.2}",
+        agreement.chi_squared, agreement.degrees_of_freedom, agreement.probability, agreement.birge_ratio
+    )
 }
 
 /// Decimals that show a width with two digits.

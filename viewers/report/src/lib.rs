@@ -1,4 +1,4 @@
-//! The report page of a fit: one HTML file that a person reads, prints and keeps.
+//! The report page of a fit, or of several captures and their mean: one HTML file that a person reads, prints and keeps.
 //!
 //! The page carries its plots as inline SVG and its style in its head: it needs no script, fetches
 //! nothing, follows the reader's light or dark scheme on screen and is light on paper.
@@ -7,6 +7,7 @@
 //! caption what to see; `plot` lays the axes out with `plotters`; `themed_svg` writes every stroke
 //! with a class instead of a colour; the style sheet gives the class its colour.
 
+mod average;
 mod figures;
 mod ink;
 mod intervals;
@@ -19,7 +20,7 @@ mod themed_svg;
 mod verdict;
 
 use dynamics::Model;
-use identification::Fit;
+use identification::{Average, Fit};
 
 /// What is known of a capture besides its samples.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,4 +69,26 @@ pub struct FitPage<'a> {
 #[must_use]
 pub fn fit_page(page: &FitPage<'_>) -> String {
     page::fit_page(page).into_string()
+}
+
+/// Several captures of a knob and their mean with everything that their page tells.
+#[derive(Clone, Debug)]
+pub struct AveragePage<'a> {
+    /// The mean.
+    pub average: &'a Average,
+    /// The fits that it was made of.
+    pub fits: &'a [Fit],
+    /// The captures that were fitted, in the same order.
+    pub captures: Vec<CaptureFacts>,
+    /// The model that a simulated rig turned in all of them; `None` on real hardware.
+    pub truth: Option<&'a Model>,
+}
+
+/// The page of a mean as HTML, complete from doctype to end: the mean beside each capture, how they repeat, and the
+/// torque of each capture.
+///
+/// Numbers are written as on [`fit_page`].
+#[must_use]
+pub fn average_page(page: &AveragePage<'_>) -> String {
+    average::average_page(page).into_string()
 }

@@ -15,10 +15,42 @@ use crate::{CaptureFacts, FitPage};
 const STYLE: &str = include_str!("style.css");
 
 /// Fewest rows that make a plot.
-const FEWEST_ROWS: usize = 20;
+pub(crate) const FEWEST_ROWS: usize = 20;
 
 pub(crate) fn fit_page(page: &FitPage<'_>) -> Markup {
     let FitPage { fit, capture, truth: _ } = page;
+    let content = html! {
+        header {
+            p.kind { "Fit of a capture" }
+            h1 { (capture.title) }
+            p.verdict { (uppercase_first(&findings(fit))) }
+            @if let Some(words) = completeness(fit) { p.completeness { (words) } }
+            (facts(capture))
+        }
+        section {
+            h2 { "Parameters" }
+            (parameter_table(page))
+        }
+        (figures(page))
+        section {
+            h2 { "What the data could not tell" }
+            (untold(fit))
+        }
+        section {
+            h2 { "Preparation" }
+            (preparation(fit))
+        }
+        section {
+            h2 { "How the numbers were made" }
+            (method())
+        }
+        (footer(&capture.software_version, &capture.source))
+    };
+    document(&capture.title, &content)
+}
+
+/// A page around its content.
+pub(crate) fn document(title: &str, content: &Markup) -> Markup {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -26,42 +58,20 @@ pub(crate) fn fit_page(page: &FitPage<'_>) -> Markup {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
-                title { (capture.title) }
+                title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body {
-                main {
-                    header {
-                        p.kind { "Fit of a capture" }
-                        h1 { (capture.title) }
-                        p.verdict { (uppercase_first(&findings(fit))) }
-                        @if let Some(words) = completeness(fit) { p.completeness { (words) } }
-                        (facts(capture))
-                    }
-                    section {
-                        h2 { "Parameters" }
-                        (parameter_table(page))
-                    }
-                    (figures(page))
-                    section {
-                        h2 { "What the data could not tell" }
-                        (untold(fit))
-                    }
-                    section {
-                        h2 { "Preparation" }
-                        (preparation(fit))
-                    }
-                    section {
-                        h2 { "How the numbers were made" }
-                        (method())
-                    }
-                    footer {
-                        "Made by haptic-camera " (capture.software_version)
-                        " from " (capture.source) ". Angles in rad, torques in mNm, times in s; positive torque turns the \
-                         knob towards positive angle."
-                    }
-                }
-            }
+            body { main { (content) } }
+        }
+    }
+}
+
+/// Who made the page, of what, and the units.
+pub(crate) fn footer(software_version: &str, source: &str) -> Markup {
+    html! {
+        footer {
+            "Made by haptic-camera " (software_version) " from " (source) ". Angles in rad, torques in mNm, times in s; \
+             positive torque turns the knob towards positive angle."
         }
     }
 }
@@ -143,7 +153,8 @@ fn facts(capture: &CaptureFacts) -> Markup {
     }
 }
 
-fn uppercase_first(text: &str) -> String {
+/// The text as a sentence starts.
+pub(crate) fn uppercase_first(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().to_string() + letters.as_str())
 }

@@ -95,7 +95,8 @@ fn untold(page: &FitPage<'_>, group: &[Parameter]) -> Markup {
     }
 }
 
-fn truth_words(truth: Option<f64>, ci95: Option<[f64; 2]>, digits: Digits) -> Markup {
+/// The true value and whether the interval holds it.
+pub(crate) fn truth_words(truth: Option<f64>, ci95: Option<[f64; 2]>, digits: Digits) -> Markup {
     let Some(truth) = truth else { return html! { "none" } };
     let inside = ci95.map(|[low, high]| {
         let rounding = ROUNDING * truth.abs();
@@ -111,7 +112,8 @@ fn truth_words(truth: Option<f64>, ci95: Option<[f64; 2]>, digits: Digits) -> Ma
     }
 }
 
-fn name_cells(name: &str) -> Markup {
+/// Name, meaning and symbol of a parameter.
+pub(crate) fn name_cells(name: &str) -> Markup {
     let kind = kind(name).map(|(_, kind)| kind);
     html! {
         th scope="row" {
@@ -147,7 +149,7 @@ fn kind(name: &str) -> Option<(&'static EffectKind, &'static ParameterKind)> {
 }
 
 /// The true value in the form of the fit: detents with positive amplitude, their phase in the turn of the fitted one.
-fn true_value(truth: Option<&Model>, name: &str, near: Option<f64>) -> Option<f64> {
+pub(crate) fn true_value(truth: Option<&Model>, name: &str, near: Option<f64>) -> Option<f64> {
     let truth = truth?;
     let value = truth.parameter(name)?;
     let detent = &effects::detent::KIND;

@@ -69,6 +69,18 @@ impl Axis {
         Self { title, low: low - widen, high: high + widen }
     }
 
+    /// Place of a value along the axis, from 0 to 1 where it lies on it.
+    pub(crate) fn share(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+
+    /// At most about so many round values with what to write at them.
+    pub(crate) fn ticks(&self, most: usize) -> Vec<(f64, String)> {
+        let decimals = self.decimals(most);
+        let ticks = RangedCoordf64::from(self.low..self.high).key_points(most);
+        ticks.into_iter().map(|tick| (tick, fixed(tick, decimals))).collect()
+    }
+
     fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }

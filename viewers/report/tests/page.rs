@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use dynamics::{Drive, Effect, Excitation, Model, Motion, effects, knobs};
-use identification::{Fit, FitOptions, Samples, fit};
-use report::{CaptureFacts, FitPage, fit_page};
+use identification::{Fit, FitOptions, Samples, average, fit};
+use report::{AveragePage, CaptureFacts, FitPage, average_page, fit_page};
 
 const RATE_HZ: f64 = 5000.0;
 /// Step of the torque sensor, mNm; it makes the residual.
@@ -41,7 +41,11 @@ fn fitted(knob: &Model, seconds: f64, one_way: bool) -> Fit {
 }
 
 fn page_of(fit: &Fit, title: &str, truth: Option<&Model>) -> String {
-    let capture = CaptureFacts {
+    fit_page(&FitPage { fit, capture: facts(fit, title), truth })
+}
+
+fn facts(fit: &Fit, title: &str) -> CaptureFacts {
+    CaptureFacts {
         title: title.to_owned(),
         source: "knob-3.mcap".to_owned(),
         knob: "knob 3".to_owned(),
@@ -54,8 +58,12 @@ fn page_of(fit: &Fit, title: &str, truth: Option<&Model>) -> String {
         gaps: Some(0),
         real_time: Some(true),
         software_version: "0.1.0".to_owned(),
-    };
-    fit_page(&FitPage { fit, capture, truth })
+    }
+}
+
+fn mean_page(fits: &[Fit], truth: Option<&Model>) -> String {
+    let captures = fits.iter().map(|fit| facts(fit, "Knob 3")).collect();
+    average_page(&AveragePage { average: &average(fits).unwrap(), fits, captures, truth })
 }
 
 /// The page as XML: its only element without an end is `meta`.
@@ -214,4 +222,38 @@ fn a_capture_without_noise_and_a_residual_of_zero_still_make_a_page() {
     fit.preparation.torque_noise_mnm = 0.0;
     let page = page_of(&fit, "Knob 3", None);
     assert!(!page.contains("NaN") && roxmltree::Document::parse(&well_formed(&page)).is_ok());
+}
+
+#[test]
+fn the_page_of_a_mean_has_a_forest_for_each_parameter_and_the_torques_of_each_capture() {
+    let knob = knobs::paper_knob(3).unwrap();
+    let fits = [fitted(&knob, 6.0, false), fitted(&knob, 5.0, false), fitted(&knob, 4.0, false)];
+    let page = mean_page(&fits, Some(&knob));
+    let xml = well_formed(&page);
+    let document = roxmltree::Document::parse(&xml).unwrap();
+    let plots = |within: &str| {
+        let class = |node: &roxmltree::Node<'_, '_>| node.attribute("class") == Some(within);
+        document
+            .descendants()
+            .filter(|node| node.attribute("class") == Some("plot") && node.ancestors().any(|parent| class(&parent)))
+            .count()
+    };
+    let told = fits[0].parameters.0.iter().filter(|parameter| parameter.value.is_some()).count();
+    assert_eq!(plots("forest"), told);
+    let all = document.descendants().filter(|node| node.attribute("class") == Some("plot")).count();
+    assert_eq!(all, told + 2 * fits.len(), "two torque plots of each capture");
+    let text = text_of(&page);
+    for expected in ["Mean of 3 captures", "degrees of freedom", "capture 3", "Birge ratio", "true value"] {
+        assert!(text.contains(expected), "{expected} is missing");
+    }
+    assert!(!page.contains("NaN") && !page.contains("<script") && !page.contains("http-equiv"));
+}
+
+#[test]
+fn a_mean_of_many_captures_leaves_single_values_to_the_plots_and_names_a_knob_that_they_share() {
+    let knob = knobs::paper_knob(3).unwrap();
+    let fits: Vec<Fit> = (0..6).map(|index| fitted(&knob, 4.0 + 0.3 * f64::from(index), false)).collect();
+    let text = text_of(&mean_page(&fits, None));
+    assert!(text.contains("Single captures are in the figure below"));
+    assert!(text.contains("knob 3, 6 captures") && !text.contains("true value"));
 }

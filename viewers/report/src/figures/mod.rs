@@ -60,6 +60,11 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
+    /// The figure as the `number`th of the page, its words left to an earlier one of its kind.
+    pub(crate) fn again(self, number: usize) -> Markup {
+        Self { caption: String::new(), ..self }.numbered(number)
+    }
+
     /// The figure as the `number`th of the page.
     pub(crate) fn numbered(&self, number: usize) -> Markup {
         html! {
@@ -73,7 +78,7 @@ impl Figure {
                     }
                 }
                 (self.plot)
-                figcaption { (self.caption) }
+                @if !self.caption.is_empty() { figcaption { (self.caption) } }
             }
         }
     }

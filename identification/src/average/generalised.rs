@@ -1,0 +1,168 @@
+//! The generalised least squares mean of vectors with covariances, and whether they agree.
+//!
+//! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks what capture i told), the mean is
+//! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and what the captures
+//! leave of it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say. The root of that over its
+//! degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227).
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use statrs::function::gamma::checked_gamma_ur;
+
+use super::observation::Observation;
+use super::{Agreement, position, scalar};
+
+/// Added to the ones of each correlation matrix, so that rounding does not make it indefinite.
+const RIDGE: f64 = 1e-9;
+
+/// The mean of the observations, scatter between them included, and whether they agree without that.
+pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreement>) {
+    let mut names: Vec<&'static str> = Vec::new();
+    for name in observations.iter().flat_map(|one| &one.names) {
+        if !names.contains(name) {
+            names.push(name);
+        }
+    }
+    let told = |name: &str| -> Vec<(f64, f64)> {
+        observations
+            .iter()
+            .filter_map(|one| position(&one.names, name).map(|at| (one.values[at], one.covariance[(at, at)])))
+            .collect()
+    };
+    // A value without a variance counts like the best one; without any, all count alike.
+    let floors: Vec<f64> = names
+        .iter()
+        .map(|name| {
+            let known = told(name).iter().map(|one| one.1).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
+            if known.is_finite() { known } else { 1.0 }
+        })
+        .collect();
+    let scatter: Vec<f64> = names
+        .iter()
+        .zip(&floors)
+        .map(|(name, floor)| {
+            let known: Vec<(f64, f64)> =
+                told(name).iter().map(|one| (one.0, if one.1 > 0.0 { one.1 } else { *floor })).collect();
+            scalar::between(&known)
+        })
+        .collect();
+    let problem = Problem { names: &names, floors: &floors, observations };
+    let agreement = problem.agreement(&problem.solve(&vec![0.0; names.len()]).0);
+    let (values, mut covariance) = problem.solve(&scatter);
+    for (at, name) in names.iter().enumerate() {
+        let uncertain = scatter[at] > 0.0 || told(name).iter().any(|one| one.1 > 0.0);
+        if !uncertain {
+            covariance.row_mut(at).fill(0.0);
+            covariance.column_mut(at).fill(0.0);
+        }
+    }
+    let joint = names
+        .iter()
+        .map(|name| observations.iter().any(|one| position(&one.names, name).is_some_and(|at| one.joint[at])))
+        .collect();
+    (Observation { values: values.iter().copied().collect(), covariance, joint, names }, agreement)
+}
+
+struct Problem<'a> {
+    names: &'a [&'static str],
+    /// Variance of each parameter where an observation has none; also its scale.
+    floors: &'a [f64],
+    observations: &'a [Observation],
+}
+
+impl Problem<'_> {
+    /// Places of an observation's parameters among all.
+    fn places(&self, observation: &Observation) -> Vec<usize> {
+        observation.names.iter().filter_map(|name| position(self.names, name)).collect()
+    }
+
+    /// Inverse of an observation's covariance with `scatter` added to it, and standard deviations taken out of both sides.
+    fn factor(&self, observation: &Observation, scatter: &[f64]) -> (Option<Cholesky<f64, Dyn>>, DVector<f64>) {
+        let places = self.places(observation);
+        let variance = |at: usize| {
+            let own = observation.covariance[(at, at)];
+            (if own > 0.0 { own } else { self.floors[places[at]] }) + scatter[places[at]]
+        };
+        let count = places.len();
+        let deviations = DVector::from_fn(count, |at, _| variance(at).sqrt());
+        let correlation = DMatrix::from_fn(count, count, |row, column| {
+            if row == column {
+                1.0 + RIDGE
+            } else {
+                observation.covariance[(row, column)] / (deviations[row] * deviations[column])
+            }
+        });
+        // A matrix that is no covariance says no more than its diagonal does.
+        let factor = Cholesky::new(correlation).or_else(|| Cholesky::new(DMatrix::identity(count, count)));
+        (factor, deviations)
+    }
+
+    /// Values and covariance of the mean.
+    fn solve(&self, scatter: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+        let count = self.names.len();
+        let scales: Vec<f64> = self.floors.iter().map(|floor| floor.sqrt()).collect();
+        // Relative to the first value that was told, so that phases and small periods keep their digits.
+        let origin: Vec<f64> = (0..count)
+            .map(|at| {
+                let first = |one: &Observation| position(&one.names, self.names[at]).map(|place| one.values[place]);
+                self.observations.iter().find_map(first).unwrap_or(0.0)
+            })
+            .collect();
+        let mut normal = DMatrix::<f64>::zeros(count, count);
+        let mut right = DVector::<f64>::zeros(count);
+        for observation in self.observations {
+            let places = self.places(observation);
+            let (Some(factor), deviations) = self.factor(observation, scatter) else { continue };
+            let whitened = |at: usize| (observation.values[at] - origin[places[at]]) / deviations[at];
+            let solved = factor.solve(&DVector::from_fn(places.len(), |at, _| whitened(at)));
+            let inverse = factor.inverse();
+            for (row, place) in places.iter().enumerate() {
+                let share = scales[*place] / deviations[row];
+                right[*place] += share * solved[row];
+                for (column, other) in places.iter().enumerate() {
+                    normal[(*place, *other)] += share * inverse[(row, column)] * scales[*other] / deviations[column];
+                }
+            }
+        }
+        let Some(factor) = Cholesky::new(normal) else {
+            return (DVector::from_vec(origin), DMatrix::zeros(count, count));
+        };
+        let solution = factor.solve(&right);
+        let inverse = factor.inverse();
+        (
+            DVector::from_fn(count, |at, _| origin[at] + scales[at] * solution[at]),
+            DMatrix::from_fn(count, count, |row, column| scales[row] * scales[column] * inverse[(row, column)]),
+        )
+    }
+
+    /// χ² of what the observations leave of `mean`, over the parameters whose covariance a fit gave.
+    #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
+    fn agreement(&self, mean: &DVector<f64>) -> Option<Agreement> {
+        let none = vec![0.0; self.names.len()];
+        let (mut chi_squared, mut told) = (0.0, 0);
+        let mut parameters = vec![false; self.names.len()];
+        for observation in self.observations {
+            let places = self.places(observation);
+            let (Some(factor), deviations) = self.factor(observation, &none) else { continue };
+            // What stands by itself is not correlated with the rest, so that leaving it out is setting it to zero.
+            let left = DVector::from_fn(places.len(), |at, _| {
+                if observation.joint[at] { (observation.values[at] - mean[places[at]]) / deviations[at] } else { 0.0 }
+            });
+            chi_squared += left.dot(&factor.solve(&left));
+            for (at, place) in places.iter().enumerate().filter(|(at, _)| observation.joint[*at]) {
+                told += usize::from(observation.covariance[(at, at)] > 0.0);
+                parameters[*place] = true;
+            }
+        }
+        let degrees_of_freedom = told.saturating_sub(parameters.iter().filter(|told| **told).count());
+        if degrees_of_freedom == 0 {
+            return None;
+        }
+        let freedom = degrees_of_freedom as f64;
+        Some(Agreement {
+            chi_squared,
+            degrees_of_freedom,
+            probability: checked_gamma_ur(0.5 * freedom, 0.5 * chi_squared).unwrap_or(0.0),
+            birge_ratio: (chi_squared / freedom).sqrt(),
+        })
+    }
+}

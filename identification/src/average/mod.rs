@@ -1,0 +1,213 @@
+//! One model of several captures of the same knob.
+//!
+//! The mean is that of whole parameter vectors: each capture counts with the inverse of its covariance
+//! ([`Fit::covariance`]), so that a capture which tells a sum of two parameters better than each of them
+//! keeps that. Where captures differ by more than their intervals allow, the excess is a scatter from
+//! capture to capture, estimated parameter by parameter after DerSimonian and Laird (Controlled Clinical
+//! Trials 7, 1986, 177–188) and added to every capture's variances: the combined interval widens, and
+//! captures that differ count alike. [`Agreement`] tells, before that, whether they differ at all.
+
+mod generalised;
+mod model_torque;
+mod observation;
+mod reference;
+mod repeatability;
+mod scalar;
+
+use std::collections::BTreeMap;
+
+use dynamics::{Effect, Model, effects};
+
+use crate::estimate::{Covariance, Fit, Parameter, Parameters};
+use observation::Observation;
+use scalar::NORMAL_95;
+
+pub use repeatability::{Repeatability, Told};
+pub(crate) use scalar::{Combined, combined, wrapped};
+
+/// Captures that differ by this multiple of what their intervals allow are not of the same knob, or one went wrong.
+const GROSS: f64 = 5.0;
+/// Probability of the disagreement below which it is worth a note. Covariances are estimates themselves, so that χ² is
+/// large more often than its distribution says.
+const UNLIKELY: f64 = 1e-3;
+
+/// Whether captures differ by more than their covariances allow.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Agreement {
+    /// Σ rᵀV⁻¹r of the captures' parameter vectors about their mean.
+    pub chi_squared: f64,
+    /// What that would be on average if the captures agree.
+    pub degrees_of_freedom: usize,
+    /// Probability of a χ² at least as large if they agree and their covariances are right.
+    pub probability: f64,
+    /// √(χ² over degrees of freedom): how many times larger than told the differences are.
+    pub birge_ratio: f64,
+}
+
+impl Agreement {
+    /// Whether chance may explain the differences.
+    #[must_use]
+    pub fn agrees(&self) -> bool {
+        self.probability >= UNLIKELY
+    }
+}
+
+/// A model of several captures; serialises to what `fit --json` gives, with `captures`, `agreement` and `repeatability`.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Average {
+    /// The combined fit. Residual and relative error are those of all captures together, and the mean interval is that
+    /// of the combined model's torque.
+    #[serde(flatten)]
+    pub fit: Fit,
+    /// Number of captures.
+    pub captures: usize,
+    /// Whether the captures agree; `None` for one alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub agreement: Option<Agreement>,
+    /// How each parameter repeats; those that fewer than two captures tell are left out.
+    pub repeatability: BTreeMap<&'static str, Repeatability>,
+}
+
+impl Average {
+    /// The combined model.
+    #[must_use]
+    pub fn model(&self, name: &str) -> Model {
+        let model = self.fit.model(name);
+        Model { description: format!("mean of {} captures, {}", self.captures, model.description), ..model }
+    }
+}
+
+/// Combines fits of captures of the same knob; `None` for none. Rates and sweeps may differ.
+#[must_use]
+pub fn average(fits: &[Fit]) -> Option<Average> {
+    // The fit that knows most effects lends the list of parameters.
+    let most = fits.iter().max_by_key(|fit| fit.effects().len())?;
+    let common_angle_rad = reference::common_angle_rad(fits);
+    let mut observations: Vec<Observation> = fits.iter().map(Observation::of).collect();
+    reference::to_angle(&mut observations, common_angle_rad);
+    let (mut mean, agreement) = generalised::mean(&observations);
+    let repeatability: BTreeMap<_, _> = most
+        .parameters
+        .0
+        .iter()
+        .filter_map(|parameter| {
+            let record = Repeatability::of(parameter, fits, &observations, &mean, common_angle_rad)?;
+            Some((parameter.name, record))
+        })
+        .collect();
+    reference::back_to_zero(&mut mean, common_angle_rad);
+
+    let mut fit = most.clone();
+    fit.parameters = Parameters(most.parameters.0.iter().map(|parameter| with_mean(parameter, &mean)).collect());
+    sums(&mut fit, fits);
+    fit.notes = notes(fits, agreement, &repeatability);
+    fit.effects = fit.effects.iter().map(|effect| with_values(effect, &fit.parameters)).collect();
+    fit.covariance = covariance(&mean);
+    let own = mean_of(fits.iter().map(|one| one.mean_ci95_mnm));
+    let textbook = mean_of(fits.iter().map(|one| one.mean_ci95_textbook_mnm));
+    fit.mean_ci95_mnm = model_torque::mean_half_width_mnm(&fit, fits);
+    fit.mean_ci95_textbook_mnm = if own > 0.0 { textbook * fit.mean_ci95_mnm / own } else { textbook };
+    Some(Average { fit, captures: fits.len(), agreement, repeatability })
+}
+
+fn position(names: &[&'static str], name: &str) -> Option<usize> {
+    names.iter().position(|known| *known == name)
+}
+
+fn with_mean(parameter: &Parameter, mean: &Observation) -> Parameter {
+    let Some((value, half_width)) = mean.told(parameter.name) else { return parameter.clone() };
+    Parameter {
+        value: Some(value),
+        ci95: Some(bounded(parameter, value, half_width)),
+        ci95_textbook: None,
+        reason: None,
+        ..parameter.clone()
+    }
+}
+
+/// An interval that stays above zero where the first capture's did.
+fn bounded(parameter: &Parameter, value: f64, half_width: f64) -> [f64; 2] {
+    let floor = parameter.ci95.is_some_and(|[low, _]| low == 0.0);
+    let low = value - half_width;
+    [if floor { low.max(0.0) } else { low }, value + half_width]
+}
+
+/// Covariance of the mean, of the parameters whose covariance a fit gave.
+fn covariance(mean: &Observation) -> Covariance {
+    let joint: Vec<usize> = (0..mean.names.len()).filter(|at| mean.joint[*at]).collect();
+    let row = |a: &usize| joint.iter().map(|b| mean.covariance[(*a, *b)]).collect();
+    Covariance {
+        order: joint.iter().map(|at| mean.names[*at]).collect(),
+        rows: joint.iter().map(row).collect(),
+        critical: NORMAL_95,
+    }
+}
+
+fn notes(
+    fits: &[Fit],
+    agreement: Option<Agreement>,
+    repeatability: &BTreeMap<&'static str, Repeatability>,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (index, fit) in fits.iter().enumerate() {
+        notes.extend(fit.notes.iter().map(|note| format!("capture {}: {note}", index + 1)));
+    }
+    if let Some(agreement) = agreement.filter(|agreement| !agreement.agrees()) {
+        notes.push(format!(
+            "taken together the captures differ {:.1} times as much as their intervals say; the mean's intervals allow for it",
+            agreement.birge_ratio
+        ));
+    }
+    let gross: Vec<&str> =
+        repeatability.iter().filter(|(_, record)| record.ratio > GROSS).map(|(name, _)| *name).collect();
+    if !gross.is_empty() {
+        notes.push(format!(
+            "the captures disagree by more than {GROSS} times their intervals in {}: are they of the same knob?",
+            gross.join(", ")
+        ));
+    }
+    let shows = |fit: &&Fit| fit.parameters.get(reference::PERIOD).is_some_and(|period| period.value.is_some());
+    let with = fits.iter().filter(shows).count();
+    if with > 0 && with < fits.len() {
+        notes.push(format!("{with} of {} captures show detents; the others take no part in theirs", fits.len()));
+    }
+    notes
+}
+
+/// Residual, relative error and counts of all captures together.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+fn sums(combined: &mut Fit, fits: &[Fit]) {
+    let (mut residual, mut torque, mut rows) = (0.0, 0.0, 0);
+    for fit in fits {
+        for point in &fit.points {
+            residual += point.residual_mnm.powi(2);
+            torque += point.torque_mnm.powi(2);
+        }
+        rows += fit.points.len();
+    }
+    combined.residual_rms_mnm = (residual / rows.max(1) as f64).sqrt();
+    combined.relative_error_percent = if torque > 0.0 { 100.0 * (residual / torque).sqrt() } else { 0.0 };
+    combined.samples = fits.iter().map(|fit| fit.samples).sum();
+    combined.rows = fits.iter().map(|fit| fit.rows).sum();
+}
+
+/// The effect with the combined values where there are some.
+fn with_values(effect: &Effect, parameters: &Parameters) -> Effect {
+    let mut effect = *effect;
+    let kind = effect.kind();
+    for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
+        // The inertia as fitted has the gripper in it; the told one does not.
+        if kind.name == effects::inertia::KIND.name {
+            continue;
+        }
+        if let Some(value) = parameters.get(parameter.name).and_then(|told| told.value) {
+            *slot = value;
+        }
+    }
+    effect
+}
+
+fn mean_of(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}

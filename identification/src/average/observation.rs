@@ -1,0 +1,72 @@
+//! What one capture tells: a vector of parameters with its covariance.
+
+use nalgebra::DMatrix;
+
+use super::position;
+use super::reference::{PERIOD, PHASE};
+use super::scalar::NORMAL_95;
+use crate::estimate::{Fit, Parameter};
+
+/// Parameters that a capture told, in their own order.
+#[derive(Clone, Debug)]
+pub(super) struct Observation {
+    pub(super) names: Vec<&'static str>,
+    pub(super) values: Vec<f64>,
+    /// Covariance, enlarged so that 1.96 standard deviations are the fit's own half widths.
+    pub(super) covariance: DMatrix<f64>,
+    /// Whether the covariance comes from the fit; where not, it is from the interval alone.
+    pub(super) joint: Vec<bool>,
+}
+
+impl Observation {
+    /// All that a fit tells. A parameter outside of its covariance (held at zero, or read off the capture) stands by itself.
+    pub(super) fn of(fit: &Fit) -> Self {
+        let told: Vec<(&Parameter, f64)> =
+            fit.parameters.0.iter().filter_map(|parameter| Some((parameter, parameter.value?))).collect();
+        let known = &fit.covariance;
+        let scale = (known.critical / NORMAL_95).powi(2);
+        let places: Vec<Option<usize>> = told
+            .iter()
+            .map(|(parameter, _)| position(&known.order, parameter.name).filter(|at| known.rows[*at][*at] > 0.0))
+            .collect();
+        let covariance = DMatrix::from_fn(told.len(), told.len(), |row, column| match (places[row], places[column]) {
+            (Some(a), Some(b)) => scale * known.rows[a][b],
+            _ if row == column => (half_width(told[row].0) / NORMAL_95).powi(2),
+            _ => 0.0,
+        });
+        Self {
+            names: told.iter().map(|(parameter, _)| parameter.name).collect(),
+            values: told.iter().map(|(_, value)| *value).collect(),
+            covariance,
+            joint: places.iter().map(Option::is_some).collect(),
+        }
+    }
+
+    /// Takes the phase of the detents `by_rad` further along; returns it with its weight.
+    ///
+    /// S + θ/P has the derivative −θ/P² by P, so the covariance turns with it.
+    pub(super) fn move_phase(&mut self, by_rad: f64) -> Option<(f64, f64)> {
+        let phase = position(&self.names, PHASE)?;
+        if let Some(period) = position(&self.names, PERIOD) {
+            let period_rad = self.values[period];
+            self.values[phase] += by_rad / period_rad;
+            let mut turn = DMatrix::identity(self.names.len(), self.names.len());
+            turn[(phase, period)] = -by_rad / (period_rad * period_rad);
+            self.covariance = &turn * &self.covariance * turn.transpose();
+        }
+        Some((self.values[phase], 1.0 / self.covariance[(phase, phase)].max(1e-18)))
+    }
+
+    /// A parameter with the half width of its interval.
+    pub(super) fn told(&self, name: &str) -> Option<(f64, f64)> {
+        let at = position(&self.names, name)?;
+        Some((self.values[at], NORMAL_95 * self.covariance[(at, at)].max(0.0).sqrt()))
+    }
+}
+
+fn half_width(parameter: &Parameter) -> f64 {
+    match (parameter.value, parameter.ci95) {
+        (Some(value), Some([low, high])) => (high - value).max(value - low),
+        _ => 0.0,
+    }
+}

@@ -1,0 +1,89 @@
+//! Torques at which a resting knob breaks away, read off the capture.
+
+use dynamics::{Calibration, Direction};
+
+use crate::samples::{FitError, Samples};
+use crate::spectrum::median;
+
+/// Shortest rest before a breakaway, s.
+const REST_S: f64 = 0.020;
+/// A knob that has left its rest by this much has broken away, in encoder steps …
+const AWAY_STEPS: f64 = 6.0;
+/// … or rad, where the encoder's step is not known.
+const AWAY_RAD: f64 = 1e-4;
+/// How soon after leaving its rest it must be ten times as far, s: a breakaway, not a creep.
+const SOON_S: f64 = 0.030;
+/// Time before the knob is seen to move from which the torque at breakaway is read, s.
+const READ_S: f64 = 0.004;
+/// Time over which the torque is averaged before its peak is taken, s.
+const AVERAGE_S: f64 = 0.001;
+
+/// One breakaway.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Breakaway {
+    /// Time, s.
+    pub t_s: f64,
+    /// Angle at which the knob rested, rad.
+    pub angle_rad: f64,
+    /// Whither it broke away.
+    pub direction: Direction,
+    /// Torque on it as it broke away, sensor's zero taken out, mNm; detents included.
+    pub torque_mnm: f64,
+}
+
+/// Reads off the torques at which a resting knob breaks away.
+///
+/// A capture of slow ramps shows them best (`--torque --sweep torque-ramp`); any in which the knob rests
+/// and slips will do. Takes zero, stiffness and encoder step from `known`.
+///
+/// # Errors
+/// [`FitError`] for samples that are no capture of a motion.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "lengths of a few samples"
+)]
+pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<Vec<Breakaway>, FitError> {
+    samples.check()?;
+    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let rate_hz = 1.0 / median(&mut steps);
+    let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
+    let stiffness = known.map_or(f64::INFINITY, |known| known.torque_sensor_stiffness_mnm_rad);
+    let twist = |torque: f64| if stiffness > 0.0 { torque / stiffness } else { 0.0 };
+    // The knob itself rests while the sensor twists under the rising torque.
+    let knob_rad: Vec<f64> =
+        samples.angle_rad.iter().zip(samples.torque_mnm).map(|(angle, torque)| angle - twist(*torque)).collect();
+    let away_rad = known.map(|known| AWAY_STEPS * known.angle_step_rad).filter(|away| *away > 0.0).unwrap_or(AWAY_RAD);
+    let (rest, soon) = ((REST_S * rate_hz) as usize, (SOON_S * rate_hz) as usize);
+    let read = ((READ_S * rate_hz) as usize).max(3).min(rest);
+    let average = ((AVERAGE_S * rate_hz) as usize).max(3).min(read);
+
+    let mut found = Vec::new();
+    let mut start = 0;
+    for index in 1..knob_rad.len() {
+        if (knob_rad[index] - knob_rad[start]).abs() <= away_rad {
+            continue;
+        }
+        let rested = index - start;
+        let later = (index + soon).min(knob_rad.len() - 1);
+        let moved = knob_rad[later] - knob_rad[start];
+        if rested >= rest && moved.abs() > 10.0 * away_rad {
+            let direction = Direction::of(moved);
+            let sign = direction.sign();
+            // The torque falls once the knob slides: its peak is the breakaway, a short mean keeps noise out of it.
+            let peak = samples.torque_mnm[index - read..=index]
+                .windows(average)
+                .map(|part| sign * part.iter().sum::<f64>() / average as f64)
+                .fold(f64::NEG_INFINITY, f64::max);
+            found.push(Breakaway {
+                t_s: samples.t_s[index],
+                angle_rad: knob_rad[start],
+                direction,
+                torque_mnm: sign * peak - zero_mnm,
+            });
+        }
+        start = index;
+    }
+    Ok(found)
+}

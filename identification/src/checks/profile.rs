@@ -1,0 +1,121 @@
+//! Torque over angle, by direction.
+
+use std::f64::consts::TAU;
+
+use dynamics::Direction;
+
+use super::series::{bridged, centred, longest_run, smoothed, without_shocks};
+use crate::samples::{Samples, span};
+use crate::spectrum::median;
+
+/// Bins of angle in one turn: a detent needs some ten of them.
+pub(super) const BINS_PER_TURN: f64 = 1440.0;
+/// Time after missed ticks in which the torque is the servo's, catching up, and not the knob's, s.
+const CATCHING_UP_S: f64 = 0.02;
+/// A crossing counts once the torque has passed this share of the detents' amplitude on both sides.
+const HYSTERESIS: f64 = 0.4;
+
+/// Torque over angle where the knob passed both ways.
+pub(super) struct Profile {
+    first_rad: f64,
+    /// Mean of both directions' torques, bin by bin, without its straight line, mNm.
+    pub(super) mean_mnm: Vec<f64>,
+    /// Correlation of the two directions' torques over angle.
+    pub(super) correlation: f64,
+}
+
+impl Profile {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "bins of some turns"
+    )]
+    pub(super) fn of(samples: &Samples<'_>) -> Self {
+        let lowest = samples.angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
+        let width = TAU / BINS_PER_TURN;
+        let bin = |angle: f64| ((angle - lowest) / width) as usize;
+        let bins = (span(samples.angle_rad) / width) as usize + 1;
+        let (mut sums, mut counts) = ([vec![0.0; bins], vec![0.0; bins]], [vec![0.0; bins], vec![0.0; bins]]);
+        // The direction of a sample is that in which the knob leaves its bin's neighbourhood, not that of encoder steps.
+        let mut turning_point = samples.angle_rad[0];
+        let mut direction = None;
+        let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let step_s = median(&mut steps);
+        let (mut previous_s, mut caught_up_s) = (samples.t_s[0], samples.t_s[0]);
+        for ((time_s, angle), torque) in samples.t_s.iter().zip(samples.angle_rad).zip(samples.torque_mnm) {
+            if time_s - previous_s > 1.5 * step_s {
+                caught_up_s = time_s + CATCHING_UP_S;
+            }
+            previous_s = *time_s;
+            let away = angle - turning_point;
+            let onwards = match direction {
+                Some(Direction::Positive) => away > 0.0,
+                Some(Direction::Negative) => away < 0.0,
+                None => false,
+            };
+            if onwards {
+                turning_point = *angle;
+            } else if away.abs() > 2.0 * width {
+                direction = Some(Direction::of(away));
+                turning_point = *angle;
+            }
+            let side = match direction {
+                Some(Direction::Negative) => 0,
+                Some(Direction::Positive) => 1,
+                None => continue,
+            };
+            if *time_s >= caught_up_s {
+                sums[side][bin(*angle)] += torque;
+                counts[side][bin(*angle)] += 1.0;
+            }
+        }
+        let sides = [0, 1].map(|side| {
+            let passed = sums[side].iter().zip(&counts[side]);
+            bridged(&passed.map(|(sum, count)| (*count > 0.0).then(|| sum / count)).collect::<Vec<_>>())
+        });
+        let both: Vec<bool> = (0..bins).map(|at| sides[0][at].is_some() && sides[1][at].is_some()).collect();
+        let (first, length) = longest_run(&both);
+        let side = |side: usize| {
+            let torque: Vec<f64> = sides[side][first..first + length].iter().copied().flatten().collect();
+            centred(&smoothed(&without_shocks(&torque)))
+        };
+        let (back, there) = (side(0), side(1));
+        let product = |left: &[f64], right: &[f64]| left.iter().zip(right).map(|(a, b)| a * b).sum::<f64>();
+        let scale = (product(&back, &back) * product(&there, &there)).sqrt();
+        let mean: Vec<f64> = back.iter().zip(&there).map(|(a, b)| 0.5 * (a + b)).collect();
+        Self {
+            first_rad: lowest + (first as f64 + 0.5) * width,
+            mean_mnm: mean,
+            correlation: if scale > 0.0 { product(&back, &there) / scale } else { 0.0 },
+        }
+    }
+
+    /// Angles at which the torque rises through its mean, rad.
+    #[allow(clippy::cast_precision_loss, reason = "bins of some turns")]
+    pub(super) fn rising_crossings(&self) -> Vec<f64> {
+        let mean_mnm = &self.mean_mnm;
+        // Half of a sine's values lie below its amplitude over √2, shocks or not.
+        let mut sizes: Vec<f64> = mean_mnm.iter().map(|torque| torque.abs()).collect();
+        let threshold = HYSTERESIS * std::f64::consts::SQRT_2 * median(&mut sizes);
+        let mut crossings = Vec::new();
+        let mut low = false;
+        let mut candidate = None;
+        for (index, pair) in mean_mnm.windows(2).enumerate() {
+            if pair[0] < -threshold {
+                (low, candidate) = (true, None);
+            }
+            if low && pair[0] < 0.0 && pair[1] >= 0.0 {
+                let share = pair[0] / (pair[0] - pair[1]);
+                candidate = Some(self.first_rad + (index as f64 + share) * TAU / BINS_PER_TURN);
+            }
+            if pair[1] > threshold
+                && let Some(angle) = candidate.take()
+            {
+                crossings.push(angle);
+                low = false;
+            }
+        }
+        crossings
+    }
+}
