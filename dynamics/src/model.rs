@@ -230,19 +230,21 @@ impl Model {
         friction_mnm + coulomb_factor * sliding_at(&Motion { velocity_rad_s: 0.0, ..*motion })
     }
 
-    /// What a knob at rest bears: Karnopp's limits, or the friction at zero speed where the model has none.
+    /// What a knob at rest bears: Karnopp's limits, but at least the friction with which it begins to slide.
+    ///
+    /// If it bore less, it would break away into a friction that stops it at once.
     #[must_use]
     pub fn stick_limits(&self, motion: &Motion) -> StickLimits {
-        for effect in &self.effects {
-            if let Part::Stick(limits) = effect.kind().part {
-                return limits(effect.values());
-            }
-        }
+        let karnopp = self.effects.iter().find_map(|effect| match effect.kind().part {
+            Part::Stick(limits) => Some(limits(effect.values())),
+            _ => None,
+        });
+        let karnopp = karnopp.unwrap_or_default();
         let still = Motion { velocity_rad_s: 0.0, ..*motion };
         StickLimits {
-            negative_mnm: -self.friction_mnm(&still, Direction::Negative),
-            positive_mnm: self.friction_mnm(&still, Direction::Positive),
-            velocity_rad_s: 0.0,
+            negative_mnm: karnopp.negative_mnm.max(-self.friction_mnm(&still, Direction::Negative)),
+            positive_mnm: karnopp.positive_mnm.max(self.friction_mnm(&still, Direction::Positive)),
+            velocity_rad_s: karnopp.velocity_rad_s,
         }
     }
 }

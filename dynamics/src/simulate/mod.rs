@@ -1,0 +1,352 @@
+//! Forward simulation: the motion of a knob under a given torque, with true stick and slip.
+//!
+//! Between events the equations of motion
+//!
+//! ```text
+//! J·ω̇ = T − free(θ, ω, t) − friction(θ, ω, direction)       what friction and detents act on
+//! Jc·ω̇c = τ − T,  T = coupling(θc − θ, ωc − ω)               a cap before it, where the knob has two bodies
+//! ```
+//!
+//! (T = τ in a knob of one body) are integrated with steps that keep to a tolerance, so that contacts, shafts and
+//! bristles may be as stiff as they like. Events are located to rounding: the velocity falling through Karnopp's Δv or
+//! through zero, and the load on a resting body passing D₋ or D₊. The result therefore does not depend on how the time
+//! is divided, and a knob at rest does not creep.
+//!
+//! Bristles do not stick: between two reversals their deflection is a function of the angle alone
+//! ([`crate::Bristles::bent`]), so only reversals are events. What a torque sensor reads besides the torque takes no
+//! part in the motion; [`crate::Model::knob_torque_mnm`] takes it off.
+//!
+//! [`forward_windows`] compares a model's motion with a measured one, window by window.
+
+mod equation;
+mod observer;
+mod runge_kutta;
+mod state;
+mod twist;
+mod windows;
+
+use self::equation::{Equation, Sliding};
+use self::runge_kutta::{Place, dormand_prince};
+use self::twist::Twist;
+use crate::{Direction, Model, Motion};
+
+pub use self::state::State;
+pub use self::windows::{ForwardErrors, WindowError, forward_windows};
+
+/// Longest step, s; also the time in which [`MOST_EVENTS`] may happen.
+const LONGEST_STEP_S: f64 = 100e-6;
+/// Shortest step, s: a torque that jumps within it is a torque that jumps.
+const SHORTEST_STEP_S: f64 = 1e-10;
+/// Bisections of a step to locate an event: 2⁻⁴⁰ of it.
+const BISECTIONS: u32 = 40;
+/// Events within one longest step beyond which the knob is taken to be at rest.
+const MOST_EVENTS: u32 = 16;
+/// Steps within one longest step beyond which a model is given up: faster changes than 5 MHz are no knob's.
+const MOST_STEPS: u32 = 500;
+
+/// Why a model cannot be simulated forward.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// Without inertia a torque has no definite motion.
+    #[error("forward simulation needs an inertia above zero, and the model with its gripper has {inertia} mNm s²/rad")]
+    NoInertia {
+        /// Inertia of model and gripper, mNm·s²/rad.
+        inertia: f64,
+    },
+    /// Between the flanks of a gap a cap without inertia has no definite motion.
+    #[error(
+        "forward simulation of backlash needs a cap with inertia, and it has {inertia} mNm s²/rad; \
+         choose a backlash_inner_share below 1"
+    )]
+    WeightlessCap {
+        /// Inertia of cap and gripper, mNm·s²/rad.
+        inertia: f64,
+    },
+    /// The motion grew beyond all numbers.
+    #[error("the simulated motion is not finite after {time_s} s; the model is unstable under this torque")]
+    NotFinite {
+        /// Time at which it was found, s.
+        time_s: f64,
+    },
+    /// Something in the model changes too fast to be followed.
+    #[error(
+        "the simulated motion changes too fast to be followed at {time_s} s; \
+         some stiffness or damping of the model is too large for the inertia that it acts on"
+    )]
+    TooStiff {
+        /// Time at which it was given up, s.
+        time_s: f64,
+    },
+}
+
+/// A knob in motion.
+#[derive(Clone, Debug)]
+pub struct ForwardSimulation<'model> {
+    equation: Equation<'model>,
+    time_s: f64,
+    place: Place,
+    /// Deflection of the bristles, if friction has any.
+    deflection: f64,
+    /// `None` while what friction acts on is at rest.
+    sliding: Option<Direction>,
+    /// Twist of a shaft whose cap has no inertia.
+    twist: Option<Twist>,
+    /// Length of the step to try next, s.
+    step_s: f64,
+}
+
+/// Torque over one step: a straight line from its start to its end.
+#[derive(Clone, Copy, Debug)]
+struct TorqueLine {
+    start_s: f64,
+    start_mnm: f64,
+    slope_mnm_s: f64,
+}
+
+impl TorqueLine {
+    fn at(&self, time_s: f64) -> f64 {
+        self.start_mnm + self.slope_mnm_s * (time_s - self.start_s)
+    }
+}
+
+impl<'model> ForwardSimulation<'model> {
+    /// A knob at rest at `angle_rad`, with `added_inertia` (a gripper's, mNm·s²/rad) turning with it.
+    ///
+    /// # Errors
+    /// [`SimulationError::NoInertia`] and [`SimulationError::WeightlessCap`].
+    pub fn at_rest(model: &'model Model, added_inertia: f64, angle_rad: f64) -> Result<Self, SimulationError> {
+        Self::from_state(model, added_inertia, &State::at_rest(angle_rad), 0.0)
+    }
+
+    /// A knob in a given state, under `torque_mnm`.
+    ///
+    /// Slower than Karnopp's Δv and under a load that it can hold it is at rest.
+    ///
+    /// # Errors
+    /// [`SimulationError::NoInertia`] and [`SimulationError::WeightlessCap`].
+    pub fn from_state(
+        model: &'model Model,
+        added_inertia: f64,
+        state: &State,
+        torque_mnm: f64,
+    ) -> Result<Self, SimulationError> {
+        let (equation, twist) = Equation::of(model, added_inertia)?;
+        let velocity_rad_s = state.inner_velocity_rad_s;
+        let mut simulation = Self {
+            equation,
+            time_s: state.time_s,
+            place: [state.inner_angle_rad, velocity_rad_s, state.angle_rad, state.velocity_rad_s],
+            deflection: state.deflection,
+            sliding: (velocity_rad_s != 0.0).then(|| Direction::of(velocity_rad_s)),
+            twist: twist.map(|twist| twist.wound(state)),
+            step_s: LONGEST_STEP_S,
+        };
+        let torque = TorqueLine { start_s: state.time_s, start_mnm: torque_mnm, slope_mnm_s: 0.0 };
+        if velocity_rad_s.abs() < simulation.stick_velocity_rad_s() && simulation.breakaway(&torque).is_none() {
+            simulation.come_to_rest();
+        }
+        Ok(simulation)
+    }
+
+    /// Whether what friction acts on is at rest.
+    #[must_use]
+    pub fn is_stuck(&self) -> bool {
+        self.sliding.is_none()
+    }
+
+    /// Time, angle, velocity and, under `torque_mnm`, acceleration of what the torque acts on: the cap of a knob with
+    /// two bodies.
+    #[must_use]
+    pub fn motion(&self, torque_mnm: f64) -> Motion {
+        let [angle_rad, velocity_rad_s, cap_rad, cap_rad_s] = self.place;
+        let [_, acceleration_rad_s2, _, cap_rad_s2] =
+            self.equation.rates(self.time_s, &self.place, torque_mnm, self.sliding_from_here().as_ref());
+        let time_s = self.time_s;
+        if self.equation.has_cap() {
+            return Motion { time_s, angle_rad: cap_rad, velocity_rad_s: cap_rad_s, acceleration_rad_s2: cap_rad_s2 };
+        }
+        let inner = Motion { time_s, angle_rad, velocity_rad_s, acceleration_rad_s2 };
+        self.twist.as_ref().map_or(inner, |twist| twist.ahead_of(&inner))
+    }
+
+    /// The state, from which another simulation can go on.
+    #[must_use]
+    pub fn state(&self) -> State {
+        let outer = self.motion(0.0);
+        State {
+            time_s: self.time_s,
+            angle_rad: outer.angle_rad,
+            velocity_rad_s: outer.velocity_rad_s,
+            deflection: self.deflection,
+            inner_angle_rad: self.place[0],
+            inner_velocity_rad_s: self.place[1],
+        }
+    }
+
+    /// Moves on by `step_s`, the torque going in a straight line from its value now to its value then, mNm.
+    ///
+    /// # Errors
+    /// [`SimulationError::NotFinite`] when the motion grows beyond all numbers, [`SimulationError::TooStiff`] when it
+    /// changes too fast to be followed.
+    pub fn advance(&mut self, step_s: f64, torque_now_mnm: f64, torque_then_mnm: f64) -> Result<(), SimulationError> {
+        let torque = TorqueLine {
+            start_s: self.time_s,
+            start_mnm: torque_now_mnm,
+            slope_mnm_s: (torque_then_mnm - torque_now_mnm) / step_s,
+        };
+        let end_s = self.time_s + step_s;
+        while end_s - self.time_s > 1e-12 * step_s {
+            let next_s = (self.time_s + LONGEST_STEP_S).min(end_s);
+            self.advance_through_events(next_s, &torque)?;
+        }
+        self.time_s = end_s;
+        if let Some(twist) = &mut self.twist {
+            twist.advance(step_s, torque_now_mnm, torque_then_mnm);
+        }
+        Ok(())
+    }
+
+    /// Moves on to `end_s`, at most one longest step away, through however many events lie between.
+    fn advance_through_events(&mut self, end_s: f64, torque: &TorqueLine) -> Result<(), SimulationError> {
+        let mut events = 0;
+        for _ in 0..MOST_STEPS {
+            if self.time_s >= end_s {
+                return Ok(());
+            }
+            // Chattering between slip and stick within so short a time: it rests until the end.
+            let held = events >= MOST_EVENTS;
+            if held {
+                self.come_to_rest();
+            } else if self.sliding.is_none() {
+                self.sliding = self.breakaway(torque);
+            }
+            let (reached_s, place) = self.step_towards(end_s, torque);
+            if !place.iter().all(|value| value.is_finite()) {
+                return Err(SimulationError::NotFinite { time_s: self.time_s });
+            }
+            let happened = !held
+                && match self.sliding {
+                    None => self.wait_for_breakaway(reached_s, &place, torque),
+                    Some(direction) => self.slide(reached_s, &place, torque, direction),
+                };
+            if happened {
+                events += 1;
+            } else {
+                self.go_to(reached_s, place);
+            }
+        }
+        if self.time_s >= end_s { Ok(()) } else { Err(SimulationError::TooStiff { time_s: self.time_s }) }
+    }
+
+    /// Whether a body at rest breaks away before `end_s`; it then goes to just there.
+    fn wait_for_breakaway(&mut self, end_s: f64, end: &Place, torque: &TorqueLine) -> bool {
+        if self.breakaway_at(end_s, end, torque).is_none() {
+            return false;
+        }
+        let breaks_away = |time: f64| self.breakaway_at(time, &self.reached(time, torque), torque).is_some();
+        let time_s = bisect(self.time_s, end_s, breaks_away);
+        self.go_to(time_s, self.reached(time_s, torque));
+        true
+    }
+
+    /// Whether a sliding body sticks or turns round before `end_s`; it then goes to just there.
+    fn slide(&mut self, end_s: f64, end: &Place, torque: &TorqueLine, direction: Direction) -> bool {
+        let threshold = self.stick_velocity_rad_s();
+        let speed_of = |place: &Place| direction.sign() * place[1];
+        let speed_at = |time: f64| speed_of(&self.reached(time, torque));
+        let (speed, end_speed) = (speed_of(&self.place), speed_of(end));
+
+        if speed > threshold && end_speed <= threshold && threshold > 0.0 {
+            let time_s = bisect(self.time_s, end_s, |time| speed_at(time) <= threshold);
+            self.go_to(time_s, self.reached(time_s, torque));
+            if self.breakaway(torque).is_none() {
+                self.come_to_rest();
+            } else {
+                // The load is too large to stick: it goes on through, from just below the threshold.
+                self.place[1] = direction.sign() * threshold * (1.0 - 1e-9);
+            }
+            true
+        } else if end_speed < 0.0 {
+            let time_s = bisect(self.time_s, end_s, |time| speed_at(time) < 0.0);
+            self.go_to(time_s, self.reached(time_s, torque));
+            self.come_to_rest();
+            true
+        } else {
+            false
+        }
+    }
+
+    fn come_to_rest(&mut self) {
+        self.place[1] = 0.0;
+        self.sliding = None;
+    }
+
+    fn go_to(&mut self, time_s: f64, place: Place) {
+        self.deflection =
+            self.sliding_from_here().map_or(self.deflection, |sliding| self.equation.deflection(&sliding, place[0]));
+        self.place = place;
+        self.time_s = time_s;
+    }
+
+    fn sliding_from_here(&self) -> Option<Sliding> {
+        let from = |direction| Sliding { direction, from_rad: self.place[0], deflection: self.deflection };
+        self.sliding.map(from)
+    }
+
+    fn stick_velocity_rad_s(&self) -> f64 {
+        self.equation.limits(self.time_s, self.place[0]).velocity_rad_s
+    }
+
+    fn breakaway(&self, torque: &TorqueLine) -> Option<Direction> {
+        self.breakaway_at(self.time_s, &self.place, torque)
+    }
+
+    /// The direction in which the body would break away if it were at rest there and then, if it would.
+    fn breakaway_at(&self, time_s: f64, place: &Place, torque: &TorqueLine) -> Option<Direction> {
+        self.equation.breakaway(time_s, place, torque.at(time_s), self.deflection)
+    }
+
+    /// Where the knob is at `time_s` by a single step, nothing happening before.
+    fn reached(&self, time_s: f64, torque: &TorqueLine) -> Place {
+        self.stepped(time_s - self.time_s, torque).end
+    }
+
+    fn stepped(&self, step_s: f64, torque: &TorqueLine) -> runge_kutta::Step {
+        let sliding = self.sliding_from_here();
+        dormand_prince(self.time_s, step_s, &self.place, |time_s, place| {
+            self.equation.rates(time_s, place, torque.at(time_s), sliding.as_ref())
+        })
+    }
+
+    /// Time and place after the longest step up to `end_s` that keeps to the tolerance.
+    fn step_towards(&mut self, end_s: f64, torque: &TorqueLine) -> (f64, Place) {
+        let remaining_s = end_s - self.time_s;
+        let mut step_s = self.step_s.min(remaining_s);
+        loop {
+            let step = self.stepped(step_s, torque);
+            if step.error <= 1.0 || step_s <= SHORTEST_STEP_S {
+                let whole = step_s >= remaining_s;
+                if !whole || step_s >= self.step_s {
+                    self.step_s = (step_s * step.growth()).clamp(SHORTEST_STEP_S, LONGEST_STEP_S);
+                }
+                return (if whole { end_s } else { self.time_s + step_s }, step.end);
+            }
+            step_s = (step_s * step.growth()).max(SHORTEST_STEP_S);
+            self.step_s = step_s;
+        }
+    }
+}
+
+/// The earliest time found at which `passed` holds, between a start where it does not hold and an end where it does.
+fn bisect(start: f64, end: f64, passed: impl Fn(f64) -> bool) -> f64 {
+    let (mut before, mut after) = (start, end);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (before + after);
+        if passed(middle) {
+            after = middle;
+        } else {
+            before = middle;
+        }
+    }
+    after
+}
