@@ -173,6 +173,8 @@ impl Model {
     /// Torque that the knob takes while it moves as given, mNm.
     ///
     /// At zero velocity friction is left out: there it is whatever holds the knob, up to [`Model::stick_limits`].
+    /// Effects with a memory, an inner body or bristles, are taken as if there were none; [`Model::readings_mnm`] has
+    /// them.
     #[must_use]
     pub fn torque_mnm(&self, motion: &Motion) -> f64 {
         let friction = if motion.velocity_rad_s == 0.0 {

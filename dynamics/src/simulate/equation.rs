@@ -21,7 +21,8 @@ pub(super) struct Equation<'model> {
 /// The body that the torque acts on, where friction acts on another.
 #[derive(Clone, Debug)]
 struct Cap {
-    inertia: f64,
+    /// Inertia, or `None` where the acceleration is given instead of the torque.
+    inertia: Option<f64>,
     coupling: Coupling,
 }
 
@@ -48,7 +49,7 @@ impl<'model> Equation<'model> {
                 (total * share, None, Some(Twist::of(&coupling)))
             }
             Some(coupling) if outer > 0.0 && !weightless => {
-                (total * share, Some(Cap { inertia: outer, coupling }), None)
+                (total * share, Some(Cap { inertia: Some(outer), coupling }), None)
             }
             Some(_) => return Err(SimulationError::WeightlessCap { inertia: outer }),
         };
@@ -59,11 +60,21 @@ impl<'model> Equation<'model> {
         }
     }
 
+    /// The equations of an inner body whose cap moves as is given: for the torque on it read its acceleration.
+    pub(super) fn led(model: &'model Model, coupling: Coupling) -> Result<Self, SimulationError> {
+        let inertia = model.inertia() * coupling.inner_share;
+        if inertia > 0.0 && inertia.is_finite() {
+            Ok(Self { model, inertia, bristles: model.bristles(), cap: Some(Cap { inertia: None, coupling }) })
+        } else {
+            Err(SimulationError::NoInertia { inertia })
+        }
+    }
+
     pub(super) fn has_cap(&self) -> bool {
         self.cap.is_some()
     }
 
-    /// Torque on what friction acts on, `torque_mnm` acting on the knob.
+    /// Torque on what friction acts on, `torque_mnm` acting on the knob (and not looked at where there is a cap).
     fn driving_mnm(&self, place: &Place, torque_mnm: f64) -> f64 {
         let passed_on = |cap: &Cap| cap.coupling.torque_mnm(place[2] - place[0], place[3] - place[1]);
         self.cap.as_ref().map_or(torque_mnm, passed_on)
@@ -77,7 +88,8 @@ impl<'model> Equation<'model> {
             let resisting = self.model.free_torque_mnm(&motion) + self.friction_mnm(&motion, sliding);
             (place[1], (driving_mnm - resisting) / self.inertia)
         });
-        let cap = |cap: &Cap| (place[3], (torque_mnm - driving_mnm) / cap.inertia);
+        let cap =
+            |cap: &Cap| (place[3], cap.inertia.map_or(torque_mnm, |inertia| (torque_mnm - driving_mnm) / inertia));
         let (cap_velocity, cap_acceleration) = self.cap.as_ref().map_or((0.0, 0.0), cap);
         [velocity, acceleration, cap_velocity, cap_acceleration]
     }

@@ -28,7 +28,7 @@ mod windows;
 use self::equation::{Equation, Sliding};
 use self::runge_kutta::{Place, dormand_prince};
 use self::twist::Twist;
-use crate::{Direction, Model, Motion};
+use crate::{Coupling, Direction, Model, Motion};
 
 pub use self::state::State;
 pub use self::windows::{ForwardErrors, WindowError, forward_windows};
@@ -131,6 +131,10 @@ impl<'model> ForwardSimulation<'model> {
         torque_mnm: f64,
     ) -> Result<Self, SimulationError> {
         let (equation, twist) = Equation::of(model, added_inertia)?;
+        Ok(Self::started(equation, twist, state, torque_mnm))
+    }
+
+    fn started(equation: Equation<'model>, twist: Option<Twist>, state: &State, torque_mnm: f64) -> Self {
         let velocity_rad_s = state.inner_velocity_rad_s;
         let mut simulation = Self {
             equation,
@@ -145,7 +149,24 @@ impl<'model> ForwardSimulation<'model> {
         if velocity_rad_s.abs() < simulation.stick_velocity_rad_s() && simulation.breakaway(&torque).is_none() {
             simulation.come_to_rest();
         }
-        Ok(simulation)
+        simulation
+    }
+
+    /// The inner body of a knob of two, whose cap moves as is given, from a state on.
+    fn led(model: &'model Model, coupling: Coupling, state: &State) -> Result<Self, SimulationError> {
+        Ok(Self::started(Equation::led(model, coupling)?, None, state, 0.0))
+    }
+
+    /// Moves on, the cap going from one motion to the other along the cubic that has their angles and velocities.
+    fn lead(&mut self, from: &Motion, to: &Motion) -> Result<(), SimulationError> {
+        let step_s = to.time_s - from.time_s;
+        let mean_rad_s = (to.angle_rad - from.angle_rad) / step_s;
+        let now = (6.0 * mean_rad_s - 4.0 * from.velocity_rad_s - 2.0 * to.velocity_rad_s) / step_s;
+        let then = (2.0 * from.velocity_rad_s + 4.0 * to.velocity_rad_s - 6.0 * mean_rad_s) / step_s;
+        [self.place[2], self.place[3]] = [from.angle_rad, from.velocity_rad_s];
+        self.advance(step_s, now, then)?;
+        [self.place[2], self.place[3]] = [to.angle_rad, to.velocity_rad_s];
+        Ok(())
     }
 
     /// Whether what friction acts on is at rest.

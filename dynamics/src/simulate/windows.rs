@@ -55,12 +55,12 @@ pub fn forward_windows(
     let torque_mnm = model.knob_torque_mnm(motions, readings_mnm);
     let Some(first) = motions.first() else { return Ok(ForwardErrors::default()) };
     let gap_s = GAP * usual_step_s(motions);
-    let mut observer = Observer::new(model, first);
+    let mut observer = Observer::new(model, first)?;
     let mut window: Option<Window> = None;
     let mut windows = Vec::new();
     let mut before = *first;
     for (index, (motion, torque_mnm)) in motions.iter().zip(&torque_mnm).enumerate() {
-        observer.advance(motion);
+        observer.advance(motion)?;
         let interrupted = !known.contains(&index) || motion.time_s - before.time_s > gap_s;
         if interrupted {
             windows.extend(window.take());
