@@ -99,6 +99,7 @@ fn cases() -> Vec<Case> {
 }
 
 #[test]
+#[allow(clippy::print_stdout, reason = "the figures, for --nocapture")]
 fn the_true_model_predicts_the_motion_and_one_without_the_effect_does_not() {
     let torque_mnm = polygon();
     for (name, values, knob) in cases() {
@@ -107,10 +108,45 @@ fn the_true_model_predicts_the_motion_and_one_without_the_effect_does_not() {
         let without = errors(&model(&[]), &measured, &torque_mnm);
         assert_eq!(with.windows.len(), 15, "{name}");
         let (right, wrong) = (with.angle_rms_rad, without.angle_rms_rad);
+        println!("{name}: {right:.2e} rad, without it {wrong:.2e} rad");
         assert!(right < ENCODER_STEP_RAD, "{name}: {right:.2e} rad");
         assert!(wrong > 1000.0 * right, "{name}: {right:.2e} rad, without it {wrong:.2e} rad");
         let (right, wrong) = (with.velocity_rms_rad_s, without.velocity_rms_rad_s);
         assert!(wrong > 1000.0 * right, "{name}: {right:.2e} rad/s, without it {wrong:.2e} rad/s");
+    }
+}
+
+/// The motions as an encoder tells them: angles in its steps, velocities with a noise of up to `noise_rad_s`.
+fn told(motions: &[Motion], noise_rad_s: f64, seed: u64) -> Vec<Motion> {
+    let mut state = seed;
+    let mut noise = || {
+        // Marsaglia's xorshift.
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        noise_rad_s * (2.0 * (state as f64 / u64::MAX as f64) - 1.0)
+    };
+    let each = |motion: &Motion| Motion {
+        angle_rad: (motion.angle_rad / ENCODER_STEP_RAD).round() * ENCODER_STEP_RAD,
+        velocity_rad_s: motion.velocity_rad_s + noise(),
+        ..*motion
+    };
+    motions.iter().map(each).collect()
+}
+
+#[test]
+#[allow(clippy::print_stdout, reason = "the figures, for --nocapture")]
+fn an_effect_shows_through_the_steps_and_the_noise_of_an_encoder() {
+    let torque_mnm = polygon();
+    for (name, values, knob) in cases() {
+        let exact = motions(&plant::run(&knob, SAMPLE_S, &torque_mnm, 50));
+        for seed in [1, 0x9E37_79B9_7F4A_7C15, 0xDEAD_BEEF] {
+            let measured = told(&exact, 0.02, seed);
+            let with = errors(&model(&[(name, values)]), &measured, &torque_mnm).angle_rms_rad;
+            let without = errors(&model(&[]), &measured, &torque_mnm).angle_rms_rad;
+            println!("{name}: {with:.2e} rad, without it {without:.2e} rad");
+            assert!(without > 10.0 * with, "{name}: {with:.2e} rad, without it {without:.2e} rad");
+        }
     }
 }
 
