@@ -30,19 +30,23 @@ mod effect;
 pub mod effects;
 pub mod excitation;
 mod hypothesis;
+mod inner_body;
 pub mod knobs;
 mod model;
 mod motion;
 mod prediction;
+mod shift;
 pub mod simulate;
 
 pub use bristles::Bristles;
 pub use calibration::{Calibration, CalibrationError};
-pub use coupling::{Coupling, InnerBody};
+pub use coupling::Coupling;
 pub use effect::{
     Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,
 };
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, Scene, Search};
+pub use inner_body::InnerBody;
 pub use model::{Model, ModelError};
 pub use motion::Motion;
+pub use shift::shifted;

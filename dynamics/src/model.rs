@@ -173,6 +173,8 @@ impl Model {
     /// Torque that the knob takes while it moves as given, mNm.
     ///
     /// At zero velocity friction is left out: there it is whatever holds the knob, up to [`Model::stick_limits`].
+    /// Effects with a memory, an inner body or bristles, are taken as if there were none; [`Model::readings_mnm`] has
+    /// them.
     #[must_use]
     pub fn torque_mnm(&self, motion: &Motion) -> f64 {
         let friction = if motion.velocity_rad_s == 0.0 {
@@ -230,19 +232,21 @@ impl Model {
         friction_mnm + coulomb_factor * sliding_at(&Motion { velocity_rad_s: 0.0, ..*motion })
     }
 
-    /// What a knob at rest bears: Karnopp's limits, or the friction at zero speed where the model has none.
+    /// What a knob at rest bears: Karnopp's limits, but at least the friction with which it begins to slide.
+    ///
+    /// If it bore less, it would break away into a friction that stops it at once.
     #[must_use]
     pub fn stick_limits(&self, motion: &Motion) -> StickLimits {
-        for effect in &self.effects {
-            if let Part::Stick(limits) = effect.kind().part {
-                return limits(effect.values());
-            }
-        }
+        let karnopp = self.effects.iter().find_map(|effect| match effect.kind().part {
+            Part::Stick(limits) => Some(limits(effect.values())),
+            _ => None,
+        });
+        let karnopp = karnopp.unwrap_or_default();
         let still = Motion { velocity_rad_s: 0.0, ..*motion };
         StickLimits {
-            negative_mnm: -self.friction_mnm(&still, Direction::Negative),
-            positive_mnm: self.friction_mnm(&still, Direction::Positive),
-            velocity_rad_s: 0.0,
+            negative_mnm: karnopp.negative_mnm.max(-self.friction_mnm(&still, Direction::Negative)),
+            positive_mnm: karnopp.positive_mnm.max(self.friction_mnm(&still, Direction::Positive)),
+            velocity_rad_s: karnopp.velocity_rad_s,
         }
     }
 }

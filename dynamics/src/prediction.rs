@@ -1,6 +1,8 @@
 //! What the torque sensor reads while the knob goes through a known motion.
 
-use crate::{Bristles, Coupling, Direction, Effect, InnerBody, Model, Motion, Part};
+use std::ops::Range;
+
+use crate::{Bristles, Coupling, Direction, Effect, InnerBody, Model, Motion, Part, shifted};
 
 impl Model {
     /// What the torque sensor reads at every motion, mNm: all effects together, those with a memory too.
@@ -15,12 +17,39 @@ impl Model {
             (None, Some(bristles)) => self.bristled_mnm(bristles, motions),
             (None, None) => motions.iter().map(|motion| self.torque_mnm(motion)).collect(),
         };
-        for effect in &self.effects {
-            if let Part::Reading(reading) = effect.kind().part {
-                torque_mnm.iter_mut().zip(motions).for_each(|(sum, motion)| *sum += reading(effect.values(), motion));
-            }
-        }
+        torque_mnm.iter_mut().zip(motions).for_each(|(sum, motion)| *sum += self.misreading_mnm(motion));
         torque_mnm
+    }
+
+    /// What the sensor reads besides the torque, mNm.
+    fn misreading_mnm(&self, motion: &Motion) -> f64 {
+        let each = self.effects.iter().map(|effect| match effect.kind().part {
+            Part::Reading(reading) => reading(effect.values(), motion),
+            _ => 0.0,
+        });
+        each.sum()
+    }
+
+    /// The torque at the times of `motions`, mNm, from what the sensor read at these times: the inverse of offset, hum
+    /// and delay.
+    ///
+    /// Outside of [`Model::readings_within`] the first or the last reading stands in.
+    #[must_use]
+    pub fn knob_torque_mnm(&self, motions: &[Motion], readings_mnm: &[f64]) -> Vec<f64> {
+        let time_s: Vec<f64> = motions.iter().map(|motion| motion.time_s).collect();
+        let mut torque_mnm = shifted(&time_s, readings_mnm, self.reading_delay_s());
+        torque_mnm.iter_mut().zip(motions).for_each(|(sum, motion)| *sum -= self.misreading_mnm(motion));
+        torque_mnm
+    }
+
+    /// The motions whose torque was read within their own time, in spite of the delay.
+    #[must_use]
+    pub fn readings_within(&self, motions: &[Motion]) -> Range<usize> {
+        let (Some(first), Some(last)) = (motions.first(), motions.last()) else { return 0..0 };
+        let delay_s = self.reading_delay_s();
+        let start = motions.partition_point(|motion| motion.time_s + delay_s < first.time_s);
+        let end = motions.partition_point(|motion| motion.time_s + delay_s <= last.time_s);
+        start..end.max(start)
     }
 
     /// Time by which the torque reading is late, s.
@@ -76,11 +105,9 @@ impl Model {
             .map(|motion| {
                 bent = bristles.bent(bent, motion.angle_rad - angle_rad);
                 angle_rad = motion.angle_rad;
-                let bending_mnm = bristles.damping * Bristles::bending_rad_s(bent, motion.velocity_rad_s);
                 self.inertia() * motion.acceleration_rad_s2
                     + self.free_torque_mnm(motion)
-                    + self.bent_friction_mnm(motion, bent)
-                    + bending_mnm
+                    + self.bristled_friction_mnm(bristles, motion, bent, Direction::of(motion.velocity_rad_s))
             })
             .collect()
     }
@@ -88,8 +115,23 @@ impl Model {
     /// Friction whose Coulomb part acts as far as its bristles are bent, mNm.
     #[must_use]
     pub fn bent_friction_mnm(&self, motion: &Motion, bent: f64) -> f64 {
+        self.partly_bent_mnm(motion, bent, Direction::of(motion.velocity_rad_s))
+    }
+
+    /// The same with the damping of the bristles, while turning in `direction`.
+    pub(crate) fn bristled_friction_mnm(
+        &self,
+        bristles: Bristles,
+        motion: &Motion,
+        bent: f64,
+        direction: Direction,
+    ) -> f64 {
+        let bending_rad_s = motion.velocity_rad_s * (1.0 - direction.sign() * bent);
+        self.partly_bent_mnm(motion, bent, direction) + bristles.damping * bending_rad_s
+    }
+
+    fn partly_bent_mnm(&self, motion: &Motion, bent: f64, direction: Direction) -> f64 {
         let still = Motion { velocity_rad_s: 0.0, ..*motion };
-        let direction = Direction::of(motion.velocity_rad_s);
         bent.abs() * self.friction_mnm(&still, Direction::of(bent)) + self.friction_mnm(motion, direction)
             - self.friction_mnm(&still, direction)
     }

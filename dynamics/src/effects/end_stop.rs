@@ -47,7 +47,9 @@ pub static KIND: EffectKind = EffectKind {
     part: Part::Torque(|values, motion| {
         let mut columns = [0.0; 3];
         columns_at(values, motion, &mut columns);
-        columns.iter().zip(&values[2..]).map(|(column, value)| column * value).sum()
+        let torque_mnm: f64 = columns.iter().zip(&values[2..]).map(|(column, value)| column * value).sum();
+        // The fit's columns lack this bound: it holds for as long as a damper of D takes to let go, D/K.
+        if columns[0] < 0.0 { torque_mnm.min(0.0) } else { torque_mnm.max(0.0) }
     }),
     regressors: Some(Regressors {
         columns: 3,

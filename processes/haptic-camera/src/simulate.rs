@@ -3,7 +3,7 @@
 use anyhow::Context as _;
 use archive::Capture;
 use dynamics::simulate::ForwardSimulation;
-use dynamics::{Calibration, Direction, Model, Motion};
+use dynamics::{Calibration, Direction, Model, Motion, shifted};
 
 use crate::command_line::{SimulateOptions, SimulationDrive};
 use crate::load::LoadedCapture;
@@ -52,25 +52,36 @@ struct Simulated {
     torque_mnm: Vec<f64>,
 }
 
-/// The model's torque along a given motion, what turns with the knob included.
+/// What the sensor reads of the model along a given motion, what turns with the knob included.
 fn along_motion(model: &Model, gripper_inertia: f64, motions: &[Motion]) -> Simulated {
-    let torque = |motion: &Motion| {
-        let smooth = (model.inertia() + gripper_inertia) * motion.acceleration_rad_s2 + model.free_torque_mnm(motion);
-        // At rest friction is whatever holds the knob and no function of its motion; a straight line
-        // across the band keeps encoder noise there from throwing it from one side to the other.
-        let band = model.stick_limits(motion).velocity_rad_s.max(RESTING_RAD_S);
-        let share = (motion.velocity_rad_s.abs() / band).min(1.0);
-        smooth + share * model.friction_mnm(motion, Direction::of(motion.velocity_rad_s))
-    };
+    let mut torque_mnm = model.readings_mnm(motions);
+    let slips_at_once = model.coupling().is_none() && model.bristles().is_none();
+    for (torque_mnm, motion) in torque_mnm.iter_mut().zip(motions) {
+        *torque_mnm += gripper_inertia * motion.acceleration_rad_s2;
+        if slips_at_once && motion.velocity_rad_s != 0.0 {
+            *torque_mnm -= unsettled_friction_mnm(model, motion);
+        }
+    }
+    let time_s: Vec<f64> = motions.iter().map(|motion| motion.time_s).collect();
     Simulated {
         angle_rad: motions.iter().map(|motion| motion.angle_rad).collect(),
         velocity_rad_s: motions.iter().map(|motion| motion.velocity_rad_s).collect(),
         acceleration_rad_s2: motions.iter().map(|motion| motion.acceleration_rad_s2).collect(),
-        torque_mnm: motions.iter().map(torque).collect(),
+        torque_mnm: shifted(&time_s, &torque_mnm, -model.reading_delay_s()),
     }
 }
 
-/// The model's motion under a given torque, from rest at the capture's first angle.
+/// The part of sliding friction that is left out close to rest, mNm.
+///
+/// At rest friction is whatever holds the knob and no function of its motion; a straight line across the band keeps
+/// encoder noise there from throwing it from one side to the other.
+fn unsettled_friction_mnm(model: &Model, motion: &Motion) -> f64 {
+    let band = model.stick_limits(motion).velocity_rad_s.max(RESTING_RAD_S);
+    let share = (motion.velocity_rad_s.abs() / band).min(1.0);
+    (1.0 - share) * model.friction_mnm(motion, Direction::of(motion.velocity_rad_s))
+}
+
+/// The model's motion under a torque read as given, from rest at the capture's first angle.
 fn along_torque(
     model: &Model,
     gripper_inertia: f64,
@@ -79,6 +90,7 @@ fn along_torque(
 ) -> anyhow::Result<Simulated> {
     let first = motions.first().context("the capture is empty")?;
     let mut simulation = ForwardSimulation::at_rest(model, gripper_inertia, first.angle_rad)?;
+    let knob_torque_mnm = model.knob_torque_mnm(motions, torque_mnm);
     let mut simulated = Simulated {
         angle_rad: Vec::with_capacity(motions.len()),
         velocity_rad_s: Vec::with_capacity(motions.len()),
@@ -88,9 +100,9 @@ fn along_torque(
     for (index, motion) in motions.iter().enumerate() {
         if index > 0 {
             let step_s = motion.time_s - motions[index - 1].time_s;
-            simulation.advance(step_s, torque_mnm[index - 1], torque_mnm[index])?;
+            simulation.advance(step_s, knob_torque_mnm[index - 1], knob_torque_mnm[index])?;
         }
-        let now = simulation.motion(torque_mnm[index]);
+        let now = simulation.motion(knob_torque_mnm[index]);
         simulated.angle_rad.push(now.angle_rad);
         simulated.velocity_rad_s.push(now.velocity_rad_s);
         simulated.acceleration_rad_s2.push(now.acceleration_rad_s2);

@@ -1,16 +1,9 @@
 //! Forward simulation against closed solutions and against itself at other step sizes.
-#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
 use dynamics::simulate::{ForwardSimulation, SimulationError};
-use dynamics::{Effect, Model, effects, knobs};
+use dynamics::{Model, knobs};
 
-fn model(effects: &[(&str, &[f64])]) -> Model {
-    Model {
-        name: "test".to_owned(),
-        description: String::new(),
-        effects: effects.iter().map(|(name, values)| Effect::new(effects::by_name(name).unwrap(), values)).collect(),
-    }
-}
+use crate::model;
 
 /// Angle and velocity after driving `knob` for `duration_s` with `torque(t)` in steps of `step_s`.
 fn driven(knob: &Model, duration_s: f64, step_s: f64, torque: impl Fn(f64) -> f64) -> (f64, f64) {

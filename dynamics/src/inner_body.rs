@@ -1,0 +1,159 @@
+//! What happens inside a knob of two bodies while its cap moves as it was measured.
+
+use crate::{Bristles, Coupling, Direction, Model, Motion};
+
+/// Substeps per sample, at least.
+const SUBSTEPS: f64 = 2.0;
+/// Largest phase that the coupling's resonance may turn in one substep, rad.
+const PHASE: f64 = 0.25;
+
+/// The inner body of a knob whose cap moves as it was measured.
+///
+/// Implicit midpoint rule for coupling and inertia, dry friction as a constraint on the velocity at the end of a substep
+/// (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM 302, 1988): the body comes
+/// to rest exactly and stays there until the load passes what it bears at rest. Friction with bristles gives way
+/// instead, its stiffness and damping being taken at the middle of the substep too.
+#[derive(Debug)]
+pub struct InnerBody<'model> {
+    knob: &'model Model,
+    coupling: Coupling,
+    bristles: Option<Bristles>,
+    inertia: f64,
+    angle_rad: f64,
+    velocity_rad_s: f64,
+    deflection: f64,
+}
+
+/// The velocity at the end of a substep without dry friction: momentum over mass.
+struct Free {
+    /// Momentum, mNm·s.
+    momentum: f64,
+    /// Inertia with what coupling and damping add to it over the substep, mNm·s²/rad.
+    mass: f64,
+    /// Torque on the body if it were at rest at the end, mNm.
+    load_mnm: f64,
+}
+
+impl<'model> InnerBody<'model> {
+    /// An inner body at rest in the middle of its gap under a cap at `angle_rad`.
+    ///
+    /// `knob` gives inertia, friction and detents; its own coupling is not looked at.
+    #[must_use]
+    pub fn at_rest(knob: &'model Model, coupling: Coupling, angle_rad: f64) -> Self {
+        let inertia = (knob.inertia() * coupling.inner_share).max(f64::MIN_POSITIVE);
+        Self { knob, coupling, bristles: knob.bristles(), inertia, angle_rad, velocity_rad_s: 0.0, deflection: 0.0 }
+    }
+
+    /// Torque on the cap now, mNm.
+    #[must_use]
+    pub fn torque_mnm(&self, cap: &Motion) -> f64 {
+        self.coupling.torque_mnm(cap.angle_rad - self.angle_rad, cap.velocity_rad_s - self.velocity_rad_s)
+    }
+
+    /// Angle of the inner body, rad.
+    #[must_use]
+    pub fn angle_rad(&self) -> f64 {
+        self.angle_rad
+    }
+
+    /// Velocity of the inner body, rad/s.
+    #[must_use]
+    pub fn velocity_rad_s(&self) -> f64 {
+        self.velocity_rad_s
+    }
+
+    /// Deflection of the bristles of its friction; zero without bristles.
+    #[must_use]
+    pub fn deflection(&self) -> f64 {
+        self.deflection
+    }
+
+    /// Number of substeps that a sample takes.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number; `as` saturates")]
+    fn substeps(&self, sample_s: f64) -> u32 {
+        let turns = (self.coupling.stiffness_mnm_rad / self.inertia).sqrt() * sample_s;
+        (turns / PHASE).ceil().clamp(SUBSTEPS, 16.0) as u32
+    }
+
+    /// Moves on to the next sample, the cap going there evenly accelerated.
+    pub fn advance(&mut self, from: &Motion, to: &Motion) {
+        let sample_s = to.time_s - from.time_s;
+        let substeps = self.substeps(sample_s);
+        let step_s = sample_s / f64::from(substeps);
+        let between = |share: f64| Motion {
+            time_s: from.time_s + share * sample_s,
+            angle_rad: from.angle_rad + share * (to.angle_rad - from.angle_rad),
+            velocity_rad_s: from.velocity_rad_s + share * (to.velocity_rad_s - from.velocity_rad_s),
+            acceleration_rad_s2: 0.0,
+        };
+        for index in 0..substeps {
+            let cap = between(f64::from(index) / f64::from(substeps));
+            let middle = between((f64::from(index) + 0.5) / f64::from(substeps));
+            self.substep(step_s, cap.angle_rad, &middle);
+        }
+    }
+
+    fn substep(&mut self, step_s: f64, cap_rad: f64, middle: &Motion) {
+        let inner = Motion {
+            time_s: middle.time_s,
+            angle_rad: self.angle_rad + 0.5 * step_s * self.velocity_rad_s,
+            velocity_rad_s: self.velocity_rad_s,
+            acceleration_rad_s2: 0.0,
+        };
+        let free = self.without_dry_friction(step_s, cap_rad, middle, &inner);
+        let end_rad_s = match self.bristles {
+            Some(bristles) => self.bent_end_rad_s(bristles, step_s, &free, &inner),
+            None => self.dry_end_rad_s(step_s, &free, &inner),
+        };
+        let turned_rad = 0.5 * step_s * (self.velocity_rad_s + end_rad_s);
+        self.deflection = self.bristles.map_or(0.0, |bristles| bristles.bent(self.deflection, turned_rad));
+        self.angle_rad += turned_rad;
+        self.velocity_rad_s = end_rad_s;
+    }
+
+    fn without_dry_friction(&self, step_s: f64, cap_rad: f64, middle: &Motion, inner: &Motion) -> Free {
+        let Coupling { half_gap_rad, stiffness_mnm_rad, damping, .. } = self.coupling;
+        let velocity = self.velocity_rad_s;
+        let ahead_rad = cap_rad - self.angle_rad;
+        let beyond_rad = ahead_rad - ahead_rad.clamp(-half_gap_rad, half_gap_rad);
+        let touching = half_gap_rad == 0.0 || beyond_rad != 0.0;
+        let pulls = half_gap_rad > 0.0
+            && (stiffness_mnm_rad * beyond_rad + damping * (middle.velocity_rad_s - velocity)) * beyond_rad < 0.0;
+        let implicit = if touching && !pulls { stiffness_mnm_rad * step_s / 2.0 + damping } else { 0.0 };
+        let spring_mnm = if implicit > 0.0 { stiffness_mnm_rad * beyond_rad } else { 0.0 };
+        let load_mnm =
+            spring_mnm + implicit * (middle.velocity_rad_s - 0.5 * velocity) - self.knob.free_torque_mnm(inner);
+        let momentum = self.inertia * velocity + step_s * load_mnm;
+        Free { momentum, mass: self.inertia + 0.5 * step_s * implicit, load_mnm }
+    }
+
+    fn dry_end_rad_s(&self, step_s: f64, free: &Free, inner: &Motion) -> f64 {
+        let velocity = self.velocity_rad_s;
+        let frictionless = free.momentum / free.mass;
+        let limits = self.knob.stick_limits(inner);
+        let bears = (-limits.negative_mnm..=limits.positive_mnm).contains(&free.load_mnm);
+        if velocity == 0.0 && bears {
+            return 0.0;
+        }
+        let direction = Direction::of(frictionless);
+        // The velocity at which friction acts must have the direction that it opposes.
+        let sliding = Motion { velocity_rad_s: if velocity * frictionless > 0.0 { velocity } else { 0.0 }, ..*inner };
+        let braked = frictionless - step_s * self.knob.friction_mnm(&sliding, direction) / free.mass;
+        let sticks = bears && velocity.abs() > limits.velocity_rad_s && braked.abs() <= limits.velocity_rad_s;
+        if braked * frictionless > 0.0 && !sticks { braked } else { 0.0 }
+    }
+
+    fn bent_end_rad_s(&self, bristles: Bristles, step_s: f64, free: &Free, inner: &Motion) -> f64 {
+        let velocity = self.velocity_rad_s;
+        let still = Motion { velocity_rad_s: 0.0, ..*inner };
+        let bent_mnm = self.knob.bent_friction_mnm(&still, self.deflection);
+        let direction = if velocity == 0.0 { Direction::of(free.load_mnm - bent_mnm) } else { Direction::of(velocity) };
+        let yielding = 1.0 - direction.sign() * self.deflection;
+        let level_mnm = self.knob.friction_mnm(&still, Direction::of(self.deflection)).abs();
+        let stiffness_mnm_rad = level_mnm * yielding / bristles.deflection_rad;
+        let implicit = 0.5 * step_s * stiffness_mnm_rad + bristles.damping * yielding;
+        let sliding_mnm = self.knob.bent_friction_mnm(inner, self.deflection);
+        let momentum = free.momentum - step_s * (sliding_mnm + 0.5 * implicit * velocity);
+        momentum / (free.mass + 0.5 * step_s * implicit)
+    }
+}

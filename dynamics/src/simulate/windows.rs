@@ -1,0 +1,145 @@
+//! How well a model's motion under the measured torque follows the measured motion.
+
+use super::observer::Observer;
+use super::{ForwardSimulation, SimulationError};
+use crate::{Model, Motion};
+
+/// A step between samples this many times as long as the usual one is a gap in the capture.
+const GAP: f64 = 2.5;
+
+/// Errors of the motion predicted over one window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowError {
+    /// Time at which the window starts, s.
+    pub start_s: f64,
+    /// Number of predicted samples.
+    pub samples: usize,
+    /// RMS of predicted minus measured angle, rad.
+    pub angle_rms_rad: f64,
+    /// RMS of predicted minus measured velocity, rad/s.
+    pub velocity_rms_rad_s: f64,
+}
+
+/// Errors of the motion predicted over a capture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ForwardErrors {
+    /// Each window, in the order of time.
+    pub windows: Vec<WindowError>,
+    /// RMS of the angle's error over all predicted samples, rad.
+    pub angle_rms_rad: f64,
+    /// RMS of the velocity's error over all predicted samples, rad/s.
+    pub velocity_rms_rad_s: f64,
+}
+
+/// Predicts the motion from the torque, anew from the measured motion at the start of every window.
+///
+/// Over seconds any prediction drifts away (a knob that stays stuck a millisecond longer ends elsewhere), so it is
+/// restarted every `window_s`, 0.1 s being a good length: hundreds of samples, and longer than a knob takes to stop.
+///
+/// `motions` are measured, the first at rest; `readings_mnm` are what the torque sensor read at their times, from which
+/// [`Model::knob_torque_mnm`] takes the model's own reading errors. `added_inertia` in mNm·s²/rad turns with the cap.
+/// What cannot be measured at a window's start, an inner body or bent bristles, is followed through the whole capture
+/// under the measured motion. Samples whose torque would have been read outside the capture are left out, and a gap in
+/// the capture starts a new window.
+///
+/// # Errors
+/// [`SimulationError`], for models that cannot be simulated.
+pub fn forward_windows(
+    model: &Model,
+    added_inertia: f64,
+    motions: &[Motion],
+    readings_mnm: &[f64],
+    window_s: f64,
+) -> Result<ForwardErrors, SimulationError> {
+    let known = model.readings_within(motions);
+    let torque_mnm = model.knob_torque_mnm(motions, readings_mnm);
+    let Some(first) = motions.first() else { return Ok(ForwardErrors::default()) };
+    let gap_s = GAP * usual_step_s(motions);
+    let mut observer = Observer::new(model, first)?;
+    let mut window: Option<Window> = None;
+    let mut windows = Vec::new();
+    let mut before = *first;
+    for (index, (motion, torque_mnm)) in motions.iter().zip(&torque_mnm).enumerate() {
+        observer.advance(motion)?;
+        let interrupted = !known.contains(&index) || motion.time_s - before.time_s > gap_s;
+        if interrupted {
+            windows.extend(window.take());
+        } else if let Some(window) = &mut window {
+            window.predict(motion, *torque_mnm)?;
+        }
+        let full = |window: &Window| motion.time_s - window.start_s >= window_s * (1.0 - 1e-9);
+        if window.as_ref().is_some_and(full) {
+            windows.extend(window.take());
+        }
+        if window.is_none() && known.contains(&index) {
+            let simulation = ForwardSimulation::from_state(model, added_inertia, &observer.state(), *torque_mnm)?;
+            window = Some(Window::new(simulation, motion, *torque_mnm));
+        }
+        before = *motion;
+    }
+    windows.extend(window);
+    Ok(ForwardErrors::of(&windows))
+}
+
+/// One window under way.
+struct Window<'model> {
+    simulation: ForwardSimulation<'model>,
+    start_s: f64,
+    time_s: f64,
+    torque_mnm: f64,
+    samples: usize,
+    angle_squares: f64,
+    velocity_squares: f64,
+}
+
+impl<'model> Window<'model> {
+    fn new(simulation: ForwardSimulation<'model>, motion: &Motion, torque_mnm: f64) -> Self {
+        let time_s = motion.time_s;
+        let (angle_squares, velocity_squares) = (0.0, 0.0);
+        Self { simulation, start_s: time_s, time_s, torque_mnm, samples: 0, angle_squares, velocity_squares }
+    }
+
+    /// Predicts the motion at the next sample and compares.
+    fn predict(&mut self, measured: &Motion, torque_mnm: f64) -> Result<(), SimulationError> {
+        let step_s = measured.time_s - self.time_s;
+        if step_s > 0.0 {
+            self.simulation.advance(step_s, self.torque_mnm, torque_mnm)?;
+        }
+        (self.time_s, self.torque_mnm) = (measured.time_s, torque_mnm);
+        let predicted = self.simulation.motion(torque_mnm);
+        self.samples += 1;
+        self.angle_squares += (predicted.angle_rad - measured.angle_rad).powi(2);
+        self.velocity_squares += (predicted.velocity_rad_s - measured.velocity_rad_s).powi(2);
+        Ok(())
+    }
+}
+
+impl ForwardErrors {
+    fn of(windows: &[Window]) -> Self {
+        let used = || windows.iter().filter(|window| window.samples > 0);
+        let each = |window: &Window| WindowError {
+            start_s: window.start_s,
+            samples: window.samples,
+            angle_rms_rad: rms(window.angle_squares, window.samples),
+            velocity_rms_rad_s: rms(window.velocity_squares, window.samples),
+        };
+        let samples = used().map(|window| window.samples).sum();
+        Self {
+            windows: used().map(each).collect(),
+            angle_rms_rad: rms(used().map(|window| window.angle_squares).sum(), samples),
+            velocity_rms_rad_s: rms(used().map(|window| window.velocity_squares).sum(), samples),
+        }
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+fn rms(squares: f64, samples: usize) -> f64 {
+    (squares / samples.max(1) as f64).sqrt()
+}
+
+/// The median time between samples, s.
+fn usual_step_s(motions: &[Motion]) -> f64 {
+    let mut steps: Vec<f64> = motions.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() { f64::INFINITY } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
