@@ -19,6 +19,8 @@ pub struct Sample {
 const SLIDING_RAD_S: f64 = 0.05;
 /// This long before and after, too.
 const MARGIN_S: f64 = 0.002;
+/// About so many samples, evenly taken, tell an RMS to a percent.
+const ENOUGH_SAMPLES: usize = 8000;
 const COLUMNS: usize = 7;
 
 /// The samples that slide, away from any rest.
@@ -36,15 +38,17 @@ pub fn sliding(samples: &[Sample], rate_hz: f64) -> Vec<Sample> {
 /// RMS in mNm of what the best base model leaves of these sliding samples. `period` is the true one of the knob's
 /// detents, around which the best is sought; without it the model has no detents.
 pub fn unexplained_rms(samples: &[Sample], period: Option<f64>) -> f64 {
-    let Some(period) = period else { return residual_rms(samples, None) };
+    let every = (samples.len() / ENOUGH_SAMPLES).max(1);
+    let samples: Vec<Sample> = samples.iter().copied().step_by(every).collect();
+    let Some(period) = period else { return residual_rms(&samples, None) };
     // An effect may draw the fitted period away from the true one, by a fraction of a turn of phase over the travel.
     let mut best = (f64::INFINITY, period);
     let mut half_width = 0.02;
-    for _ in 0..4 {
+    for _ in 0..3 {
         let centre = best.1;
-        for step in -8..=8_i32 {
-            let candidate = centre * (1.0 + half_width * f64::from(step) / 8.0);
-            let rms = residual_rms(samples, Some(candidate));
+        for step in -7..=7_i32 {
+            let candidate = centre * (1.0 + half_width * f64::from(step) / 7.0);
+            let rms = residual_rms(&samples, Some(candidate));
             if rms < best.0 {
                 best = (rms, candidate);
             }

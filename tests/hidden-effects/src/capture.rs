@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::base_fit::{sliding, unexplained_rms};
@@ -18,7 +18,7 @@ use crate::plant::{Rig, run};
 use crate::sensors::{Record, Sensors, ideal, record};
 
 /// What is known of a pair of captures.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Answer {
     /// `effects`, `none` or `outside-library`.
     pub verdict: String,
@@ -35,6 +35,7 @@ pub struct Answer {
     /// The base model.
     pub base: Knob,
     /// The family it came from, and the rig.
+    #[serde(default)]
     pub rig: Value,
 }
 

@@ -1,11 +1,11 @@
 //! The knob that the effect hides in: the base model's numbers, within the ranges of the paper's Table 5.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::draw::Draw;
 
 /// The base model of one knob. Units: mNm, rad, s.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Knob {
     /// Inertia beyond the torque sensor, mNm s²/rad.
     #[serde(rename = "M")]
