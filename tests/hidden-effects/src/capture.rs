@@ -91,6 +91,8 @@ fn pair(draw: &mut Draw) -> Vec<&'static str> {
 
 /// Knobs and motions are drawn anew so often when an effect cannot reach its strength on them.
 const TRIES: usize = 60;
+/// A pair of effects is drawn anew so often.
+const TRIES_PER_PAIR: usize = 12;
 
 impl Capture {
     /// Capture `index` of the run that `seed` decides, hiding what `asked` says (see [`hidden`]) at `strength`.
@@ -100,10 +102,14 @@ impl Capture {
     pub fn new(seed: u64, index: usize, family: Family, asked: &str, strength: f64) -> Result<Self> {
         let mut draw = Draw::new(seed, &format!("{index} {} {asked} {strength}", family.name()));
         let name = draw.name();
-        let names = hidden(asked, index, &mut draw)?;
-        for _ in 0..TRIES {
+        let mut names = hidden(asked, index, &mut draw)?;
+        for attempt in 1..=TRIES {
             if let Some(bench) = Bench::draw(&names, family, strength, &mut draw) {
                 return Ok(bench.capture(name, family, strength, &mut draw));
+            }
+            if attempt % TRIES_PER_PAIR == 0 {
+                // Two effects may ask for opposite knobs: another pair then. Other choices stay what they are.
+                names = hidden(asked, index, &mut draw)?;
             }
         }
         bail!("{} reached {strength} times the noise on none of {TRIES} knobs", names.join(" and "))

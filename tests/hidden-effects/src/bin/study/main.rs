@@ -22,6 +22,7 @@ use anyhow::{Context as _, Result};
 use clap::Parser;
 use hidden_effects::capture::{Answer, Capture};
 use hidden_effects::family::Family;
+use serde_json::{Value, json};
 
 use crate::diagnosis::{Case, Judged, diagnose};
 
@@ -63,7 +64,9 @@ fn main() -> Result<()> {
     let arguments = Arguments::parse();
     if arguments.given {
         let cases = cases(&arguments.folder)?;
-        tables::print("given", &judge(&arguments, cases));
+        let judged = judge(&arguments, cases);
+        keep(&arguments.folder, &judged)?;
+        tables::print("given", &judged);
         return Ok(());
     }
     let mut by_family = Vec::new();
@@ -75,7 +78,9 @@ fn main() -> Result<()> {
         for strength in &arguments.strengths {
             let folder = arguments.folder.join(format!("{}-{strength}", family.name()));
             generate(&arguments, &folder, family, *strength)?;
-            judged.extend(judge(&arguments, cases(&folder)?));
+            let these = judge(&arguments, cases(&folder)?);
+            keep(&folder, &these)?;
+            judged.extend(these);
         }
         tables::print(family.name(), &judged);
         by_family.push((family.name(), judged));
@@ -132,6 +137,21 @@ fn cases(folder: &Path) -> Result<Vec<Case>> {
         serde_json::from_str(&text).with_context(|| format!("{} is no list of answers", file.display()))?;
     let case = |(name, answer)| Case { folder: folder.join(&name), name, answer };
     Ok(answers.into_iter().map(case).collect())
+}
+
+/// Keeps the outcomes beside the captures, for comparisons on the very same.
+fn keep(folder: &Path, judged: &[Judged]) -> Result<()> {
+    let outcome = |j: &Judged| {
+        let seconds = j.outcome.seconds;
+        (
+            j.case.name.clone(),
+            json!({"first_right": j.first_right(), "exact": j.exact(), "seconds": seconds, "said": j.words()}),
+        )
+    };
+    let outcomes: BTreeMap<String, Value> = judged.iter().map(outcome).collect();
+    let file = folder.join("results.json");
+    fs::write(&file, serde_json::to_string_pretty(&outcomes)?)
+        .with_context(|| format!("cannot write {}", file.display()))
 }
 
 /// Diagnoses the captures, a few at a time.
