@@ -1,6 +1,8 @@
 //! Writes captures that hide effects, and `answers.json`, into a folder.
 //!
-//!     generate FOLDER --seed 1 --count 60 [--family NAME] [--strength S] [--effects mixed|single|pair|none|…]
+//! ```text
+//! generate FOLDER --seed 1 --count 60 [--family NAME] [--strength S] [--effects mixed|single|pair|none|…]
+//! ```
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program of the command line speaks to its user")]
 

@@ -1,6 +1,8 @@
 //! Has the instrument diagnose many captures that hide effects, and tabulates how often it is right.
 //!
-//!     study target/release/haptic-camera --folder FOLDER [--families standard,soft-servo,…] [--strengths 1,3] [--count 20]
+//! ```text
+//! study target/release/haptic-camera --folder FOLDER [--families standard,soft-servo,…] [--strengths 1,3] [--count 20]
+//! ```
 //!
 //! Captures and diagnoses stay in FOLDER, and captures that are there already are used again.
 
