@@ -32,6 +32,14 @@ def number(value, half_width):
     return f"{value:.4g}"
 
 
+def breakaway(check, name, truth):
+    """The breakaway torque that a creep showed, and how far it lies from the truth; none if its interval reaches zero."""
+    seen = next((a for a in check["agreement"] if a["quantity"] == name), None)
+    if not (seen and seen["ci95"] and seen["ci95"][0] > 0):
+        return f"not told ({truth:g})"
+    return f"{seen['checked']:.4g} ({truth:g}, {100 * (seen['checked'] / truth - 1):+.1f} %)"
+
+
 def main(folder):
     fits = [json.loads((folder / f"knob-{knob}.json").read_text()) for knob in range(1, 6)]
     checks = [json.loads((folder / f"knob-{knob}-check.json").read_text()) for knob in range(1, 6)]
@@ -39,8 +47,11 @@ def main(folder):
     print("|---|" + "---|" * 5)
     for name, (symbol, paper) in PAPER.items():
         cells = []
-        for fit, truth in zip(fits, paper):
+        for fit, check, truth in zip(fits, checks, paper):
             parameter = fit["parameters"][name]
+            if name.startswith("static"):
+                cells.append(breakaway(check, name, truth))
+                continue
             if parameter["value"] is None:
                 cells.append("none" if truth is None else f"not told ({truth:g})")
                 continue
@@ -57,21 +68,22 @@ def main(folder):
     print("| residual, mNm RMS | " + " | ".join(row) + " |")
     row = [f"{max((r['ratio'] for r in fit['repeatability'].values()), default=0):.2f}" for fit in fits]
     print("| largest difference between the two captures, over its interval | " + " | ".join(row) + " |")
-    for name, words in [
-        ("detent_period", "P by counting detents over a slow turn"),
-        ("static_negative", "D− read off a creep"),
-        ("static_positive", "D+ read off a creep"),
-    ]:
-        row = []
-        for check in checks:
-            seen = next((a for a in check["agreement"] if a["quantity"] == name), None)
-            if seen is None:
-                row.append("none seen")
-            elif seen["difference_percent"] is None:
-                row.append(f"{seen['checked']:.4g}")
-            else:
-                row.append(f"{seen['checked']:.4g} ({seen['difference_percent']:+.1f} %)")
+    row = []
+    for check in checks:
+        seen = next((a for a in check["agreement"] if a["quantity"] == "detent_period"), None)
+        if seen is None:
+            row.append("none seen")
+        elif seen["difference_percent"] is None:
+            row.append(f"{seen['checked']:.4g}")
+        else:
+            row.append(f"{seen['checked']:.4g} ({seen['difference_percent']:+.1f} %)")
+    print("| P by counting detents over a slow turn | " + " | ".join(row) + " |")
+    for name, words in [("static_negative", "D− from the sweeps alone"), ("static_positive", "D+ from the sweeps alone")]:
+        told = [fit["parameters"][name]["value"] for fit in fits]
+        row = ["not told" if value is None else f"{value:.4g}" for value in told]
         print(f"| {words} | " + " | ".join(row) + " |")
+    others = max(fit["mean_ci95_mnm"] for fit in fits[:4])
+    print(f"\nKnob 5's mean interval is {fits[4]['mean_ci95_mnm'] / others:.0f} times the largest of the others.")
 
 
 main(Path(sys.argv[1]))

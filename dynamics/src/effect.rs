@@ -1,9 +1,9 @@
 //! What an effect is: a kind, known to the whole program, and its parameter values on one knob.
 
-use crate::Motion;
+use crate::{Bristles, Coupling, Hypothesis, Motion};
 
 /// Most parameters that one effect has.
-pub(crate) const MAX_PARAMETERS: usize = 8;
+pub const MAX_PARAMETERS: usize = 24;
 
 /// A physical effect as the instrument knows it.
 #[derive(Debug)]
@@ -20,6 +20,8 @@ pub struct EffectKind {
     pub part: Part,
     /// The part it plays in a fit of torque to motion; `None` if it has none there.
     pub regressors: Option<Regressors>,
+    /// How to look for it in a capture whose model lacks it; `None` if that is never done.
+    pub hypothesis: Option<Hypothesis>,
 }
 
 /// A parameter of an effect.
@@ -111,6 +113,18 @@ pub enum Part {
     Friction(fn(&[f64], &Motion, Direction) -> f64),
     /// What holds the knob at rest.
     Stick(fn(&[f64]) -> StickLimits),
+    /// Relative change of the Coulomb friction: 0 leaves it as it is.
+    CoulombFactor(fn(&[f64], &Motion) -> f64),
+    /// Relative change of all friction, Coulomb and viscous.
+    FrictionFactor(fn(&[f64], &Motion) -> f64),
+    /// Friction's contacts bend before they slip.
+    Bristles(fn(&[f64]) -> Bristles),
+    /// What lies between the torque sensor and the body that friction and detents act on.
+    Coupling(fn(&[f64]) -> Coupling),
+    /// What the torque sensor reads besides the torque, mNm.
+    Reading(fn(&[f64], &Motion) -> f64),
+    /// Time by which the torque sensor's reading is late, s.
+    ReadingDelay(fn(&[f64]) -> f64),
 }
 
 /// An effect's columns in a fit: torque = Σ coefficient · column.
@@ -126,6 +140,8 @@ pub struct Regressors {
     pub fill: fn(&[f64], &Motion, &mut [f64]),
     /// Writes the effect's values from the fitted coefficients; the searched ones are already in place.
     pub values: fn(&[f64], &mut [f64]),
+    /// Columns whose coefficient cannot be negative, besides those whose parameter says so.
+    pub nonnegative: &'static [usize],
 }
 
 /// An effect with its values on one knob.

@@ -14,7 +14,7 @@ const FILES: [&str; 5] = [
 /// The paper's knob with the given number, 1 to 5.
 ///
 /// Table 5 gives C₋ as a signed torque; here it is a magnitude. Amplitudes keep the table's sign.
-/// Knob 5 is its Table 5 fit alone, without the backlash and the shape of its detents.
+/// Of knob 5 the paper says that it has backlash and detents that are no sine, without numbers: those are chosen.
 ///
 /// # Errors
 /// [`ModelError::UnknownKnob`] for another number.

@@ -23,17 +23,26 @@
 //! # Ok::<(), dynamics::ModelError>(())
 //! ```
 
+mod bristles;
 mod calibration;
+mod coupling;
 mod effect;
 pub mod effects;
 pub mod excitation;
+mod hypothesis;
 pub mod knobs;
 mod model;
 mod motion;
+mod prediction;
 pub mod simulate;
 
+pub use bristles::Bristles;
 pub use calibration::{Calibration, CalibrationError};
-pub use effect::{Direction, Effect, EffectKind, Minimum, ParameterKind, Part, Regressors, StickLimits};
+pub use coupling::{Coupling, InnerBody};
+pub use effect::{
+    Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,
+};
 pub use excitation::{Drive, Excitation, Setpoint};
+pub use hypothesis::{Hypothesis, Scene, Search};
 pub use model::{Model, ModelError};
 pub use motion::Motion;

@@ -208,16 +208,26 @@ impl Model {
     /// Torque of friction while sliding in `direction`, mNm.
     #[must_use]
     pub fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
-        self.effects
-            .iter()
-            .map(|effect| {
-                if let Part::Friction(torque) = effect.kind().part {
-                    torque(effect.values(), motion, direction)
-                } else {
-                    0.0
-                }
-            })
-            .sum()
+        let sliding_at = |motion: &Motion| -> f64 {
+            let each = self.effects.iter().map(|effect| match effect.kind().part {
+                Part::Friction(torque) => torque(effect.values(), motion, direction),
+                _ => 0.0,
+            });
+            each.sum()
+        };
+        let (mut factor, mut coulomb_factor) = (0.0, 0.0);
+        for effect in &self.effects {
+            match effect.kind().part {
+                Part::FrictionFactor(change) => factor += change(effect.values(), motion),
+                Part::CoulombFactor(change) => coulomb_factor += change(effect.values(), motion),
+                _ => {}
+            }
+        }
+        let friction_mnm = (1.0 + factor) * sliding_at(motion);
+        if coulomb_factor == 0.0 {
+            return friction_mnm;
+        }
+        friction_mnm + coulomb_factor * sliding_at(&Motion { velocity_rad_s: 0.0, ..*motion })
     }
 
     /// What a knob at rest bears: Karnopp's limits, or the friction at zero speed where the model has none.

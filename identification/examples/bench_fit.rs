@@ -14,21 +14,34 @@ use identification::{FitOptions, Samples, fit};
 /// M, C₋, C₊, B₋, B₊, A, P, S of the paper's Table 2.
 const TABLE_2: [f64; 8] = [0.4, 1.5, 2.0, 1.0, 1.5, 1.0, 0.2, 0.9];
 const RATE_HZ: f64 = 5000.0;
+/// Fits of the capture that scipy fits too.
+const RUNS: u32 = 41;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let path = arguments.next().ok_or("name the file to which the columns shall be written")?;
-    let most: usize = arguments.next().map_or(Ok(1_000_000), |text| text.parse())?;
+    let most: usize = arguments.next().map_or(Ok(10_000_000), |text| text.parse())?;
     let columns = capture(30_000)?;
     let bytes: Vec<u8> = columns.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
     std::fs::write(path, bytes)?;
-    let (seconds, period_rad) = timed(&columns, 15)?;
-    println!("{{\"samples\": 30000, \"seconds\": {seconds}, \"period_rad\": {period_rad}}}");
+    let before = processor_seconds();
+    let (times, period_rad) = timed(&columns, RUNS)?;
+    let processor = (processor_seconds() - before) / f64::from(RUNS);
+    println!(
+        "{{\"samples\": 30000, \"all_seconds\": {times:?}, \"processor_seconds\": {processor}, \"period_rad\": {period_rad}}}"
+    );
     let mut samples = 10_000;
     while samples <= most {
         let columns = capture(samples)?;
-        let (seconds, _) = timed(&columns, 3)?;
-        println!("{{\"samples\": {samples}, \"seconds\": {seconds}, \"peak_kib\": {}}}", peak_kib());
+        let runs = if samples < 1_000_000 { 15 } else { 1 };
+        let before = processor_seconds();
+        let (times, _) = timed(&columns, runs)?;
+        let processor = (processor_seconds() - before) / f64::from(runs);
+        let seconds = times[times.len() / 2];
+        println!(
+            "{{\"samples\": {samples}, \"seconds\": {seconds}, \"processor_seconds\": {processor}, \"peak_kib\": {}}}",
+            peak_kib()
+        );
         samples *= 10;
     }
     Ok(())
@@ -79,8 +92,8 @@ fn motion(time_s: f64, sweep: Option<&Excitation>) -> Motion {
     }
 }
 
-/// Median time of a fit, s, and the period it found.
-fn timed(columns: &[Vec<f64>; 5], runs: usize) -> Result<(f64, f64), Box<dyn std::error::Error>> {
+/// Times of fits, s, in order, and the period they found.
+fn timed(columns: &[Vec<f64>; 5], runs: u32) -> Result<(Vec<f64>, f64), Box<dyn std::error::Error>> {
     let [t_s, angle_rad, velocity, acceleration, torque_mnm] = columns;
     let samples =
         Samples { t_s, angle_rad, velocity_rad_s: Some(velocity), acceleration_rad_s2: Some(acceleration), torque_mnm };
@@ -93,7 +106,14 @@ fn timed(columns: &[Vec<f64>; 5], runs: usize) -> Result<(f64, f64), Box<dyn std
         period_rad = fit.parameters.get("detent_period").and_then(|p| p.value).unwrap_or(f64::NAN);
     }
     times.sort_by(f64::total_cmp);
-    Ok((times[runs / 2], period_rad))
+    Ok((times, period_rad))
+}
+
+/// Time that a processor has spent on this thread, s; 0 where the system does not tell.
+fn processor_seconds() -> f64 {
+    let status = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds: Option<f64> = status.split_whitespace().next().and_then(|text| text.parse().ok());
+    nanoseconds.map_or(0.0, |nanoseconds| 1e-9 * nanoseconds)
 }
 
 /// Most memory that this process ever held, KiB; 0 where the system does not tell.

@@ -1,7 +1,7 @@
 //! How often the 95 % intervals hold the truth, over whole captures of the paper's knobs on the simulated rig.
 //!
 //! `cargo run --release -p identification --example coverage -- [--captures N] [--knobs 1,2] [--sweeps paper,…]
-//! [--ideal noise,steps,compliance,lags] [--first-seed N] [--duration S]`
+//! [--ideal noise,steps,compliance,lags] [--first-seed N] [--duration S] [--errors FILE.csv]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
 mod common;
@@ -26,11 +26,15 @@ struct Study {
     first_seed: u64,
     duration_s: f64,
     parameters: RigParameters,
+    /// Where every single error is written, if anywhere.
+    errors: Option<String>,
 }
 
 /// One fit of one capture.
 struct Outcome {
     knob: u32,
+    sweep: String,
+    seed: u64,
     fit: Fit,
 }
 
@@ -47,6 +51,9 @@ struct Tally {
 fn main() -> Result<(), Failure> {
     let study = Study::from_arguments()?;
     let outcomes = study.run()?;
+    if let Some(path) = &study.errors {
+        std::fs::write(path, errors_csv(&outcomes)?)?;
+    }
     println!(
         "parameter            knob  told  held           textbook  mean error  SD of error  half width/1.96  z of the bias"
     );
@@ -78,6 +85,24 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
+/// Every error with both half widths, one per line.
+fn errors_csv(outcomes: &[Outcome]) -> Result<String, Failure> {
+    let mut text = "knob,sweep,seed,parameter,error,half_width,half_width_textbook\n".to_owned();
+    for Outcome { knob, sweep, seed, fit } in outcomes {
+        for parameter in &fit.parameters.0 {
+            let truth = true_value(&knobs::paper_knob(*knob)?, parameter.name);
+            let (Some(value), Some([low, high]), Some(truth)) = (parameter.value, parameter.ci95, truth) else {
+                continue;
+            };
+            let half = |[low, high]: [f64; 2]| 0.5 * (high - low);
+            let textbook = parameter.ci95_textbook.map_or_else(String::new, |interval| half(interval).to_string());
+            let (name, error, half) = (parameter.name, value - truth, half([low, high]));
+            text += &format!("{knob},{sweep},{seed},{name},{error:e},{half:e},{textbook}\n");
+        }
+    }
+    Ok(text)
+}
+
 impl Study {
     fn from_arguments() -> Result<Self, Failure> {
         let mut study = Self {
@@ -87,6 +112,7 @@ impl Study {
             first_seed: 1,
             duration_s: 10.0,
             parameters: RigParameters::default(),
+            errors: None,
         };
         let mut arguments = std::env::args().skip(1);
         while let Some(argument) = arguments.next() {
@@ -97,6 +123,7 @@ impl Study {
                 "--sweeps" => study.sweeps = value.split(',').map(str::to_owned).collect(),
                 "--first-seed" => study.first_seed = value.parse()?,
                 "--duration" => study.duration_s = value.parse()?,
+                "--errors" => study.errors = Some(value),
                 "--ideal" => value.split(',').try_for_each(|what| study.idealise(what))?,
                 _ => return Err(format!("there is no option {argument}").into()),
             }
@@ -161,7 +188,7 @@ impl Study {
                 );
             }
             if let Ok(mut outcomes) = outcomes.lock() {
-                outcomes.push(Outcome { knob, fit });
+                outcomes.push(Outcome { knob, sweep: sweep.clone(), seed, fit });
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::frame::Frame;
 use crate::held_out;
 use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion, rms};
-use crate::problem::Problem;
+use crate::problem::{Column, Problem};
 use crate::scan::{FEWEST_PERIODS, Scan};
 
 /// Peaks of the scan that are refined, at most, …
@@ -31,6 +31,8 @@ const PLACEBO_OF_FEW: f64 = 20.0;
 const FEW_PERIODS: f64 = 3.0;
 /// Margin for harmonics in the residual.
 const HARMONIC_MARGIN: f64 = 14.0;
+/// A harmonic is looked at closely if the scan shows the margin divided by this.
+const HARMONIC_LOOK: f64 = 2.0;
 /// A period that explains less than this and does not stand out roughly is not looked at closely.
 const CLEARLY_NOT: f64 = 0.05;
 /// A model that leaves less than this share of the torque has nothing left to explain.
@@ -87,10 +89,10 @@ pub(crate) fn search<'a>(
             let mut problem = base.clone();
             problem.add(Effect::new(&effects::detent::KIND, &[0.0, 1.0 / peak.wavenumber, 0.0]));
             let solution = problem.refine(2, limit);
-            (dot(&solution.residual, &solution.residual), problem)
+            (dot(&solution.residual, &solution.residual), problem, solution)
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((close, mut problem)) = best else {
+    let Some((close, mut problem, solution)) = best else {
         return Detents::None(no_detents(longest, shortest));
     };
     let needed = 2.0 * scan.independent().ln() + MARGIN;
@@ -98,7 +100,7 @@ pub(crate) fn search<'a>(
     if 1.5 * (left - close) < rough && left - close < CLEARLY_NOT * left {
         return Detents::None(no_detents(longest, shortest));
     }
-    let solution = problem.refine(12, limit);
+    let solution = problem.refine_from(solution, 12, limit);
     let detent = problem.effects.len() - 1;
     let period_rad = problem.effects[detent].values()[1];
     let range = problem.range(detent);
@@ -141,7 +143,11 @@ pub(crate) fn search<'a>(
         })
         .map(|peak| 1.0 / peak.wavenumber)
         .collect();
-    let harmonics = harmonics(&problem, &solution, period_rad, background);
+    let evident = |order: u32| {
+        scan.near(&rest, f64::from(order) / period_rad)
+            .is_none_or(|power| HARMONIC_LOOK * power > HARMONIC_MARGIN * background)
+    };
+    let harmonics = harmonics(&problem, &solution, period_rad, background, evident);
     Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
 }
 
@@ -153,16 +159,23 @@ fn no_detents(longest: f64, shortest: f64) -> String {
 }
 
 /// The second and third harmonic in the residual, where they stand out.
-fn harmonics(problem: &Problem<'_>, solution: &LeastSquares, period_rad: f64, background: f64) -> Vec<Harmonic> {
+///
+/// `evident` tells whether the scan shows enough at an order for a closer look.
+fn harmonics(
+    problem: &Problem<'_>,
+    solution: &LeastSquares,
+    period_rad: f64,
+    background: f64,
+    evident: impl Fn(u32) -> bool,
+) -> Vec<Harmonic> {
     let total = dot(&solution.residual, &solution.residual);
     [2_u32, 3]
         .into_iter()
+        .filter(|order| evident(*order))
         .filter_map(|order| {
             let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
-            let rows: Vec<Vec<f64>> = crate::frame::columns(&effect, problem.motion)
-                .iter()
-                .map(|column| problem.frame.rows(column))
-                .collect();
+            let rows = problem.frame.effect_rows(&effect, problem.motion);
+            let rows: Vec<Column> = rows.into_iter().map(Column::from).collect();
             let (_, with) = problem.solve_with(&rows);
             let [.., sine, cosine] = with.coefficients[..] else { return None };
             let gain = total - dot(&with.residual, &with.residual);

@@ -1,5 +1,7 @@
 //! From samples to a fitted model.
 
+use std::borrow::Cow;
+
 use dynamics::{Effect, Part, effects};
 
 use crate::detents::{self, Detents, Found};
@@ -10,10 +12,11 @@ use crate::least_squares::{LeastSquares, dot};
 use crate::motion::{Band, KnobMotion};
 use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
 use crate::paper_preparation::PaperPreparation;
-use crate::problem::Problem;
+use crate::problem::{Column, Problem};
 use crate::report::Report;
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
 use crate::spectrum::quantile;
+use crate::time_order::Sorted;
 use crate::uniform::Uniform;
 
 /// A delay between torque and motion is believed only up to this many samples; more is an effect of its own.
@@ -26,7 +29,7 @@ const WORTH_A_NOTE: f64 = 0.25;
 
 /// Fits inertia, friction and detents (equation 1 of Swindells and MacLean 2007) to a capture.
 ///
-/// No starting point is needed, and every choice of preparation is made from the data; [`Fit::preparation`] tells them.
+/// The rows may come in any order; they are taken in that of their time. No starting point is needed, and every choice of preparation is made from the data; [`Fit::preparation`] tells them.
 ///
 /// ```
 /// use dynamics::{Drive, Excitation, Motion, knobs};
@@ -63,32 +66,45 @@ const WORTH_A_NOTE: f64 = 0.25;
 /// # Errors
 /// [`FitError`] where nothing can be told; what only some parameters lack is a reason in [`Fit::parameters`].
 pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
+    if let Some(sorted) = Sorted::of(samples) {
+        let mut fit = fit_in_time(&sorted.samples(), options)?;
+        fit.notes.push("the samples were not in the order of time; the fit took them in that order".to_owned());
+        return Ok(fit);
+    }
+    fit_in_time(samples, options)
+}
+
+/// [`fit`] of samples in the order of time.
+fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     samples.check()?;
     let calibration = options.calibration.as_ref();
-    let uniform = Uniform::of(samples, calibration);
+    let mut uniform = Uniform::of(samples, calibration);
     if options.preparation == PreparationMethod::Paper {
         let paper = Prepared::as_in_the_paper(&uniform)?;
         let solved = paper.solve(samples, options);
         return Ok(paper.report(solved, &uniform, samples, options));
     }
     let as_given = options.acceleration == AccelerationUse::Best;
-    let exact = KnobMotion::exact(&uniform, calibration).filter(|_| as_given);
+    let exact = if as_given { KnobMotion::exact(&mut uniform, calibration) } else { None };
     let band = Band::of(&uniform, exact.is_some(), calibration);
-    let first = Prepared::new(&uniform, exact.clone(), band, options)?;
+    let first = Prepared::new(&uniform, exact, band, options)?;
     let solved = first.solve(samples, options);
     let Some(wider) = first.band_for(&solved) else {
         return Ok(first.report(solved, &uniform, samples, options));
     };
+    drop(solved);
+    // An exact motion is the same in any band.
+    let exact = Some(first.motion).filter(|motion| motion.exact);
     let second = Prepared::new(&uniform, exact, wider, options)?;
     let solved = second.solve(samples, options);
     Ok(second.report(solved, &uniform, samples, options))
 }
 
 /// Motion, mask and filter for one band.
-struct Prepared {
+struct Prepared<'a> {
     band: Band,
     motion: KnobMotion,
-    torque_mnm: Vec<f64>,
+    torque_mnm: Cow<'a, [f64]>,
     frame: Frame,
 }
 
@@ -101,8 +117,13 @@ struct Solved<'a> {
     no_detents: Option<String>,
 }
 
-impl Prepared {
-    fn new(uniform: &Uniform, exact: Option<KnobMotion>, band: Band, options: &FitOptions) -> Result<Self, FitError> {
+impl<'a> Prepared<'a> {
+    fn new(
+        uniform: &'a Uniform,
+        exact: Option<KnobMotion>,
+        band: Band,
+        options: &FitOptions,
+    ) -> Result<Self, FitError> {
         let calibration = options.calibration.as_ref();
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(uniform, &band, calibration, options.acceleration));
         let frame = Frame::new(uniform, &motion, &band);
@@ -112,7 +133,7 @@ impl Prepared {
 
     fn as_in_the_paper(uniform: &Uniform) -> Result<Self, FitError> {
         let PaperPreparation { motion, torque_mnm, frame, band } = PaperPreparation::of(uniform);
-        Self { band, motion, torque_mnm, frame }.checked()
+        Self { band, motion, torque_mnm: torque_mnm.into(), frame }.checked()
     }
 
     fn checked(self) -> Result<Self, FitError> {
@@ -155,7 +176,8 @@ impl Prepared {
             return None;
         }
         let wavenumber = 1.0 / solved.problem.effects.last()?.values()[1];
-        let mut speeds: Vec<f64> = self.motion.velocity_rad_s.iter().map(|velocity| velocity.abs()).collect();
+        let at_rows = self.motion.velocity_rad_s.iter().step_by(self.frame.step);
+        let mut speeds: Vec<f64> = at_rows.map(|velocity| velocity.abs()).collect();
         self.band.widened(wavenumber, quantile(&mut speeds, 0.95), self.frame.rate_hz)
     }
 
@@ -172,8 +194,7 @@ impl Prepared {
         let report = Report { trimmed: &trimmed, motion, frame, band, calibration };
         let (mut parameters, comparison) = report.parameters(no_detents);
         let mut effects = trimmed.effects();
-        Stick::of(&uniform.torque_mnm, motion, &effects, frame.rate_hz, &uniform.present)
-            .report(&mut parameters, &mut effects);
+        Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
         let mut notes = report.notes();
         if uniform.lost > 0 {
             notes.push(format!("{} samples are missing from the capture; the fit leaves the gaps out", uniform.lost));
@@ -201,10 +222,10 @@ impl Prepared {
 pub(crate) struct Trimmed<'a> {
     pub(crate) problem: Problem<'a>,
     /// All columns: the effects' linear ones, then those of searched parameters, then that of the delay if it is fitted.
-    pub(crate) columns: Vec<Vec<f64>>,
+    pub(crate) columns: Vec<Column>,
     pub(crate) solution: LeastSquares,
     /// What the residual was made orthogonal to, if not the columns themselves.
-    pub(crate) instruments: Option<Vec<Vec<f64>>>,
+    pub(crate) instruments: Option<Vec<Column>>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
     /// Delay that the data ask for although it is too long for a trim, s.
@@ -233,15 +254,14 @@ impl Trimmed<'_> {
 
 /// Fits a small delay of the torque channel, if the data show one, together with everything else.
 fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
-    let tangents: Vec<Vec<f64>> =
+    let tangents: Vec<Column> =
         problem.searched().iter().map(|which| problem.tangent(*which, &solution.coefficients)).collect();
     let mut with_delay = tangents.clone();
     with_delay.push(problem.delay_column(&solution.coefficients));
     let (columns, extended) = problem.solve_with(&with_delay);
     let delay_index = columns.len() - 1;
     let delay_s = extended.coefficients[delay_index];
-    let (covariance, _) = extended.robust_covariance(&columns);
-    let significant = delay_s.abs() > DELAY_SIGNIFICANCE * covariance[(delay_index, delay_index)].sqrt()
+    let significant = delay_s.abs() > DELAY_SIGNIFICANCE * extended.robust_deviation(&columns, delay_index)
         && extended.improves(solution);
     let left = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
     let worthwhile = left(&extended) < (1.0 - WORTH_A_NOTE) * left(solution);
@@ -250,9 +270,10 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
         // The delay shifts the searched parameters too: the column takes it out, then they settle again.
         let mut problem = problem;
         let delay_rows = columns[delay_index].clone();
-        problem.target.iter_mut().zip(&delay_rows).for_each(|(torque, value)| *torque -= delay_s * value);
+        problem.target =
+            problem.target.iter().zip(&*delay_rows).map(|(torque, value)| torque - delay_s * value).collect();
         let settled = problem.refine(4, |_, value| 0.01 * value.abs());
-        let mut more: Vec<Vec<f64>> =
+        let mut more: Vec<Column> =
             problem.searched().iter().map(|which| problem.tangent(*which, &settled.coefficients)).collect();
         more.push(delay_rows);
         let (columns, solution) = problem.solve_with(&more);
@@ -278,7 +299,10 @@ fn base_effects(further: &[Effect]) -> Vec<Effect> {
 
 /// The smallest difference between two samples that differ: the encoder's step, if it has one.
 fn smallest_step(angle_rad: &[f64]) -> f64 {
-    angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min)
+    angle_rad.iter().zip(&angle_rad[1..]).fold(f64::INFINITY, |least, (left, right)| {
+        let step = (right - left).abs();
+        if step > 0.0 && step < least { step } else { least }
+    })
 }
 
 fn preparation(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, band: &Band) -> Preparation {

@@ -1,12 +1,14 @@
 //! Mask first, then filter: the relation between torque and motion stays exactly linear.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
-use dynamics::{Effect, Motion};
+use dynamics::{Effect, effects};
 
 use crate::filter::Fir;
 use crate::motion::{Band, KnobMotion, ROWS_PER_EDGE, rms};
 use crate::uniform::Uniform;
+use crate::vector;
 
 /// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
 /// before the knob breaks away, and contact rings.
@@ -17,6 +19,8 @@ const FADE_S: f64 = 0.002;
 const SLOW: f64 = 0.01;
 /// Half length of the low-pass in periods of its edge: a Hamming window's transition is then as wide as the edge.
 const HALF_LENGTH_PERIODS: f64 = 1.65;
+/// Samples that are filtered together: few enough to stay in a processor's cache.
+const BLOCK: usize = 2048;
 
 /// The mask, the common filter and the decimation through which torque and every column pass.
 #[derive(Clone, Debug)]
@@ -53,8 +57,34 @@ impl Frame {
 
     /// Masks, filters and decimates a full-rate column.
     pub(crate) fn rows(&self, column: &[f64]) -> Vec<f64> {
-        let masked: Vec<f64> = column.iter().zip(&self.mask).map(|(value, mask)| value * mask).collect();
-        self.fir.decimate(&masked, self.step)
+        self.rows_of(1, |range, columns| columns[0].copy_from_slice(&column[range])).remove(0)
+    }
+
+    /// Masks, filters and decimates `count` columns that `fill` writes for a range of samples: none is ever held whole.
+    pub(crate) fn rows_of(&self, count: usize, mut fill: impl FnMut(Range<usize>, &mut [Vec<f64>])) -> Vec<Vec<f64>> {
+        let (samples, half) = (self.mask.len(), self.fir.half_length());
+        let total = samples.div_ceil(self.step);
+        let mut rows = vec![vec![0.0; total]; count];
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); count];
+        let block = (BLOCK / self.step).max(1) + half / self.step;
+        for start in (0..total).step_by(block) {
+            let end = (start + block).min(total);
+            let range = (start * self.step).saturating_sub(half)..((end - 1) * self.step + half + 1).min(samples);
+            columns.iter_mut().for_each(|column| column.resize(range.len(), 0.0));
+            fill(range.clone(), &mut columns);
+            let first = start * self.step - range.start;
+            for (rows, column) in rows.iter_mut().zip(&mut columns) {
+                column.iter_mut().zip(&self.mask[range.clone()]).for_each(|(value, mask)| *value *= mask);
+                self.fir.decimate_part(column, first, self.step, &mut rows[start..end]);
+            }
+        }
+        rows
+    }
+
+    /// Rows of an effect's columns; none if it has no part in a fit.
+    pub(crate) fn effect_rows(&self, effect: &Effect, motion: &KnobMotion) -> Vec<Vec<f64>> {
+        let count = effect.kind().regressors.map_or(0, |regressors| regressors.columns);
+        self.rows_of(count, |range, columns| fill(effect, motion, range, columns))
     }
 
     /// The adjoint of [`Frame::rows`].
@@ -111,29 +141,19 @@ fn fade(mask: &mut [f64], length: usize) {
     sweep(&mut mask.iter_mut().rev());
 }
 
-/// An effect's full-rate columns; none if it has no part in a fit.
-pub(crate) fn columns(effect: &Effect, motion: &KnobMotion) -> Vec<Vec<f64>> {
-    let Some(regressors) = effect.kind().regressors else {
-        return Vec::new();
-    };
-    let mut columns = vec![Vec::with_capacity(motion.len()); regressors.columns];
-    let mut row = vec![0.0; regressors.columns];
-    for index in 0..motion.len() {
-        (regressors.fill)(effect.values(), &motion.at(index), &mut row);
-        columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
+/// Writes an effect's columns for a range of samples.
+pub(crate) fn fill(effect: &Effect, motion: &KnobMotion, range: Range<usize>, columns: &mut [Vec<f64>]) {
+    let Some(regressors) = effect.kind().regressors else { return };
+    if let [sine, cosine] = columns
+        && effect.kind().name == effects::detent::KIND.name
+    {
+        vector::sines(&motion.angle_rad[range], 1.0 / effect.values()[1], sine, cosine);
+        return;
     }
-    columns
-}
-
-/// Torque of an effect's columns with the coefficients given, at full rate.
-pub(crate) fn torque(effect: &Effect, coefficients: &[f64], motion: &KnobMotion) -> Vec<f64> {
-    let Some(regressors) = effect.kind().regressors else {
-        return vec![0.0; motion.len()];
-    };
     let mut row = vec![0.0; regressors.columns];
-    let mut at = |motion: &Motion| {
-        (regressors.fill)(effect.values(), motion, &mut row);
-        row.iter().zip(coefficients).map(|(value, coefficient)| value * coefficient).sum()
-    };
-    (0..motion.len()).map(|index| at(&motion.at(index))).collect()
+    let values = effect.values();
+    for (place, index) in range.enumerate() {
+        (regressors.fill)(values, &motion.at(index), &mut row);
+        columns.iter_mut().zip(&row).for_each(|(column, value)| column[place] = *value);
+    }
 }

@@ -16,8 +16,8 @@ use crate::uniform::Uniform;
 /// [`FitError`] for samples that are not a capture of a motion.
 pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Result<Vec<Motion>, FitError> {
     samples.check()?;
-    let uniform = Uniform::of(samples, calibration);
-    let exact = KnobMotion::exact(&uniform, calibration);
+    let mut uniform = Uniform::of(samples, calibration);
+    let exact = KnobMotion::exact(&mut uniform, calibration);
     let band = Band::of(&uniform, exact.is_some(), calibration);
     let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
     // The grid has more points than the capture where samples were lost: each sample takes its own.

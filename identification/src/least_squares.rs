@@ -1,9 +1,19 @@
 //! Linear least squares with collinear columns told, lower bounds at zero, and intervals that hold.
 
+use std::ops::Deref;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
+
+use crate::vector;
+pub(crate) use crate::vector::dot;
 
 /// A column of which less than this share of the square remains beside the others counts as collinear.
 const COLLINEAR: f64 = 1e-9;
+
+/// A correction that would move the prediction by less than this share of the target is rounding.
+const SETTLED: f64 = 1e-15;
+/// Places at which half of the covariance's kernel is told apart.
+const PLACES_PER_HALF: usize = 16;
 
 /// Least bandwidth as a share of the rows.
 const SHARE: f64 = 0.02;
@@ -38,27 +48,24 @@ pub(crate) struct LeastSquares {
 
 impl LeastSquares {
     /// Solves for `columns` (each as long as `target`); coefficients marked in `nonnegative` stay at or above zero.
-    pub(crate) fn solve(columns: &[Vec<f64>], target: &[f64], nonnegative: &[bool]) -> Self {
-        Self::solve_noisy(columns, target, nonnegative, &[])
+    pub(crate) fn solve<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], nonnegative: &[bool]) -> Self {
+        let mut products = DMatrix::zeros(columns.len(), columns.len());
+        vector::products(columns, 0, &mut products);
+        Self::solve_noisy(columns, &products, target, nonnegative, &[])
     }
 
-    /// The same with the sums that `noise` gives taken off the normal equations.
-    pub(crate) fn solve_noisy(
-        columns: &[Vec<f64>],
+    /// The same with the columns' inner products given and the sums that `noise` gives taken off the normal equations.
+    pub(crate) fn solve_noisy<C: Deref<Target = [f64]>>(
+        columns: &[C],
+        products: &DMatrix<f64>,
         target: &[f64],
         nonnegative: &[bool],
         noise: &[ColumnNoise],
     ) -> Self {
         let count = columns.len();
-        let scales: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt()).collect();
-        let mut gram = DMatrix::zeros(count, count);
-        for row in 0..count {
-            for column in 0..=row {
-                let product = dot(&columns[row], &columns[column]) / (scales[row] * scales[column]);
-                gram[(row, column)] = product;
-                gram[(column, row)] = product;
-            }
-        }
+        let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
+        let mut gram =
+            DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
         let collinear = find_collinear(&gram, &scales);
         let noise: Vec<ColumnNoise> =
             noise.iter().copied().filter(|noise| noise.square < MOST_NOISE * scales[noise.column].powi(2)).collect();
@@ -87,8 +94,8 @@ impl LeastSquares {
         }
     }
 
-    fn solve_active(
-        columns: &[Vec<f64>],
+    fn solve_active<C: Deref<Target = [f64]>>(
+        columns: &[C],
         target: &[f64],
         gram: &DMatrix<f64>,
         scales: &[f64],
@@ -107,22 +114,26 @@ impl LeastSquares {
         let Some(factor) = Cholesky::new(part) else {
             return solution;
         };
-        // Two rounds more on the residual win back the digits that the Gram matrix costs.
+        // Rounds on the residual win back the digits that the Gram matrix costs.
         for _ in 0..3 {
+            let products = vector::residual(columns, &solution.coefficients, target, &mut solution.residual);
             let right = DVector::from_iterator(
                 active.len(),
                 active.iter().map(|index| {
                     let noise = noise.iter().find(|noise| noise.column == *index);
                     let noise = noise.map_or(0.0, |n| n.square * solution.coefficients[*index] - n.product);
-                    (dot(&columns[*index], &solution.residual) + noise) / scales[*index]
+                    (products[*index] + noise) / scales[*index]
                 }),
             );
             let step = factor.solve(&right);
             for (index, step) in active.iter().zip(step.iter()) {
                 solution.coefficients[*index] += step / scales[*index];
             }
-            solution.residual = residual(columns, target, &solution.coefficients);
+            if step.norm() <= SETTLED * dot(target, target).sqrt() {
+                break;
+            }
         }
+        solution.residual = residual(columns, target, &solution.coefficients);
         let inverse = factor.inverse();
         for (row, at) in active.iter().enumerate() {
             for (column, other) in active.iter().enumerate() {
@@ -134,10 +145,15 @@ impl LeastSquares {
 
     /// The same fit by instrumental variables: the residual is made orthogonal to the `instruments`, one per column,
     /// which noise in the columns then does not bias. [`Self::robust_covariance`] wants the instruments.
-    pub(crate) fn instrumented(self, columns: &[Vec<f64>], instruments: &[Vec<f64>], target: &[f64]) -> Self {
+    pub(crate) fn instrumented<C: Deref<Target = [f64]>>(
+        self,
+        columns: &[C],
+        instruments: &[C],
+        target: &[f64],
+    ) -> Self {
         let active: Vec<usize> =
             (0..columns.len()).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
-        let size = |columns: &[Vec<f64>], index: usize| dot(&columns[index], &columns[index]).sqrt();
+        let size = |columns: &[C], index: usize| dot(&columns[index], &columns[index]).sqrt();
         let cross = DMatrix::from_fn(active.len(), active.len(), |row, column| {
             let (row, column) = (active[row], active[column]);
             dot(&instruments[row], &columns[column]) / (size(instruments, row) * size(columns, column))
@@ -179,39 +195,61 @@ impl LeastSquares {
     /// Newey and West's sandwich with Parzen's kernel and the bandwidth of Andrews (Econometrica 59,
     /// 1991, 817–858) from first-order autocorrelations of the scores. Also returns the bandwidth as a
     /// share of the rows.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a number of rows"
-    )]
-    pub(crate) fn robust_covariance(&self, columns: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
-        let (rows, count) = (self.residual.len(), columns.len());
-        let scores: Vec<Vec<f64>> = columns
-            .iter()
-            .map(|column| column.iter().zip(&self.residual).map(|(value, residual)| value * residual).collect())
-            .collect();
-        let bandwidth = parzen_bandwidth(&scores, rows);
-        let kernel: Vec<f64> =
-            (1..(bandwidth.ceil() as usize).min(rows)).map(|lag| parzen(lag as f64 / bandwidth)).collect();
-        let smoothed: Vec<Vec<f64>> = scores.iter().map(|score| smooth(score, &kernel)).collect();
-        let middle = DMatrix::from_fn(count, count, |row, column| dot(&scores[row], &smoothed[column]));
+    ///
+    /// Parzen's kernel is a triangle convolved with itself, and a triangle is a box convolved with itself: with running
+    /// sums the cost does not depend on the bandwidth, and the result has no negative eigenvalue.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn robust_covariance<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> (DMatrix<f64>, f64) {
+        let rows = self.residual.len();
+        let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
+        let (smooth, width, bandwidth) = smooth_scores(&scores);
+        let mut middle = DMatrix::zeros(columns.len(), columns.len());
+        vector::products(&smooth, 0, &mut middle);
+        middle *= kernel_scale(width);
         let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
         (&self.inverse * middle * self.inverse.transpose() * freedom, bandwidth / rows as f64)
+    }
+
+    /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn robust_deviation<C: Deref<Target = [f64]>>(&self, columns: &[C], coefficient: usize) -> f64 {
+        let rows = self.residual.len();
+        let shares: Vec<f64> = (0..columns.len()).map(|column| -self.inverse[(coefficient, column)]).collect();
+        let mut influence = vec![0.0; rows];
+        vector::residual(columns, &shares, &influence.clone(), &mut influence);
+        let score = vector::multiply(&influence, &self.residual);
+        let (smooth, width, _) = smooth_scores(&[score]);
+        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
+        (dot(&smooth[0], &smooth[0]) * kernel_scale(width) * freedom).sqrt()
     }
 }
 
 /// Target minus the columns' sum.
-fn residual(columns: &[Vec<f64>], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
+fn residual<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
     let mut residual = target.to_vec();
     for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0) {
-        residual.iter_mut().zip(column).for_each(|(left, value)| *left -= coefficient * value);
+        residual.iter_mut().zip(column.iter()).for_each(|(left, value)| *left -= coefficient * value);
     }
     residual
 }
 
-pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
-    left.iter().zip(right).map(|(a, b)| a * b).sum()
+/// Coefficients of the first `count` columns from inner products, the target's last; zero for collinear columns.
+pub(crate) fn solve_products(products: &DMatrix<f64>, count: usize) -> Vec<f64> {
+    let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
+    let gram = DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
+    let collinear = find_collinear(&gram, &scales);
+    let active: Vec<usize> = (0..count).filter(|index| !collinear[*index]).collect();
+    let part = DMatrix::from_fn(active.len(), active.len(), |row, column| gram[(active[row], active[column])]);
+    let target = products.nrows() - 1;
+    let right =
+        DVector::from_iterator(active.len(), active.iter().map(|index| products[(*index, target)] / scales[*index]));
+    let mut coefficients = vec![0.0; count];
+    if let Some(factor) = Cholesky::new(part) {
+        for (index, value) in active.iter().zip(factor.solve(&right).iter()) {
+            coefficients[*index] = value / scales[*index];
+        }
+    }
+    coefficients
 }
 
 /// Cholesky's pivots tell how much of each column is new beside the earlier ones.
@@ -238,18 +276,46 @@ fn find_collinear(gram: &DMatrix<f64>, scales: &[f64]) -> Vec<bool> {
     collinear
 }
 
-/// A score with its neighbours on both sides, weighted by the kernel at lags 1, 2, ….
-fn smooth(score: &[f64], kernel: &[f64]) -> Vec<f64> {
-    let mut smooth = score.to_vec();
-    for (lag, weight) in (1..).zip(kernel) {
-        for (slot, value) in smooth[lag..].iter_mut().zip(score) {
-            *slot += weight * value;
-        }
-        for (slot, value) in smooth.iter_mut().zip(&score[lag..]) {
-            *slot += weight * value;
-        }
-    }
-    smooth
+/// Scores summed over triangles, whose inner products are the long-run covariance but for [`kernel_scale`]; half the
+/// bandwidth in their own places, and the bandwidth in rows.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of rows"
+)]
+fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) {
+    let rows = scores.first().map_or(0, Vec::len);
+    let half = (0.5 * parzen_bandwidth(scores, rows)).round().max(1.0) as usize;
+    // Neighbours far closer than the bandwidth count as one.
+    let group = (half / PLACES_PER_HALF).max(1);
+    let width = half.div_ceil(group);
+    let smooth = |score: &Vec<f64>| {
+        let places: Vec<f64> = score.chunks(group).map(|part| part.iter().sum()).collect();
+        boxed(&boxed(&places, width), width)
+    };
+    (scores.iter().map(smooth).collect(), width, 2.0 * (width * group) as f64)
+}
+
+/// One over the triangle's sum of squares: what the kernel would else be at lag zero.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+fn kernel_scale(width: usize) -> f64 {
+    let width = width as f64;
+    3.0 / (width * (2.0 * width * width + 1.0))
+}
+
+/// Sums of `width` neighbours at every place that any of the values reaches.
+fn boxed(values: &[f64], width: usize) -> Vec<f64> {
+    let mut sum = 0.0;
+    let fresh = values.iter().copied().chain(std::iter::repeat_n(0.0, width - 1));
+    let stale = std::iter::repeat_n(0.0, width).chain(values.iter().copied());
+    fresh
+        .zip(stale)
+        .map(|(fresh, stale)| {
+            sum += fresh - stale;
+            sum
+        })
+        .collect()
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
@@ -268,16 +334,6 @@ fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
     let plug_in = if below > 0.0 { 2.6614 * (above / below * rows as f64).powf(0.2) } else { 0.0 };
     // First-order autocorrelations do not see all: a share of the rows, which the critical value then allows for.
     plug_in.max((SHARE * rows as f64).clamp(8.0, 64.0)).min((rows as f64 / 8.0).max(1.0))
-}
-
-fn parzen(share: f64) -> f64 {
-    if share <= 0.5 {
-        1.0 - 6.0 * share.powi(2) + 6.0 * share.powi(3)
-    } else if share <= 1.0 {
-        2.0 * (1.0 - share).powi(3)
-    } else {
-        0.0
-    }
 }
 
 #[cfg(test)]

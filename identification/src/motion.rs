@@ -1,13 +1,15 @@
 //! The knob's motion from encoder and accelerometer.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion};
 
 use crate::filter::{Fir, Sections, butterworth_low_pass};
 use crate::options::AccelerationUse;
-use crate::spectrum::{Spectrum, median, white_density};
+use crate::spectrum::{Spectrum, white_density};
 use crate::uniform::Uniform;
+use crate::vector::dot;
 
 /// Share of the torque's power above its noise that may lie beyond the fit's band.
 const POWER_BEYOND_BAND: f64 = 1e-4;
@@ -86,17 +88,17 @@ impl Band {
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub(crate) fn of(uniform: &Uniform, exact: bool, calibration: Option<&Calibration>) -> Self {
         let rate_hz = uniform.rate_hz;
-        let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
         let floor = uniform.torque_density;
         let torque_noise_mnm = (floor * rate_hz * 0.5).sqrt();
         let widest_hz = WIDEST * rate_hz;
         if exact {
             return Self { edge_hz: widest_hz, torque_noise_mnm };
         }
+        let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
         let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
         let velocity = Spectrum::welch(&gradient(&uniform.angle_rad, rate_hz), rate_hz);
         let sweep_hz = velocity.power_below(SWEEP_POWER, 0.0);
-        let duration_s = uniform.time_s.len() as f64 / rate_hz;
+        let duration_s = uniform.torque_mnm.len() as f64 / rate_hz;
         let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
         let lowest_hz = (NARROWEST_PER_SWEEP * sweep_hz).max(enough_hz);
         let lag_s = calibration.map_or(0.0, |known| known.torque_delay_s.abs());
@@ -115,7 +117,9 @@ impl Band {
 
 impl KnobMotion {
     /// The given velocity and acceleration, if they are the angle's derivatives to within rounding.
-    pub(crate) fn exact(uniform: &Uniform, calibration: Option<&Calibration>) -> Option<Self> {
+    ///
+    /// The columns move out of `uniform`, which is left without motion.
+    pub(crate) fn exact(uniform: &mut Uniform, calibration: Option<&Calibration>) -> Option<Self> {
         if calibration.is_some_and(compliant) { None } else { exact_motion(uniform) }
     }
 
@@ -195,8 +199,8 @@ impl KnobMotion {
     }
 
     /// A torque filtered as the motion is: what rings beyond the cutoff must not be in one and not in the other.
-    pub(crate) fn alike(&self, torque_mnm: &[f64], rate_hz: f64) -> Vec<f64> {
-        if self.exact { torque_mnm.to_vec() } else { self.smoother(rate_hz).filter(torque_mnm) }
+    pub(crate) fn alike<'a>(&self, torque_mnm: &'a [f64], rate_hz: f64) -> Cow<'a, [f64]> {
+        if self.exact { torque_mnm.into() } else { self.smoother(rate_hz).filter(torque_mnm).into() }
     }
 
     /// The motion at a grid point.
@@ -218,35 +222,47 @@ fn compliant(calibration: &Calibration) -> bool {
     calibration.torque_sensor_stiffness_mnm_rad.is_finite() && calibration.torque_sensor_stiffness_mnm_rad > 0.0
 }
 
+/// Samples on each side that [`gradient`] looks at.
+pub(crate) const GRADIENT_REACH: usize = 4;
+
 /// Derivative per second by central differences of eighth order, of lower order towards the ends.
 ///
 /// Plain central differences take (ωh)²/6 off a signal, ω its frequency and h the sample period: at 100 Hz and
 /// 10 kHz that already shifts an inertia by more than its interval. Eighth order takes off (ωh)⁸/630.
 pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
-    const WEIGHTS: [&[f64]; 4] = [
+    const WEIGHTS: [&[f64]; GRADIENT_REACH] = [
         &[1.0 / 2.0],
         &[2.0 / 3.0, -1.0 / 12.0],
         &[3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0],
         &[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0],
     ];
     let last = signal.len() - 1;
-    (0..signal.len())
-        .map(|index| match index.min(last - index).min(WEIGHTS.len()) {
-            0 if last == 0 => 0.0,
-            0 if index == 0 => (signal[1] - signal[0]) * rate_hz,
-            0 => (signal[last] - signal[last - 1]) * rate_hz,
-            order => {
-                let pairs = WEIGHTS[order - 1].iter().zip(1..);
-                rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
-            }
-        })
-        .collect()
+    let towards_end = |index: usize| match index.min(last - index).min(WEIGHTS.len()) {
+        0 if last == 0 => 0.0,
+        0 if index == 0 => (signal[1] - signal[0]) * rate_hz,
+        0 => (signal[last] - signal[last - 1]) * rate_hz,
+        order => {
+            let pairs = WEIGHTS[order - 1].iter().zip(1..);
+            rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
+        }
+    };
+    let [a, b, c, d] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0].map(|weight: f64| weight * rate_hz);
+    let mut rate = Vec::with_capacity(signal.len());
+    rate.extend((0..GRADIENT_REACH.min(signal.len())).map(towards_end));
+    rate.extend(
+        signal
+            .windows(2 * GRADIENT_REACH + 1)
+            .map(|w| (a * (w[5] - w[3]) + b * (w[6] - w[2])) + (c * (w[7] - w[1]) + d * (w[8] - w[0]))),
+    );
+    rate.extend((rate.len()..signal.len()).map(towards_end));
+    rate
 }
 
 /// Root of the mean square.
 pub(crate) fn rms(values: &[f64]) -> f64 {
-    let count: f64 = values.iter().map(|_| 1.0).sum();
-    (values.iter().map(|value| value * value).sum::<f64>() / f64::max(count, 1.0)).sqrt()
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    let count = values.len().max(1) as f64;
+    (dot(values, values) / count).sqrt()
 }
 
 fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
@@ -272,23 +288,26 @@ fn effective_reach(smoother: &Fir) -> usize {
 }
 
 /// The given columns, if they are the angle's derivatives to within rounding.
-fn exact_motion(uniform: &Uniform) -> Option<KnobMotion> {
+fn exact_motion(uniform: &mut Uniform) -> Option<KnobMotion> {
     let rate_hz = uniform.rate_hz;
     let velocity = uniform.velocity_rad_s.as_ref()?;
     if uniform.lost > 0 || !is_exact_derivative(velocity, &uniform.angle_rad, rate_hz) {
         return None;
     }
-    let given = uniform.acceleration_rad_s2.as_ref().filter(|given| is_exact_derivative(given, velocity, rate_hz));
+    let accelerometer =
+        uniform.acceleration_rad_s2.as_ref().is_some_and(|given| is_exact_derivative(given, velocity, rate_hz));
+    let velocity_rad_s = uniform.velocity_rad_s.take()?;
+    let given = uniform.acceleration_rad_s2.take().filter(|_| accelerometer);
     Some(KnobMotion {
-        time_s: uniform.time_s.clone(),
-        angle_rad: uniform.angle_rad.clone(),
-        velocity_rad_s: velocity.clone(),
-        acceleration_rad_s2: given.cloned().unwrap_or_else(|| gradient(velocity, rate_hz)),
+        time_s: std::mem::take(&mut uniform.time_s),
+        angle_rad: std::mem::take(&mut uniform.angle_rad),
+        acceleration_rad_s2: given.unwrap_or_else(|| gradient(&velocity_rad_s, rate_hz)),
+        velocity_rad_s,
         exact: true,
         velocity_noise_rad_s: 0.0,
         cutoff_hz: 0.5 * rate_hz,
         reach: 0,
-        accelerometer: given.is_some(),
+        accelerometer,
         angle_density: 0.0,
         compliance_rad_mnm: 0.0,
         accelerometer_density: 0.0,
@@ -299,29 +318,41 @@ fn exact_motion(uniform: &Uniform) -> Option<KnobMotion> {
 
 /// Whether a column is smooth to rounding and neither early nor late against the derivative of another.
 fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
+    /// Samples that are differentiated together.
+    const BLOCK: usize = 2048;
     let size = rms(column);
-    let derivative = gradient(of, rate_hz);
-    let rate = gradient(&derivative, rate_hz);
+    if !(size > 0.0 && is_smooth(column, EXACT * size)) {
+        return false;
+    }
+    let length = column.len();
     let (mut lag, mut weight, mut square) = (0.0, 0.0, 0.0);
-    for index in 1..column.len() - 1 {
-        let difference = column[index] - derivative[index];
-        lag += difference * rate[index];
-        weight += rate[index] * rate[index];
-        square += difference * difference;
+    for start in (0..length).step_by(BLOCK) {
+        let end = (start + BLOCK).min(length);
+        let around = start.saturating_sub(2 * GRADIENT_REACH)..(end + 2 * GRADIENT_REACH).min(length);
+        let derivative = gradient(&of[around.clone()], rate_hz);
+        let rate = gradient(&derivative, rate_hz);
+        let inside = start.max(1)..end.min(length - 1);
+        let shifted = inside.start - around.start..inside.end - around.start;
+        let difference: Vec<f64> =
+            column[inside].iter().zip(&derivative[shifted.clone()]).map(|(column, rate)| column - rate).collect();
+        let rate = &rate[shifted];
+        lag += dot(&difference, rate);
+        weight += dot(rate, rate);
+        square += dot(&difference, &difference);
     }
     let difference = (square / weight.max(f64::MIN_POSITIVE)).sqrt();
-    size > 0.0
-        && scatter(column) < EXACT * size
-        && (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz
-        && difference < 0.1 / rate_hz
+    (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz && difference < 0.1 / rate_hz
 }
 
-/// Standard deviation of white noise as the fourth differences show it; motion hardly shows there.
-fn scatter(signal: &[f64]) -> f64 {
-    let mut fourth: Vec<f64> =
-        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+/// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
+fn is_smooth(signal: &[f64], limit: f64) -> bool {
     // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.
-    median(&mut fourth) / 0.6745 / 70_f64.sqrt()
+    let limit = limit * 0.6745 * 70_f64.sqrt();
+    let below = signal
+        .windows(5)
+        .map(|w| usize::from((w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs() < limit))
+        .sum::<usize>();
+    2 * below > signal.len().saturating_sub(4)
 }
 
 /// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.

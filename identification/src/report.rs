@@ -8,6 +8,8 @@ use crate::fit::Trimmed;
 use crate::frame::Frame;
 use crate::least_squares::dot;
 use crate::motion::{Band, KnobMotion, rms};
+use crate::problem::Column;
+use crate::vector;
 
 /// Two-sided 95 % of a normal distribution, in standard deviations.
 const NORMAL_95: f64 = 1.959_964;
@@ -272,21 +274,12 @@ impl Report<'_> {
 }
 
 /// Standard deviation of the predicted torque, row by row.
-fn prediction_sd(columns: &[Vec<f64>], covariance: &DMatrix<f64>) -> Vec<f64> {
-    let rows = columns.first().map_or(0, Vec::len);
-    let mut row = vec![0.0; columns.len()];
-    (0..rows)
-        .map(|index| {
-            row.iter_mut().zip(columns).for_each(|(slot, column)| *slot = column[index]);
-            let mut variance = 0.0;
-            for (a, left) in row.iter().enumerate() {
-                for (b, right) in row.iter().enumerate() {
-                    variance += left * covariance[(a, b)] * right;
-                }
-            }
-            variance.max(0.0).sqrt()
-        })
-        .collect()
+fn prediction_sd(columns: &[Column], covariance: &DMatrix<f64>) -> Vec<f64> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let mut deviation = vec![0.0; rows];
+    vector::quadratic_form(columns, covariance, &mut deviation);
+    deviation.iter_mut().for_each(|variance| *variance = variance.max(0.0).sqrt());
+    deviation
 }
 
 /// Two-sided 95 % of the studentised estimate when the bandwidth is a given share of the rows.

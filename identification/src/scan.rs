@@ -7,21 +7,30 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use nalgebra::{DMatrix, Matrix2, Vector2};
-use realfft::{RealFftPlanner, RealToComplex, num_complex::Complex};
+use nalgebra::DMatrix;
+use realfft::{RealToComplex, num_complex::Complex};
 
+use crate::fourier;
 use crate::frame::Frame;
 use crate::least_squares::dot;
 use crate::motion::{Band, KnobMotion};
-use crate::samples::span;
+use crate::problem::Column;
 use crate::spectrum::{median, quantile};
+use crate::vector;
 
 /// Fewest periods that the travel must hold for a period to be told.
 pub(crate) const FEWEST_PERIODS: f64 = 1.25;
 /// Wavenumbers tried per width of a peak.
 const OVERSAMPLING: f64 = 4.0;
 /// Largest transform.
-const LARGEST_TRANSFORM: usize = 1 << 17;
+const LARGEST_TRANSFORM: usize = 1 << 15;
+/// Angle bins per period of the finest detent: cubic splines between them are then right to 0.3 %.
+const BINS_PER_PERIOD: f64 = 5.2;
+/// Base columns are looked at up to this index of a wavenumber, 128 periods in the travel: finer sinusoids have hardly
+/// anything in common with them (less than a percent, from the turning points of the sweep).
+const MOST_BASE: usize = 512;
+/// Wavenumbers at which the filter's gain is summed over the speeds lie this factor apart.
+const GAIN_STEP: f64 = 1.03;
 /// Share of the samples that must see a detent slowly enough for the band.
 const SLOW_SHARE: f64 = 0.1;
 
@@ -41,11 +50,10 @@ pub(crate) struct Scan {
     spacing: f64,
     first: usize,
     last: usize,
-    offset_rad: f64,
-    bin_rad: f64,
-    length: usize,
-    transform: std::sync::Arc<dyn RealToComplex<f64>>,
+    fine: Gather,
+    /// Sums of the base columns at the low wavenumbers, from index 0.
     base: Vec<Vec<Complex<f64>>>,
+    /// The same of the mask.
     weights: Vec<Complex<f64>>,
     attenuation: Vec<f64>,
     inverse: DMatrix<f64>,
@@ -65,48 +73,50 @@ impl Scan {
         motion: &KnobMotion,
         band: &Band,
         angle_step_rad: f64,
-        base_rows: &[Vec<f64>],
+        base_rows: &[Column],
         inverse: &DMatrix<f64>,
     ) -> Option<Self> {
-        let sliding = || motion.angle_rad.iter().zip(&frame.mask).filter(|(_, mask)| **mask > 0.0).map(|(a, _)| *a);
-        let offset_rad = motion.angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
-        let travel_rad = span(&sliding().collect::<Vec<_>>());
-        let mut speeds: Vec<f64> = motion
-            .velocity_rad_s
-            .iter()
-            .zip(&frame.mask)
-            .filter(|(_, mask)| **mask > 0.0)
-            .map(|(velocity, _)| velocity.abs())
+        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut offset_rad = f64::INFINITY;
+        for (angle, mask) in motion.angle_rad.iter().zip(&frame.mask) {
+            offset_rad = offset_rad.min(*angle);
+            lowest = if *mask > 0.0 { lowest.min(*angle) } else { lowest };
+            highest = if *mask > 0.0 { highest.max(*angle) } else { highest };
+        }
+        let travel_rad = (highest - lowest).max(0.0);
+        let at_rows = || (0..motion.len()).step_by(frame.step);
+        let mut speeds: Vec<f64> = at_rows()
+            .filter(|index| frame.mask[*index] > 0.0)
+            .map(|index| motion.velocity_rad_s[index].abs())
             .collect();
         let slow_rad_s = quantile(&mut speeds, SLOW_SHARE);
         let spacing = TAU / (OVERSAMPLING * travel_rad);
         let highest = (TAU * band.edge_hz / slow_rad_s).min(FRAC_PI_2 / angle_step_rad.max(f64::MIN_POSITIVE));
-        // Interpolating between angle bins needs about twenty of them per period of the finest detent.
-        let last = (highest / spacing).min(LARGEST_TRANSFORM as f64 / 21.0) as usize;
+        let last = (highest / spacing).min(LARGEST_TRANSFORM as f64 / BINS_PER_PERIOD) as usize;
         let first = (OVERSAMPLING * FEWEST_PERIODS).ceil() as usize;
         if !(travel_rad > 0.0 && last > first) {
             return None;
         }
         // The transform spans OVERSAMPLING × the travel; the full angle range may be a little wider than the sliding one.
-        let length = (21 * last).next_power_of_two().clamp(1024, LARGEST_TRANSFORM);
+        let length = ((BINS_PER_PERIOD * last as f64) as usize).next_power_of_two().clamp(1024, LARGEST_TRANSFORM);
+        let base_last = last.min(MOST_BASE);
+        let coarse_length = ((2.0 * BINS_PER_PERIOD * base_last as f64) as usize).next_power_of_two();
+        let coarse = Gather::new(coarse_length, offset_rad, spacing, 2 * base_last);
+        // A base column varies slowly, and low wavenumbers pass the rows' filter: rows alone will do.
+        let angles: Vec<f64> = at_rows().map(|index| motion.angle_rad[index]).collect();
+        let masks: Vec<f64> = at_rows().map(|index| frame.mask[index]).collect();
+        let base = base_rows.iter().map(|rows| coarse.sums(rows, &angles)).collect();
         let mut scan = Self {
             travel_rad,
             spacing,
             first,
             last,
-            offset_rad,
-            bin_rad: TAU / (spacing * length as f64),
-            length,
-            transform: RealFftPlanner::<f64>::new().plan_fft_forward(length),
-            base: Vec::new(),
-            weights: Vec::new(),
+            fine: Gather::new(length, offset_rad, spacing, last),
+            base,
+            weights: coarse.sums(&masks, &angles),
             attenuation: Vec::new(),
             inverse: inverse.clone(),
         };
-        scan.base = base_rows.iter().map(|rows| scan.gather(&frame.spread(rows), motion)).collect();
-        scan.weights = scan.gather(&frame.mask, motion);
-        let kept = frame.step as f64;
-        scan.weights.iter_mut().for_each(|weight| *weight /= kept);
         scan.attenuation = scan.attenuations(frame, band, &speeds);
         Some(scan)
     }
@@ -129,31 +139,43 @@ impl Scan {
     }
 
     /// What a detent at each wavenumber would take off the residual's sum of squares, mNm².
-    #[allow(clippy::cast_precision_loss, reason = "indices of wavenumbers")]
     pub(crate) fn powers(&self, frame: &Frame, motion: &KnobMotion, residual: &[f64]) -> Vec<f64> {
-        let target = self.gather(&frame.spread(residual), motion);
+        let target = self.fine.sums(&frame.spread(residual), &motion.angle_rad);
+        let total = self.weights[0].re;
+        let ridge = 3e-3;
+        let mut sines = vec![0.0; self.base.len()];
+        let mut cosines = sines.clone();
         (self.first..=self.last)
             .map(|index| {
-                let weight = self.weights[0].re * self.attenuation[index - self.first];
-                let twice = self.weights[2 * index] * self.attenuation[index - self.first];
+                let attenuation = self.attenuation[index - self.first];
+                let half = 0.5 * total * attenuation;
                 // Sine and cosine products against the residual and against every base column.
-                let products = Vector2::new(target[index].im, target[index].re);
-                let base = DMatrix::from_fn(self.base.len(), 2, |row, column| {
-                    if column == 0 { self.base[row][index].im } else { self.base[row][index].re }
-                });
-                let explained = base.transpose() * &self.inverse * &base;
-                let ridge = 3e-3 * weight;
-                let gram = Matrix2::new(
-                    0.5 * (weight - twice.re) - explained[(0, 0)] + ridge,
-                    0.5 * twice.im - explained[(0, 1)],
-                    0.5 * twice.im - explained[(1, 0)],
-                    0.5 * (weight + twice.re) - explained[(1, 1)] + ridge,
-                );
+                let (sine, cosine) = (target[index].im, target[index].re);
+                let mut gram = [half * (1.0 + 2.0 * ridge), 0.0, half * (1.0 + 2.0 * ridge)];
+                if let Some(twice) = self.weights.get(2 * index) {
+                    let twice = 0.5 * attenuation * twice;
+                    gram = [gram[0] - twice.re, twice.im, gram[2] + twice.re];
+                    for (column, base) in self.base.iter().enumerate() {
+                        (sines[column], cosines[column]) = (base[index].im, base[index].re);
+                    }
+                    let explained = |left: &[f64], right: &[f64]| -> f64 {
+                        let rows = left.iter().enumerate();
+                        rows.map(|(row, left)| {
+                            let columns = right.iter().enumerate();
+                            left * columns.map(|(column, right)| self.inverse[(row, column)] * right).sum::<f64>()
+                        })
+                        .sum()
+                    };
+                    gram[0] -= explained(&sines, &sines);
+                    gram[1] -= explained(&sines, &cosines);
+                    gram[2] -= explained(&cosines, &cosines);
+                }
+                let determinant = gram[0] * gram[2] - gram[1] * gram[1];
                 // Where the base columns explain a sinusoid as well, its own share is not told.
-                if gram[(0, 0)] <= 0.0 || gram.determinant() <= 0.0 {
+                if gram[0] <= 0.0 || determinant <= 0.0 {
                     return 0.0;
                 }
-                gram.try_inverse().map_or(0.0, |inverse| products.dot(&(inverse * products)))
+                (gram[2] * sine * sine - 2.0 * gram[1] * sine * cosine + gram[0] * cosine * cosine) / determinant
             })
             .collect()
     }
@@ -168,12 +190,41 @@ impl Scan {
                 powers[*index] > 0.0 && powers[*index] >= left && powers[*index] >= right
             })
             .collect();
-        order.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+        let stronger = |a: &usize, b: &usize| powers[*b].total_cmp(&powers[*a]);
+        if order.len() > count {
+            order.select_nth_unstable_by(count, stronger);
+            order.truncate(count);
+        }
+        order.sort_by(stronger);
         order
             .into_iter()
-            .take(count)
-            .map(|index| Peak { wavenumber: (index + self.first) as f64 * self.spacing, power: powers[index] })
+            .map(|index| {
+                // Between two wavenumbers, where the parabola through three has its top.
+                let at = |index: Option<usize>| index.and_then(|index| powers.get(index)).copied();
+                let top = match (at(index.checked_sub(1)), at(Some(index + 1))) {
+                    (Some(left), Some(right)) => {
+                        let bend = 2.0 * powers[index] - left - right;
+                        if bend > 0.0 { 0.5 * (right - left) / bend } else { 0.0 }
+                    }
+                    _ => 0.0,
+                };
+                Peak { wavenumber: ((index + self.first) as f64 + top) * self.spacing, power: powers[index] }
+            })
             .collect()
+    }
+
+    /// Largest power within a peak's width of a wavenumber, mNm²; `None` beyond what was searched.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "indices of wavenumbers"
+    )]
+    pub(crate) fn near(&self, powers: &[f64], wavenumber: f64) -> Option<f64> {
+        let place = (wavenumber / self.spacing).round() as usize;
+        let from = place.saturating_sub(OVERSAMPLING as usize).checked_sub(self.first)?;
+        let part = powers.get(from..=from + 2 * OVERSAMPLING as usize)?;
+        Some(part.iter().copied().fold(0.0, f64::max))
     }
 
     /// Typical power of what is no detent around a wavenumber: the median of the neighbourhood, mNm².
@@ -205,30 +256,6 @@ impl Scan {
         others.find(|peak| (peak.wavenumber - strongest.wavenumber).abs() > resolution).map_or(0.0, |peak| peak.power)
     }
 
-    /// Σ uₙ·exp(ikθₙ) for every multiple of the spacing.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "indices of angle bins"
-    )]
-    fn gather(&self, values: &[f64], motion: &KnobMotion) -> Vec<Complex<f64>> {
-        let mut bins = self.transform.make_input_vec();
-        for (value, angle) in values.iter().zip(&motion.angle_rad) {
-            let place = ((angle - self.offset_rad) / self.bin_rad).max(0.0);
-            let index = place as usize;
-            let share = place - index as f64;
-            bins[index % self.length] += value * (1.0 - share);
-            bins[(index + 1) % self.length] += value * share;
-        }
-        let mut sums = self.transform.make_output_vec();
-        if self.transform.process(&mut bins, &mut sums).is_err() {
-            sums.fill(Complex::new(0.0, 0.0));
-        }
-        // The transform has the other sign in the exponent.
-        sums.iter().map(Complex::conj).collect()
-    }
-
     /// Mean square gain of the rows' filter for a detent, over the speeds of the capture.
     #[allow(
         clippy::cast_precision_loss,
@@ -248,15 +275,71 @@ impl Scan {
         let table: Vec<f64> =
             (0..=256).map(|i| frame.fir.gain(f64::from(i) * table_hz, frame.rate_hz).powi(2)).collect();
         let middles: Vec<f64> = (0..BINS).map(|bin| (bin as f64 + 0.5) / BINS as f64 * fastest / TAU).collect();
-        (self.first..=self.last)
+        let gain = |index: f64| {
+            let wavenumber = index * self.spacing;
+            let gains: Vec<f64> = middles
+                .iter()
+                .map(|turns| table.get((wavenumber * turns / table_hz).round() as usize).copied().unwrap_or(0.0))
+                .collect();
+            dot(&gains, &counts) / total
+        };
+        let mut attenuations = Vec::with_capacity(self.last + 1 - self.first);
+        let (mut left, mut right) = (self.first as f64, self.first as f64);
+        let (mut at_left, mut at_right) = (gain(left), gain(right));
+        for index in self.first..=self.last {
+            if index as f64 > right {
+                (left, at_left) = (right, at_right);
+                right = (GAIN_STEP * left).floor().max(left + 1.0);
+                at_right = gain(right);
+            }
+            let share = if right > left { (index as f64 - left) / (right - left) } else { 0.0 };
+            attenuations.push(at_left + share * (at_right - at_left));
+        }
+        attenuations
+    }
+}
+
+/// Fourier sums over samples at uneven angles.
+struct Gather {
+    offset_rad: f64,
+    bin_rad: f64,
+    /// What undoes the spline and its shift, for every wavenumber up to the last.
+    correction: Vec<Complex<f64>>,
+    transform: std::sync::Arc<dyn RealToComplex<f64>>,
+}
+
+impl Gather {
+    /// Sums for k = 0, 1, …, `last` times the `spacing` by a transform of `length` bins, a power of two.
+    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
+    fn new(length: usize, offset_rad: f64, spacing: f64, last: usize) -> Self {
+        let half = 0.5 * TAU / length as f64;
+        let turn = Complex::from_polar(1.0, -2.0 * half);
+        let mut shift = Complex::new(1.0, 0.0);
+        let correction = (0..=last)
             .map(|index| {
-                let wavenumber = index as f64 * self.spacing;
-                let gains: Vec<f64> = middles
-                    .iter()
-                    .map(|turns| table.get((wavenumber * turns / table_hz).round() as usize).copied().unwrap_or(0.0))
-                    .collect();
-                dot(&gains, &counts) / total
+                // The bins lie one too late, and the spline's own transform is the fourth power of a sinc.
+                let sinc = if index == 0 { 1.0 } else { (half * index as f64).sin() / (half * index as f64) };
+                let correction = shift / sinc.powi(4);
+                shift *= turn;
+                correction
             })
-            .collect()
+            .collect();
+        let bin_rad = TAU / (spacing * length as f64);
+        Self { offset_rad, bin_rad, correction, transform: fourier::forward(length) }
+    }
+
+    /// Σ uₙ·exp(ikθₙ) for all k.
+    ///
+    /// Every value is shared out among four bins by a cubic spline, whose own transform is divided out again.
+    fn sums(&self, values: &[f64], angles: &[f64]) -> Vec<Complex<f64>> {
+        let mut bins = self.transform.make_input_vec();
+        // What is masked counts as zero, so it does not matter where angles beyond the sliding ones end up.
+        vector::share_out(values, angles, self.offset_rad, self.bin_rad, &mut bins);
+        let mut sums = self.transform.make_output_vec();
+        if self.transform.process(&mut bins, &mut sums).is_err() {
+            sums.fill(Complex::new(0.0, 0.0));
+        }
+        // The transform has the other sign in the exponent.
+        sums.iter().zip(&self.correction).map(|(sum, correction)| sum.conj() * correction).collect()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realfft::RealFftPlanner;
+use crate::fourier;
 
 /// One-sided power spectral density.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ impl Spectrum {
         length = length.min(signal.len() & !1).max(2);
         let window: Vec<f64> = (0..length).map(|i| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos()).collect();
         let power: f64 = window.iter().map(|w| w * w).sum();
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+        let transform = fourier::forward(length);
         let mut buffer = transform.make_input_vec();
         let mut bins = transform.make_output_vec();
         let mut density = vec![0.0; bins.len()];

@@ -23,6 +23,10 @@ pub(crate) struct Uniform {
     /// Time constant of the first-order lag that is still in the acceleration, s.
     pub(crate) acceleration_lag_s: f64,
     pub(crate) torque_mnm: Vec<f64>,
+    /// The torque as it was received, before its delay was taken out, mNm; empty where there was none to take out.
+    received_mnm: Vec<f64>,
+    /// The delay that was taken out, in samples.
+    torque_delay: f64,
     /// White density of the torque channel's noise, as the upper end of its spectrum shows it, mNm²/Hz.
     pub(crate) torque_density: f64,
     /// Whether the grid point was measured; false inside gaps.
@@ -53,6 +57,15 @@ impl Uniform {
     fn on_grid(samples: &Samples<'_>) -> Self {
         let time = samples.t_s;
         let count = time.len();
+        let mean = (time[count - 1] - time[0]) / (count - 1) as f64;
+        let mut farthest = 0.0_f64;
+        for (left, right) in time.iter().zip(&time[1..]) {
+            farthest = farthest.max((right - left - mean).abs());
+        }
+        // No step differs by more than the scatter may be: neither gaps nor jitter, and nothing to sort.
+        if farthest < JITTER * mean {
+            return Self::regular(samples, mean);
+        }
         let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let typical = median(&mut steps);
         let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
@@ -61,18 +74,7 @@ impl Uniform {
         let scatter =
             (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
         if gaps == 0 && scatter < JITTER {
-            return Self {
-                rate_hz: 1.0 / step,
-                time_s: time.to_vec(),
-                angle_rad: samples.angle_rad.to_vec(),
-                velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
-                acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
-                acceleration_lag_s: 0.0,
-                torque_mnm: samples.torque_mnm.to_vec(),
-                torque_density: 0.0,
-                present: vec![true; count],
-                lost: 0,
-            };
+            return Self::regular(samples, step);
         }
         // Time without the excess of long gaps, so that a pause does not fill memory.
         let mut compressed = Vec::with_capacity(count);
@@ -106,6 +108,8 @@ impl Uniform {
             velocity_rad_s: samples.velocity_rad_s.map(sampled),
             acceleration_rad_s2: samples.acceleration_rad_s2.map(sampled),
             acceleration_lag_s: 0.0,
+            received_mnm: Vec::new(),
+            torque_delay: 0.0,
             torque_density: 0.0,
             torque_mnm: sampled(samples.torque_mnm),
             lost: present.iter().filter(|present| !**present).count(),
@@ -113,12 +117,39 @@ impl Uniform {
         }
     }
 
+    /// Samples that lie on a grid already.
+    fn regular(samples: &Samples<'_>, step_s: f64) -> Self {
+        Self {
+            rate_hz: 1.0 / step_s,
+            time_s: samples.t_s.to_vec(),
+            angle_rad: samples.angle_rad.to_vec(),
+            velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
+            acceleration_lag_s: 0.0,
+            torque_mnm: samples.torque_mnm.to_vec(),
+            received_mnm: Vec::new(),
+            torque_delay: 0.0,
+            torque_density: 0.0,
+            present: vec![true; samples.t_s.len()],
+            lost: 0,
+        }
+    }
+
+    /// The torque as it was received, mNm, and by how many samples that is late.
+    pub(crate) fn received_torque(&self) -> (&[f64], f64) {
+        if self.received_mnm.is_empty() { (&self.torque_mnm, 0.0) } else { (&self.received_mnm, self.torque_delay) }
+    }
+
     /// Takes out zeros, gravity and the channels' delays.
     fn calibrate(&mut self, calibration: &Calibration) {
         for torque in &mut self.torque_mnm {
             *torque -= calibration.torque_zero_mnm;
         }
-        self.torque_mnm = advance(&self.torque_mnm, calibration.torque_delay_s * self.rate_hz);
+        self.torque_delay = calibration.torque_delay_s * self.rate_hz;
+        if self.torque_delay != 0.0 {
+            let prompt = advance(&self.torque_mnm, self.torque_delay);
+            self.received_mnm = std::mem::replace(&mut self.torque_mnm, prompt);
+        }
         if let Some(acceleration) = &mut self.acceleration_rad_s2 {
             // The sensor's lag stays in for now, and gravity passed it as the motion did.
             let gravity: Vec<f64> = self.angle_rad.iter().map(|angle| calibration.gravity_rad_s2(*angle)).collect();

@@ -46,7 +46,9 @@ pub static KIND: EffectKind = EffectKind {
             values[0] = coefficients[0].hypot(coefficients[1]);
             values[2] = coefficients[1].atan2(coefficients[0]);
         },
+        nonnegative: &[],
     }),
+    hypothesis: None,
 };
 
 /// The same detent written with a positive amplitude and a phase in (−π, π].

@@ -56,5 +56,7 @@ pub static KIND: EffectKind = EffectKind {
             row[3] = positive * velocity;
         },
         values: |coefficients, values| values[..4].copy_from_slice(&coefficients[..4]),
+        nonnegative: &[],
     }),
+    hypothesis: None,
 };

@@ -20,5 +20,7 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[],
         fill: |_, motion, row| row[0] = motion.acceleration_rad_s2,
         values: |coefficients, values| values[0] = coefficients[0],
+        nonnegative: &[],
     }),
+    hypothesis: None,
 };

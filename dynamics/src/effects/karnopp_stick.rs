@@ -38,4 +38,5 @@ pub static KIND: EffectKind = EffectKind {
     }),
     // A resting knob's torque is whatever holds it: no function of the motion, so nothing to regress on.
     regressors: None,
+    hypothesis: None,
 };

@@ -1,14 +1,49 @@
 //! The effects that the instrument knows: one file each, and the list of them.
 
+pub mod backlash;
+pub mod cogging;
 pub mod detent;
+pub mod detent_harmonics;
+pub mod end_stop;
 pub mod friction;
+pub mod friction_drift;
+pub mod friction_eccentricity;
 pub mod inertia;
 pub mod karnopp_stick;
+pub mod mains_hum;
+pub mod mass_imbalance;
+pub mod presliding_hysteresis;
+pub mod quadratic_drag;
+pub mod return_spring;
+pub mod sensor_delay;
+pub mod shaft_compliance;
+pub mod stribeck;
+pub mod torque_offset;
 
 use crate::EffectKind;
 
-/// Every effect, in the order in which a model lists them.
-pub static ALL: [&EffectKind; 4] = [&inertia::KIND, &friction::KIND, &karnopp_stick::KIND, &detent::KIND];
+/// Every effect, in the order in which a model lists them: first those that every fit looks for.
+pub static ALL: [&EffectKind; 19] = [
+    &inertia::KIND,
+    &friction::KIND,
+    &karnopp_stick::KIND,
+    &detent::KIND,
+    &detent_harmonics::KIND,
+    &cogging::KIND,
+    &mass_imbalance::KIND,
+    &return_spring::KIND,
+    &end_stop::KIND,
+    &quadratic_drag::KIND,
+    &stribeck::KIND,
+    &friction_eccentricity::KIND,
+    &friction_drift::KIND,
+    &presliding_hysteresis::KIND,
+    &shaft_compliance::KIND,
+    &backlash::KIND,
+    &torque_offset::KIND,
+    &mains_hum::KIND,
+    &sensor_delay::KIND,
+];
 
 /// The effect with the standard name `name`.
 #[must_use]

@@ -36,12 +36,21 @@ pub(super) struct Braked<F> {
     pub(super) friction: F,
     /// Torque of friction while the contact slides, zero while it is stuck: then it is a constraint, mNm.
     pub(super) braking_mnm: f64,
+    /// Friction that is taken at the mean velocity over the substep, mNm·s/rad.
+    pub(super) drag: f64,
 }
 
 impl<F: Friction> Braked<F> {
     pub(super) fn new(contact: Contact, friction: F) -> Self {
-        let braking_mnm = contact.direction().map_or(0.0, |direction| friction.sliding_mnm(direction));
-        Self { contact, friction, braking_mnm }
+        let mut braked = Self { contact, friction, braking_mnm: 0.0, drag: 0.0 };
+        braked.enter(contact);
+        braked
+    }
+
+    fn enter(&mut self, contact: Contact) {
+        self.contact = contact;
+        let sliding = contact.direction().map(|direction| self.friction.sliding(direction));
+        Sliding { braking_mnm: self.braking_mnm, drag: self.drag } = sliding.unwrap_or_default();
     }
 
     pub(super) fn at_rest(&self) -> bool {
@@ -65,19 +74,30 @@ impl<F: Friction> Braked<F> {
             }
         };
         let Some(contact) = corrected else { return false };
-        self.contact = contact;
-        self.braking_mnm = contact.direction().map_or(0.0, |direction| self.friction.sliding_mnm(direction));
+        self.enter(contact);
         true
     }
 }
 
+/// Friction over a substep: a part known beforehand, and a damper on the mean velocity over it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sliding {
+    /// Torque, with its sign, mNm.
+    pub(super) braking_mnm: f64,
+    /// Damper, mNm·s/rad.
+    pub(super) drag: f64,
+}
+
 /// The torques of a dry contact over one substep.
 pub(super) trait Friction {
-    /// Torque while sliding in `direction`, with its sign, mNm.
-    fn sliding_mnm(&self, direction: Direction) -> f64;
+    /// Friction while sliding in `direction`.
+    fn sliding(&self, direction: Direction) -> Sliding;
     /// What the contact bears at rest: never less than it takes to keep it sliding slowly.
     fn limits(&self) -> StickLimits;
 }
+
+/// Least speed over which the slope of friction is taken, rad/s.
+const SLOW_RAD_S: f64 = 1e-3;
 
 /// The knob's friction at one moment.
 pub(super) struct KnobFriction<'a> {
@@ -85,15 +105,42 @@ pub(super) struct KnobFriction<'a> {
     pub(super) motion: Motion,
     /// Speed beyond which friction does not drive.
     pub(super) coast_speed_rad_s: f64,
+    /// Whether friction that grows with speed is taken at the mean velocity over the substep: a light body needs it.
+    pub(super) light: bool,
 }
 
 impl Friction for KnobFriction<'_> {
+    fn sliding(&self, direction: Direction) -> Sliding {
+        let sliding_mnm = self.sliding_mnm(direction);
+        if !self.light {
+            return Sliding { braking_mnm: sliding_mnm, drag: 0.0 };
+        }
+        let speed_rad_s = self.motion.velocity_rad_s.abs().clamp(SLOW_RAD_S, self.coast_speed_rad_s.max(SLOW_RAD_S));
+        let at = |velocity_rad_s: f64| {
+            self.knob.friction_mnm(&Motion { velocity_rad_s, ..self.motion }, direction) * direction.sign()
+        };
+        let drag = ((at(direction.sign() * speed_rad_s) - at(0.0)) / speed_rad_s).max(0.0);
+        Sliding { braking_mnm: sliding_mnm - drag * self.motion.velocity_rad_s, drag }
+    }
+
+    fn limits(&self) -> StickLimits {
+        let limits = self.knob.stick_limits(&self.still());
+        let (negative_mnm, positive_mnm) = self.at_rest_mnm();
+        StickLimits {
+            negative_mnm: limits.negative_mnm.max(-negative_mnm).max(0.0),
+            positive_mnm: limits.positive_mnm.max(positive_mnm).max(0.0),
+            ..limits
+        }
+    }
+}
+
+impl KnobFriction<'_> {
     /// The model's friction as it is, also where a negative viscous coefficient makes it drive.
     ///
     /// A fitted law says nothing about speeds that the rig must not reach: from there on it is
     /// kept from driving, so that a loose knob coasts and does not run away.
-    fn sliding_mnm(&self, direction: Direction) -> f64 {
-        let Self { knob, motion, coast_speed_rad_s } = self;
+    pub(super) fn sliding_mnm(&self, direction: Direction) -> f64 {
+        let Self { knob, motion, coast_speed_rad_s, light: _ } = self;
         let speed_rad_s = motion.velocity_rad_s.abs();
         if speed_rad_s <= *coast_speed_rad_s {
             return knob.friction_mnm(motion, direction);
@@ -102,14 +149,14 @@ impl Friction for KnobFriction<'_> {
         direction.sign() * (direction.sign() * knob.friction_mnm(&slower, direction)).max(0.0)
     }
 
-    fn limits(&self) -> StickLimits {
-        let still = Motion { velocity_rad_s: 0.0, acceleration_rad_s2: 0.0, ..self.motion };
-        let limits = self.knob.stick_limits(&still);
-        StickLimits {
-            negative_mnm: limits.negative_mnm.max(-self.knob.friction_mnm(&still, Direction::Negative)).max(0.0),
-            positive_mnm: limits.positive_mnm.max(self.knob.friction_mnm(&still, Direction::Positive)).max(0.0),
-            ..limits
-        }
+    fn still(&self) -> Motion {
+        Motion { velocity_rad_s: 0.0, acceleration_rad_s2: 0.0, ..self.motion }
+    }
+
+    /// Torques that keep the knob sliding ever so slowly, negatively and positively, with their signs, mNm.
+    pub(super) fn at_rest_mnm(&self) -> (f64, f64) {
+        let still = self.still();
+        (self.knob.friction_mnm(&still, Direction::Negative), self.knob.friction_mnm(&still, Direction::Positive))
     }
 }
 
@@ -120,8 +167,8 @@ pub(super) struct MotorFriction {
 }
 
 impl Friction for MotorFriction {
-    fn sliding_mnm(&self, direction: Direction) -> f64 {
-        direction.sign() * self.coulomb_mnm + self.viscous_mnm
+    fn sliding(&self, direction: Direction) -> Sliding {
+        Sliding { braking_mnm: direction.sign() * self.coulomb_mnm + self.viscous_mnm, drag: 0.0 }
     }
 
     fn limits(&self) -> StickLimits {

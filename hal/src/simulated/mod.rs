@@ -11,8 +11,9 @@
 //! against the clock and an offline run as fast as the processor goes, with the same numbers. A
 //! seed fixes the noise bit for bit.
 //!
-//! The knob is a [`dynamics::Model`]; inertia, free torques, friction and stick act on the gripper's
-//! side of the torque sensor. What the rig is made of is in [`RigParameters`]; what it measured
+//! The knob is a [`dynamics::Model`], whatever effects it lists; inertia, free torques, friction and stick act on
+//! the gripper's side of the torque sensor, behind backlash or a compliant shaft if the model has them, and what
+//! it says of the torque sensor's reading is added there. All of it is integrated by the rig's own means. What the rig is made of is in [`RigParameters`]; what it measured
 //! about itself is in its description's calibration.
 //!
 //! ```
@@ -30,9 +31,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod artefacts;
+mod bristles;
 mod contact;
 mod description;
 mod drive;
+mod inner;
+mod knob;
 mod noise;
 mod parameters;
 mod plant;

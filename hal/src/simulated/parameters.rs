@@ -88,8 +88,8 @@ impl Default for RigParameters {
     ///   one that grows with speed is an assumption.
     /// - Amplifier: a PWM amplifier like the paper's Copley 2122 on ±12 V, with the bandwidth of 3 kHz of
     ///   that maker's later 4122 (its data sheet). Its peak current, 22 A, is what breaks knob 5 loose
-    ///   even where its detents add to its stick, 200 + 130 mNm, as the paper says its rig does: with
-    ///   20 A, 27 of 80 sweeps of 0.5 to 1.45 rad got stuck there, with 22 A none.
+    ///   even where its detents add to its stick, 200 + 136 mNm, as the paper says its rig does: with
+    ///   20 A, 60 of 80 sweeps of 0.5 to 1.45 rad got stuck there, with 22 A none (example `follow_sweep`).
     /// - Watchdog: 100 ms. Stalls of up to 77 ms were seen on a virtual host that was busy compiling on
     ///   all cores; such a stall is to cost ticks and not the run. A rig on hardware of its own, which
     ///   does not stall, would have a shorter one.

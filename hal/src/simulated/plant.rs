@@ -1,10 +1,12 @@
 //! The plant: drive, shaft and knob, one substep at a time.
 
-use dynamics::{Model, Motion};
+use dynamics::Model;
 
 use super::RigParameters;
-use super::contact::{Braked, Contact, Friction, KnobFriction, MotorFriction};
+use super::contact::{Braked, Contact, MotorFriction};
 use super::drive::Drive;
+use super::inner::Cap;
+use super::knob::Knob;
 use super::shaft::{Shaft, Sides};
 
 /// The plant's true state, which no sensor shows.
@@ -16,22 +18,26 @@ pub struct Truth {
     pub motor_angle_rad: f64,
     /// Speed of the motor, rad/s.
     pub motor_velocity_rad_s: f64,
-    /// Angle of knob and gripper, rad.
+    /// Angle of gripper and knob; of its cap, if something gives way inside it, rad.
     pub knob_angle_rad: f64,
-    /// Speed of the knob, rad/s.
+    /// Speed of gripper and knob, rad/s.
     pub knob_velocity_rad_s: f64,
-    /// Acceleration of the knob, mean over the last substep, rad/s².
+    /// Acceleration of gripper and knob, mean over the last substep, rad/s².
     pub knob_acceleration_rad_s2: f64,
+    /// Angle of what friction and detents act on, rad: the knob's, unless lost motion or a shaft lies between.
+    pub inner_angle_rad: f64,
+    /// Speed of what friction and detents act on, rad/s.
+    pub inner_velocity_rad_s: f64,
     /// Torque through the sensor, mean over the last substep, mNm.
     pub sensor_torque_mnm: f64,
     /// Current in the winding, A.
     pub current_a: f64,
-    /// Whether the knob is stuck.
+    /// Whether friction holds the knob, or its inner part, at rest.
     pub knob_stuck: bool,
 }
 
-/// Most solutions tried for one substep: each side's contact may change twice, to rest and on.
-const MAX_SOLUTIONS: u32 = 6;
+/// Most solutions tried for one substep: each contact may change twice, to rest and on, or apart and together.
+const MAX_SOLUTIONS: u32 = 8;
 
 /// Everything that moves.
 #[derive(Debug)]
@@ -39,28 +45,25 @@ pub(super) struct Plant {
     substep_s: f64,
     coulomb_mnm: f64,
     viscous: f64,
-    coast_speed_rad_s: f64,
-    stick_velocity_rad_s: f64,
-    knob: Model,
+    knob: Knob,
     drive: Drive,
     shaft: Shaft,
-    contact: Sides<Contact>,
+    motor_contact: Contact,
     steps: u64,
     knob_acceleration_rad_s2: f64,
     sensor_torque_mnm: f64,
 }
 
 impl Plant {
-    pub(super) fn new(parameters: &RigParameters, knob: Model) -> Self {
+    pub(super) fn new(parameters: &RigParameters, model: Model) -> Self {
+        let knob = Knob::new(parameters, model);
         Self {
             substep_s: parameters.substep_s(),
             coulomb_mnm: parameters.motor_coulomb_mnm,
             viscous: parameters.motor_viscous,
-            coast_speed_rad_s: parameters.speed_limit_rad_s,
-            stick_velocity_rad_s: knob.stick_limits(&Motion::default()).velocity_rad_s,
             drive: Drive::new(parameters),
-            shaft: Shaft::new(parameters, knob.inertia()),
-            contact: Sides { motor: Contact::Stuck, load: Contact::Stuck },
+            shaft: Shaft::new(parameters, knob.cap_inertia()),
+            motor_contact: Contact::Stuck,
             knob,
             steps: 0,
             knob_acceleration_rad_s2: 0.0,
@@ -77,8 +80,13 @@ impl Plant {
         self.steps as f64 * self.substep_s
     }
 
+    fn cap(&self) -> Cap {
+        Cap { angle_rad: self.shaft.angle_rad.load, velocity_rad_s: self.shaft.velocity_rad_s.load }
+    }
+
     pub(super) fn truth(&self) -> Truth {
         let Shaft { angle_rad, velocity_rad_s, .. } = &self.shaft;
+        let (inner_angle_rad, inner_velocity_rad_s) = self.knob.inner_motion(&self.cap());
         Truth {
             time_s: self.time_s(),
             motor_angle_rad: angle_rad.motor,
@@ -86,9 +94,11 @@ impl Plant {
             knob_angle_rad: angle_rad.load,
             knob_velocity_rad_s: velocity_rad_s.load,
             knob_acceleration_rad_s2: self.knob_acceleration_rad_s2,
+            inner_angle_rad,
+            inner_velocity_rad_s,
             sensor_torque_mnm: self.sensor_torque_mnm,
             current_a: self.drive.current_a(),
-            knob_stuck: self.contact.load == Contact::Stuck,
+            knob_stuck: self.knob.is_stuck(),
         }
     }
 
@@ -97,21 +107,17 @@ impl Plant {
     pub(super) fn step(&mut self, command_mnm: Option<f64>, hand_mnm: f64) {
         let start_rad_s = self.shaft.velocity_rad_s;
         let motor_mnm = self.drive.step(command_mnm, start_rad_s.motor);
-        let motion = self.middle_of_substep();
-        let driving_mnm = hand_mnm - self.knob.free_torque_mnm(&motion);
         let motor_friction =
             MotorFriction { coulomb_mnm: self.coulomb_mnm, viscous_mnm: self.viscous * start_rad_s.motor };
-        let knob_friction = KnobFriction { knob: &self.knob, motion, coast_speed_rad_s: self.coast_speed_rad_s };
-        let mut motor = Braked::new(self.contact.motor, motor_friction);
-        let mut load = Braked::new(self.contact.load, knob_friction);
-        if let Some(braking_mnm) = self.coming_to_rest_mnm(driving_mnm, &load.friction) {
-            load.braking_mnm = braking_mnm;
-        }
+        let mut motor = Braked::new(self.motor_contact, motor_friction);
+        let mut load = self.knob.begin(self.time_s(), self.cap(), self.shaft.spring_mnm(), hand_mnm);
 
         let mut solutions = 0;
         let end_rad_s = loop {
-            let applied_mnm = Sides { motor: motor_mnm - motor.braking_mnm, load: driving_mnm - load.braking_mnm };
-            let outcome = self.shaft.solve(applied_mnm, Sides { motor: motor.at_rest(), load: load.at_rest() });
+            let onto_cap = load.onto_cap();
+            let applied_mnm = Sides { motor: motor_mnm - motor.braking_mnm, load: onto_cap.applied_mnm };
+            let at_rest = Sides { motor: motor.at_rest(), load: onto_cap.at_rest };
+            let outcome = self.shaft.solve(applied_mnm, at_rest, onto_cap.reaction);
             let (end_rad_s, holding_mnm) = (outcome.velocity_rad_s, outcome.holding_mnm);
             let corrected =
                 motor.correct(end_rad_s.motor, holding_mnm.motor) | load.correct(end_rad_s.load, holding_mnm.load);
@@ -121,40 +127,11 @@ impl Plant {
             }
         };
 
-        self.contact = Sides {
-            motor: motor.contact.settled(end_rad_s.motor, 0.0),
-            load: load.contact.settled(end_rad_s.load, self.stick_velocity_rad_s),
-        };
+        let ended = load.ended(end_rad_s.load);
+        self.knob.advance(&ended);
+        self.motor_contact = motor.contact.settled(end_rad_s.motor, 0.0);
         self.sensor_torque_mnm = self.shaft.advance(end_rad_s);
         self.knob_acceleration_rad_s2 = (end_rad_s.load - start_rad_s.load) / self.substep_s;
         self.steps += 1;
-    }
-
-    /// The knob's motion in the middle of the substep to come, as far as it can be told beforehand.
-    fn middle_of_substep(&self) -> Motion {
-        let half_s = self.substep_s / 2.0;
-        let velocity_rad_s = self.shaft.velocity_rad_s.load;
-        Motion {
-            time_s: self.time_s() + half_s,
-            angle_rad: self.shaft.angle_rad.load + half_s * velocity_rad_s,
-            velocity_rad_s: velocity_rad_s + half_s * self.knob_acceleration_rad_s2,
-            acceleration_rad_s2: self.knob_acceleration_rad_s2,
-        }
-    }
-
-    /// Karnopp's rule: a knob that has become slower than its stick velocity, and that its static
-    /// friction can hold, is brought to rest by that friction.
-    fn coming_to_rest_mnm(&self, driving_mnm: f64, friction: &KnobFriction<'_>) -> Option<f64> {
-        let Contact::Sliding(direction) = self.contact.load else { return None };
-        if self.shaft.velocity_rad_s.load.abs() >= self.stick_velocity_rad_s {
-            return None;
-        }
-        let limits = friction.limits();
-        let holding_mnm = self.shaft.spring_mnm() + driving_mnm;
-        let holds = (-limits.negative_mnm..=limits.positive_mnm).contains(&holding_mnm);
-        holds.then(|| match direction {
-            dynamics::Direction::Negative => -limits.negative_mnm,
-            dynamics::Direction::Positive => limits.positive_mnm,
-        })
     }
 }

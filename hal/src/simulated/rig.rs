@@ -28,7 +28,8 @@ impl SimulatedRig {
     /// A rig at rest at angle zero with `knob` mounted, its amplifier off.
     ///
     /// # Errors
-    /// [`ParameterError`] for parameters that do not describe a rig.
+    /// [`ParameterError`] for parameters that do not describe a rig, and a model whose torque reading comes before the
+    /// torque or later than 0.1 s.
     #[allow(clippy::needless_pass_by_value, reason = "a rig is built from its parameters once")]
     pub fn new(parameters: RigParameters, knob: Model, seed: u64) -> Result<Self, ParameterError> {
         parameters.validate()?;
@@ -39,7 +40,7 @@ impl SimulatedRig {
             description: describe(&parameters, &knob.name, seed),
             substep_ns: parameters.substep_ns,
             catch_up_limit: substeps(parameters.catch_up_limit_s),
-            sensors: Sensors::new(&parameters, seed),
+            sensors: Sensors::new(&parameters, &knob, seed)?,
             watchdog: Watchdog::new(substeps(parameters.watchdog_s)),
             plant: Plant::new(&parameters, knob),
             hand_torque_mnm: 0.0,

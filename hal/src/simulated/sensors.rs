@@ -1,7 +1,10 @@
 //! Encoder, accelerometer and torque channel: bandwidth, offset, noise and steps.
 
+use dynamics::{Model, Motion};
+
+use super::artefacts::Artefacts;
 use super::noise::{Noise, quantised};
-use super::{RigParameters, Truth};
+use super::{ParameterError, RigParameters, Truth};
 use crate::Measurement;
 
 /// The rig's three sensors.
@@ -15,20 +18,25 @@ pub(super) struct Sensors {
     noise: Noise,
     acceleration: FirstOrder,
     torque: SecondOrder,
+    artefacts: Artefacts,
 }
 
 impl Sensors {
-    /// Sensors that have long been at rest.
-    pub(super) fn new(parameters: &RigParameters, seed: u64) -> Self {
+    /// Sensors that have long been at rest, the torque channel with what `model` says of it.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for a delay that cannot be.
+    pub(super) fn new(parameters: &RigParameters, model: &Model, seed: u64) -> Result<Self, ParameterError> {
         let substep_s = parameters.substep_s();
         let at_rest_rad_s2 = gravity_rad_s2(parameters, 0.0);
-        Self {
+        Ok(Self {
             parameters: parameters.clone(),
             half_substep_s: substep_s / 2.0,
             noise: Noise::new(seed, parameters.noise_scale),
             acceleration: FirstOrder::new(parameters.acceleration_bandwidth_hz, substep_s, at_rest_rad_s2),
             torque: SecondOrder::new(parameters.torque_bandwidth_hz, substep_s),
-        }
+            artefacts: Artefacts::new(parameters, model)?,
+        })
     }
 
     /// Lets a substep pass that ended in `truth`.
@@ -37,18 +45,24 @@ impl Sensors {
         let gravity_rad_s2 = gravity_rad_s2(&self.parameters, middle_rad);
         self.acceleration.step(truth.knob_acceleration_rad_s2 + gravity_rad_s2);
         self.torque.step(truth.sensor_torque_mnm);
+        self.artefacts.step(self.torque.value);
     }
 
     /// A reading `beyond_s` after the last substep.
     pub(super) fn read(&mut self, truth: &Truth, beyond_s: f64) -> Measurement {
-        let Self { parameters, noise, acceleration, torque, half_substep_s: _ } = self;
+        let Self { parameters, noise, acceleration, torque, artefacts, half_substep_s: _ } = self;
         let angle_rad = truth.motor_angle_rad + beyond_s * truth.motor_velocity_rad_s;
         let acceleration_rad_s2 = acceleration.value
             + beyond_s * acceleration.rate
             + parameters.acceleration_zero_rad_s2
             + noise.sample(parameters.acceleration_noise_rms_rad_s2);
-        let torque_mnm = torque.value
-            + beyond_s * torque.rate
+        let motion = Motion {
+            time_s: truth.time_s + beyond_s,
+            angle_rad,
+            velocity_rad_s: truth.motor_velocity_rad_s,
+            acceleration_rad_s2: truth.knob_acceleration_rad_s2,
+        };
+        let torque_mnm = artefacts.read(beyond_s, torque.rate, &motion)
             + parameters.torque_zero_mnm
             + noise.sample(parameters.torque_noise_rms_mnm);
         Measurement {

@@ -1,6 +1,7 @@
 //! Two inertias with the torque sensor's spring between them.
 
 use super::RigParameters;
+use super::inner::Reaction;
 
 /// A quantity on either side of the torque sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,7 +31,6 @@ pub(super) struct Shaft {
     /// h·g/2, the off-diagonal of the system with its sign turned, mNm·s²/rad.
     coupling: f64,
     diagonal: Sides<f64>,
-    determinant: f64,
     pub(super) angle_rad: Sides<f64>,
     pub(super) velocity_rad_s: Sides<f64>,
 }
@@ -45,9 +45,10 @@ pub(super) struct Outcome {
 }
 
 impl Shaft {
-    pub(super) fn new(parameters: &RigParameters, knob_inertia: f64) -> Self {
+    /// A shaft at rest with `cap_inertia` of the knob fast to the gripper, mNm·s²/rad.
+    pub(super) fn new(parameters: &RigParameters, cap_inertia: f64) -> Self {
         let substep_s = parameters.substep_s();
-        let inertia = Sides { motor: parameters.motor_inertia(), load: parameters.gripper_inertia + knob_inertia };
+        let inertia = Sides { motor: parameters.motor_inertia(), load: parameters.gripper_inertia + cap_inertia };
         let stiffness_mnm_rad = parameters.torque_sensor_stiffness_mnm_rad;
         let implicit_damping = stiffness_mnm_rad * substep_s / 2.0 + parameters.torque_sensor_damping;
         let coupling = substep_s * implicit_damping / 2.0;
@@ -59,7 +60,6 @@ impl Shaft {
             implicit_damping,
             coupling,
             diagonal,
-            determinant: diagonal.motor * diagonal.load - coupling * coupling,
             angle_rad: Sides::default(),
             velocity_rad_s: Sides::default(),
         }
@@ -70,20 +70,28 @@ impl Shaft {
         self.stiffness_mnm_rad * (self.angle_rad.motor - self.angle_rad.load)
     }
 
-    /// The end of a substep under the torques `applied_mnm` (friction included for a side that slides).
-    pub(super) fn solve(&self, applied_mnm: Sides<f64>, at_rest: Sides<bool>) -> Outcome {
-        let Self { substep_s, inertia, coupling, diagonal, determinant, velocity_rad_s, .. } = self;
+    /// The end of a substep under the torques `applied_mnm` (friction included for a side that slides), with
+    /// `onto_load` added to the load's equation.
+    pub(super) fn solve(&self, applied_mnm: Sides<f64>, at_rest: Sides<bool>, onto_load: Reaction) -> Outcome {
+        let Self { substep_s, inertia, coupling, diagonal, velocity_rad_s, .. } = self;
+        let diagonal = Sides { motor: diagonal.motor, load: diagonal.load + onto_load.diagonal };
         let spring_mnm = self.spring_mnm();
         let carried = coupling * (velocity_rad_s.motor - velocity_rad_s.load);
         let momentum = Sides {
             motor: inertia.motor * velocity_rad_s.motor + substep_s * (applied_mnm.motor - spring_mnm) - carried,
-            load: inertia.load * velocity_rad_s.load + substep_s * (applied_mnm.load + spring_mnm) + carried,
+            load: inertia.load * velocity_rad_s.load
+                + substep_s * (applied_mnm.load + spring_mnm)
+                + carried
+                + onto_load.momentum,
         };
         let velocity_rad_s = match (at_rest.motor, at_rest.load) {
-            (false, false) => Sides {
-                motor: (diagonal.load * momentum.motor + coupling * momentum.load) / determinant,
-                load: (diagonal.motor * momentum.load + coupling * momentum.motor) / determinant,
-            },
+            (false, false) => {
+                let determinant = diagonal.motor * diagonal.load - coupling * coupling;
+                Sides {
+                    motor: (diagonal.load * momentum.motor + coupling * momentum.load) / determinant,
+                    load: (diagonal.motor * momentum.load + coupling * momentum.motor) / determinant,
+                }
+            }
             (false, true) => Sides { motor: momentum.motor / diagonal.motor, load: 0.0 },
             (true, false) => Sides { motor: 0.0, load: momentum.load / diagonal.load },
             (true, true) => Sides::default(),

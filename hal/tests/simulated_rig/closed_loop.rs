@@ -21,10 +21,12 @@ fn follow(number: u32, sweep: &str, conditions: &Conditions) -> Following {
 fn every_knob_follows_every_sweep_within_the_rigs_limits() {
     for number in 1..=5 {
         let conditions = Conditions::default();
+        // Where the knob gives way the servo winds up for nothing, and runs on by as much when it catches.
+        let lost_rad = knobs::paper_knob(number).unwrap().parameter("backlash_half_gap").unwrap_or(0.0);
         for sweep in ["linear-chirp", "paper", "multisine", "stepped-amplitude"] {
             let following = follow(number, sweep, &conditions);
             assert!(!following.limit_passed, "knob {number}, {sweep}: {following:?}");
-            assert!(following.peak_rad < 0.03, "knob {number}, {sweep}: {following:?}");
+            assert!(following.peak_rad < 0.03 + lost_rad, "knob {number}, {sweep}: {following:?}");
             assert!(following.command_change_mnm < 15.0, "knob {number}, {sweep}: the shaft rings, {following:?}");
         }
     }

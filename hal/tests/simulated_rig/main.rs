@@ -11,6 +11,7 @@ mod repeatability;
 mod sensors;
 mod shaft;
 mod stick;
+mod two_bodies;
 mod watchdog;
 
 use dynamics::{Effect, Model, effects};

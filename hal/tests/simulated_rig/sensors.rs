@@ -1,8 +1,8 @@
 //! Sensors: noise, steps, offsets, gravity, delays.
 
-use dynamics::{Model, knobs};
+use dynamics::{Effect, Model, effects, knobs};
 use hal::Apparatus;
-use hal::simulated::RigParameters;
+use hal::simulated::{RigParameters, SimulatedRig};
 
 use super::{Run, assert_close, clamped, flywheel, frictionless_motor};
 
@@ -137,4 +137,46 @@ fn a_calibration_error_shows_in_the_description_and_not_in_the_rig() {
     for _ in 0..1000 {
         assert_eq!(true_run.tick(20.0), flawed_run.tick(20.0));
     }
+}
+
+/// A knob with one artefact of the torque channel, driven like any other; gives a torque reading every substep of 10 µs.
+fn torque_readings(artefact: Option<Effect>) -> Vec<f64> {
+    let mut knob = knobs::paper_knob(2).unwrap();
+    knob.effects.extend(artefact);
+    let parameters = RigParameters { noise_scale: 0.0, torque_step_mnm: 0.0, ..RigParameters::default() };
+    let mut run = Run::new(parameters, knob, 100_000);
+    (0..30_000).map(|tick| run.tick(60.0 * (f64::from(tick) * 5e-4).sin()).torque_mnm).collect()
+}
+
+#[test]
+fn a_late_reading_is_the_one_of_that_time_ago() {
+    let plain = torque_readings(None);
+    // Whole substeps, and half of one: between substeps on a straight line.
+    for (delay_s, earlier, later) in [(3e-4, 30, 30), (1.25e-4, 13, 12)] {
+        let late = torque_readings(Some(Effect::new(&effects::sensor_delay::KIND, &[delay_s])));
+        for tick in earlier..plain.len() {
+            let expected_mnm = 0.5 * (plain[tick - earlier] + plain[tick - later]);
+            assert_close(late[tick], expected_mnm, 1e-9, "the late reading in mNm");
+        }
+    }
+}
+
+#[test]
+fn offset_and_hum_come_on_top_of_the_torque() {
+    let plain = torque_readings(None);
+    let offset = torque_readings(Some(Effect::new(&effects::torque_offset::KIND, &[-2.5])));
+    let hum = torque_readings(Some(Effect::new(&effects::mains_hum::KIND, &[1.5, 50.0, 0.3])));
+    for tick in 0..plain.len() {
+        assert_close(offset[tick] - plain[tick], -2.5, 1e-9, "the offset in mNm");
+        let phase = std::f64::consts::TAU * 50.0 * tick as f64 * 1e-5 + 0.3;
+        assert_close(hum[tick] - plain[tick], 1.5 * phase.sin(), 1e-9, "the hum in mNm");
+    }
+}
+
+#[test]
+fn a_reading_before_its_torque_is_refused() {
+    let mut knob = knobs::paper_knob(2).unwrap();
+    knob.effects.push(Effect::new(&effects::sensor_delay::KIND, &[-1e-4]));
+    let error = SimulatedRig::new(RigParameters::default(), knob, 1).unwrap_err().to_string();
+    assert!(error.contains("sensor_delay is -0.0001"), "{error}");
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use crate::vector;
+
 /// A low-pass with an odd, symmetric impulse response of unit gain at zero frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fir {
@@ -73,13 +75,15 @@ impl Fir {
         let before = input[1..=pad].iter().rev().map(|value| 2.0 * first - value);
         let after = input[input.len() - 1 - pad..input.len() - 1].iter().rev().map(|value| 2.0 * last - value);
         let extended: Vec<f64> = before.chain(input.iter().copied()).chain(after).collect();
-        (pad..pad + input.len())
-            .map(|centre| {
-                let first = centre.saturating_sub(half);
-                let last = (centre + half + 1).min(extended.len());
-                dot(&extended[first..last], &self.taps[first + half - centre..])
-            })
-            .collect()
+        let mut output = vec![0.0; input.len()];
+        if pad == half {
+            vector::decimate(&extended, &self.taps, 1, &mut output);
+        } else {
+            for (slot, centre) in output.iter_mut().zip(pad..) {
+                *slot = self.at(&extended, centre);
+            }
+        }
+        output
     }
 
     /// Filters without delay and keeps every `step`-th sample, the first included; beyond the ends the input counts as zero.
@@ -87,42 +91,59 @@ impl Fir {
     /// Only the samples kept are computed: length/step · taps multiplications.
     #[must_use]
     pub fn decimate(&self, input: &[f64], step: usize) -> Vec<f64> {
+        let mut output = vec![0.0; input.len().div_ceil(step)];
+        self.decimate_part(input, 0, step, &mut output);
+        output
+    }
+
+    /// The output at `first`, `first + step`, … of the input.
+    pub(crate) fn decimate_part(&self, input: &[f64], first: usize, step: usize, output: &mut [f64]) {
         let half = self.half_length();
-        (0..input.len())
-            .step_by(step)
-            .map(|centre| {
-                let first = centre.saturating_sub(half);
-                let last = (centre + half + 1).min(input.len());
-                let taps = &self.taps[first + half - centre..];
-                dot(&input[first..last], taps)
-            })
-            .collect()
+        // Outputs whose taps all lie inside the input.
+        let inside = half.saturating_sub(first).div_ceil(step).min(output.len());
+        let whole = (input.len() + step).saturating_sub(first + half + 1) / step;
+        let outside = whole.clamp(inside, output.len());
+        for index in (0..inside).chain(outside..output.len()) {
+            output[index] = self.at(input, first + index * step);
+        }
+        if outside > inside {
+            let start = first + inside * step - half;
+            vector::decimate(&input[start..], &self.taps, step, &mut output[inside..outside]);
+        }
+    }
+
+    /// The output at one place; beyond the ends the input counts as zero.
+    fn at(&self, input: &[f64], centre: usize) -> f64 {
+        let half = self.half_length();
+        let first = centre.saturating_sub(half);
+        let last = (centre + half + 1).min(input.len());
+        input[first..last].iter().zip(&self.taps[first + half - centre..]).map(|(value, tap)| value * tap).sum()
     }
 
     /// The adjoint of [`Fir::decimate`]: spreads every kept sample back over `length` samples.
     #[must_use]
     pub fn spread(&self, kept: &[f64], step: usize, length: usize) -> Vec<f64> {
         let half = self.half_length();
-        let mut output = vec![0.0; length];
-        for (index, value) in kept.iter().enumerate() {
-            let centre = index * step;
-            let first = centre.saturating_sub(half);
-            let last = (centre + half + 1).min(length);
-            let taps = &self.taps[first + half - centre..];
-            for (slot, tap) in output[first..last].iter_mut().zip(taps) {
-                *slot += value * tap;
-            }
-        }
+        let mut output = vec![0.0; (length + 2 * half).max((kept.len().saturating_sub(1)) * step + self.taps.len())];
+        vector::spread(kept, &self.taps, step, &mut output);
+        output.drain(..half);
+        output.truncate(length);
         output
     }
 
     /// Gain at a frequency; real, since the phase is zero about the middle tap.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
     pub fn gain(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
-        let half = self.half_length();
-        let angle = 2.0 * PI * frequency_hz / rate_hz;
-        self.taps.iter().enumerate().map(|(index, tap)| tap * (angle * (index as f64 - half as f64)).cos()).sum()
+        let step = (2.0 * PI * frequency_hz / rate_hz).cos();
+        // cos((m + 1)x) = 2·cos x·cos mx − cos((m − 1)x), outwards from the middle tap.
+        let (mut before, mut cosine) = (step, 1.0);
+        let mut taps = self.taps[self.half_length()..].iter();
+        let mut gain = taps.next().copied().unwrap_or(0.0);
+        for tap in taps {
+            (before, cosine) = (cosine, 2.0 * step * cosine - before);
+            gain += 2.0 * tap * cosine;
+        }
+        gain
     }
 }
 
@@ -136,19 +157,4 @@ fn bessel_i0(argument: f64) -> f64 {
         order += 1.0;
     }
     sum
-}
-
-/// Inner product over the shorter of both; four partial sums let the compiler use vector units.
-fn dot(left: &[f64], right: &[f64]) -> f64 {
-    let length = left.len().min(right.len());
-    let (left, right) = (&left[..length], &right[..length]);
-    let mut sums = [0.0; 4];
-    let (left_chunks, right_chunks) = (left.chunks_exact(4), right.chunks_exact(4));
-    let rest: f64 = left_chunks.remainder().iter().zip(right_chunks.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in left_chunks.zip(right_chunks) {
-        for lane in 0..4 {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }

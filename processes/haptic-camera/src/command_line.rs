@@ -23,6 +23,10 @@ pub enum Command {
     /// Fit a model to a capture, or one model to several captures of the same knob
     #[command(after_help = "Example:\n  haptic-camera fit captures/20261121-101500-knob-3.mcap --report knob-3.html")]
     Fit(FitOptions),
+    /// Find where a model and a capture disagree, name the missing effect, add it and show the gap shrink
+    #[command(after_help = "Example:\n  \
+        haptic-camera diagnose train.csv --heldout heldout.csv --out model.toml")]
+    Diagnose(DiagnoseOptions),
     /// Find the rig's zeros, gravity, delays or the gripper's inertia
     #[command(
         after_help = "Takes given captures, or turns the rig itself (nothing on the gripper). In this order:\n  \
@@ -114,6 +118,26 @@ pub struct FitOptions {
     /// Write the report page
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+}
+
+/// Options of `diagnose`.
+#[derive(Debug, Args)]
+pub struct DiagnoseOptions {
+    /// The capture that models are fitted to, an archive or a CSV file
+    #[arg(value_name = "CAPTURE")]
+    pub train: PathBuf,
+    /// A capture of the same knob with another motion, to judge by; without one, stretches of the first are held out
+    #[arg(long, value_name = "CAPTURE")]
+    pub heldout: Option<PathBuf>,
+    /// The model to start from [default: inertia, friction and detents, fitted]
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Write the diagnosis as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the model with what was missing
+    #[arg(long, value_name = "MODEL.toml")]
+    pub out: Option<PathBuf>,
 }
 
 /// Options of what turns the rig without a knob.

@@ -6,6 +6,7 @@ mod calibrate;
 mod capture;
 mod check;
 mod command_line;
+mod diagnose;
 mod doctor;
 mod fit;
 mod load;
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
     let result = match CommandLine::parse().command {
         Command::Capture(options) => capture::run(&options),
         Command::Fit(options) => fit::run(&options),
+        Command::Diagnose(options) => diagnose::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::RigTest(options) => rig_test::run(&options),
         Command::Check(options) => check::run(&options),

@@ -193,7 +193,10 @@ impl Plan {
         let planned_ticks = ((options.rate_hz * options.duration_s).round() as u64).max(1);
         let control = ControlPlan {
             excitation,
-            gains: ServoGains::default(),
+            gains: match Fixture::named(&options.knob) {
+                Some(Fixture::None) => ServoGains::for_free_gripper(&rig.calibration),
+                Some(Fixture::Locked) | None => ServoGains::default(),
+            },
             limits: rig.limits,
             rate_hz: options.rate_hz,
             planned_ticks,

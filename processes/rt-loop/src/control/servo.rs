@@ -5,6 +5,10 @@
 //! torque sensor (about 1 kHz) until the sensor's limit ends the run; the notch takes that away. The
 //! knob's torque is unknown but measured, so most of it is fed forward, which halves the following
 //! error with knobs that stick.
+//!
+//! A bare gripper is another matter: with so little behind the torque sensor the resonance is twice as high, out of
+//! the notch, and the encoder's steps, differentiated, keep it ringing. There the load is known beforehand, and notch
+//! and damping follow from it: [`ServoGains::for_free_gripper`].
 
 use biquad::{Biquad as _, Coefficients, DirectForm2Transposed};
 use dynamics::{Calibration, Setpoint};
@@ -31,7 +35,14 @@ pub struct ServoGains {
     pub notch_depth: f64,
     /// Damping ratio of the notch's poles: its width.
     pub notch_width: f64,
+    /// Whether nothing is on the gripper, so that the resonance is known.
+    pub free_gripper: bool,
 }
+
+/// Damping ratio at which a rig without a knob follows.
+const FREE_DAMPING_RATIO: f64 = 0.85;
+/// Width of its notch: poles at a sixth of the resonance and at six times it, so that it is a low-pass for all between.
+const FREE_NOTCH_WIDTH: f64 = 3.0;
 
 impl Default for ServoGains {
     /// Gains that hold each of the paper's knobs, and up to 2 mNm·s²/rad, at 5 to 20 kHz with a tick of delay.
@@ -45,8 +56,43 @@ impl Default for ServoGains {
             load_edge_hz: 90.0,
             notch_depth: 0.1,
             notch_width: 1.0,
+            free_gripper: false,
         }
     }
+}
+
+impl ServoGains {
+    /// Gains for a rig with nothing on its gripper.
+    ///
+    /// The spring of the proportional gain and the rig's own inertia make an oscillator; it gets the damping that it
+    /// needs and no more, since differentiated encoder steps are what shakes gripper and rotor. The load torque that
+    /// would be fed forward is none.
+    #[must_use]
+    pub fn for_free_gripper(calibration: &Calibration) -> Self {
+        let gains = Self::default();
+        let inertia = calibration.motor_inertia + calibration.gripper_inertia;
+        let damping_mnm_s_rad = 2.0 * FREE_DAMPING_RATIO * (gains.proportional_mnm_rad * inertia).sqrt();
+        Self {
+            derivative_mnm_s_rad: damping_mnm_s_rad.min(gains.derivative_mnm_s_rad),
+            load_share: 0.0,
+            notch_width: FREE_NOTCH_WIDTH,
+            free_gripper: true,
+            ..gains
+        }
+    }
+}
+
+/// Frequency of the notch, Hz.
+///
+/// Whatever the knob, the shaft resonates at √(k/J) of the motor's side or above; without one, where rotor and
+/// gripper swing against each other, unless that is beyond what the rate can hold.
+fn notch_hz(calibration: &Calibration, free_gripper: bool, rate_hz: f64) -> f64 {
+    let of = |inverse_inertia: f64| {
+        (calibration.torque_sensor_stiffness_mnm_rad * inverse_inertia).sqrt() / std::f64::consts::TAU
+    };
+    let loaded_hz = of(calibration.motor_inertia.recip());
+    let free_hz = of(calibration.motor_inertia.recip() + calibration.gripper_inertia.recip());
+    if free_gripper && free_hz < 0.45 * rate_hz { free_hz } else { loaded_hz }
 }
 
 /// The servo with its state.
@@ -64,9 +110,7 @@ pub(super) struct Servo {
 impl Servo {
     /// A servo at rest; `None` when the rate is too low for its filters.
     pub(super) fn new(gains: ServoGains, calibration: &Calibration, rate_hz: f64) -> Option<Self> {
-        // Whatever the knob, the shaft resonates at √(k/J) of the motor's side or above.
-        let resonance_hz =
-            (calibration.torque_sensor_stiffness_mnm_rad / calibration.motor_inertia).sqrt() / std::f64::consts::TAU;
+        let resonance_hz = notch_hz(calibration, gains.free_gripper, rate_hz);
         Some(Self {
             gains,
             rig_inertia: calibration.motor_inertia + calibration.gripper_inertia,
@@ -118,4 +162,47 @@ fn notch(frequency_hz: f64, depth: f64, width: f64, rate_hz: f64) -> Option<Coef
         a1: poles[1] / poles[0],
         a2: poles[2] / poles[0],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ServoGains, notch_hz};
+    use dynamics::Calibration;
+
+    /// Rotor and gripper of 1 and 3 mNm·s²/rad on a spring of 3·(2π·100 Hz)²/4 mNm/rad: 100 Hz against each other.
+    fn calibration() -> Calibration {
+        Calibration {
+            motor_inertia: 1.0,
+            gripper_inertia: 3.0,
+            torque_sensor_stiffness_mnm_rad: 0.75 * (std::f64::consts::TAU * 100.0).powi(2),
+            torque_zero_mnm: 0.0,
+            torque_delay_s: 0.0,
+            acceleration_zero_rad_s2: 0.0,
+            acceleration_delay_s: 0.0,
+            gravity_amplitude_rad_s2: 0.0,
+            gravity_phase_rad: 0.0,
+            angle_step_rad: 0.0,
+            torque_step_mnm: 0.0,
+            acceleration_step_rad_s2: 0.0,
+        }
+    }
+
+    #[test]
+    fn without_a_knob_the_notch_lies_where_rotor_and_gripper_swing_against_each_other() {
+        assert!((notch_hz(&calibration(), true, 5_000.0) - 100.0).abs() < 1e-9);
+        assert!((notch_hz(&calibration(), false, 5_000.0) - 100.0 * 0.75_f64.sqrt()).abs() < 1e-9);
+        assert!((notch_hz(&calibration(), true, 200.0) - 100.0 * 0.75_f64.sqrt()).abs() < 1e-9, "too slow a rate");
+    }
+
+    #[test]
+    fn a_free_gripper_is_never_damped_more_than_a_knob() {
+        let heavy = ServoGains::for_free_gripper(&calibration());
+        assert!(heavy.derivative_mnm_s_rad <= ServoGains::default().derivative_mnm_s_rad);
+        let light = ServoGains::for_free_gripper(&Calibration {
+            motor_inertia: 0.016,
+            gripper_inertia: 0.004,
+            ..calibration()
+        });
+        assert!((light.derivative_mnm_s_rad - 1.7 * 80.0_f64.sqrt()).abs() < 1e-9);
+    }
 }

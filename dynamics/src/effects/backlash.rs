@@ -1,0 +1,83 @@
+//! Lost motion between the cap and the inner body.
+
+use std::f64::consts::TAU;
+
+use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Search};
+
+/// `backlash`: cap and inner body touch only where their angles differ by more than half a gap; see [`crate::Coupling`].
+pub static KIND: EffectKind = EffectKind {
+    name: "backlash",
+    description: "lost motion between the sensor and the inner part that carries friction and detents",
+    source: "contact of Kelvin and Voigt with a dead zone",
+    parameters: &[
+        ParameterKind {
+            name: "backlash_half_gap",
+            unit: "rad",
+            symbol: "g",
+            description: "half of the lost motion",
+            minimum: Minimum::AboveZero,
+        },
+        ParameterKind {
+            name: "backlash_inner_share",
+            unit: "1",
+            symbol: "μ",
+            description: "share of the inertia behind the gap",
+            minimum: Minimum::AboveZero,
+        },
+        ParameterKind {
+            name: "backlash_stiffness",
+            unit: "mNm/rad",
+            symbol: "K",
+            description: "stiffness of the contact",
+            minimum: Minimum::AboveZero,
+        },
+        ParameterKind {
+            name: "backlash_damping",
+            unit: "mNm s/rad",
+            symbol: "D",
+            description: "damping of the contact",
+            minimum: Minimum::Zero,
+        },
+    ],
+    part: Part::Coupling(|values| Coupling {
+        half_gap_rad: values[0],
+        inner_share: values[1],
+        stiffness_mnm_rad: values[2],
+        damping: values[3],
+    }),
+    regressors: None,
+    hypothesis: Some(Hypothesis {
+        searched: &[
+            Search {
+                parameter: 0,
+                range: |scene| {
+                    Some(((5.0 * scene.angle_step_rad).max(1e-5 * scene.travel_rad()), 0.1 * scene.travel_rad()))
+                },
+                starts: |_| 5,
+                logarithmic: true,
+                same_as: None,
+            },
+            Search { parameter: 1, range: |_| Some((0.02, 0.98)), starts: |_| 2, logarithmic: false, same_as: None },
+            Search {
+                parameter: 2,
+                range: |scene| {
+                    // A resonance between the lowest that shows and the highest that the samples resolve.
+                    let squared = |hertz: f64| (TAU * hertz).powi(2) * scene.inertia;
+                    (scene.inertia > 0.0).then(|| (squared(20.0), squared(0.4 / scene.sample_s)))
+                },
+                starts: |_| 2,
+                logarithmic: true,
+                same_as: None,
+            },
+            Search {
+                parameter: 3,
+                range: |scene| Some((1e-3 * TAU * 20.0 * scene.inertia, TAU * 200.0 * scene.inertia)),
+                starts: |_| 1,
+                logarithmic: true,
+                same_as: None,
+            },
+        ],
+        nested: &[],
+        per_capture: false,
+    }),
+};

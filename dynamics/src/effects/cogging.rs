@@ -1,0 +1,68 @@
+//! A second sinusoid of the angle, such as a motor's poles make.
+
+use std::f64::consts::TAU;
+
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Search};
+
+/// `cogging`: τ = H·sin(n·θ + η), its period unrelated to the detents'.
+pub static KIND: EffectKind = EffectKind {
+    name: "cogging",
+    description: "a sinusoid of the angle whose period has nothing to do with the detents",
+    source: "poles and slots of a motor, or a second wheel",
+    parameters: &[
+        ParameterKind {
+            name: "cogging_torque",
+            unit: "mNm",
+            symbol: "H",
+            description: "largest torque",
+            minimum: Minimum::None,
+        },
+        ParameterKind {
+            name: "cogging_per_turn",
+            unit: "1",
+            symbol: "n",
+            description: "periods per turn",
+            minimum: Minimum::AboveZero,
+        },
+        ParameterKind {
+            name: "cogging_phase",
+            unit: "rad",
+            symbol: "η",
+            description: "phase at angle zero",
+            minimum: Minimum::None,
+        },
+    ],
+    part: Part::Torque(|values, motion| values[0] * (values[1] * motion.angle_rad + values[2]).sin()),
+    regressors: Some(Regressors {
+        columns: 2,
+        searched: &[1],
+        fill: |values, motion, row| (row[0], row[1]) = (values[1] * motion.angle_rad).sin_cos(),
+        values: |coefficients, values| {
+            values[0] = coefficients[0].hypot(coefficients[1]);
+            values[2] = coefficients[1].atan2(coefficients[0]);
+        },
+        nonnegative: &[],
+    }),
+    hypothesis: Some(Hypothesis {
+        searched: &[Search {
+            parameter: 1,
+            range: |scene| {
+                // Fewer than two periods over the travel are a bend; finer ones pass faster than the band.
+                let fewest = (2.0 * TAU / scene.travel_rad()).max(1.5);
+                let most = TAU * scene.band_hz / (0.5 * scene.median_speed_rad_s).max(f64::MIN_POSITIVE);
+                (most > fewest).then_some((fewest, most))
+            },
+            // Three values to the width of a peak.
+            starts: |scene| {
+                let most = TAU * scene.band_hz / (0.5 * scene.median_speed_rad_s).max(f64::MIN_POSITIVE);
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of starts")]
+                let starts = (3.0 * most * scene.travel_rad() / TAU).ceil().clamp(1.0, 4000.0) as usize;
+                starts
+            },
+            logarithmic: false,
+            same_as: None,
+        }],
+        nested: &[],
+        per_capture: false,
+    }),
+};

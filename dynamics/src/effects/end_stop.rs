@@ -1,0 +1,85 @@
+//! A stiff contact beyond an angle.
+
+use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Search};
+
+/// `end-stop`: beyond either end τ = K·depth + D·θ̇, the contact pushing back only.
+pub static KIND: EffectKind = EffectKind {
+    name: "end-stop",
+    description: "stiff contact beyond an angle, on one side or both",
+    source: "penalty contact of Kelvin and Voigt",
+    parameters: &[
+        ParameterKind {
+            name: "stop_lower",
+            unit: "rad",
+            symbol: "θ₁",
+            description: "angle at which the lower stop begins",
+            minimum: Minimum::None,
+        },
+        ParameterKind {
+            name: "stop_upper",
+            unit: "rad",
+            symbol: "θ₂",
+            description: "angle at which the upper stop begins",
+            minimum: Minimum::None,
+        },
+        ParameterKind {
+            name: "stop_lower_stiffness",
+            unit: "mNm/rad",
+            symbol: "K₁",
+            description: "stiffness of the lower stop, zero where there is none",
+            minimum: Minimum::Zero,
+        },
+        ParameterKind {
+            name: "stop_upper_stiffness",
+            unit: "mNm/rad",
+            symbol: "K₂",
+            description: "stiffness of the upper stop, zero where there is none",
+            minimum: Minimum::Zero,
+        },
+        ParameterKind {
+            name: "stop_damping",
+            unit: "mNm s/rad",
+            symbol: "D",
+            description: "damping in contact",
+            minimum: Minimum::Zero,
+        },
+    ],
+    part: Part::Torque(|values, motion| {
+        let mut columns = [0.0; 3];
+        columns_at(values, motion, &mut columns);
+        columns.iter().zip(&values[2..]).map(|(column, value)| column * value).sum()
+    }),
+    regressors: Some(Regressors {
+        columns: 3,
+        searched: &[0, 1],
+        fill: columns_at,
+        values: |coefficients, values| values[2..5].copy_from_slice(&coefficients[..3]),
+        nonnegative: &[0, 1, 2],
+    }),
+    hypothesis: Some(Hypothesis {
+        searched: &[
+            Search {
+                parameter: 0,
+                range: |scene| Some((scene.lowest_rad, scene.lowest_rad + 0.4 * scene.travel_rad())),
+                starts: |_| 9,
+                logarithmic: false,
+                same_as: None,
+            },
+            Search {
+                parameter: 1,
+                range: |scene| Some((scene.highest_rad - 0.4 * scene.travel_rad(), scene.highest_rad)),
+                starts: |_| 9,
+                logarithmic: false,
+                same_as: None,
+            },
+        ],
+        nested: &[],
+        per_capture: false,
+    }),
+};
+
+fn columns_at(values: &[f64], motion: &Motion, row: &mut [f64]) {
+    row[0] = (motion.angle_rad - values[0]).min(0.0);
+    row[1] = (motion.angle_rad - values[1]).max(0.0);
+    row[2] = if row[0] < 0.0 || row[1] > 0.0 { motion.velocity_rad_s } else { 0.0 };
+}

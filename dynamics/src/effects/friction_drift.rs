@@ -1,0 +1,45 @@
+//! Friction that changes with time.
+
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Search};
+
+/// `friction-drift`: all friction times 1 + d·exp(−t/T), as when grease warms.
+pub static KIND: EffectKind = EffectKind {
+    name: "friction-drift",
+    description: "friction changes with the time since the start of the capture and settles",
+    source: "first-order warming of a lubricant",
+    parameters: &[
+        ParameterKind {
+            name: "drift_excess",
+            unit: "1",
+            symbol: "d",
+            description: "relative excess of friction at the start",
+            minimum: Minimum::None,
+        },
+        ParameterKind {
+            name: "drift_time",
+            unit: "s",
+            symbol: "T",
+            description: "time constant of settling",
+            minimum: Minimum::AboveZero,
+        },
+    ],
+    part: Part::FrictionFactor(|values, motion| values[0] * (-motion.time_s / values[1]).exp()),
+    regressors: Some(Regressors {
+        columns: 1,
+        searched: &[1],
+        fill: |values, motion, row| row[0] = (-motion.time_s / values[1]).exp(),
+        values: |coefficients, values| values[0] = coefficients[0],
+        nonnegative: &[],
+    }),
+    hypothesis: Some(Hypothesis {
+        searched: &[Search {
+            parameter: 1,
+            range: |scene| Some((0.05 * scene.duration_s, 5.0 * scene.duration_s)),
+            starts: |_| 6,
+            logarithmic: true,
+            same_as: None,
+        }],
+        nested: &[],
+        per_capture: false,
+    }),
+};

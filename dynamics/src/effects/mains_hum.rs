@@ -1,0 +1,62 @@
+//! Mains hum on the torque sensor.
+
+use std::f64::consts::TAU;
+
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Search};
+
+/// `mains-hum`: the reading is the torque plus U·sin(2πft + υ), f near 50 or 60 Hz.
+pub static KIND: EffectKind = EffectKind {
+    name: "mains-hum",
+    description: "a 50 or 60 Hz sinusoid on the torque sensor",
+    source: "pick-up from the mains; frequencies of the European and American grids",
+    parameters: &[
+        ParameterKind {
+            name: "hum_torque",
+            unit: "mNm",
+            symbol: "U",
+            description: "amplitude of the reading",
+            minimum: Minimum::None,
+        },
+        ParameterKind {
+            name: "hum_frequency",
+            unit: "Hz",
+            symbol: "f",
+            description: "frequency",
+            minimum: Minimum::AboveZero,
+        },
+        ParameterKind {
+            name: "hum_phase",
+            unit: "rad",
+            symbol: "υ",
+            description: "phase at the start of the capture",
+            minimum: Minimum::None,
+        },
+    ],
+    part: Part::Reading(|values, motion| values[0] * (TAU * values[1] * motion.time_s + values[2]).sin()),
+    regressors: Some(Regressors {
+        columns: 2,
+        searched: &[1],
+        fill: |values, motion, row| (row[0], row[1]) = (TAU * values[1] * motion.time_s).sin_cos(),
+        values: |coefficients, values| {
+            values[0] = coefficients[0].hypot(coefficients[1]);
+            values[2] = coefficients[1].atan2(coefficients[0]);
+        },
+        nonnegative: &[],
+    }),
+    hypothesis: Some(Hypothesis {
+        searched: &[Search {
+            parameter: 1,
+            range: |scene| (scene.band_hz > 70.0).then_some((49.0, 61.0)),
+            // Three values to the width of a peak.
+            starts: |scene| {
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of starts")]
+                let starts = (36.0 * scene.duration_s).ceil().clamp(1.0, 4000.0) as usize;
+                starts
+            },
+            logarithmic: false,
+            same_as: None,
+        }],
+        nested: &[],
+        per_capture: true,
+    }),
+};

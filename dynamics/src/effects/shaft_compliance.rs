@@ -1,0 +1,59 @@
+//! A shaft that twists between sensor and knob.
+
+use std::f64::consts::TAU;
+
+use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Search};
+
+/// `shaft-compliance`: the knob turns on a torsional spring and damper; see [`crate::Coupling`].
+pub static KIND: EffectKind = EffectKind {
+    name: "shaft-compliance",
+    description: "a torsional spring between the sensor and the knob, which therefore resonates",
+    source: "two inertias on a shaft",
+    parameters: &[
+        ParameterKind {
+            name: "shaft_stiffness",
+            unit: "mNm/rad",
+            symbol: "K",
+            description: "torque per twist",
+            minimum: Minimum::AboveZero,
+        },
+        ParameterKind {
+            name: "shaft_damping",
+            unit: "mNm s/rad",
+            symbol: "D",
+            description: "torque per rate of twist",
+            minimum: Minimum::Zero,
+        },
+    ],
+    part: Part::Coupling(|values| Coupling {
+        half_gap_rad: 0.0,
+        inner_share: 1.0,
+        stiffness_mnm_rad: values[0],
+        damping: values[1],
+    }),
+    regressors: None,
+    hypothesis: Some(Hypothesis {
+        searched: &[
+            Search {
+                parameter: 0,
+                range: |scene| {
+                    // A resonance between the lowest that shows and the highest that the samples resolve.
+                    let squared = |hertz: f64| (TAU * hertz).powi(2) * scene.inertia;
+                    (scene.inertia > 0.0).then(|| (squared(5.0), squared(0.2 / scene.sample_s)))
+                },
+                starts: |_| 8,
+                logarithmic: true,
+                same_as: None,
+            },
+            Search {
+                parameter: 1,
+                range: |scene| Some((1e-3 * TAU * 20.0 * scene.inertia, TAU * 200.0 * scene.inertia)),
+                starts: |_| 1,
+                logarithmic: true,
+                same_as: None,
+            },
+        ],
+        nested: &[],
+        per_capture: false,
+    }),
+};

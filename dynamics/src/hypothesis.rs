@@ -1,0 +1,81 @@
+//! How to look for an effect in a capture whose model lacks it.
+
+/// What is known of a capture and its knob before an effect is looked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Smallest angle of the capture, rad.
+    pub lowest_rad: f64,
+    /// Largest angle, rad.
+    pub highest_rad: f64,
+    /// Speed that half of the sliding samples exceed, rad/s.
+    pub median_speed_rad_s: f64,
+    /// Highest speed, rad/s.
+    pub highest_speed_rad_s: f64,
+    /// Length of the longest capture, s.
+    pub duration_s: f64,
+    /// Upper edge of the band in which torque is compared, Hz.
+    pub band_hz: f64,
+    /// Time between samples, s.
+    pub sample_s: f64,
+    /// Smallest change of angle that the encoder tells, rad.
+    pub angle_step_rad: f64,
+    /// Moment of inertia of the model so far, mNm·s²/rad.
+    pub inertia: f64,
+    /// RMS of the measured torque, mNm.
+    pub torque_rms_mnm: f64,
+    /// Period P of the detents, rad, if there are any.
+    pub detent_period_rad: Option<f64>,
+    /// Largest torque of the detents, mNm.
+    pub detent_amplitude_mnm: f64,
+}
+
+impl Scene {
+    /// Angle between the two ends of the motion, rad.
+    #[must_use]
+    pub fn travel_rad(&self) -> f64 {
+        self.highest_rad - self.lowest_rad
+    }
+}
+
+/// The search for one effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Hypothesis {
+    /// The parameters that must be searched, since the torque is no linear function of them.
+    pub searched: &'static [Search],
+    /// Numbers of leading columns that make a smaller version of the effect, rising; empty if it comes as a whole.
+    pub nested: &'static [usize],
+    /// Whether the coefficients belong to the capture and not to the knob, like the phase of mains hum.
+    pub per_capture: bool,
+}
+
+/// The search for one parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct Search {
+    /// Index of the parameter among the effect's.
+    pub parameter: usize,
+    /// Least and largest value that this capture could show; `None` if it can show none.
+    pub range: fn(&Scene) -> Option<(f64, f64)>,
+    /// Number of values tried over the range before the best are refined.
+    pub starts: fn(&Scene) -> usize,
+    /// Whether values are tried in equal ratios rather than at equal distances.
+    pub logarithmic: bool,
+    /// The parameter of another effect that this one is always equal to.
+    pub same_as: Option<&'static str>,
+}
+
+impl Search {
+    /// The values to try, in rising order; none if the capture cannot show the parameter.
+    #[must_use]
+    pub fn values(&self, scene: &Scene) -> Vec<f64> {
+        let Some((least, largest)) = (self.range)(scene).filter(|(least, largest)| least < largest) else {
+            return Vec::new();
+        };
+        let count = (self.starts)(scene).max(1);
+        #[allow(clippy::cast_precision_loss, reason = "a number of starts")]
+        let share = |index: usize| (index as f64 + 0.5) / count as f64;
+        let at = |share: f64| {
+            if self.logarithmic { least * (largest / least).powf(share) } else { least + (largest - least) * share }
+        };
+        (0..count).map(|index| at(share(index))).collect()
+    }
+}

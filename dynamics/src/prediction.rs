@@ -1,0 +1,96 @@
+//! What the torque sensor reads while the knob goes through a known motion.
+
+use crate::{Bristles, Coupling, Direction, Effect, InnerBody, Model, Motion, Part};
+
+impl Model {
+    /// What the torque sensor reads at every motion, mNm: all effects together, those with a memory too.
+    ///
+    /// The motions follow each other in time, the first at rest. The reading's delay is not applied: these are the
+    /// readings of [`Model::reading_delay_s`] later. While friction without bristles holds the knob at rest, its torque
+    /// is left out, as in [`Model::torque_mnm`].
+    #[must_use]
+    pub fn readings_mnm(&self, motions: &[Motion]) -> Vec<f64> {
+        let mut torque_mnm = match (self.coupling(), self.bristles()) {
+            (Some(coupling), _) => self.coupled_mnm(coupling, motions),
+            (None, Some(bristles)) => self.bristled_mnm(bristles, motions),
+            (None, None) => motions.iter().map(|motion| self.torque_mnm(motion)).collect(),
+        };
+        for effect in &self.effects {
+            if let Part::Reading(reading) = effect.kind().part {
+                torque_mnm.iter_mut().zip(motions).for_each(|(sum, motion)| *sum += reading(effect.values(), motion));
+            }
+        }
+        torque_mnm
+    }
+
+    /// Time by which the torque reading is late, s.
+    #[must_use]
+    pub fn reading_delay_s(&self) -> f64 {
+        let late = |effect: &Effect| match effect.kind().part {
+            Part::ReadingDelay(delay) => delay(effect.values()),
+            _ => 0.0,
+        };
+        self.effects.iter().map(late).sum()
+    }
+
+    /// What joins the cap to the inner body, if the knob has two.
+    #[must_use]
+    pub fn coupling(&self) -> Option<Coupling> {
+        self.effects.iter().find_map(|effect| match effect.kind().part {
+            Part::Coupling(coupling) => Some(coupling(effect.values())),
+            _ => None,
+        })
+    }
+
+    /// How friction builds up, if not at once.
+    #[must_use]
+    pub fn bristles(&self) -> Option<Bristles> {
+        self.effects.iter().find_map(|effect| match effect.kind().part {
+            Part::Bristles(bristles) => Some(bristles(effect.values())),
+            _ => None,
+        })
+    }
+
+    fn coupled_mnm(&self, coupling: Coupling, motions: &[Motion]) -> Vec<f64> {
+        let Some(first) = motions.first() else { return Vec::new() };
+        let outer_inertia = (1.0 - coupling.inner_share) * self.inertia();
+        let mut body = InnerBody::at_rest(self, coupling, first.angle_rad);
+        let mut before = *first;
+        motions
+            .iter()
+            .map(|now| {
+                if now.time_s > before.time_s {
+                    body.advance(&before, now);
+                }
+                before = *now;
+                body.torque_mnm(now) + outer_inertia * now.acceleration_rad_s2
+            })
+            .collect()
+    }
+
+    fn bristled_mnm(&self, bristles: Bristles, motions: &[Motion]) -> Vec<f64> {
+        let mut bent = 0.0;
+        let mut angle_rad = motions.first().map_or(0.0, |motion| motion.angle_rad);
+        motions
+            .iter()
+            .map(|motion| {
+                bent = bristles.bent(bent, motion.angle_rad - angle_rad);
+                angle_rad = motion.angle_rad;
+                let bending_mnm = bristles.damping * Bristles::bending_rad_s(bent, motion.velocity_rad_s);
+                self.inertia() * motion.acceleration_rad_s2
+                    + self.free_torque_mnm(motion)
+                    + self.bent_friction_mnm(motion, bent)
+                    + bending_mnm
+            })
+            .collect()
+    }
+
+    /// Friction whose Coulomb part acts as far as its bristles are bent, mNm.
+    #[must_use]
+    pub fn bent_friction_mnm(&self, motion: &Motion, bent: f64) -> f64 {
+        let still = Motion { velocity_rad_s: 0.0, ..*motion };
+        let direction = Direction::of(motion.velocity_rad_s);
+        bent.abs() * self.friction_mnm(&still, Direction::of(bent)) + self.friction_mnm(motion, direction)
+            - self.friction_mnm(&still, direction)
+    }
+}

@@ -1,0 +1,252 @@
+//! A capture made ready: motion, torque, the rows in which they are compared, and the noise that is left in these.
+
+use dynamics::{Calibration, Motion, Scene};
+
+use super::structure::Structure;
+use crate::frame::Frame;
+use crate::motion::{Band, KnobMotion, gradient, rms};
+use crate::options::AccelerationUse;
+use crate::samples::{FitError, Samples, span};
+use crate::sensor_noise::SensorNoise;
+use crate::spectrum::quantile;
+use crate::uniform::Uniform;
+
+/// Upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
+const EDGE_HZ: f64 = 200.0;
+/// The edge is at most this share of the sample rate.
+const WIDEST: f64 = 0.1;
+/// Shortest rest that tells the noise, s.
+const REST_S: f64 = 0.08;
+/// Fewest rows at rest from which the noise in the band is believed.
+const REST_ROWS: usize = 40;
+
+/// Length of the stretches into which one capture is parted if it is to be its own held-out one, s.
+const STRETCH_S: f64 = 0.5;
+
+/// Which stretches of a capture take part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stretches {
+    /// All.
+    All,
+    /// Every other one, beginning with the second.
+    Odd,
+    /// Every other one, beginning with the first.
+    Even,
+}
+
+impl Stretches {
+    fn weight(self, stretch: usize) -> f64 {
+        let kept = match self {
+            Self::All => true,
+            Self::Odd => stretch % 2 == 1,
+            Self::Even => stretch % 2 == 0,
+        };
+        f64::from(u8::from(kept))
+    }
+}
+
+/// A capture ready for diagnosis.
+pub(crate) struct Capture {
+    pub(crate) rate_hz: f64,
+    pub(crate) band: Band,
+    pub(crate) motion: KnobMotion,
+    motions: Vec<Motion>,
+    pub(crate) frame: Frame,
+    /// Torque filtered as the motion is, mNm, and its first two derivatives by time.
+    torque: [Vec<f64>; 3],
+    /// RMS in the rows of the torque channel's noise, mNm.
+    torque_noise_mnm: f64,
+    /// RMS in the rows of the acceleration's noise, rad/s².
+    acceleration_noise_rad_s2: f64,
+    /// What the rows amount to in fully weighted ones.
+    pub(crate) weight: f64,
+    angle_step_rad: f64,
+    scene: Scene,
+}
+
+impl Capture {
+    /// Prepares samples that are to be compared in a band no wider than `edge_hz`.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
+    pub(crate) fn of(
+        samples: &Samples<'_>,
+        calibration: Option<&Calibration>,
+        edge_hz: f64,
+        stretches: Stretches,
+    ) -> Result<Self, FitError> {
+        samples.check()?;
+        let uniform = Uniform::of(samples, calibration);
+        let rate_hz = uniform.rate_hz;
+        let exact = KnobMotion::exact(&uniform, calibration);
+        let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz), ..Band::of(&uniform, exact.is_some(), calibration) };
+        let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
+        let mut frame = Frame::new(&uniform, &motion, &band);
+        let length = (STRETCH_S * rate_hz) as usize;
+        frame.mask.iter_mut().enumerate().for_each(|(index, mask)| *mask *= stretches.weight(index / length.max(1)));
+        let sliding = frame.sliding();
+        if sliding < crate::FEWEST_SAMPLES / 2 {
+            return Err(FitError::HardlyMoving { threshold_rad_s: frame.threshold_rad_s, samples: sliding });
+        }
+        let torque = motion.alike(&uniform.torque_mnm, rate_hz);
+        let rate = gradient(&torque, rate_hz);
+        let curvature = gradient(&rate, rate_hz);
+        let passed = frame.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
+        let white_mnm = (uniform.torque_density * 0.5 * rate_hz * passed).sqrt();
+        let resting_mnm = noise_at_rest(&uniform, &motion, &frame, &torque);
+        #[allow(clippy::cast_precision_loss, reason = "a decimation")]
+        let weight = frame.mask.iter().map(|mask| mask * mask).sum::<f64>() / frame.step as f64;
+        let noise = SensorNoise::of(&frame, &motion, &band);
+        let mut capture = Self {
+            rate_hz,
+            torque_noise_mnm: resting_mnm.map_or(white_mnm, |resting| resting.max(white_mnm)),
+            acceleration_noise_rad_s2: (noise.acceleration_squares / weight).sqrt(),
+            weight,
+            angle_step_rad: smallest_step(samples.angle_rad),
+            band,
+            motions: (0..motion.len()).map(|index| motion.at(index)).collect(),
+            motion,
+            frame,
+            torque: [torque, rate, curvature],
+            scene: Scene::default(),
+        };
+        capture.scene = capture.measured_scene();
+        Ok(capture)
+    }
+
+    /// The edge up to which a capture of this rate is compared, Hz.
+    pub(crate) fn widest_edge_hz() -> f64 {
+        EDGE_HZ
+    }
+
+    /// RMS of the residual that noise alone leaves beside a knob of this inertia, mNm.
+    pub(crate) fn floor_mnm(&self, inertia: f64) -> f64 {
+        self.torque_noise_mnm.hypot(inertia * self.acceleration_noise_rad_s2)
+    }
+
+    /// The motion at every sample.
+    pub(crate) fn motions(&self) -> &[Motion] {
+        &self.motions
+    }
+
+    /// Rows of the torque as it would have been read `delay_s` earlier.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
+        reason = "a delay of some samples"
+    )]
+    pub(crate) fn target(&self, delay_s: f64) -> Vec<f64> {
+        let whole = (delay_s * self.rate_hz).round();
+        let rest_s = delay_s - whole / self.rate_hz;
+        let last = self.motion.len() as isize - 1;
+        let shifted: Vec<f64> = (0..=last)
+            .map(|index| {
+                let at = (index + whole as isize).clamp(0, last) as usize;
+                let [torque, rate, curvature] = &self.torque;
+                torque[at] + rest_s * (rate[at] + 0.5 * rest_s * curvature[at])
+            })
+            .collect();
+        self.frame.rows(&shifted)
+    }
+
+    /// Time of every row, s, with the motion there and the weight of the mask.
+    pub(crate) fn row_motions(&self) -> Vec<(Motion, f64)> {
+        (0..self.motion.len())
+            .step_by(self.frame.step)
+            .map(|index| (self.motion.at(index), self.frame.mask[index]))
+            .collect()
+    }
+
+    /// What is known of capture and knob before an effect is looked for.
+    pub(crate) fn scene_of(&self, structure: &Structure) -> Scene {
+        Scene {
+            inertia: structure.inertia(),
+            detent_period_rad: structure.parameter("detent_period"),
+            detent_amplitude_mnm: structure.parameter("detent_amplitude").unwrap_or(0.0),
+            ..self.scene
+        }
+    }
+
+    /// What is known of the capture alone.
+    fn measured_scene(&self) -> Scene {
+        let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.frame.mask[*index] > 0.0).collect();
+        let angles: Vec<f64> = sliding.iter().map(|index| self.motion.angle_rad[*index]).collect();
+        let mut speeds: Vec<f64> = sliding.iter().map(|index| self.motion.velocity_rad_s[*index].abs()).collect();
+        let lowest_rad = angles.iter().copied().fold(f64::INFINITY, f64::min);
+        Scene {
+            lowest_rad,
+            highest_rad: lowest_rad + span(&angles),
+            highest_speed_rad_s: speeds.iter().copied().fold(0.0, f64::max),
+            median_speed_rad_s: quantile(&mut speeds, 0.5),
+            duration_s: self.motion.time_s.last().copied().unwrap_or(0.0) - self.motion.time_s[0],
+            band_hz: self.band.edge_hz,
+            sample_s: 1.0 / self.rate_hz,
+            angle_step_rad: self.angle_step_rad,
+            torque_rms_mnm: rms(&self.torque[0]),
+            ..Scene::default()
+        }
+    }
+}
+
+/// RMS in the rows of the torque while the knob rests, slow changes apart; `None` if it hardly ever does.
+///
+/// A sensor's noise need not be white: what its upper end says of the band below may be wrong, a rest is not.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "numbers of samples"
+)]
+fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_mnm: &[f64]) -> Option<f64> {
+    let shortest = (REST_S * uniform.rate_hz) as usize + 2 * frame.fir.half_length();
+    let resting = |index: usize| motion.velocity_rad_s[index].abs() <= frame.threshold_rad_s && uniform.present[index];
+    let (mut squares, mut count, mut freedom) = (0.0, 0, 0.0);
+    let mut start = 0;
+    for end in 0..=motion.len() {
+        if end < motion.len() && resting(end) {
+            continue;
+        }
+        let settled = start + motion.reach..end.saturating_sub(motion.reach);
+        start = end + 1;
+        if settled.len() < shortest {
+            continue;
+        }
+        let rows = frame.fir.decimate(&torque_mnm[settled.clone()], frame.step);
+        let margin = frame.fir.half_length().div_ceil(frame.step);
+        let inner = rows.get(margin..rows.len().saturating_sub(margin)).unwrap_or(&[]);
+        // What holds the knob changes slowly.
+        let mut left = inner.to_vec();
+        remove_parabola(&mut left);
+        squares += left.iter().map(|value| value * value).sum::<f64>();
+        count += left.len();
+        freedom += (left.len() as f64 - 3.0).max(0.0);
+    }
+    (count >= REST_ROWS).then(|| (squares / freedom).sqrt())
+}
+
+/// Takes the best parabola off evenly spaced values.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+fn remove_parabola(values: &mut [f64]) {
+    let half = 0.5 * (values.len() as f64 - 1.0).max(1.0);
+    let at = |index: usize| (index as f64 - half) / half;
+    let count = values.len() as f64;
+    let mean_square = (0..values.len()).map(|index| at(index).powi(2)).sum::<f64>() / count;
+    // Three orthogonal polynomials over the values.
+    let basis: [&dyn Fn(f64) -> f64; 3] = [&|_| 1.0, &|x| x, &|x| x * x - mean_square];
+    for polynomial in basis {
+        let (mut product, mut square) = (0.0, 0.0);
+        for (index, value) in values.iter().enumerate() {
+            let p = polynomial(at(index));
+            product += p * value;
+            square += p * p;
+        }
+        let coefficient = if square > 0.0 { product / square } else { 0.0 };
+        values.iter_mut().enumerate().for_each(|(index, value)| *value -= coefficient * polynomial(at(index)));
+    }
+}
+
+/// Smallest step between different neighbouring angles, rad.
+fn smallest_step(angle_rad: &[f64]) -> f64 {
+    let steps = angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0);
+    steps.fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,205 @@
+//! What a diagnosis tells.
+
+use std::collections::BTreeMap;
+
+use dynamics::Model;
+
+use super::locate::Location;
+
+/// What is missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Nothing: the model leaves what the sensors' noise leaves.
+    None,
+    /// The effects named.
+    Effects,
+    /// Something that no known effect explains.
+    OutsideLibrary,
+}
+
+/// Where model and captures disagree, what is missing, and what adding it does.
+///
+/// Serialises to the JSON of `diagnose --json`. RMS values are those of the rows: torque and model, masked where the
+/// knob may stick and low-passed to [`Diagnosis::band_hz`], in mNm.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Diagnosis {
+    /// What is missing.
+    pub verdict: Verdict,
+    /// The effects named, strongest first; empty unless the verdict is [`Verdict::Effects`].
+    pub effects: Vec<&'static str>,
+    /// In one sentence.
+    pub summary: String,
+    /// RMS of what the model without further effects leaves of the training capture, mNm.
+    pub train_rms_before: f64,
+    /// RMS of what the final model leaves of it, mNm.
+    pub train_rms_after: f64,
+    /// RMS of what the model without further effects leaves of the held-out capture, mNm.
+    pub heldout_rms_before: f64,
+    /// RMS of what the final model leaves of it, mNm.
+    pub heldout_rms_after: f64,
+    /// RMS that the sensors' noise leaves of the held-out capture beside a complete model, mNm.
+    pub noise_floor_rms: f64,
+    /// 100 · ‖measured − model‖ / ‖measured‖ on the held-out capture, before and after.
+    pub heldout_relative_error_percent: [f64; 2],
+    /// What was added, in this order.
+    pub steps: Vec<Step>,
+    /// Effects that explain part of what is outside the catalogue; not names of what is missing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub partial: Vec<Partial>,
+    /// Where the model without further effects and the training capture disagree.
+    #[serde(rename = "where")]
+    pub locations: Vec<Location>,
+    /// Where the final model and the training capture still disagree.
+    pub where_after: Vec<Location>,
+    /// What to capture next to tell rivals apart.
+    pub next_experiment: Option<NextExperiment>,
+    /// Whether the held-out samples are stretches of the training capture, which is weaker evidence.
+    pub heldout_is_own: bool,
+    /// Upper edge of the comparison, Hz.
+    pub band_hz: f64,
+    /// What a reader of the numbers should know.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+    /// The model with all that was added.
+    #[serde(skip)]
+    pub model: Model,
+    /// Rows of both captures for plots.
+    #[serde(skip)]
+    pub rows: [Vec<Row>; 2],
+}
+
+/// An effect that was added.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Step {
+    /// Standard name.
+    pub effect: &'static str,
+    /// Its parameters in the final model.
+    pub parameters: BTreeMap<&'static str, Value>,
+    /// RMS on the training capture before and after, mNm.
+    pub train_rms_before: f64,
+    /// See [`Step::train_rms_before`].
+    pub train_rms_after: f64,
+    /// RMS on the held-out capture before, mNm.
+    pub heldout_rms_before: f64,
+    /// And after, mNm.
+    pub heldout_rms_after: f64,
+    /// Gain in log-likelihood of both captures less the cost of the effect's freedom, nats.
+    pub evidence: f64,
+    /// Standard errors by which stretch after stretch of both captures is explained better.
+    pub steadiness: f64,
+    /// RMS on the held-out capture with a placebo of as many parameters: the effect's own columns at the wrong time, mNm.
+    pub placebo_rms: f64,
+    /// Other effects in its place, best first.
+    pub rivals: Vec<Rival>,
+    /// Those among them that the captures cannot tell from it.
+    pub ties: Vec<&'static str>,
+}
+
+/// A parameter of an effect that was added.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Value {
+    /// Best value.
+    pub value: f64,
+    /// Unit.
+    pub unit: &'static str,
+    /// 95 % interval for correlated residuals, from the training capture; none where the data do not bound it.
+    pub ci95: Option<[f64; 2]>,
+}
+
+/// Another effect in the place of the one that was added.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Rival {
+    /// Standard name.
+    pub effect: &'static str,
+    /// RMS that it leaves on the held-out capture, mNm.
+    pub heldout_rms_after: f64,
+    /// Gain in evidence, nats.
+    pub evidence: f64,
+    /// Probability beside all others, prior odds being even.
+    pub probability: f64,
+    /// Why it cannot be the one, if so: a parameter on its bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub disqualified: Option<String>,
+}
+
+/// An effect that explains part of what remains.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Partial {
+    /// Standard name.
+    pub effect: &'static str,
+    /// Share of the held-out gap's mean square that it takes away, %.
+    pub explains_percent: f64,
+}
+
+/// A capture on which rivals differ most.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct NextExperiment {
+    /// Name of the excitation, as `capture --sweep` takes it.
+    pub excitation: String,
+    /// Its amplitude, rad.
+    pub amplitude_rad: f64,
+    /// The rivals.
+    pub tells_apart: [String; 2],
+    /// RMS of the difference of their torques, mNm.
+    pub difference_rms_mnm: f64,
+    /// The same in noise floors.
+    pub difference_over_noise: f64,
+    /// In one sentence.
+    pub reason: String,
+}
+
+/// One row of a comparison, for plots.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Row {
+    /// Time, s.
+    pub t_s: f64,
+    /// Angle, rad.
+    pub angle_rad: f64,
+    /// Velocity, rad/s.
+    pub velocity_rad_s: f64,
+    /// Measured torque, mNm.
+    pub torque_mnm: f64,
+    /// Measured minus the first model's torque, mNm.
+    pub residual_before_mnm: f64,
+    /// Measured minus the final model's torque, mNm.
+    pub residual_after_mnm: f64,
+}
+
+impl Diagnosis {
+    /// The verdict as a person would say it.
+    pub(crate) fn in_one_sentence(&self) -> String {
+        let over_floor = self.heldout_rms_after / self.noise_floor_rms;
+        match self.verdict {
+            Verdict::None => format!(
+                "Nothing is missing: on held-out data the model leaves {:.3} mNm, {over_floor:.2} times the noise.",
+                self.heldout_rms_after
+            ),
+            Verdict::Effects => {
+                let ties: Vec<&str> = self.steps.iter().flat_map(|step| step.ties.iter().copied()).collect();
+                let tie = if ties.is_empty() { String::new() } else { format!(" (or {}: a tie)", ties.join(", ")) };
+                format!(
+                    "Missing: {}{tie}. On held-out data the gap shrinks from {:.3} to {:.3} mNm, {over_floor:.2} times the \
+                     noise.",
+                    self.effects.join(", "),
+                    self.heldout_rms_before,
+                    self.heldout_rms_after
+                )
+            }
+            Verdict::OutsideLibrary => {
+                let strongest = self.where_after.iter().find(|location| location.significant);
+                let shape = strongest.map_or_else(String::new, |location| {
+                    format!(
+                        "; it goes with {} ({:.0} % of what is left)",
+                        location.coordinate, location.explained_percent
+                    )
+                });
+                format!(
+                    "Something is missing that no known effect explains: {:.3} mNm are left on held-out data, \
+                     {over_floor:.1} times the noise{shape}.",
+                    self.heldout_rms_after
+                )
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The capture that would tell rivals apart.
+
+use dynamics::{Drive, Excitation, Motion, excitation};
+
+use super::capture::Capture;
+use super::diagnosis::NextExperiment;
+use super::structure::Structure;
+
+/// Amplitudes tried, as shares of the capture's own.
+const AMPLITUDES: [f64; 4] = [1.0, 0.3, 0.1, 0.02];
+/// Length of the capture to come, s, and samples per second at which rivals are compared.
+const DURATION_S: f64 = 8.0;
+const RATE_HZ: f64 = 2000.0;
+
+/// The excitation on which two fitted structures differ most.
+pub(crate) fn next(names: [&str; 2], rivals: [&Structure; 2], capture: &Capture) -> Option<NextExperiment> {
+    let scene = capture.scene_of(rivals[0]);
+    let reach_rad = 0.5 * scene.travel_rad();
+    let floor_mnm = capture.floor_mnm(rivals[0].inertia());
+    let mut best: Option<NextExperiment> = None;
+    for name in excitation::NAMES.iter().filter(|name| !matches!(**name, "hold" | "torque-ramp")) {
+        let Ok(usual) = Excitation::named(name, Drive::Position) else { continue };
+        for share in AMPLITUDES {
+            let Ok(sweep) = usual.with_amplitude(share * reach_rad.min(usual.amplitude)) else { continue };
+            let motions = motions(&sweep, scene.highest_speed_rad_s);
+            let Some(motions) = motions else { continue };
+            let torques = rivals.map(|rival| rival.model().readings_mnm(&motions));
+            let mut squares = 0.0;
+            for (index, motion) in motions.iter().enumerate() {
+                let difference = torques[0][index] - torques[1][index];
+                // A delay shows as the torque's change over it.
+                let delays = [rivals[0].delay_s(), rivals[1].delay_s()];
+                let rate = |torque: &[f64]| (torque[index] - torque[index.saturating_sub(1)]) * RATE_HZ;
+                let late = delays[1] * rate(&torques[1]) - delays[0] * rate(&torques[0]);
+                if motion.velocity_rad_s != 0.0 {
+                    squares += (difference + late).powi(2);
+                }
+            }
+            #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+            let difference_rms_mnm = (squares / motions.len() as f64).sqrt();
+            if difference_rms_mnm.is_finite()
+                && best.as_ref().is_none_or(|best| difference_rms_mnm > best.difference_rms_mnm)
+            {
+                best = Some(NextExperiment {
+                    excitation: (*name).to_owned(),
+                    amplitude_rad: sweep.amplitude,
+                    tells_apart: names.map(str::to_owned),
+                    difference_rms_mnm,
+                    difference_over_noise: difference_rms_mnm / floor_mnm,
+                    reason: format!(
+                        "capture with --sweep {name} --amplitude {:.3}: there {} and {} differ by {:.2} mNm RMS, {:.0} \
+                         times the noise",
+                        sweep.amplitude,
+                        names[0],
+                        names[1],
+                        difference_rms_mnm,
+                        difference_rms_mnm / floor_mnm
+                    ),
+                });
+            }
+        }
+    }
+    best
+}
+
+/// The motion of an excitation; `None` if it is much faster than the knob was ever turned.
+fn motions(sweep: &Excitation, highest_speed_rad_s: f64) -> Option<Vec<Motion>> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
+    let samples = (DURATION_S * RATE_HZ) as u32;
+    let motions: Vec<Motion> = (0..samples)
+        .map(|index| {
+            let time_s = f64::from(index) / RATE_HZ;
+            let set = sweep.at(time_s);
+            Motion { time_s, angle_rad: set.value, velocity_rad_s: set.rate, acceleration_rad_s2: set.acceleration }
+        })
+        .collect();
+    let fastest = motions.iter().map(|motion| motion.velocity_rad_s.abs()).fold(0.0, f64::max);
+    (fastest <= 1.5 * highest_speed_rad_s).then_some(motions)
+}

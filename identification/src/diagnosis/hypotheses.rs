@@ -1,0 +1,235 @@
+//! Every effect of the catalogue that could be added to a structure, from its starts to its best fit.
+
+use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part, effects};
+
+use super::capture::Capture;
+use super::judged::Judged;
+use super::nonlinear::Nonlinear;
+use super::normal;
+use super::separable::Separable;
+use super::structure::Structure;
+use crate::least_squares::dot;
+
+/// Starts of a separable hypothesis that are refined.
+const REFINED: usize = 2;
+/// Gauss–Newton steps for each.
+const ROUNDS: usize = 6;
+/// Share of the band in which starts of a coupling are compared: there stiffness shows and ringing does not.
+const SLOW: f64 = 0.25;
+/// Index of the whole band among those that a fit of everything goes through.
+const FULL_BAND: usize = 2;
+/// Effects that are tried in full beside a coupling.
+const PROMISING: usize = 3;
+
+/// The effects that could be added to a structure.
+pub(crate) fn candidates(structure: &Structure) -> Vec<&'static EffectKind> {
+    let coupled = structure.is_coupled();
+    effects::ALL
+        .into_iter()
+        .filter(|kind| {
+            kind.hypothesis.is_some()
+                && structure.position(kind.name).is_none()
+                && !(coupled && matches!(kind.part, Part::Coupling(_) | Part::Bristles(_)))
+        })
+        .collect()
+}
+
+/// The best fit of a structure without coupling and an effect of `kind` more; `None` if this capture could not show it.
+pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, heldout: &Capture) -> Option<Judged> {
+    let train = base.capture;
+    let hypothesis = kind.hypothesis?;
+    let grid = grid(&hypothesis, &train.scene_of(&base.structure))?;
+    let mut starts: Vec<(f64, Effect)> = Vec::new();
+    let width = hypothesis.nested.last().copied().or(kind.regressors.map(|r| r.columns)).unwrap_or(0);
+    let coarse = (grid.len() > 1 && pointwise(kind)).then(|| Coarse::of(base));
+    for point in grid {
+        let effect = effect_at(kind, &hypothesis, &point);
+        let gain = match &coarse {
+            Some(coarse) => coarse.gain(&effect),
+            None => base.squares() - Separable::new(base.structure.with(effect, width), train).squares(),
+        };
+        starts.push((gain, effect));
+    }
+    starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    starts.truncate(REFINED);
+    let refined = starts.into_iter().map(|(_, effect)| {
+        let mut fit = Separable::new(base.structure.with(effect, width), train);
+        fit.refine(ROUNDS);
+        fit
+    });
+    let best: Separable<'a> = refined.min_by(|a, b| a.squares().total_cmp(&b.squares()))?;
+    let effect = *best.structure.effects.last()?;
+    let smaller = hypothesis.nested.iter().filter(|columns| **columns < width).map(|columns| {
+        let mut fit = Separable::new(base.structure.with(effect, *columns), train);
+        fit.refine(2);
+        Judged::separable(&fit, heldout)
+    });
+    smaller.chain([Judged::separable(&best, heldout)]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+}
+
+/// The best fit of a structure and a coupling of `kind`.
+pub(crate) fn coupled(
+    kind: &'static EffectKind,
+    base: &Structure,
+    train: &Capture,
+    heldout: &Capture,
+) -> Option<Judged> {
+    let hypothesis = kind.hypothesis?;
+    let mut starts: Vec<(f64, Structure)> = grid(&hypothesis, &train.scene_of(base))?
+        .iter()
+        .map(|point| {
+            let structure = base.with(effect_at(kind, &hypothesis, point), 0);
+            (Nonlinear::new(structure.clone(), train).slow_squares(SLOW), structure)
+        })
+        .collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let refined = starts.into_iter().take(REFINED).map(|(_, structure)| {
+        let mut fit = Nonlinear::new(structure, train);
+        fit.refine(0);
+        fit
+    });
+    let best = refined.min_by(|a, b| a.squares().total_cmp(&b.squares()))?;
+    Some(Judged::nonlinear(&best, train, heldout))
+}
+
+/// Fits of a structure with a coupling and one of the `kinds` more: those that promise most beside the present values'
+/// own derivatives.
+pub(crate) fn beside_coupling(
+    kinds: &[&'static EffectKind],
+    base: &Structure,
+    train: &Capture,
+    heldout: &Capture,
+) -> Vec<Judged> {
+    let present = Nonlinear::new(base.clone(), train);
+    let tangents = present.tangents(1.0);
+    let coarse = Coarse::new(train, base, &tangents.iter().map(Vec::as_slice).collect::<Vec<_>>(), &present.residual);
+    let scene = train.scene_of(base);
+    let mut promising: Vec<(f64, Structure)> = Vec::new();
+    for kind in kinds {
+        let Some(hypothesis) = kind.hypothesis else { continue };
+        let starts = grid(&hypothesis, &scene).unwrap_or_default();
+        let best = starts
+            .iter()
+            .map(|point| {
+                let mut effect = effect_at(kind, &hypothesis, point);
+                (coarse.gain_into(&mut effect), effect)
+            })
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((gain, effect)) = best {
+            let width = hypothesis.nested.get(2).copied().or(kind.regressors.map(|r| r.columns)).unwrap_or(0);
+            promising.push((gain, base.with(effect, width)));
+        }
+    }
+    promising.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let fits = promising.into_iter().take(PROMISING).map(|(_, structure)| {
+        let mut fit = Nonlinear::new(structure, train);
+        fit.refine(FULL_BAND);
+        Judged::nonlinear(&fit, train, heldout)
+    });
+    fits.collect()
+}
+
+/// All combinations of the searched parameters' starts; `None` if the capture cannot show one of them.
+fn grid(hypothesis: &Hypothesis, scene: &dynamics::Scene) -> Option<Vec<Vec<f64>>> {
+    let mut grid: Vec<Vec<f64>> = vec![Vec::new()];
+    for search in hypothesis.searched {
+        let values = search.values(scene);
+        if values.is_empty() {
+            return None;
+        }
+        grid = grid
+            .into_iter()
+            .flat_map(|point| values.iter().map(move |value| point.iter().copied().chain([*value]).collect()))
+            .collect();
+    }
+    Some(grid)
+}
+
+fn effect_at(kind: &'static EffectKind, hypothesis: &Hypothesis, point: &[f64]) -> Effect {
+    let mut effect = Effect::new(kind, &[]);
+    for (search, value) in hypothesis.searched.iter().zip(point) {
+        effect.values_mut()[search.parameter] = *value;
+    }
+    effect
+}
+
+/// Whether the effect's columns at one moment depend on that moment alone.
+fn pointwise(kind: &EffectKind) -> bool {
+    matches!(
+        kind.part,
+        Part::Torque(_) | Part::Reading(_) | Part::Friction(_) | Part::CoulombFactor(_) | Part::FrictionFactor(_)
+    )
+}
+
+/// What a further effect would explain, judged at the rows' middles without filtering: enough to choose starts.
+struct Coarse {
+    motions: Vec<(Motion, f64)>,
+    /// Friction at the rows, for what modulates it, mNm.
+    friction: [Vec<f64>; 2],
+    /// Orthonormal columns of the present structure.
+    basis: Vec<Vec<f64>>,
+    residual: Vec<f64>,
+}
+
+impl Coarse {
+    fn of(current: &Separable<'_>) -> Self {
+        Self::new(current.capture, &current.structure, &current.columns(), &current.residual)
+    }
+
+    /// `columns` are the directions in which the present structure can move.
+    fn new(capture: &Capture, structure: &Structure, columns: &[&[f64]], residual: &[f64]) -> Self {
+        let thin = |coulomb_only| {
+            let full = structure.friction(capture, coulomb_only);
+            full.into_iter().step_by(capture.frame.step).collect()
+        };
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        for column in columns {
+            let mut left = column.to_vec();
+            let before = dot(&left, &left);
+            for known in &basis {
+                let share = dot(known, &left);
+                left.iter_mut().zip(known).for_each(|(slot, value)| *slot -= share * value);
+            }
+            let after = dot(&left, &left);
+            if after > 1e-8 * before {
+                left.iter_mut().for_each(|value| *value /= after.sqrt());
+                basis.push(left);
+            }
+        }
+        Self { motions: capture.row_motions(), friction: [thin(false), thin(true)], basis, residual: residual.to_vec() }
+    }
+
+    /// By how much the effect's columns would lower the sum of squares, mNm².
+    fn gain(&self, effect: &Effect) -> f64 {
+        self.gain_into(&mut effect.clone())
+    }
+
+    /// The same; writes the coefficients into the effect's values.
+    fn gain_into(&self, effect: &mut Effect) -> f64 {
+        let Some(regressors) = effect.kind().regressors else { return 0.0 };
+        let factor = match effect.kind().part {
+            Part::FrictionFactor(_) => Some(&self.friction[0]),
+            Part::CoulombFactor(_) => Some(&self.friction[1]),
+            _ => None,
+        };
+        let mut columns = vec![Vec::with_capacity(self.motions.len()); regressors.columns];
+        let mut row = [0.0; dynamics::MAX_PARAMETERS];
+        for (index, (motion, mask)) in self.motions.iter().enumerate() {
+            (regressors.fill)(effect.values(), motion, &mut row[..regressors.columns]);
+            let weight = mask * factor.map_or(1.0, |friction| friction[index]);
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(weight * value));
+        }
+        for column in &mut columns {
+            for known in &self.basis {
+                let share = dot(known, column);
+                column.iter_mut().zip(known).for_each(|(slot, value)| *slot -= share * value);
+            }
+        }
+        let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let nonnegative: Vec<bool> = (0..columns.len()).map(|c| regressors.nonnegative.contains(&c)).collect();
+        let coefficients = normal::solve(&slices, &self.residual, &nonnegative);
+        let left = normal::residual(&slices, &self.residual, &coefficients);
+        (regressors.values)(&coefficients, effect.values_mut());
+        dot(&self.residual, &self.residual) - dot(&left, &left)
+    }
+}

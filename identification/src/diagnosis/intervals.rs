@@ -1,0 +1,40 @@
+//! 95 % intervals of a structure's parameters, whatever its form.
+
+use std::collections::BTreeMap;
+
+use super::capture::Capture;
+use super::diagnosis::Value;
+use super::nonlinear::Nonlinear;
+use super::structure::Structure;
+use crate::least_squares::LeastSquares;
+
+/// Standard errors on either side of a value.
+const WIDTH: f64 = 1.96;
+
+/// Values with intervals of each effect of a structure that was fitted to a capture.
+///
+/// The torque's derivatives by all values are the columns of a linear problem in small changes; its covariance
+/// allows for correlated residuals.
+pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'static str, Value>> {
+    let fit = Nonlinear::new(structure.clone(), capture);
+    let tangents = fit.tangents(1.0);
+    let solved = LeastSquares::solve(&tangents, &fit.residual, &vec![false; tangents.len()]);
+    let (covariance, _) = solved.robust_covariance(&tangents);
+    let mut all = Vec::new();
+    for (index, effect) in structure.effects.iter().enumerate() {
+        let mut values = BTreeMap::new();
+        for (parameter, kind) in effect.kind().parameters.iter().enumerate() {
+            let value = effect.values()[parameter];
+            let column = fit.column_of(index, parameter);
+            let ci95 = column.filter(|column| !solved.collinear[*column]).and_then(|column| {
+                let half = WIDTH * covariance[(column, column)].sqrt();
+                fit.interval(column, value, half).filter(|[low, high]| low.is_finite() && high.is_finite())
+            });
+            if column.is_some() || value != 0.0 {
+                values.insert(kind.name, Value { value, unit: kind.unit, ci95 });
+            }
+        }
+        all.push(values);
+    }
+    all
+}

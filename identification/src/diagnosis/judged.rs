@@ -1,0 +1,103 @@
+//! How well a fitted structure explains the capture that it was fitted to and another one.
+
+use super::capture::Capture;
+use super::nonlinear::{self, Nonlinear};
+use super::normal;
+use super::separable::Separable;
+use super::structure::Structure;
+use crate::least_squares::dot;
+
+/// Stretches over which a comparison of two structures is repeated.
+const BLOCKS: usize = 24;
+
+/// A structure with what it leaves of both captures.
+#[derive(Clone, Debug)]
+pub(crate) struct Judged {
+    pub(crate) structure: Structure,
+    pub(crate) train_residual: Vec<f64>,
+    pub(crate) heldout_residual: Vec<f64>,
+    pub(crate) train_rms_mnm: f64,
+    pub(crate) heldout_rms_mnm: f64,
+    /// Log-likelihood of both captures less what the structure's freedom costs, nats.
+    pub(crate) evidence: f64,
+}
+
+impl Judged {
+    /// Judges a separable fit.
+    pub(crate) fn separable(fit: &Separable<'_>, heldout: &Capture) -> Self {
+        Self::of(fit.structure.clone(), fit.residual.clone(), fit.capture, heldout)
+    }
+
+    /// Judges a fit in which everything was searched.
+    pub(crate) fn nonlinear(fit: &Nonlinear<'_>, train: &Capture, heldout: &Capture) -> Self {
+        Self::of(fit.structure.clone(), fit.residual.clone(), train, heldout)
+    }
+
+    fn of(structure: Structure, train_residual: Vec<f64>, train: &Capture, heldout: &Capture) -> Self {
+        let heldout_residual = residual_elsewhere(&structure, heldout);
+        let rms = |residual: &[f64], capture: &Capture| (dot(residual, residual) / capture.weight).sqrt();
+        let train_rms_mnm = rms(&train_residual, train);
+        let heldout_rms_mnm = rms(&heldout_residual, heldout);
+        let likelihood = -train.weight * train_rms_mnm.max(f64::MIN_POSITIVE).ln()
+            - heldout.weight * heldout_rms_mnm.max(f64::MIN_POSITIVE).ln();
+        #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
+        let cost = 0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln();
+        Self {
+            structure,
+            train_residual,
+            heldout_residual,
+            train_rms_mnm,
+            heldout_rms_mnm,
+            evidence: likelihood - cost,
+        }
+    }
+
+    /// By how many standard errors this explains stretch after stretch of both captures better than `other`.
+    pub(crate) fn steadily_better_than(&self, other: &Self) -> f64 {
+        let mut gains = stretches(&other.train_residual, &self.train_residual);
+        gains.extend(stretches(&other.heldout_residual, &self.heldout_residual));
+        standardised(&gains)
+    }
+}
+
+fn standardised(gains: &[f64]) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
+    mean / variance.sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// By how much the logarithm of the mean square falls in each stretch.
+fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
+    let length = before.len().div_ceil(BLOCKS).max(1);
+    let square = |values: &[f64]| dot(values, values);
+    let total = square(before) / f64::from(u32::try_from(BLOCKS).unwrap_or(1));
+    before
+        .chunks(length)
+        .zip(after.chunks(length))
+        .map(|(before, after)| ((square(before) + 0.1 * total) / (square(after) + 0.1 * total)).ln())
+        .collect()
+}
+
+/// What a structure leaves of a capture that it was not fitted to; what belongs to a capture is fitted anew.
+fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
+    let of_capture = |index: &usize| {
+        let kind = structure.effects[*index].kind();
+        kind.hypothesis.is_some_and(|hypothesis| hypothesis.per_capture)
+    };
+    let own: Vec<usize> = (0..structure.effects.len()).filter(of_capture).collect();
+    if own.is_empty() {
+        return nonlinear::residual(structure, capture);
+    }
+    let rows: Vec<Vec<f64>> = own
+        .iter()
+        .flat_map(|index| structure.full_columns(*index, capture))
+        .map(|column| capture.frame.rows(&column))
+        .collect();
+    let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let rest = own.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
+    let left = nonlinear::residual(&rest, capture);
+    let coefficients = normal::solve(&columns, &left, &vec![false; columns.len()]);
+    normal::residual(&columns, &left, &coefficients)
+}

@@ -1,0 +1,152 @@
+//! Where a model and a capture disagree: the residual as a map over everything that it might depend on.
+
+use std::f64::consts::TAU;
+
+use super::capture::Capture;
+use super::structure::Structure;
+use crate::least_squares::dot;
+
+/// Bins of a coordinate, each with as many rows.
+const BINS: usize = 24;
+/// Stretches that are left out in turn when a map is tested.
+const FOLDS: usize = 12;
+/// Share of false discoveries that is accepted among the coordinates named.
+const FALSE_DISCOVERIES: f64 = 0.05;
+
+/// How much of the gap a coordinate explains, and its shape.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Location {
+    /// What the residual is mapped over.
+    pub coordinate: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Share of the residual's mean square that the map predicts in stretches that it was not made from, %.
+    pub explained_percent: f64,
+    /// Probability that a map of nothing would predict as much.
+    pub p_value: f64,
+    /// Whether it stands with at most one false discovery in twenty (Benjamini and Hochberg 1995).
+    pub significant: bool,
+    /// The map: middle of a bin, and mean residual there, mNm.
+    pub map: Vec<[f64; 2]>,
+}
+
+/// Maps a residual over all coordinates, the one that explains most first.
+pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture) -> Vec<Location> {
+    let rows = capture.row_motions();
+    let kept: Vec<usize> = (0..rows.len().min(residual.len())).filter(|index| rows[*index].1 > 0.9).collect();
+    let values: Vec<f64> = kept.iter().map(|index| residual[*index]).collect();
+    let take = |of: &dyn Fn(usize) -> f64| -> Vec<f64> { kept.iter().map(|index| of(*index)).collect() };
+    let travel = travel_since_reversal(&rows.iter().map(|(motion, _)| motion.angle_rad).collect::<Vec<_>>());
+    let load = capture.target(structure.delay_s());
+    let motion = |index: usize| rows[index].0;
+    let mut coordinates: Vec<(&'static str, &'static str, Vec<f64>)> = vec![
+        ("angle", "rad", take(&|index| motion(index).angle_rad)),
+        ("angle-within-turn", "rad", take(&|index| motion(index).angle_rad.rem_euclid(TAU))),
+        ("velocity", "rad/s", take(&|index| motion(index).velocity_rad_s)),
+        ("speed-and-direction-of-acceleration", "rad/s", {
+            // Loops of hysteresis and inertia: the same speed, gaining or losing.
+            take(&|index| motion(index).velocity_rad_s.abs() * motion(index).acceleration_rad_s2.signum())
+        }),
+        ("acceleration", "rad/s2", take(&|index| motion(index).acceleration_rad_s2)),
+        ("travel-since-reversal", "rad", take(&|index| travel[index])),
+        ("load", "mNm", take(&|index| load[index])),
+        ("time", "s", take(&|index| motion(index).time_s)),
+    ];
+    if let Some(period_rad) = structure.parameter("detent_period") {
+        let phase = structure.parameter("detent_phase").unwrap_or(0.0);
+        let within = |index: usize| (motion(index).angle_rad / period_rad + phase).rem_euclid(TAU);
+        coordinates.push(("detent-phase", "rad", take(&within)));
+    }
+    let mut found: Vec<Location> =
+        coordinates.into_iter().map(|(name, unit, at)| mapped(name, unit, &at, &values)).collect();
+    control_false_discoveries(&mut found);
+    found.sort_by(|a, b| b.explained_percent.total_cmp(&a.explained_percent));
+    found
+}
+
+/// The map over one coordinate, with what it predicts of stretches that it was not made from.
+#[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
+fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[f64]) -> Location {
+    let bins = binned(at);
+    let fold_length = residual.len().div_ceil(FOLDS).max(1);
+    let mut sums = vec![[0.0; 2]; BINS * FOLDS];
+    for (index, value) in residual.iter().enumerate() {
+        let slot = &mut sums[bins[index] * FOLDS + (index / fold_length).min(FOLDS - 1)];
+        *slot = [slot[0] + value, slot[1] + 1.0];
+    }
+    let all: Vec<[f64; 2]> = sums
+        .chunks(FOLDS)
+        .map(|bin| bin.iter().fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]))
+        .collect();
+    let mut gains = vec![0.0; FOLDS];
+    for (index, value) in residual.iter().enumerate() {
+        let fold = (index / fold_length).min(FOLDS - 1);
+        let own = sums[bins[index] * FOLDS + fold];
+        let [sum, count] = [all[bins[index]][0] - own[0], all[bins[index]][1] - own[1]];
+        let predicted = if count > 0.0 { sum / count } else { 0.0 };
+        gains[fold] += value * value - (value - predicted).powi(2);
+    }
+    let total = dot(residual, residual).max(f64::MIN_POSITIVE);
+    let mean = gains.iter().sum::<f64>() / FOLDS as f64;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (FOLDS * (FOLDS - 1)) as f64;
+    let score = mean / variance.sqrt().max(f64::MIN_POSITIVE);
+    let mut middles = vec![0.0; BINS];
+    at.iter().zip(&bins).for_each(|(value, bin)| middles[*bin] += value);
+    Location {
+        coordinate,
+        unit,
+        explained_percent: (100.0 * gains.iter().sum::<f64>() / total).max(0.0),
+        p_value: upper_tail(score),
+        significant: false,
+        map: all
+            .iter()
+            .zip(middles)
+            .filter(|([_, count], _)| *count > 0.0)
+            .map(|([sum, count], middle)| [middle / count, sum / count])
+            .collect(),
+    }
+}
+
+/// The bin of every value: as many values in each.
+fn binned(values: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let mut bins = vec![0; values.len()];
+    for (rank, index) in order.into_iter().enumerate() {
+        bins[index] = rank * BINS / values.len();
+    }
+    bins
+}
+
+/// Probability that Student's t of FOLDS − 1 degrees of freedom exceeds a score (Hill's approximation by a normal one).
+fn upper_tail(score: f64) -> f64 {
+    let freedom = (FOLDS - 1) as f64;
+    let normal = (freedom * (score * score / freedom).ln_1p()).sqrt().copysign(score) * (1.0 - 0.75 / freedom);
+    0.5 * libm::erfc(normal / std::f64::consts::SQRT_2)
+}
+
+fn control_false_discoveries(found: &mut [Location]) {
+    let mut order: Vec<usize> = (0..found.len()).collect();
+    order.sort_by(|a, b| found[*a].p_value.total_cmp(&found[*b].p_value));
+    #[allow(clippy::cast_precision_loss, reason = "a number of coordinates")]
+    let limit = |rank: usize| FALSE_DISCOVERIES * (rank + 1) as f64 / order.len() as f64;
+    let last = (0..order.len()).rev().find(|rank| found[order[*rank]].p_value <= limit(*rank));
+    for rank in 0..last.map_or(0, |last| last + 1) {
+        found[order[rank]].significant = true;
+    }
+}
+
+/// Angle turned since the last reversal, with the sign of the direction, rad.
+fn travel_since_reversal(angle_rad: &[f64]) -> Vec<f64> {
+    let mut turned = vec![0.0; angle_rad.len()];
+    let mut start = 0;
+    for index in 1..angle_rad.len() {
+        let step = angle_rad[index] - angle_rad[index - 1];
+        let before = angle_rad[index - 1] - angle_rad[start];
+        if step * before < 0.0 {
+            start = index - 1;
+        }
+        turned[index] = angle_rad[index] - angle_rad[start];
+    }
+    turned
+}

@@ -1,0 +1,20 @@
+//! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
+
+mod capture;
+mod diagnosis;
+mod experiment;
+mod hypotheses;
+mod intervals;
+mod judged;
+mod locate;
+mod nonlinear;
+mod normal;
+mod placebo;
+mod rows;
+mod separable;
+mod structure;
+mod workflow;
+
+pub use diagnosis::{Diagnosis, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
+pub use locate::Location;
+pub use workflow::{DiagnoseOptions, DiagnosisError, Progress, diagnose};

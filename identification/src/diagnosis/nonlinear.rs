@@ -1,0 +1,244 @@
+//! The fit of a structure whose torque is no linear function of anything, such as one with a coupling, whose inner body
+//! is simulated under the measured motion of the cap.
+//!
+//! Every value is searched, by Levenberg and Marquardt, first on slow motion and then on wider bands: on the whole band
+//! at once the search stops in the first of many valleys.
+
+use dynamics::{Minimum, Part};
+use nalgebra::{DMatrix, DVector};
+
+use super::capture::Capture;
+use super::structure::{Searched, Structure};
+use crate::filter::Fir;
+use crate::least_squares::dot;
+
+/// Edges of the bands that are fitted one after the other, as shares of the comparison's, and steps in each.
+const BANDS: [(f64, usize); 3] = [(0.075, 6), (0.25, 8), (1.0, 14)];
+/// Relative change of a value for its derivative.
+const DIFFERENCE: f64 = 1e-4;
+/// An improvement of the sum of squares below this share ends a band.
+const SETTLED: f64 = 1e-4;
+/// First damping, as a share of the diagonal.
+const DAMPING: f64 = 1e-3;
+
+/// A value that is fitted.
+#[derive(Clone, Copy, Debug)]
+struct Value {
+    effect: usize,
+    parameter: usize,
+    least: f64,
+    largest: f64,
+    /// Size of a typical change.
+    scale: f64,
+    logarithmic: bool,
+}
+
+/// A structure in one capture, all of its values free.
+pub(crate) struct Nonlinear<'a> {
+    capture: &'a Capture,
+    pub(crate) structure: Structure,
+    values: Vec<Value>,
+    pub(crate) residual: Vec<f64>,
+}
+
+impl<'a> Nonlinear<'a> {
+    pub(crate) fn new(structure: Structure, capture: &'a Capture) -> Self {
+        let values = values(&structure, capture);
+        let residual = residual(&structure, capture);
+        Self { capture, structure, values, residual }
+    }
+
+    pub(crate) fn squares(&self) -> f64 {
+        dot(&self.residual, &self.residual)
+    }
+
+    /// Sum of squares of the residual below a share of the band's edge.
+    pub(crate) fn slow_squares(&self, share: f64) -> f64 {
+        let slow = narrowed(&self.residual, share, self.capture);
+        dot(&slow, &slow)
+    }
+
+    /// Fits all values, band by band from the one at index `first` on.
+    pub(crate) fn refine(&mut self, first: usize) {
+        for (share, rounds) in &BANDS[first..] {
+            self.refine_in(*share, *rounds);
+        }
+    }
+
+    fn refine_in(&mut self, share: f64, rounds: usize) {
+        let slow = |rows: &[f64]| narrowed(rows, share, self.capture);
+        let mut damping = DAMPING;
+        let mut left = slow(&self.residual);
+        for _ in 0..rounds {
+            let before = dot(&left, &left);
+            let tangents = self.tangents(share);
+            let count = tangents.len();
+            let gram = DMatrix::from_fn(count, count, |row, column| dot(&tangents[row], &tangents[column]));
+            let right = DVector::from_iterator(count, tangents.iter().map(|tangent| dot(tangent, &left)));
+            let mut accepted = false;
+            for _ in 0..6 {
+                let mut damped = gram.clone();
+                for index in 0..count {
+                    damped[(index, index)] += damping * gram[(index, index)].max(f64::MIN_POSITIVE) + 1e-12;
+                }
+                let Some(step) = damped.cholesky().map(|factor| factor.solve(&right)) else { break };
+                let trial_structure = self.moved(step.as_slice());
+                let trial_residual = residual(&trial_structure, self.capture);
+                let trial = narrowed(&trial_residual, share, self.capture);
+                if dot(&trial, &trial) < before {
+                    self.structure = trial_structure;
+                    self.residual = trial_residual;
+                    left = trial;
+                    damping = (0.2 * damping).max(1e-7);
+                    accepted = true;
+                    break;
+                }
+                damping *= 6.0;
+            }
+            if !accepted || before - dot(&left, &left) < SETTLED * before {
+                break;
+            }
+        }
+    }
+
+    /// The structure with every value moved by a step in units of its scale.
+    fn moved(&self, step: &[f64]) -> Structure {
+        let mut moved = self.structure.clone();
+        for (value, step) in self.values.iter().zip(step) {
+            let searched = Searched::Parameter {
+                effect: value.effect,
+                parameter: value.parameter,
+                range: (value.least, value.largest),
+            };
+            let now = moved.get(searched);
+            let then = if value.logarithmic { now * step.clamp(-1.0, 1.0).exp() } else { now + step * value.scale };
+            moved.set(searched, then.clamp(value.least, value.largest));
+        }
+        moved
+    }
+
+    /// Which value a parameter is, if it is free.
+    pub(crate) fn column_of(&self, effect: usize, parameter: usize) -> Option<usize> {
+        self.values.iter().position(|value| value.effect == effect && value.parameter == parameter)
+    }
+
+    /// A value's interval from the half width of its step's.
+    pub(crate) fn interval(&self, column: usize, now: f64, half: f64) -> Option<[f64; 2]> {
+        let value = self.values[column];
+        if value.logarithmic {
+            (half < 20.0).then(|| [now * (-half).exp(), now * half.exp()])
+        } else {
+            Some([now - half * value.scale, now + half * value.scale])
+        }
+    }
+
+    /// Rows of the derivatives by one effect's values.
+    pub(crate) fn tangents_of(&self, effect: usize) -> Vec<Vec<f64>> {
+        (0..self.values.len())
+            .filter(|index| self.values[*index].effect == effect)
+            .map(|index| self.tangent(index, 1.0))
+            .collect()
+    }
+
+    /// Whether a value of the last effect stands on the bound of its search; gives the parameter's name.
+    pub(crate) fn on_bound(structure: &Structure, capture: &Capture) -> Option<&'static str> {
+        let effect = structure.effects.last()?;
+        let scene = capture.scene_of(structure);
+        let searches = effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
+        let at_bound = searches.iter().filter(|search| search.same_as.is_none()).find(|search| {
+            let value = effect.values()[search.parameter];
+            (search.range)(&scene).is_some_and(|(least, largest)| {
+                let margin = if search.logarithmic { 1e-3 * value } else { 1e-3 * (largest - least) };
+                value <= least + margin || value >= largest - margin
+            })
+        });
+        at_bound.map(|search| effect.kind().parameters[search.parameter].name)
+    }
+
+    /// Rows of the residual's derivatives with the sign turned, one per value, half of them on another core.
+    pub(crate) fn tangents(&self, share: f64) -> Vec<Vec<f64>> {
+        let tangent = |index: usize| self.tangent(index, share);
+        let half = self.values.len() / 2;
+        std::thread::scope(|scope| {
+            let other = scope.spawn(|| (half..self.values.len()).map(tangent).collect::<Vec<_>>());
+            let mut all: Vec<Vec<f64>> = (0..half).map(tangent).collect();
+            match other.join() {
+                Ok(rest) => all.extend(rest),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+            all
+        })
+    }
+
+    fn tangent(&self, index: usize, share: f64) -> Vec<f64> {
+        let mut step = vec![0.0; self.values.len()];
+        step[index] = DIFFERENCE;
+        let mut moved = self.moved(&step);
+        if moved.effects == self.structure.effects {
+            // It stands at its upper bound.
+            step[index] = -DIFFERENCE;
+            moved = self.moved(&step);
+        }
+        let there = residual(&moved, self.capture);
+        let rows: Vec<f64> =
+            self.residual.iter().zip(&there).map(|(here, there)| (here - there) / step[index]).collect();
+        narrowed(&rows, share, self.capture)
+    }
+}
+
+/// Measured minus simulated torque, in rows.
+pub(crate) fn residual(structure: &Structure, capture: &Capture) -> Vec<f64> {
+    let simulated = capture.frame.rows(&structure.model().readings_mnm(capture.motions()));
+    capture.target(structure.delay_s()).iter().zip(&simulated).map(|(target, torque)| target - torque).collect()
+}
+
+/// Rows below a share of the comparison's band.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "numbers of rows"
+)]
+fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
+    if share >= 1.0 {
+        return rows.to_vec();
+    }
+    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let edge_hz = share * capture.band.edge_hz;
+    let step = (rate_hz / (2.5 * edge_hz)) as usize;
+    Fir::low_pass((1.65 * rate_hz / edge_hz).round() as usize, edge_hz, rate_hz).decimate(rows, step.max(1))
+}
+
+/// Everything in the structure that a fit can move.
+fn values(structure: &Structure, capture: &Capture) -> Vec<Value> {
+    let scene = capture.scene_of(structure);
+    let mut values = Vec::new();
+    for (index, effect) in structure.effects.iter().enumerate() {
+        let kind = effect.kind();
+        if matches!(kind.part, Part::Stick(_)) {
+            continue;
+        }
+        let searches = kind.hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
+        let unused = kind.regressors.map_or(0, |regressors| regressors.columns - structure.columns[index]);
+        for (parameter, parameter_kind) in kind.parameters.iter().enumerate() {
+            let now = effect.values()[parameter];
+            if let Some(search) = searches.iter().find(|search| search.parameter == parameter) {
+                let Some((least, largest)) = (search.range)(&scene).filter(|_| search.same_as.is_none()) else {
+                    continue;
+                };
+                let scale = 0.05 * (largest - least);
+                values.push(Value { effect: index, parameter, least, largest, scale, logarithmic: search.logarithmic });
+                continue;
+            }
+            if parameter >= kind.parameters.len() - unused {
+                continue;
+            }
+            let positive = parameter_kind.minimum == Minimum::AboveZero;
+            let least = if parameter_kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };
+            let scale = if parameter_kind.unit == "rad" { 1.0 } else { now.abs().max(0.01 * scene.torque_rms_mnm) };
+            let logarithmic = positive && now > 0.0;
+            values.push(Value { effect: index, parameter, least, largest: f64::INFINITY, scale, logarithmic });
+        }
+    }
+    values
+}

@@ -1,0 +1,49 @@
+//! What mere freedom buys: an effect's own columns, but at the wrong time.
+
+use super::capture::Capture;
+use super::judged::Judged;
+use super::nonlinear::Nonlinear;
+use super::normal;
+use super::structure::Structure;
+use crate::least_squares::dot;
+use crate::spectrum::median;
+
+/// Shifts of the columns, as shares of the capture.
+const SHIFTS: [f64; 5] = [0.19, 0.31, 0.43, 0.61, 0.77];
+
+/// RMS left of the held-out capture when the residual is given as many columns as the effect has parameters, mNm: the
+/// derivatives of the effect's torque by its parameters, turned round in time. Median over several turns.
+pub(crate) fn rms_mnm(before: &Judged, after: &Structure, train: &Capture, heldout: &Capture) -> f64 {
+    let effect = after.effects.len() - 1;
+    let columns = |capture: &Capture| Nonlinear::new(after.clone(), capture).tangents_of(effect);
+    let (train_columns, heldout_columns) = (columns(train), columns(heldout));
+    let mut left: Vec<f64> = SHIFTS
+        .iter()
+        .map(|shift| {
+            let turned = turned(&train_columns, *shift);
+            let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
+            let coefficients = normal::solve(&slices, &before.train_residual, &vec![false; slices.len()]);
+            let turned = self::turned(&heldout_columns, *shift);
+            let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
+            let residual = normal::residual(&slices, &before.heldout_residual, &coefficients);
+            (dot(&residual, &residual) / heldout.weight).sqrt()
+        })
+        .collect();
+    median(&mut left)
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of the rows"
+)]
+fn turned(columns: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
+    let turn = |column: &Vec<f64>| {
+        let mut column = column.clone();
+        let by = (share * column.len() as f64) as usize;
+        column.rotate_left(by);
+        column
+    };
+    columns.iter().map(turn).collect()
+}

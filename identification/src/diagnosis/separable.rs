@@ -1,0 +1,197 @@
+//! The fit of a structure without coupling: coefficients are linear, the few searched parameters follow by Gauss–Newton.
+
+use dynamics::Part;
+
+use super::capture::Capture;
+use super::normal::{residual, solve};
+use super::structure::{Searched, Structure};
+use crate::least_squares::dot;
+
+/// Relative change of a searched parameter for its column by differences.
+const DIFFERENCE: f64 = 1e-5;
+/// A step that would take off less than this share of the sum of squares is not worth taking.
+const SETTLED: f64 = 1e-6;
+/// Skew allowed between torque and motion, in samples: clocks and conversions differ by less.
+const SKEW_SAMPLES: f64 = 0.25;
+/// Rounds in which friction and what modulates it are fitted in turn.
+const FACTOR_ROUNDS: usize = 2;
+
+/// A structure in one capture: its rows, made anew only where a value changed.
+pub(crate) struct Separable<'a> {
+    pub(crate) capture: &'a Capture,
+    pub(crate) structure: Structure,
+    /// Rows of each effect's columns.
+    rows: Vec<Vec<Vec<f64>>>,
+    target: Vec<f64>,
+    pub(crate) coefficients: Vec<f64>,
+    pub(crate) residual: Vec<f64>,
+}
+
+impl<'a> Separable<'a> {
+    /// The structure with its linear coefficients fitted to the capture.
+    pub(crate) fn new(structure: Structure, capture: &'a Capture) -> Self {
+        let target = capture.target(structure.delay_s());
+        let mut fit =
+            Self { capture, structure, rows: Vec::new(), target, coefficients: Vec::new(), residual: Vec::new() };
+        fit.rows = (0..fit.structure.effects.len()).map(|index| fit.rows_of(index)).collect();
+        fit.solve();
+        fit
+    }
+
+    pub(crate) fn squares(&self) -> f64 {
+        dot(&self.residual, &self.residual)
+    }
+
+    /// All columns' rows.
+    pub(crate) fn columns(&self) -> Vec<&[f64]> {
+        self.rows.iter().flatten().map(Vec::as_slice).collect()
+    }
+
+    fn rows_of(&self, index: usize) -> Vec<Vec<f64>> {
+        self.structure.full_columns(index, self.capture).iter().map(|column| self.capture.frame.rows(column)).collect()
+    }
+
+    fn solve(&mut self) {
+        let factors: Vec<usize> = (0..self.structure.effects.len())
+            .filter(|index| {
+                let part = self.structure.effects[*index].kind().part;
+                matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_))
+            })
+            .collect();
+        for round in 0..if factors.is_empty() { 1 } else { FACTOR_ROUNDS + 1 } {
+            if round > 0 {
+                factors.iter().for_each(|index| self.rows[*index] = self.rows_of(*index));
+            }
+            let columns = self.columns();
+            let coefficients = solve(&columns, &self.target, &self.structure.nonnegative());
+            self.residual = residual(&columns, &self.target, &coefficients);
+            self.structure.take(&coefficients);
+            self.coefficients = coefficients;
+        }
+    }
+
+    /// Sets searched parameters and solves again.
+    fn set(&mut self, searched: &[Searched], values: &[f64]) {
+        let before = self.structure.clone();
+        for (which, value) in searched.iter().zip(values) {
+            self.structure.set(*which, *value);
+        }
+        if self.structure.delay_s() != before.delay_s() {
+            self.target = self.capture.target(self.structure.delay_s());
+        }
+        for index in changed(&before, &self.structure) {
+            self.rows[index] = self.rows_of(index);
+        }
+        self.solve();
+    }
+
+    /// Rows of the prediction's derivative by a searched parameter, the target's counted with the other sign.
+    fn tangent(&self, searched: Searched) -> Vec<f64> {
+        let value = self.structure.get(searched);
+        let delays = matches!(searched, Searched::Skew)
+            || matches!(searched, Searched::Parameter { effect, .. }
+                if matches!(self.structure.effects[effect].kind().part, Part::ReadingDelay(_)));
+        if delays {
+            let step = 0.02 / self.capture.rate_hz;
+            let delay_s = self.structure.delay_s();
+            let (later, sooner) = (self.capture.target(delay_s + step), self.capture.target(delay_s - step));
+            return later.iter().zip(&sooner).map(|(later, sooner)| (sooner - later) / (2.0 * step)).collect();
+        }
+        let step = DIFFERENCE * value.abs().max(f64::MIN_POSITIVE);
+        let ranges = self.structure.ranges();
+        let predicted = |value: f64| {
+            let mut moved = self.structure.clone();
+            moved.set(searched, value);
+            let mut sum = vec![0.0; self.capture.motion.len()];
+            for index in changed(&self.structure, &moved) {
+                let coefficients = &self.coefficients[ranges[index].clone()];
+                for (column, coefficient) in moved.full_columns(index, self.capture).iter().zip(coefficients) {
+                    sum.iter_mut().zip(column).for_each(|(slot, value)| *slot += coefficient * value);
+                }
+            }
+            sum
+        };
+        let (above, below) = (predicted(value + step), predicted(value - step));
+        let difference: Vec<f64> = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * step)).collect();
+        self.capture.frame.rows(&difference)
+    }
+
+    /// Improves the searched parameters and the skew by at most `rounds` Gauss–Newton steps.
+    pub(crate) fn refine(&mut self, rounds: usize) {
+        let searched = self.searched();
+        for _ in 0..rounds {
+            let before = self.squares();
+            let tangents: Vec<Vec<f64>> = searched.iter().map(|which| self.tangent(*which)).collect();
+            let columns: Vec<&[f64]> = self.columns().into_iter().chain(tangents.iter().map(Vec::as_slice)).collect();
+            let mut nonnegative = self.structure.nonnegative();
+            let linear = nonnegative.len();
+            nonnegative.resize(columns.len(), false);
+            let extended = solve(&columns, &self.target, &nonnegative);
+            let left = residual(&columns, &self.target, &extended);
+            if before - dot(&left, &left) <= SETTLED * before {
+                break;
+            }
+            let start: Vec<f64> = searched.iter().map(|which| self.structure.get(*which)).collect();
+            let mut share = 1.0;
+            let improved = loop {
+                let values: Vec<f64> = searched
+                    .iter()
+                    .zip(&start)
+                    .zip(&extended[linear..])
+                    .map(|((which, value), step)| self.limited(*which, *value, share * step))
+                    .collect();
+                self.set(&searched, &values);
+                if self.squares() < before {
+                    break true;
+                }
+                share *= 0.25;
+                if share < 1e-2 {
+                    break false;
+                }
+            };
+            if !improved {
+                self.set(&searched, &start);
+                break;
+            }
+        }
+    }
+
+    /// A value moved by a step, no further than is sensible in one go and within its range.
+    fn limited(&self, searched: Searched, value: f64, step: f64) -> f64 {
+        match searched {
+            Searched::Skew => {
+                let most = SKEW_SAMPLES / self.capture.rate_hz;
+                (value + step).clamp(-most, most)
+            }
+            Searched::Parameter { range: (least, largest), .. } => {
+                let most = (0.25 * (largest - least)).min(0.7 * value.abs().max(1e-3 * (largest - least)));
+                (value + step.clamp(-most, most)).clamp(least, largest)
+            }
+        }
+    }
+
+    /// The structure's searched parameters; the skew too unless a delay is an effect of its own.
+    fn searched(&self) -> Vec<Searched> {
+        let mut searched = self.structure.searched(&self.capture.scene_of(&self.structure));
+        let delayed = self.structure.effects.iter().any(|e| matches!(e.kind().part, Part::ReadingDelay(_)));
+        if !delayed && !self.capture.motion.exact {
+            searched.push(Searched::Skew);
+        }
+        searched
+    }
+}
+
+/// Effects whose columns differ between two structures of the same effects.
+fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
+    let bristles = before.bristles() != after.bristles();
+    (0..after.effects.len())
+        .filter(|index| {
+            let (old, new) = (&before.effects[*index], &after.effects[*index]);
+            let of_friction = matches!(
+                new.kind().part,
+                Part::Friction(_) | Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_)
+            );
+            old != new || bristles && of_friction
+        })
+        .collect()
+}

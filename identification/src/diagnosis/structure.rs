@@ -1,0 +1,296 @@
+//! A model as a hypothesis about a capture: its effects with their values, and the columns that these make.
+
+use std::ops::Range;
+
+use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
+
+use super::capture::Capture;
+
+/// A model while it is looked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Structure {
+    pub(crate) effects: Vec<Effect>,
+    /// Leading columns of each effect that take part.
+    pub(crate) columns: Vec<usize>,
+    /// Time by which the torque channel is late besides what a delay effect says, s: at most a fraction of a sample.
+    pub(crate) skew_s: f64,
+}
+
+/// A parameter that columns depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Searched {
+    /// Parameter of an effect, by their indices.
+    Parameter {
+        effect: usize,
+        parameter: usize,
+        /// What it may be; a step never leaves this range.
+        range: (f64, f64),
+    },
+    /// The skew.
+    Skew,
+}
+
+impl Structure {
+    pub(crate) fn new(effects: &[Effect]) -> Self {
+        let columns = effects.iter().map(|effect| regressors(effect).map_or(0, |r| r.columns)).collect();
+        Self { effects: effects.to_vec(), columns, skew_s: 0.0 }
+    }
+
+    /// The structure with one effect more, of which the first `columns` take part.
+    pub(crate) fn with(&self, effect: Effect, columns: usize) -> Self {
+        let mut more = self.clone();
+        more.effects.push(effect);
+        more.columns.push(columns);
+        more
+    }
+
+    /// The structure without the effect at an index.
+    pub(crate) fn without(&self, index: usize) -> Self {
+        let mut less = self.clone();
+        less.effects.remove(index);
+        less.columns.remove(index);
+        less
+    }
+
+    pub(crate) fn position(&self, name: &str) -> Option<usize> {
+        self.effects.iter().position(|effect| effect.kind().name == name)
+    }
+
+    /// Value of a parameter, by its name.
+    pub(crate) fn parameter(&self, name: &str) -> Option<f64> {
+        self.effects.iter().flat_map(Effect::parameters).find(|(kind, _)| kind.name == name).map(|(_, value)| value)
+    }
+
+    pub(crate) fn inertia(&self) -> f64 {
+        self.model().inertia()
+    }
+
+    pub(crate) fn delay_s(&self) -> f64 {
+        self.skew_s + self.model().reading_delay_s()
+    }
+
+    pub(crate) fn bristles(&self) -> Option<Bristles> {
+        self.model().bristles()
+    }
+
+    pub(crate) fn model(&self) -> Model {
+        Model { name: String::new(), description: String::new(), effects: self.effects.clone() }
+    }
+
+    pub(crate) fn is_coupled(&self) -> bool {
+        self.effects.iter().any(|effect| matches!(effect.kind().part, Part::Coupling(_)))
+    }
+
+    /// Range of each effect's columns among all.
+    pub(crate) fn ranges(&self) -> Vec<Range<usize>> {
+        let mut start = 0;
+        let range = |width: usize| {
+            start += width;
+            start - width..start
+        };
+        self.widths().into_iter().map(range).collect()
+    }
+
+    fn widths(&self) -> Vec<usize> {
+        let width = |(effect, columns): (&Effect, &usize)| match effect.kind().part {
+            Part::Bristles(_) => 1,
+            _ => *columns,
+        };
+        self.effects.iter().zip(&self.columns).map(width).collect()
+    }
+
+    /// Which coefficients cannot be negative.
+    pub(crate) fn nonnegative(&self) -> Vec<bool> {
+        let mut signs = Vec::new();
+        for (effect, width) in self.effects.iter().zip(self.widths()) {
+            let parameters = effect.kind().parameters;
+            for column in 0..width {
+                signs.push(regressors(effect).is_some_and(|r| {
+                    let direct = r.searched.is_empty() && r.columns == parameters.len();
+                    r.nonnegative.contains(&column) || direct && parameters[column].minimum != dynamics::Minimum::None
+                }));
+            }
+        }
+        signs
+    }
+
+    /// Number of values that the data had to settle, the skew apart.
+    pub(crate) fn freedom(&self) -> usize {
+        let searched = |effect: &Effect| {
+            effect.kind().hypothesis.map_or_else(
+                || regressors(effect).map_or(0, |r| r.searched.len()),
+                |hypothesis| hypothesis.searched.iter().filter(|search| search.same_as.is_none()).count(),
+            )
+        };
+        self.effects.iter().zip(self.widths()).map(|(effect, width)| width + searched(effect)).sum()
+    }
+
+    /// Writes fitted coefficients into the effects' values.
+    pub(crate) fn take(&mut self, coefficients: &[f64]) {
+        for (index, range) in self.ranges().into_iter().enumerate() {
+            let effect = &mut self.effects[index];
+            if let Some(regressors) = effect.kind().regressors {
+                let mut all = vec![0.0; regressors.columns];
+                all[..range.len()].copy_from_slice(&coefficients[range]);
+                (regressors.values)(&all, effect.values_mut());
+            } else if let (Part::Bristles(_), Some(damping)) = (effect.kind().part, coefficients.get(range.start)) {
+                effect.values_mut()[1] = *damping;
+            }
+        }
+    }
+
+    /// The parameters on which columns depend, with the ranges that a scene leaves them.
+    pub(crate) fn searched(&self, scene: &Scene) -> Vec<Searched> {
+        let mut all = Vec::new();
+        for (index, effect) in self.effects.iter().enumerate() {
+            let Some(hypothesis) = effect.kind().hypothesis else {
+                // What every fit has is searched near its value.
+                for parameter in regressors(effect).map_or(&[][..], |r| r.searched) {
+                    let value = effect.values()[*parameter];
+                    all.push(Searched::Parameter {
+                        effect: index,
+                        parameter: *parameter,
+                        range: (0.97 * value, 1.03 * value),
+                    });
+                }
+                continue;
+            };
+            for search in hypothesis.searched.iter().filter(|search| search.same_as.is_none()) {
+                if let Some(range) = (search.range)(scene) {
+                    all.push(Searched::Parameter { effect: index, parameter: search.parameter, range });
+                }
+            }
+        }
+        all
+    }
+
+    /// Sets a searched parameter, and all that are always equal to it.
+    pub(crate) fn set(&mut self, searched: Searched, value: f64) {
+        let Searched::Parameter { effect, parameter, .. } = searched else {
+            self.skew_s = value;
+            return;
+        };
+        self.effects[effect].values_mut()[parameter] = value;
+        let name = self.effects[effect].kind().parameters[parameter].name;
+        for other in &mut self.effects {
+            for search in other.kind().hypothesis.iter().flat_map(|hypothesis| hypothesis.searched) {
+                if search.same_as == Some(name) {
+                    other.values_mut()[search.parameter] = value;
+                }
+            }
+        }
+    }
+
+    pub(crate) fn get(&self, searched: Searched) -> f64 {
+        match searched {
+            Searched::Parameter { effect, parameter, .. } => self.effects[effect].values()[parameter],
+            Searched::Skew => self.skew_s,
+        }
+    }
+
+    /// Full-rate columns of the effect at an index.
+    pub(crate) fn full_columns(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
+        let (effect, motion) = (&self.effects[index], &capture.motion);
+        let width = self.widths()[index];
+        let each = |row: &dyn Fn(usize, &mut [f64])| fill(motion.len(), width, row);
+        let Some(regressors) = effect.kind().regressors else {
+            if let Part::Bristles(bristles) = effect.kind().part {
+                let deflections = deflections(bristles(effect.values()), capture);
+                return each(&|at, row| row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]));
+            }
+            return Vec::new();
+        };
+        let all = |motion: &Motion| {
+            let mut row = [0.0; dynamics::MAX_PARAMETERS];
+            (regressors.fill)(effect.values(), motion, &mut row[..regressors.columns]);
+            row
+        };
+        match effect.kind().part {
+            Part::Friction(_) => {
+                let Some(bristles) = self.bristles() else {
+                    return each(&|at, row| row.copy_from_slice(&all(&motion.at(at))[..width]));
+                };
+                let deflections = deflections(bristles, capture);
+                each(&|at, row| {
+                    let now = motion.at(at);
+                    let (sliding, still, bent) = (all(&now), all(&slowest(now.velocity_rad_s, &now)), deflections[at]);
+                    let coulomb = all(&slowest(bent, &now));
+                    for (column, slot) in row.iter_mut().enumerate() {
+                        *slot = bent.abs() * coulomb[column] + sliding[column] - still[column];
+                    }
+                })
+            }
+            Part::CoulombFactor(_) | Part::FrictionFactor(_) => {
+                let coulomb_only = matches!(effect.kind().part, Part::CoulombFactor(_));
+                let friction = self.friction(capture, coulomb_only);
+                each(&|at, row| {
+                    let factors = all(&motion.at(at));
+                    row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction[at] * factor);
+                })
+            }
+            _ => each(&|at, row| row.copy_from_slice(&all(&motion.at(at))[..width])),
+        }
+    }
+
+    /// Torque of friction as it is without factors, mNm.
+    pub(crate) fn friction(&self, capture: &Capture, coulomb_only: bool) -> Vec<f64> {
+        let motion = &capture.motion;
+        let deflections = self.bristles().map(|bristles| deflections(bristles, capture));
+        let frictions: Vec<(&Effect, FrictionLaw)> = self
+            .effects
+            .iter()
+            .filter_map(|effect| match effect.kind().part {
+                Part::Friction(law) => Some((effect, law)),
+                _ => None,
+            })
+            .collect();
+        let at = |index: usize| {
+            let now = motion.at(index);
+            let still = Motion { velocity_rad_s: 0.0, ..now };
+            let side = if now.velocity_rad_s == 0.0 { 0.0 } else { 1.0 };
+            let bent = deflections.as_ref().map_or(now.velocity_rad_s.signum() * side, |all| all[index]);
+            let each = frictions.iter().map(|(effect, law)| {
+                let direction = Direction::of(now.velocity_rad_s);
+                let coulomb = bent.abs() * law(effect.values(), &still, Direction::of(bent));
+                let rest = law(effect.values(), &now, direction) - law(effect.values(), &still, direction);
+                if coulomb_only { coulomb } else { coulomb + rest }
+            });
+            each.sum()
+        };
+        (0..motion.len()).map(at).collect()
+    }
+}
+
+type FrictionLaw = fn(&[f64], &Motion, Direction) -> f64;
+
+fn regressors(effect: &Effect) -> Option<Regressors> {
+    effect.kind().regressors
+}
+
+/// The motion at the lowest speed with the sign of `sign`.
+fn slowest(sign: f64, motion: &Motion) -> Motion {
+    Motion { velocity_rad_s: if sign == 0.0 { 0.0 } else { sign.signum() * f64::MIN_POSITIVE }, ..*motion }
+}
+
+fn fill(length: usize, width: usize, row: &dyn Fn(usize, &mut [f64])) -> Vec<Vec<f64>> {
+    let mut columns = vec![Vec::with_capacity(length); width];
+    let mut values = vec![0.0; width];
+    for index in 0..length {
+        row(index, &mut values);
+        columns.iter_mut().zip(&values).for_each(|(column, value)| column.push(*value));
+    }
+    columns
+}
+
+/// Deflection z of the bristles at every sample; unbent at the start.
+fn deflections(bristles: Bristles, capture: &Capture) -> Vec<f64> {
+    let angle = &capture.motion.angle_rad;
+    let mut deflection = 0.0;
+    let mut all = Vec::with_capacity(angle.len());
+    all.push(deflection);
+    for pair in angle.windows(2) {
+        deflection = bristles.bent(deflection, pair[1] - pair[0]);
+        all.push(deflection);
+    }
+    all
+}

@@ -1,0 +1,530 @@
+//! The way from a capture and a model to a verdict.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use dynamics::{Calibration, Effect, EffectKind, Model, Part, effects};
+
+use super::capture::{Capture, Stretches};
+use super::diagnosis::{Diagnosis, Partial, Rival, Step, Verdict};
+use super::hypotheses;
+use super::judged::Judged;
+use super::locate::locate;
+use super::nonlinear::Nonlinear;
+use super::separable::Separable;
+use super::structure::Structure;
+use super::{experiment, intervals, placebo, rows};
+use crate::{FitError, FitOptions, Samples, fit};
+
+/// Evidence that an effect must bring beyond the cost of its freedom, nats: odds of e¹⁰.
+const EVIDENCE: f64 = 10.0;
+/// Standard errors by which stretch after stretch must be explained better.
+const STEADY: f64 = 3.0;
+/// Share of the mean square above the floor that an effect must take away to be worth a name …
+const WORTHWHILE: f64 = 0.28;
+/// … and in mean squares of the floor: smaller ones could be what the floor's own estimate is wrong by.
+const SMALLEST: f64 = 0.06;
+/// RMS in floors above which something is certainly left.
+const LEFT: f64 = 1.3;
+/// Share of the gap's amplitude that may be left by a complete explanation.
+const UNEXPLAINED: f64 = 0.15;
+/// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
+const TIE: f64 = 3.0;
+/// Most effects that are added.
+const MOST_EFFECTS: usize = 4;
+/// A gap this close to the floor is not worth the simulation of a coupling, in floors.
+const CLOSED: f64 = 1.12;
+
+/// What a diagnosis may be told; nothing need be.
+#[derive(Default)]
+pub struct DiagnoseOptions<'a> {
+    /// What is known of the rig.
+    pub calibration: Option<Calibration>,
+    /// The model to start from; without one, inertia, friction and detents as they are fitted to the training capture.
+    pub model: Option<Model>,
+    /// Called as the work goes on.
+    pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+}
+
+/// How far a diagnosis has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress {
+    /// An effect was tried; so many of so many in this step.
+    Tried {
+        /// Its name.
+        effect: &'static str,
+        /// Effects tried in this step.
+        done: usize,
+        /// Effects to try in this step.
+        of: usize,
+    },
+    /// An effect was added to the model.
+    Added {
+        /// Its name.
+        effect: &'static str,
+        /// RMS left on the held-out capture, in noise floors.
+        heldout_over_floor: f64,
+    },
+}
+
+/// Why captures cannot be diagnosed.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnosisError {
+    /// One of the captures cannot be fitted.
+    #[error("the {which} capture: {reason}")]
+    Capture {
+        /// Which one.
+        which: &'static str,
+        /// What is wrong with it.
+        reason: FitError,
+    },
+    /// The captures are the same.
+    #[error(
+        "the held-out capture is the training capture; give one of another motion, or none to hold out stretches of \
+         the training capture"
+    )]
+    SameCapture,
+    /// The sample rates differ.
+    #[error(
+        "the training capture has {train_hz:.1} samples per second and the held-out one {heldout_hz:.1}; capture both \
+         at one rate"
+    )]
+    DifferentRates {
+        /// Of the training capture, Hz.
+        train_hz: f64,
+        /// Of the held-out capture, Hz.
+        heldout_hz: f64,
+    },
+    /// The columns differ by a power of ten or another unit.
+    #[error(
+        "the model of the training capture predicts the held-out torque only when multiplied by {factor:.3}; check that \
+         both captures are of one knob and in the same units (rad, mNm)"
+    )]
+    DifferentUnits {
+        /// What the prediction would have to be multiplied by.
+        factor: f64,
+    },
+    /// The torque hardly rises above the noise.
+    #[error(
+        "the {which} capture's torque is {over_floor:.1} times its noise, too quiet to tell anything; turn the knob \
+         faster or further"
+    )]
+    TooQuiet {
+        /// Which one.
+        which: &'static str,
+        /// RMS of the torque in noise floors.
+        over_floor: f64,
+    },
+}
+
+/// Finds what a model lacks: names the missing effects, or says that nothing is missing, or that something is missing
+/// which no effect of the catalogue explains.
+///
+/// Without a held-out capture, stretches of the training capture are held out, which is weaker evidence.
+///
+/// # Errors
+/// [`DiagnosisError`] where no verdict would be worth anything.
+pub fn diagnose(
+    train: &Samples<'_>,
+    heldout: Option<&Samples<'_>>,
+    options: &DiagnoseOptions<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let captures = prepare(train, heldout, options)?;
+    let work = Work { train: &captures[0], heldout: &captures[1], options };
+    let first = work.base(train)?;
+    work.check(&first)?;
+    let mut found = work.explain(first);
+    work.eliminate(&mut found);
+    Ok(work.report(&found, heldout.is_none()))
+}
+
+fn prepare(
+    train: &Samples<'_>,
+    heldout: Option<&Samples<'_>>,
+    options: &DiagnoseOptions<'_>,
+) -> Result<[Capture; 2], DiagnosisError> {
+    let calibration = options.calibration.as_ref();
+    let of = |which, samples: &Samples<'_>, stretches| {
+        Capture::of(samples, calibration, Capture::widest_edge_hz(), stretches)
+            .map_err(|reason| DiagnosisError::Capture { which, reason })
+    };
+    let Some(heldout) = heldout else {
+        return Ok([of("training", train, Stretches::Odd)?, of("training", train, Stretches::Even)?]);
+    };
+    if train.t_s == heldout.t_s && train.angle_rad == heldout.angle_rad && train.torque_mnm == heldout.torque_mnm {
+        return Err(DiagnosisError::SameCapture);
+    }
+    let captures = [of("training", train, Stretches::All)?, of("held-out", heldout, Stretches::All)?];
+    let [train_hz, heldout_hz] = [captures[0].rate_hz, captures[1].rate_hz];
+    if (train_hz / heldout_hz - 1.0).abs() > 0.02 {
+        return Err(DiagnosisError::DifferentRates { train_hz, heldout_hz });
+    }
+    Ok(captures)
+}
+
+struct Work<'a> {
+    train: &'a Capture,
+    heldout: &'a Capture,
+    options: &'a DiagnoseOptions<'a>,
+}
+
+/// Everything that was found on the way.
+struct Found {
+    /// The model without further effects, and then with each more.
+    chain: Vec<Judged>,
+    /// The rivals of each effect that was added.
+    rivals: Vec<Vec<Judged>>,
+    /// What explained part of the rest and was not added.
+    partial: Vec<Partial>,
+}
+
+impl Work<'_> {
+    /// Inertia, friction and detents, or the model given, fitted to the training capture.
+    fn base(&self, samples: &Samples<'_>) -> Result<Judged, DiagnosisError> {
+        let effects: Vec<Effect> = match &self.options.model {
+            Some(model) => model.effects.clone(),
+            None => {
+                let options = FitOptions { calibration: self.options.calibration.clone(), ..FitOptions::default() };
+                let fit =
+                    fit(samples, &options).map_err(|reason| DiagnosisError::Capture { which: "training", reason })?;
+                fit.effects().to_vec()
+            }
+        };
+        let fitted: Vec<Effect> =
+            effects.into_iter().filter(|effect| !matches!(effect.kind().part, Part::Stick(_))).collect();
+        Ok(self.settled(Structure::new(&fitted)))
+    }
+
+    /// A structure fitted from where it stands.
+    fn settled(&self, structure: Structure) -> Judged {
+        if structure.is_coupled() {
+            let mut fit = Nonlinear::new(structure, self.train);
+            fit.refine(2);
+            return Judged::nonlinear(&fit, self.train, self.heldout);
+        }
+        let mut fit = Separable::new(structure, self.train);
+        fit.refine(10);
+        Judged::separable(&fit, self.heldout)
+    }
+
+    fn check(&self, base: &Judged) -> Result<(), DiagnosisError> {
+        for (which, capture, residual) in
+            [("training", self.train, &base.train_residual), ("held-out", self.heldout, &base.heldout_residual)]
+        {
+            let target = capture.target(base.structure.delay_s());
+            let square = crate::least_squares::dot(&target, &target);
+            let over_floor = (square / capture.weight).sqrt() / capture.floor_mnm(0.0);
+            if over_floor < 2.0 {
+                return Err(DiagnosisError::TooQuiet { which, over_floor });
+            }
+            let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
+            let factor = crate::least_squares::dot(&target, &predicted)
+                / crate::least_squares::dot(&predicted, &predicted).max(f64::MIN_POSITIVE);
+            if which == "held-out" && !(0.1..10.0).contains(&factor) {
+                return Err(DiagnosisError::DifferentUnits { factor });
+            }
+        }
+        Ok(())
+    }
+
+    /// Floor of the held-out capture beside a structure, mNm.
+    fn floors(&self, structure: &Structure) -> [f64; 2] {
+        // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
+        let share = structure.model().coupling().map_or(1.0, |coupling| 1.0 - coupling.inner_share);
+        [self.train, self.heldout].map(|capture| capture.floor_mnm(share * structure.inertia()))
+    }
+
+    /// Mean square above the floor, of both captures together, mNm².
+    fn excess(&self, judged: &Judged) -> f64 {
+        let [train, heldout] = self.floors(&judged.structure);
+        let above = |rms: f64, floor: f64| rms * rms - floor * floor;
+        0.5 * (above(judged.train_rms_mnm, train) + above(judged.heldout_rms_mnm, heldout))
+    }
+
+    /// Adds effect after effect as long as one is worth it.
+    fn explain(&self, first: Judged) -> Found {
+        let mut found = Found { chain: vec![first], rivals: Vec::new(), partial: Vec::new() };
+        while found.rivals.len() < MOST_EFFECTS {
+            let Some(current) = found.chain.last().cloned() else { break };
+            let mut tried = self.try_all(&current);
+            tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+            let Some(best) = tried.iter().position(|rival| self.disqualified(rival).is_none()) else { break };
+            if !self.worthwhile(&current, &tried[best], &found.chain[0]) {
+                found.partial = self.partial(&current, &tried);
+                break;
+            }
+            let chosen = tried.remove(best);
+            if let Some(with_detents) = self.as_detent(&chosen) {
+                // The first torque that repeats with the angle is the detents, which the model's base lacked.
+                found.chain.pop();
+                found.chain.push(with_detents);
+                continue;
+            }
+            self.say(Progress::Added {
+                effect: name(&chosen),
+                heldout_over_floor: chosen.heldout_rms_mnm / self.floors(&chosen.structure)[1],
+            });
+            found.chain.push(chosen);
+            found.rivals.push(tried);
+        }
+        found
+    }
+
+    fn say(&self, progress: Progress) {
+        if let Some(progress_to) = self.options.progress {
+            progress_to(progress);
+        }
+    }
+
+    /// Whether an effect more explains enough, surely enough.
+    fn worthwhile(&self, before: &Judged, after: &Judged, first: &Judged) -> bool {
+        let floor = self.floors(&after.structure)[1];
+        let closed = self.excess(before) - self.excess(after);
+        after.evidence - before.evidence > EVIDENCE
+            && after.steadily_better_than(before) > STEADY
+            && after.heldout_rms_mnm < before.heldout_rms_mnm
+            && closed > WORTHWHILE * self.excess(before)
+            && closed > SMALLEST * floor * floor
+            && closed > UNEXPLAINED * UNEXPLAINED * self.excess(first)
+    }
+
+    /// The best fit with each effect of the catalogue more, on both cores.
+    fn try_all(&self, current: &Judged) -> Vec<Judged> {
+        let kinds = hypotheses::candidates(&current.structure);
+        if current.structure.is_coupled() {
+            return hypotheses::beside_coupling(&kinds, &current.structure, self.train, self.heldout);
+        }
+        let (coupled, separable): (Vec<&EffectKind>, Vec<&EffectKind>) =
+            kinds.iter().partition(|kind| matches!(kind.part, Part::Coupling(_)));
+        let base = Separable::new(current.structure.clone(), self.train);
+        let of = kinds.len();
+        let done = AtomicUsize::new(0);
+        let say = |kind: &EffectKind| {
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            self.say(Progress::Tried { effect: kind.name, done, of });
+        };
+        let mut tried = on_both_cores(&separable, |kind| {
+            let judged = hypotheses::separable(kind, &base, self.heldout);
+            say(kind);
+            judged
+        });
+        let floors = |judged: &Judged| judged.train_rms_mnm / self.floors(&judged.structure)[0];
+        if floors(current) > CLOSED && tried.iter().all(|judged| floors(judged) > CLOSED) {
+            tried.extend(on_both_cores(&coupled, |kind| {
+                let judged = hypotheses::coupled(kind, &current.structure, self.train, self.heldout);
+                say(kind);
+                judged
+            }));
+        }
+        tried
+    }
+
+    /// Why the last effect cannot be the one, if so.
+    fn disqualified(&self, judged: &Judged) -> Option<String> {
+        Nonlinear::on_bound(&judged.structure, self.train)
+            .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
+    }
+
+    /// The same with the last effect taken for detents, if it is a periodic torque and there are none yet.
+    fn as_detent(&self, judged: &Judged) -> Option<Judged> {
+        let effect = judged.structure.effects.last()?;
+        let is_periodic = effect.kind().name == effects::cogging::KIND.name;
+        if !is_periodic || judged.structure.position(effects::detent::KIND.name).is_some() {
+            return None;
+        }
+        let [amplitude, per_turn, phase] = *effect.values() else { return None };
+        let detent = Effect::new(&effects::detent::KIND, &[amplitude, 1.0 / per_turn, phase]);
+        let base = judged.structure.without(judged.structure.effects.len() - 1);
+        Some(self.settled(base.with(detent, 2)))
+    }
+
+    /// What explains some of the rest without being worth a name.
+    fn partial(&self, current: &Judged, tried: &[Judged]) -> Vec<Partial> {
+        let gap = self.excess(current);
+        let each = tried.iter().filter(|judged| judged.evidence - current.evidence > EVIDENCE).map(|judged| Partial {
+            effect: name(judged),
+            explains_percent: 100.0 * (gap - self.excess(judged)) / gap,
+        });
+        each.filter(|partial| partial.explains_percent > 5.0).collect()
+    }
+
+    /// Takes out again what later effects have made superfluous.
+    fn eliminate(&self, found: &mut Found) {
+        let mut step = 0;
+        while step + 1 < found.rivals.len() {
+            let Some(last) = found.chain.last().cloned() else { return };
+            let Some(index) = last.structure.position(name(&found.chain[step + 1])) else { return };
+            let without = self.settled(last.structure.without(index));
+            if self.worthwhile(&without, &last, &found.chain[0]) {
+                step += 1;
+                continue;
+            }
+            // The chain is made anew without it.
+            let removed = name(&found.chain[step + 1]);
+            found.chain.remove(step + 1);
+            found.rivals.remove(step);
+            for later in &mut found.chain[step + 1..] {
+                if let Some(index) = later.structure.position(removed) {
+                    *later = self.settled(later.structure.without(index));
+                }
+            }
+            step = 0;
+        }
+    }
+
+    fn report(&self, found: &Found, heldout_is_own: bool) -> Diagnosis {
+        let (first, last) = (&found.chain[0], found.chain.last().unwrap_or(&found.chain[0]));
+        let floors = self.floors(&last.structure);
+        let left = (last.heldout_rms_mnm / floors[1]).min(last.train_rms_mnm / floors[0]);
+        let unexplained = (self.excess(last).max(0.0) / self.excess(first).max(f64::MIN_POSITIVE)).sqrt();
+        let verdict = if left > LEFT && unexplained > UNEXPLAINED {
+            Verdict::OutsideLibrary
+        } else if found.rivals.is_empty() {
+            Verdict::None
+        } else {
+            Verdict::Effects
+        };
+        let values = intervals::of(&last.structure, self.train);
+        let steps: Vec<Step> = found
+            .rivals
+            .iter()
+            .enumerate()
+            .map(|(index, rivals)| self.step(&found.chain[index], &found.chain[index + 1], rivals, last, &values))
+            .collect();
+        let mut partial = found.partial.clone();
+        let mut effects = self.strongest_first(&last.structure, &steps);
+        if verdict == Verdict::OutsideLibrary {
+            let gap = self.excess(first);
+            let added = found.chain.windows(2).map(|pair| Partial {
+                effect: name(&pair[1]),
+                explains_percent: 100.0 * (self.excess(&pair[0]) - self.excess(&pair[1])) / gap,
+            });
+            partial.splice(0..0, added);
+            effects.clear();
+        }
+        let next_experiment =
+            steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
+                let tied = rivals.iter().find(|rival| step.ties.contains(&name(rival)))?;
+                experiment::next([name(chosen), name(tied)], [&chosen.structure, &tied.structure], self.train)
+            });
+        let mut diagnosis = Diagnosis {
+            verdict,
+            effects,
+            summary: String::new(),
+            train_rms_before: first.train_rms_mnm,
+            train_rms_after: last.train_rms_mnm,
+            heldout_rms_before: first.heldout_rms_mnm,
+            heldout_rms_after: last.heldout_rms_mnm,
+            noise_floor_rms: floors[1],
+            heldout_relative_error_percent: [first, last].map(|judged| self.relative_error_percent(judged)),
+            steps,
+            partial,
+            locations: locate(&first.train_residual, &first.structure, self.train),
+            where_after: locate(&last.train_residual, &last.structure, self.train),
+            next_experiment,
+            heldout_is_own,
+            band_hz: self.train.band.edge_hz,
+            notes: Vec::new(),
+            model: last.structure.model(),
+            rows: rows::of(first, last, [self.train, self.heldout]),
+        };
+        diagnosis.summary = diagnosis.in_one_sentence();
+        if heldout_is_own {
+            diagnosis.notes.push(
+                "no held-out capture was given: stretches of the training capture were held out, which is weaker \
+                 evidence than another motion"
+                    .to_owned(),
+            );
+        }
+        diagnosis
+    }
+
+    fn relative_error_percent(&self, judged: &Judged) -> f64 {
+        let target = self.heldout.target(judged.structure.delay_s());
+        let square = |values: &[f64]| crate::least_squares::dot(values, values);
+        100.0 * (square(&judged.heldout_residual) / square(&target)).sqrt()
+    }
+
+    fn step(
+        &self,
+        before: &Judged,
+        after: &Judged,
+        rivals: &[Judged],
+        last: &Judged,
+        values: &[std::collections::BTreeMap<&'static str, super::diagnosis::Value>],
+    ) -> Step {
+        let effect = name(after);
+        let best = rivals.iter().map(|rival| rival.evidence).fold(after.evidence, f64::max);
+        let total: f64 = rivals.iter().chain([after]).map(|rival| (rival.evidence - best).exp()).sum();
+        let rival = |judged: &Judged| Rival {
+            effect: name(judged),
+            heldout_rms_after: judged.heldout_rms_mnm,
+            evidence: judged.evidence - before.evidence,
+            probability: (judged.evidence - best).exp() / total,
+            disqualified: self.disqualified(judged),
+        };
+        let tied = |judged: &&Judged| {
+            self.disqualified(judged).is_none()
+                && (after.evidence - judged.evidence < TIE || after.steadily_better_than(judged) < 2.0)
+                && self.worthwhile(before, judged, before)
+        };
+        Step {
+            effect,
+            parameters: last.structure.position(effect).map(|index| values[index].clone()).unwrap_or_default(),
+            train_rms_before: before.train_rms_mnm,
+            train_rms_after: after.train_rms_mnm,
+            heldout_rms_before: before.heldout_rms_mnm,
+            heldout_rms_after: after.heldout_rms_mnm,
+            evidence: after.evidence - before.evidence,
+            steadiness: after.steadily_better_than(before),
+            placebo_rms: placebo::rms_mnm(before, &after.structure, self.train, self.heldout),
+            ties: rivals.iter().filter(tied).map(name).collect(),
+            rivals: rivals.iter().map(rival).collect(),
+        }
+    }
+
+    /// The effects that were added, by the torque that each makes in the final model.
+    fn strongest_first(&self, structure: &Structure, steps: &[Step]) -> Vec<&'static str> {
+        let with = structure.model().readings_mnm(self.train.motions());
+        let mut sizes: Vec<(f64, &'static str)> = steps
+            .iter()
+            .filter_map(|step| {
+                let index = structure.position(step.effect)?;
+                let less = structure.without(index);
+                let without = less.model().readings_mnm(self.train.motions());
+                let delayed = self.train.target(structure.delay_s()).into_iter().zip(self.train.target(less.delay_s()));
+                let late: f64 = delayed.map(|(with, without)| (with - without).powi(2)).sum();
+                let difference: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
+                let rows = self.train.frame.rows(&difference);
+                Some((crate::least_squares::dot(&rows, &rows) + late, step.effect))
+            })
+            .collect();
+        sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sizes.into_iter().map(|(_, effect)| effect).collect()
+    }
+}
+
+/// The effect that a structure has more than the one before.
+fn name(judged: &Judged) -> &'static str {
+    judged.structure.effects.last().map_or("", |effect| effect.kind().name)
+}
+
+/// Applies `work` to every item, two at a time; what gives `None` is left out.
+fn on_both_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Option<R> + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let worker = || {
+        let mut results = Vec::new();
+        while let Some(item) = items.get(next.fetch_add(1, Ordering::Relaxed)) {
+            results.extend(work(item));
+        }
+        results
+    };
+    std::thread::scope(|scope| {
+        let other = scope.spawn(worker);
+        let mut results = worker();
+        match other.join() {
+            Ok(more) => results.extend(more),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+        results
+    })
+}

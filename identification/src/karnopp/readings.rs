@@ -1,0 +1,85 @@
+//! Several readings of one quantity: their mean and its interval.
+
+use dynamics::{Minimum, ParameterKind};
+
+use crate::estimate::Parameter;
+
+use super::slide::to_f64;
+
+/// Fewest readings from which a value is given.
+pub(super) const FEWEST: usize = 3;
+/// Two-sided 95 % of a normal distribution, in standard deviations.
+const NORMAL_95: f64 = 1.959_964;
+
+/// Readings of one quantity.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Readings {
+    values: Vec<f64>,
+    /// The same read in another way.
+    others: Vec<f64>,
+}
+
+impl Readings {
+    pub(super) fn push(&mut self, value: f64, other: f64) {
+        self.values.push(value);
+        self.others.push(other);
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Mean and interval; `why` says why there is none.
+    ///
+    /// The readings' scatter counts with Student's quantile. What the way of reading does to all of them alike the mean
+    /// does not take off: the means of both ways differ by it, and it counts as an error anywhere between plus and
+    /// minus that difference, whose standard deviation is a √3-th of it (Guide to the Expression of Uncertainty in
+    /// Measurement, 4.3.7). The textbook's interval is the scatter alone.
+    pub(super) fn parameter(&self, kind: &ParameterKind, why: impl FnOnce() -> String) -> Parameter {
+        if self.count() < FEWEST {
+            return Parameter::untold(kind.name, kind.unit, why());
+        }
+        let count = to_f64(self.count());
+        let value = self.values.iter().sum::<f64>() / count;
+        let squares: f64 = self.values.iter().map(|reading| (reading - value).powi(2)).sum();
+        let scatter = student_95(count - 1.0) * (squares / (count - 1.0) / count).sqrt();
+        let difference = self.others.iter().sum::<f64>() / count - value;
+        let half = scatter.hypot(NORMAL_95 * difference / 3.0_f64.sqrt());
+        let lowest = if kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };
+        let interval = |half: f64| [(value - half).max(lowest), value + half];
+        Parameter {
+            name: kind.name,
+            value: Some(value.max(lowest)),
+            unit: kind.unit,
+            ci95: Some(interval(half)),
+            ci95_textbook: Some(interval(scatter)),
+            reason: None,
+        }
+    }
+}
+
+/// Two-sided 95 % of Student's distribution, by its expansion about the normal one (Abramowitz and Stegun 26.7.5);
+/// 1 % short for two degrees of freedom, better for more.
+pub(crate) fn student_95(freedom: f64) -> f64 {
+    let z = NORMAL_95;
+    let terms = [
+        (z.powi(3) + z) / 4.0,
+        (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0,
+        (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0,
+        (79.0 * z.powi(9) + 776.0 * z.powi(7) + 1482.0 * z.powi(5) - 1920.0 * z.powi(3) - 945.0 * z) / 92160.0,
+    ];
+    terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom) + z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::student_95;
+
+    #[test]
+    fn quantiles_are_those_of_the_tables() {
+        for (freedom, quantile, tolerance) in [(2.0, 4.303, 0.05), (5.0, 2.571, 0.002), (30.0, 2.042, 0.001)] {
+            let found = student_95(freedom);
+            assert!((found - quantile).abs() < tolerance, "{found} for {freedom} degrees of freedom");
+        }
+    }
+}

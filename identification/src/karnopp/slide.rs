@@ -1,0 +1,194 @@
+//! A knob that starts from rest or comes to rest: the instant, from the motion.
+//!
+//! Away from its rest the knob obeys M·θ̈ = τ − friction − detents. The torque is measured and everything else is fitted
+//! already, so a trajectory from rest has one unknown, the instant at which it leaves, and one that ends in rest has
+//! a second, the speed with which it arrives. Both follow from the encoder by least squares: the speed and the angle at
+//! rest are linear in it, the instant is searched.
+
+use std::ops::Range;
+
+use dynamics::{Direction, Effect, Motion, Part};
+
+/// Rounds of golden section that narrow the instant from two samples to about a thousandth of one.
+const ROUNDS: u32 = 16;
+/// 1 − 1/φ.
+const GOLDEN: f64 = 0.381_966;
+/// A trajectory fits if what remains is at most this many standard deviations of the angle's noise.
+const FITS: f64 = 2.0;
+/// Share of the distance moved that the fitted model may lack.
+const LACKING: f64 = 1e-3;
+/// A knob that moved less than this many standard deviations cannot be timed.
+const MOVED: f64 = 20.0;
+
+/// What knob and sensors did.
+pub(super) struct Slide<'a> {
+    /// Angle of the knob, not filtered, rad.
+    pub(super) angle_rad: &'a [f64],
+    /// Standard deviation of its noise, rad.
+    pub(super) noise_rad: f64,
+    /// Torque on the knob, its delay taken out, mNm.
+    pub(super) torque_mnm: &'a [f64],
+    /// What was fitted.
+    pub(super) effects: &'a [Effect],
+    pub(super) rate_hz: f64,
+}
+
+/// The border between rest and sliding.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Border {
+    /// In samples since the start of the capture.
+    pub(super) instant: f64,
+    /// Direction of sliding.
+    pub(super) direction: Direction,
+    /// Speed at the border, zero for a breakaway, rad/s.
+    pub(super) speed_rad_s: f64,
+    /// Angle at rest, rad.
+    pub(super) rest_rad: f64,
+    /// Acceleration of the sliding knob at the border, a magnitude, rad/s².
+    pub(super) acceleration_rad_s2: f64,
+}
+
+/// On which side of the border the knob slides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// Before it: the knob comes to rest.
+    Before,
+    /// After it: the knob breaks away from rest.
+    After,
+}
+
+/// A trial of one instant.
+struct Trial {
+    squares: f64,
+    border: Border,
+}
+
+impl Slide<'_> {
+    /// The border near one end of a rest; `None` where the knob creeps, is stopped by something else, or the capture ends.
+    ///
+    /// `window` samples on either side of that end are looked at.
+    pub(super) fn border(&self, rest: &Range<usize>, side: Side, window: usize) -> Option<Border> {
+        let end = if side == Side::After { rest.end.checked_sub(1)? } else { rest.start };
+        let (first, last) = (end.checked_sub(window)?, end + window);
+        if last + 1 >= self.angle_rad.len() {
+            return None;
+        }
+        let (inside, outside) = if side == Side::After { (first, last) } else { (last, first) };
+        let moved_rad = self.angle_rad[outside] - self.angle_rad[inside];
+        if moved_rad.abs() < MOVED * self.noise_rad || moved_rad == 0.0 {
+            return None;
+        }
+        let direction = Direction::of(if side == Side::After { moved_rad } else { -moved_rad });
+        let trial = |instant: f64| self.trial(instant, first..last + 1, side, direction);
+        // An angle that is still within the noise may have left some time ago.
+        let best = (first + window / 4..=last - window / 4)
+            .map(|index| (index, trial(to_f64(index)).squares))
+            .min_by(|a, b| a.1.total_cmp(&b.1))?
+            .0;
+        let (mut low, mut high) = (to_f64(best) - 1.0, to_f64(best) + 1.0);
+        for _ in 0..ROUNDS {
+            let (left, right) = (low + GOLDEN * (high - low), high - GOLDEN * (high - low));
+            if trial(left).squares <= trial(right).squares {
+                high = right;
+            } else {
+                low = left;
+            }
+        }
+        let Trial { squares, border } = trial(0.5 * (low + high));
+        let rms_rad = (squares / to_f64(last + 1 - first)).sqrt();
+        let limit_rad = FITS * self.noise_rad + LACKING * moved_rad.abs();
+        let near = (0.5 * (low + high)).round().max(0.0);
+        let at = Motion { angle_rad: border.rest_rad, ..Motion::default() };
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index within the window")]
+        let acceleration_rad_s2 = self.acceleration_rad_s2(self.torque_mnm[near as usize], &at, direction).abs();
+        (rms_rad <= limit_rad).then_some(Border { acceleration_rad_s2, ..border })
+    }
+
+    /// Least squares for angle at rest and speed with the instant given.
+    fn trial(&self, instant: f64, window: Range<usize>, side: Side, direction: Direction) -> Trial {
+        let displacement = self.displacement(instant, &window, side, direction);
+        let count = to_f64(window.len());
+        let left: Vec<f64> =
+            window.clone().zip(&displacement).map(|(index, moved)| self.angle_rad[index] - moved).collect();
+        let mean = left.iter().sum::<f64>() / count;
+        let total: f64 = left.iter().map(|value| (value - mean).powi(2)).sum();
+        let mut border = Border { instant, direction, speed_rad_s: 0.0, rest_rad: mean, acceleration_rad_s2: 0.0 };
+        if side == Side::After {
+            return Trial { squares: total, border };
+        }
+        let since: Vec<f64> = window.map(|index| (to_f64(index) - instant).min(0.0) / self.rate_hz).collect();
+        let since_mean = since.iter().sum::<f64>() / count;
+        let square: f64 = since.iter().map(|value| (value - since_mean).powi(2)).sum();
+        let product: f64 = since.iter().zip(&left).map(|(time, value)| (time - since_mean) * (value - mean)).sum();
+        if square > 0.0 {
+            let slope = product / square;
+            border.speed_rad_s = slope * direction.sign();
+            border.rest_rad = mean - slope * since_mean;
+        }
+        Trial { squares: total - if square > 0.0 { product * product / square } else { 0.0 }, border }
+    }
+
+    /// Distance from rest at every sample of the window for a knob that slides from or up to `instant`, speed zero there.
+    fn displacement(&self, instant: f64, window: &Range<usize>, side: Side, direction: Direction) -> Vec<f64> {
+        let mut displacement = vec![0.0; window.len()];
+        let mut indices: Vec<usize> = window.clone().collect();
+        if side == Side::Before {
+            indices.reverse();
+        }
+        let beyond =
+            |index: &usize| if side == Side::After { to_f64(*index) > instant } else { to_f64(*index) < instant };
+        let whole = indices.iter().copied().find(beyond);
+        let Some(first) = whole else { return displacement };
+        let neighbour = if side == Side::After { first.saturating_sub(1) } else { first + 1 };
+        let share = (instant - to_f64(first)).abs();
+        let mut at = Motion { angle_rad: self.angle_rad[neighbour], ..Motion::default() };
+        let rest_rad = at.angle_rad;
+        let mut time = instant;
+        let mut torque = self.torque_mnm[first] + share * (self.torque_mnm[neighbour] - self.torque_mnm[first]);
+        for index in indices.into_iter().filter(beyond) {
+            let step_s = (to_f64(index) - time) / self.rate_hz;
+            let next = self.torque_mnm[index];
+            let before = self.acceleration_rad_s2(torque, &at, direction);
+            let ahead = Motion {
+                angle_rad: at.angle_rad + step_s * (at.velocity_rad_s + 0.5 * step_s * before),
+                velocity_rad_s: at.velocity_rad_s + step_s * before,
+                ..at
+            };
+            let after = self.acceleration_rad_s2(next, &ahead, direction);
+            // Exact for an acceleration that changes along a straight line.
+            at.angle_rad += step_s * (at.velocity_rad_s + step_s * (2.0 * before + after) / 6.0);
+            at.velocity_rad_s += 0.5 * step_s * (before + after);
+            displacement[index - window.start] = at.angle_rad - rest_rad;
+            (time, torque) = (to_f64(index), next);
+        }
+        displacement
+    }
+
+    fn acceleration_rad_s2(&self, torque_mnm: f64, at: &Motion, direction: Direction) -> f64 {
+        let (mut inertia, mut taken_mnm) = (0.0, 0.0);
+        for effect in self.effects {
+            match effect.kind().part {
+                Part::Inertia(of) => inertia += of(effect.values()),
+                Part::Torque(torque) => taken_mnm += torque(effect.values(), at),
+                Part::Friction(torque) => taken_mnm += torque(effect.values(), at, direction),
+                Part::Stick(_) => {}
+            }
+        }
+        (torque_mnm - taken_mnm) / inertia
+    }
+
+    /// Torque of the angle alone (detents), mNm.
+    pub(super) fn angle_torque_mnm(&self, angle_rad: f64) -> f64 {
+        let at = Motion { angle_rad, ..Motion::default() };
+        let torque = |effect: &Effect| match effect.kind().part {
+            Part::Torque(torque) => torque(effect.values(), &at),
+            Part::Inertia(_) | Part::Friction(_) | Part::Stick(_) => 0.0,
+        };
+        self.effects.iter().map(torque).sum()
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "an index of a sample")]
+pub(super) fn to_f64(index: usize) -> f64 {
+    index as f64
+}

@@ -1,0 +1,108 @@
+//! `diagnose`: what a model lacks.
+
+use comfy_table::Table;
+use dynamics::Model;
+use identification::diagnosis::{DiagnoseOptions, Diagnosis, Progress, diagnose};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::command_line;
+use crate::fit::{to_output, write, write_json};
+use crate::load::LoadedCapture;
+use crate::outcome::{Outcome, say};
+
+/// Diagnoses a capture and writes what was asked for.
+///
+/// # Errors
+/// One sentence on why no verdict would be worth anything, or what is wrong with a file.
+pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
+    let train = LoadedCapture::load(&options.train)?;
+    let heldout = options.heldout.as_deref().map(LoadedCapture::load).transpose()?;
+    let model = options.model.as_deref().map(Model::load).transpose()?;
+    let bar = progress_bar();
+    let progress = |progress: Progress| show_progress(&bar, progress);
+    let asked = DiagnoseOptions { calibration: train.calibration.clone(), model, progress: Some(&progress) };
+    let samples = heldout.as_ref().map(LoadedCapture::samples);
+    let found = diagnose(&train.samples(), samples.as_ref(), &asked);
+    bar.finish_and_clear();
+    let found = found?;
+    if !to_output(options.json.as_deref()) {
+        show(&found);
+    }
+    write_json(options.json.as_deref(), &found)?;
+    if let Some(path) = &options.out {
+        let model = Model {
+            name: train.title(),
+            description: format!("diagnosed from {}: {}", options.train.display(), found.summary),
+            effects: found.model.effects.clone(),
+        };
+        write(path, &model.to_toml())?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn progress_bar() -> ProgressBar {
+    let style =
+        ProgressStyle::with_template("{bar:24} {pos}/{len} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(1).with_style(style)
+}
+
+fn show_progress(bar: &ProgressBar, progress: Progress) {
+    match progress {
+        Progress::Tried { effect, done, of } => {
+            bar.set_length(of as u64);
+            bar.set_position(done as u64);
+            bar.set_message(effect);
+        }
+        Progress::Added { effect, heldout_over_floor } => {
+            bar.println(format!("added {effect}: {heldout_over_floor:.2} times the noise is left"));
+        }
+    }
+}
+
+/// Prints the diagnosis for people.
+fn show(found: &Diagnosis) {
+    say(&found.summary);
+    if !found.steps.is_empty() {
+        let mut table = Table::new();
+        table.load_preset(comfy_table::presets::UTF8_HORIZONTAL_ONLY);
+        table.set_header(["added", "held-out RMS before", "after", "placebo", "closest rival"]);
+        for step in &found.steps {
+            let rival = step
+                .rivals
+                .first()
+                .map_or_else(String::new, |rival| format!("{} {:.3}", rival.effect, rival.heldout_rms_after));
+            table.add_row([
+                step.effect.to_owned(),
+                format!("{:.3} mNm", step.heldout_rms_before),
+                format!("{:.3}", step.heldout_rms_after),
+                format!("{:.3}", step.placebo_rms),
+                rival,
+            ]);
+        }
+        say(table);
+        for step in &found.steps {
+            for (name, value) in &step.parameters {
+                let interval =
+                    value.ci95.map_or_else(String::new, |[low, high]| format!("  95 % [{low:.4}, {high:.4}]"));
+                say(format!("  {name} = {:.5} {}{interval}", value.value, value.unit));
+            }
+        }
+    }
+    let significant: Vec<String> = found
+        .locations
+        .iter()
+        .filter(|location| location.significant)
+        .take(3)
+        .map(|location| format!("{} ({:.0} %)", location.coordinate, location.explained_percent))
+        .collect();
+    if !significant.is_empty() {
+        say(format!("The first model's gap goes with {}.", significant.join(", ")));
+    }
+    for partial in &found.partial {
+        say(format!("- {} explains {:.0} % of it", partial.effect, partial.explains_percent));
+    }
+    if let Some(next) = &found.next_experiment {
+        say(format!("To tell {} from {}: {}.", next.tells_apart[0], next.tells_apart[1], next.reason));
+    }
+    found.notes.iter().for_each(|note| say(format!("- {note}")));
+}
