@@ -93,6 +93,8 @@ fn pair(draw: &mut Draw) -> Vec<&'static str> {
 const TRIES: usize = 60;
 /// A pair of effects is drawn anew so often.
 const TRIES_PER_PAIR: usize = 12;
+/// The held-out capture must show an effect of at least this part of its size in the training capture.
+const LEAST_HELD_OUT: f64 = 0.25;
 
 impl Capture {
     /// Capture `index` of the run that `seed` decides, hiding what `asked` says (see [`hidden`]) at `strength`.
@@ -184,7 +186,11 @@ impl Bench {
             effects.push(bench.scaled(effect, target)?);
         }
         if !effects.is_empty() {
-            bench.effect_rms_mnm = bench.unexplained(&effects);
+            bench.effect_rms_mnm = bench.unexplained(&effects, 0);
+            // What the held-out motion does not stir cannot be judged on it: a stop not met, a range not reached.
+            if bench.unexplained(&effects, 1) < LEAST_HELD_OUT * bench.effect_rms_mnm {
+                return None;
+            }
         }
         bench.effects = effects;
         Some(bench)
@@ -195,7 +201,7 @@ impl Bench {
         let [weakest, strongest] = effect.size_limits().map(f64::ln);
         let mut rms_at = |size: f64| {
             effect.size = size.exp();
-            self.unexplained(std::slice::from_ref(&effect))
+            self.unexplained(std::slice::from_ref(&effect), 0)
         };
         let least = rms_at(weakest);
         if least.is_nan() || least > target {
@@ -217,9 +223,9 @@ impl Bench {
         ((rms / target - 1.0).abs() < 0.1).then_some(effect)
     }
 
-    fn unexplained(&self, effects: &[Effect]) -> f64 {
-        let duration_s = self.conditions.durations_s[0];
-        let course = run(self.rig, &self.knob, effects, &self.motions[0], duration_s, 0);
+    fn unexplained(&self, effects: &[Effect], which: usize) -> f64 {
+        let duration_s = self.conditions.durations_s[which];
+        let course = run(self.rig, &self.knob, effects, &self.motions[which], duration_s, which);
         let samples = ideal(&course, effects, self.conditions.rate_hz, duration_s);
         unexplained_rms(&sliding(&samples, self.conditions.rate_hz), self.knob.detent_period)
     }
