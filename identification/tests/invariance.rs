@@ -8,9 +8,9 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
+use common::{Capture, Uniform, ideal, knob, sweep};
 use dynamics::{Effect, EffectKind, Minimum, ParameterKind, Part, Regressors};
 use identification::{Fit, FitOptions, fit};
-use common::{Capture, Uniform, ideal, knob, sweep};
 
 const SEEDS: u64 = 30;
 /// Largest difference between two answers that are the same, in half widths of the 95 % interval.

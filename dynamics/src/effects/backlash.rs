@@ -53,7 +53,7 @@ pub static KIND: EffectKind = EffectKind {
                 range: |scene| {
                     Some(((5.0 * scene.angle_step_rad).max(1e-5 * scene.travel_rad()), 0.1 * scene.travel_rad()))
                 },
-                starts: |_| 5,
+                starts: |_| 8,
                 logarithmic: true,
                 same_as: None,
             },
@@ -71,7 +71,7 @@ pub static KIND: EffectKind = EffectKind {
             },
             Search {
                 parameter: 3,
-                range: |scene| Some((1e-3 * TAU * 20.0 * scene.inertia, TAU * 200.0 * scene.inertia)),
+                range: |scene| Some((TAU * 1.0 * scene.inertia, TAU * 500.0 * scene.inertia)),
                 starts: |_| 1,
                 logarithmic: true,
                 same_as: None,

@@ -19,7 +19,7 @@ pub static KIND: EffectKind = EffectKind {
     hypothesis: Some(Hypothesis {
         searched: &[Search {
             parameter: 0,
-            range: |scene| Some((0.25 * scene.sample_s, 0.02_f64.max(20.0 * scene.sample_s))),
+            range: |scene| Some((0.5 * scene.sample_s, 0.02_f64.max(20.0 * scene.sample_s))),
             starts: |_| 12,
             logarithmic: true,
             same_as: None,

@@ -47,7 +47,7 @@ pub static KIND: EffectKind = EffectKind {
             },
             Search {
                 parameter: 1,
-                range: |scene| Some((1e-3 * TAU * 20.0 * scene.inertia, TAU * 200.0 * scene.inertia)),
+                range: |scene| Some((TAU * 1.0 * scene.inertia, TAU * 500.0 * scene.inertia)),
                 starts: |_| 1,
                 logarithmic: true,
                 same_as: None,

@@ -1,22 +1,33 @@
 //! A capture made ready: motion, torque, the rows in which they are compared, and the noise that is left in these.
 
+use std::f64::consts::{PI, TAU};
+
 use dynamics::{Calibration, Motion, Scene};
+
+use rand_distr::{Distribution as _, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng as _;
 
 use super::structure::Structure;
 use crate::frame::Frame;
+use crate::least_squares::dot;
 use crate::motion::{Band, KnobMotion, gradient, rms};
 use crate::options::AccelerationUse;
 use crate::samples::{FitError, Samples, span};
 use crate::sensor_noise::SensorNoise;
-use crate::spectrum::quantile;
+use crate::spectrum::{median, quantile};
 use crate::uniform::Uniform;
 
 /// Upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
 const EDGE_HZ: f64 = 200.0;
 /// The edge is at most this share of the sample rate.
 const WIDEST: f64 = 0.1;
+/// Skew allowed between torque and motion, in samples.
+const SKEW_SAMPLES: f64 = 0.5;
 /// Shortest rest that tells the noise, s.
 const REST_S: f64 = 0.08;
+/// Parts of the rows' spectrum over which medians are taken, in cycles per row; the band ends at two fifths.
+const REST_PARTS: [f64; 5] = [0.0, 0.08, 0.18, 0.3, 0.5];
 /// Fewest rows at rest from which the noise in the band is believed.
 const REST_ROWS: usize = 40;
 
@@ -112,6 +123,11 @@ impl Capture {
         Ok(capture)
     }
 
+    /// Skew allowed between torque and motion, s: clocks and conversions differ by less.
+    pub(crate) fn largest_skew_s(&self) -> f64 {
+        SKEW_SAMPLES / self.rate_hz
+    }
+
     /// The edge up to which a capture of this rate is compared, Hz.
     pub(crate) fn widest_edge_hz() -> f64 {
         EDGE_HZ
@@ -120,6 +136,35 @@ impl Capture {
     /// RMS of the residual that noise alone leaves beside a knob of this inertia, mNm.
     pub(crate) fn floor_mnm(&self, inertia: f64) -> f64 {
         self.torque_noise_mnm.hypot(inertia * self.acceleration_noise_rad_s2)
+    }
+
+    /// RMS in the rows of what the angle's noise makes of a simulation that the angle drives, mNm: the simulation with
+    /// as much noise again, against the one without.
+    pub(crate) fn driven_noise_mnm(&self, structure: &Structure) -> f64 {
+        let deviation = (self.motion.angle_density * 0.5 * self.rate_hz).sqrt();
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        let white: Vec<f64> = (0..self.motion.len())
+            .map(|_| {
+                let unit: f64 = StandardNormal.sample(&mut random);
+                deviation * unit
+            })
+            .collect();
+        let angle = self.motion.smoother(self.rate_hz).filter(&white);
+        let velocity = gradient(&angle, self.rate_hz);
+        let noisy: Vec<Motion> = self
+            .motions
+            .iter()
+            .zip(angle.iter().zip(&velocity))
+            .map(|(motion, (angle, velocity))| Motion {
+                angle_rad: motion.angle_rad + angle,
+                velocity_rad_s: motion.velocity_rad_s + velocity,
+                ..*motion
+            })
+            .collect();
+        let model = structure.model();
+        let [here, there] = [&self.motions, &noisy].map(|motions| self.frame.rows(&model.readings_mnm(motions)));
+        let difference: Vec<f64> = here.iter().zip(&there).map(|(here, there)| here - there).collect();
+        (dot(&difference, &difference) / self.weight).sqrt()
     }
 
     /// The motion at every sample.
@@ -188,9 +233,10 @@ impl Capture {
     }
 }
 
-/// RMS in the rows of the torque while the knob rests, slow changes apart; `None` if it hardly ever does.
+/// RMS in the rows of the torque's noise while the knob rests; `None` if it hardly ever does.
 ///
-/// A sensor's noise need not be white: what its upper end says of the band below may be wrong, a rest is not.
+/// A sensor's noise need not be white: what its upper end says of the band below may be wrong, a rest is not. Medians
+/// over parts of the band leave out lines such as hum, which are no noise.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -200,7 +246,9 @@ impl Capture {
 fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_mnm: &[f64]) -> Option<f64> {
     let shortest = (REST_S * uniform.rate_hz) as usize + 2 * frame.fir.half_length();
     let resting = |index: usize| motion.velocity_rad_s[index].abs() <= frame.threshold_rad_s && uniform.present[index];
-    let (mut squares, mut count, mut freedom) = (0.0, 0, 0.0);
+    // Frequency in cycles per row, and density in mean squares per cycle.
+    let mut lines: Vec<[f64; 2]> = Vec::new();
+    let mut count = 0;
     let mut start = 0;
     for end in 0..=motion.len() {
         if end < motion.len() && resting(end) {
@@ -213,15 +261,41 @@ fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_m
         }
         let rows = frame.fir.decimate(&torque_mnm[settled.clone()], frame.step);
         let margin = frame.fir.half_length().div_ceil(frame.step);
-        let inner = rows.get(margin..rows.len().saturating_sub(margin)).unwrap_or(&[]);
+        let mut inner = rows.get(margin..rows.len().saturating_sub(margin)).unwrap_or(&[]).to_vec();
         // What holds the knob changes slowly.
-        let mut left = inner.to_vec();
-        remove_parabola(&mut left);
-        squares += left.iter().map(|value| value * value).sum::<f64>();
-        count += left.len();
-        freedom += (left.len() as f64 - 3.0).max(0.0);
+        remove_parabola(&mut inner);
+        lines.extend(periodogram(&inner));
+        count += inner.len();
     }
-    (count >= REST_ROWS).then(|| (squares / freedom).sqrt())
+    if count < REST_ROWS {
+        return None;
+    }
+    let parts = REST_PARTS.windows(2).map(|edges| {
+        let mut part: Vec<f64> =
+            lines.iter().filter(|[at, _]| (edges[0]..edges[1]).contains(at)).map(|[_, density]| *density).collect();
+        // The median of squares of two normal numbers is ln 2 of their mean.
+        (edges[1] - edges[0]) * median(&mut part) / std::f64::consts::LN_2
+    });
+    Some(parts.sum::<f64>().sqrt())
+}
+
+/// Densities at whole numbers of cycles, the lowest apart, through Hann's window.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+fn periodogram(rows: &[f64]) -> Vec<[f64; 2]> {
+    let count = rows.len() as f64;
+    let windowed: Vec<f64> =
+        rows.iter().enumerate().map(|(index, row)| row * (PI * (index as f64 + 0.5) / count).sin().powi(2)).collect();
+    let line = |cycles: usize| {
+        let turn = TAU * cycles as f64 / count;
+        let (mut sine, mut cosine) = (0.0, 0.0);
+        for (index, value) in windowed.iter().enumerate() {
+            let (s, c) = (turn * index as f64).sin_cos();
+            (sine, cosine) = (sine + s * value, cosine + c * value);
+        }
+        // One-sided; Hann's window passes 3/8 of the power.
+        [cycles as f64 / count, 2.0 * (sine * sine + cosine * cosine) / (0.375 * count)]
+    };
+    (2..rows.len() / 2).map(line).collect()
 }
 
 /// Takes the best parabola off evenly spaced values.

@@ -75,16 +75,21 @@ pub(crate) fn coupled(
     heldout: &Capture,
 ) -> Option<Judged> {
     let hypothesis = kind.hypothesis?;
-    let mut starts: Vec<(f64, Structure)> = grid(&hypothesis, &train.scene_of(base))?
+    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = grid(&hypothesis, &train.scene_of(base))?
         .iter()
         .map(|point| {
-            let structure = base.with(effect_at(kind, &hypothesis, point), 0);
-            (Nonlinear::new(structure.clone(), train).slow_squares(SLOW), structure)
+            // The skew that the structure needed without the coupling tells nothing.
+            let structure = Structure { skew_s: 0.0, ..base.with(effect_at(kind, &hypothesis, point), 0) };
+            let fit = Nonlinear::new(structure, train);
+            (fit.slow_squares(SLOW), fit.squares(), fit)
         })
         .collect();
+    // The best start on slow motion, and the best on the whole band among the others.
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let refined = starts.into_iter().take(REFINED).map(|(_, structure)| {
-        let mut fit = Nonlinear::new(structure, train);
+    if let Some(best) = (1..starts.len()).min_by(|a, b| starts[*a].1.total_cmp(&starts[*b].1)) {
+        starts.swap(1, best);
+    }
+    let refined = starts.into_iter().take(REFINED).map(|(_, _, mut fit)| {
         fit.refine(0);
         fit
     });

@@ -9,6 +9,10 @@ use crate::least_squares::dot;
 
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 24;
+/// Change of the logarithm of a stretch's mean square above which two structures differ there …
+const FELT: f64 = 0.02;
+/// … and fewest such stretches from which anything is concluded.
+const FEWEST_FELT: usize = 4;
 
 /// A structure with what it leaves of both captures.
 #[derive(Clone, Debug)]
@@ -52,31 +56,33 @@ impl Judged {
         }
     }
 
-    /// By how many standard errors this explains stretch after stretch of both captures better than `other`.
+    /// By how many standard errors this explains stretch after stretch of both captures better than `other`, among the
+    /// stretches in which the two differ at all: an end stop is not felt everywhere.
     pub(crate) fn steadily_better_than(&self, other: &Self) -> f64 {
         let mut gains = stretches(&other.train_residual, &self.train_residual);
         gains.extend(stretches(&other.heldout_residual, &self.heldout_residual));
-        standardised(&gains)
+        gains.retain(|gain| gain.abs() > FELT);
+        #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
+        let count = gains.len() as f64;
+        if gains.len() < FEWEST_FELT {
+            return 0.0;
+        }
+        let mean = gains.iter().sum::<f64>() / count;
+        let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
+        mean / variance.sqrt().max(f64::MIN_POSITIVE)
     }
-}
-
-fn standardised(gains: &[f64]) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
-    let count = gains.len() as f64;
-    let mean = gains.iter().sum::<f64>() / count;
-    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
-    mean / variance.sqrt().max(f64::MIN_POSITIVE)
 }
 
 /// By how much the logarithm of the mean square falls in each stretch.
 fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
     let length = before.len().div_ceil(BLOCKS).max(1);
     let square = |values: &[f64]| dot(values, values);
-    let total = square(before) / f64::from(u32::try_from(BLOCKS).unwrap_or(1));
+    // Stretches with hardly any rows must not weigh as much as whole ones.
+    let typical = 0.1 * square(before).min(square(after)) / f64::from(u32::try_from(BLOCKS).unwrap_or(1));
     before
         .chunks(length)
         .zip(after.chunks(length))
-        .map(|(before, after)| ((square(before) + 0.1 * total) / (square(after) + 0.1 * total)).ln())
+        .map(|(before, after)| ((square(before) + typical) / (square(after) + typical)).ln())
         .collect()
 }
 

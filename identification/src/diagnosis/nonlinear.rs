@@ -18,14 +18,15 @@ const BANDS: [(f64, usize); 3] = [(0.075, 6), (0.25, 8), (1.0, 14)];
 const DIFFERENCE: f64 = 1e-4;
 /// An improvement of the sum of squares below this share ends a band.
 const SETTLED: f64 = 1e-4;
+/// How far from a bound a fit is tried that stands on it, as a share of the range or, for ratios, of the value.
+const NEAR: f64 = 0.05;
 /// First damping, as a share of the diagonal.
 const DAMPING: f64 = 1e-3;
 
 /// A value that is fitted.
 #[derive(Clone, Copy, Debug)]
 struct Value {
-    effect: usize,
-    parameter: usize,
+    searched: Searched,
     least: f64,
     largest: f64,
     /// Size of a typical change.
@@ -105,21 +106,16 @@ impl<'a> Nonlinear<'a> {
     fn moved(&self, step: &[f64]) -> Structure {
         let mut moved = self.structure.clone();
         for (value, step) in self.values.iter().zip(step) {
-            let searched = Searched::Parameter {
-                effect: value.effect,
-                parameter: value.parameter,
-                range: (value.least, value.largest),
-            };
-            let now = moved.get(searched);
+            let now = moved.get(value.searched);
             let then = if value.logarithmic { now * step.clamp(-1.0, 1.0).exp() } else { now + step * value.scale };
-            moved.set(searched, then.clamp(value.least, value.largest));
+            moved.set(value.searched, then.clamp(value.least, value.largest));
         }
         moved
     }
 
     /// Which value a parameter is, if it is free.
     pub(crate) fn column_of(&self, effect: usize, parameter: usize) -> Option<usize> {
-        self.values.iter().position(|value| value.effect == effect && value.parameter == parameter)
+        self.values.iter().position(|value| value.searched.is(effect, parameter))
     }
 
     /// A value's interval from the half width of its step's.
@@ -135,22 +131,39 @@ impl<'a> Nonlinear<'a> {
     /// Rows of the derivatives by one effect's values.
     pub(crate) fn tangents_of(&self, effect: usize) -> Vec<Vec<f64>> {
         (0..self.values.len())
-            .filter(|index| self.values[*index].effect == effect)
+            .filter(|index| self.values[*index].searched.is_of(effect))
             .map(|index| self.tangent(index, 1.0))
             .collect()
     }
 
-    /// Whether a value of the last effect stands on the bound of its search; gives the parameter's name.
+    /// A value of the last effect that would go beyond the bound of its search if it could: the fit stands on the bound,
+    /// and on the near side of it the fit is clearly worse. Gives the parameter's name.
     pub(crate) fn on_bound(structure: &Structure, capture: &Capture) -> Option<&'static str> {
-        let effect = structure.effects.last()?;
+        let index = structure.effects.len().checked_sub(1)?;
+        let effect = structure.effects[index];
         let scene = capture.scene_of(structure);
         let searches = effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
+        let mut squares = None;
         let at_bound = searches.iter().filter(|search| search.same_as.is_none()).find(|search| {
+            let Some((least, largest)) = (search.range)(&scene) else { return false };
             let value = effect.values()[search.parameter];
-            (search.range)(&scene).is_some_and(|(least, largest)| {
-                let margin = if search.logarithmic { 1e-3 * value } else { 1e-3 * (largest - least) };
-                value <= least + margin || value >= largest - margin
-            })
+            let width = if search.logarithmic { value } else { largest - least };
+            let inward = if value <= least + 1e-3 * width {
+                NEAR * width
+            } else if value >= largest - 1e-3 * width {
+                -NEAR * width
+            } else {
+                return false;
+            };
+            let mut moved = structure.clone();
+            moved.effects[index].values_mut()[search.parameter] = value + inward;
+            let here = *squares.get_or_insert_with(|| {
+                let left = residual(structure, capture);
+                dot(&left, &left)
+            });
+            let left = residual(&moved, capture);
+            // Two log-likelihood units.
+            0.5 * capture.weight * (dot(&left, &left) / here).ln() > 2.0
         });
         at_bound.map(|search| effect.kind().parameters[search.parameter].name)
     }
@@ -174,7 +187,7 @@ impl<'a> Nonlinear<'a> {
         let mut step = vec![0.0; self.values.len()];
         step[index] = DIFFERENCE;
         let mut moved = self.moved(&step);
-        if moved.effects == self.structure.effects {
+        if moved.effects == self.structure.effects && moved.skew_s == self.structure.skew_s {
             // It stands at its upper bound.
             step[index] = -DIFFERENCE;
             moved = self.moved(&step);
@@ -222,12 +235,17 @@ fn values(structure: &Structure, capture: &Capture) -> Vec<Value> {
         let unused = kind.regressors.map_or(0, |regressors| regressors.columns - structure.columns[index]);
         for (parameter, parameter_kind) in kind.parameters.iter().enumerate() {
             let now = effect.values()[parameter];
+            let value = |range: (f64, f64), scale, logarithmic| Value {
+                searched: Searched::Parameter { effect: index, parameter, range },
+                least: range.0,
+                largest: range.1,
+                scale,
+                logarithmic,
+            };
             if let Some(search) = searches.iter().find(|search| search.parameter == parameter) {
-                let Some((least, largest)) = (search.range)(&scene).filter(|_| search.same_as.is_none()) else {
-                    continue;
-                };
-                let scale = 0.05 * (largest - least);
-                values.push(Value { effect: index, parameter, least, largest, scale, logarithmic: search.logarithmic });
+                if let Some(range) = (search.range)(&scene).filter(|_| search.same_as.is_none()) {
+                    values.push(value(range, 0.05 * (range.1 - range.0), search.logarithmic));
+                }
                 continue;
             }
             if parameter >= kind.parameters.len() - unused {
@@ -236,9 +254,18 @@ fn values(structure: &Structure, capture: &Capture) -> Vec<Value> {
             let positive = parameter_kind.minimum == Minimum::AboveZero;
             let least = if parameter_kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };
             let scale = if parameter_kind.unit == "rad" { 1.0 } else { now.abs().max(0.01 * scene.torque_rms_mnm) };
-            let logarithmic = positive && now > 0.0;
-            values.push(Value { effect: index, parameter, least, largest: f64::INFINITY, scale, logarithmic });
+            values.push(value((least, f64::INFINITY), scale, positive && now > 0.0));
         }
+    }
+    if structure.may_be_skewed(capture) {
+        let largest = capture.largest_skew_s();
+        values.push(Value {
+            searched: Searched::Skew,
+            least: -largest,
+            largest,
+            scale: 0.2 * largest,
+            logarithmic: false,
+        });
     }
     values
 }

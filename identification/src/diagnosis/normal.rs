@@ -21,8 +21,12 @@ pub(crate) fn solve(columns: &[&[f64]], target: &[f64], nonnegative: &[bool]) ->
         }
     }
     let right: Vec<f64> = columns.iter().zip(&scales).map(|(column, scale)| dot(column, target) / scale).collect();
-    let independent = independent(&gram);
-    let mut free: Vec<usize> = (0..count).filter(|index| independent[*index]).collect();
+    // Where columns are sums of each other, one that may have either sign is kept: it can do what the others may not.
+    let mut order: Vec<usize> = (0..count).filter(|index| !nonnegative[*index]).collect();
+    order.extend((0..count).filter(|index| nonnegative[*index]));
+    let ordered = DMatrix::from_fn(count, count, |row, column| gram[(order[row], order[column])]);
+    let kept = independent(&ordered);
+    let mut free: Vec<usize> = order.iter().zip(kept).filter(|(_, kept)| *kept).map(|(index, _)| *index).collect();
     loop {
         let part = DMatrix::from_fn(free.len(), free.len(), |row, column| gram[(free[row], free[column])]);
         let side = DVector::from_iterator(free.len(), free.iter().map(|index| right[*index]));

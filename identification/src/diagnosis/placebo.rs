@@ -13,8 +13,8 @@ const SHIFTS: [f64; 5] = [0.19, 0.31, 0.43, 0.61, 0.77];
 
 /// RMS left of the held-out capture when the residual is given as many columns as the effect has parameters, mNm: the
 /// derivatives of the effect's torque by its parameters, turned round in time. Median over several turns.
-pub(crate) fn rms_mnm(before: &Judged, after: &Structure, train: &Capture, heldout: &Capture) -> f64 {
-    let effect = after.effects.len() - 1;
+pub(crate) fn rms_mnm(effect: &str, before: &Judged, after: &Structure, train: &Capture, heldout: &Capture) -> f64 {
+    let Some(effect) = after.position(effect) else { return before.heldout_rms_mnm };
     let columns = |capture: &Capture| Nonlinear::new(after.clone(), capture).tangents_of(effect);
     let (train_columns, heldout_columns) = (columns(train), columns(heldout));
     let mut left: Vec<f64> = SHIFTS

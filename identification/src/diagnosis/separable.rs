@@ -11,8 +11,6 @@ use crate::least_squares::dot;
 const DIFFERENCE: f64 = 1e-5;
 /// A step that would take off less than this share of the sum of squares is not worth taking.
 const SETTLED: f64 = 1e-6;
-/// Skew allowed between torque and motion, in samples: clocks and conversions differ by less.
-const SKEW_SAMPLES: f64 = 0.25;
 /// Rounds in which friction and what modulates it are fitted in turn.
 const FACTOR_ROUNDS: usize = 2;
 
@@ -131,36 +129,44 @@ impl<'a> Separable<'a> {
             if before - dot(&left, &left) <= SETTLED * before {
                 break;
             }
-            let start: Vec<f64> = searched.iter().map(|which| self.structure.get(*which)).collect();
-            let mut share = 1.0;
-            let improved = loop {
-                let values: Vec<f64> = searched
-                    .iter()
-                    .zip(&start)
-                    .zip(&extended[linear..])
-                    .map(|((which, value), step)| self.limited(*which, *value, share * step))
-                    .collect();
-                self.set(&searched, &values);
-                if self.squares() < before {
-                    break true;
+            let step: Vec<f64> = extended[linear..].to_vec();
+            if !self.step(&searched, &step) {
+                // Where one parameter hardly matters its step is wild: then one at a time.
+                let alone = (0..searched.len()).filter(|index| {
+                    let one: Vec<f64> = (0..step.len()).map(|i| if i == *index { step[i] } else { 0.0 }).collect();
+                    self.step(&searched, &one)
+                });
+                if alone.count() == 0 {
+                    break;
                 }
-                share *= 0.25;
-                if share < 1e-2 {
-                    break false;
-                }
-            };
-            if !improved {
-                self.set(&searched, &start);
-                break;
             }
         }
+    }
+
+    /// Goes along a step as far as the sum of squares falls; whether it does at all.
+    fn step(&mut self, searched: &[Searched], step: &[f64]) -> bool {
+        let before = self.squares();
+        let start: Vec<f64> = searched.iter().map(|which| self.structure.get(*which)).collect();
+        let mut share = 1.0;
+        while share > 1e-2 {
+            let moved = searched.iter().zip(&start).zip(step);
+            let values: Vec<f64> =
+                moved.map(|((which, value), step)| self.limited(*which, *value, share * step)).collect();
+            self.set(searched, &values);
+            if self.squares() < before {
+                return true;
+            }
+            share *= 0.25;
+        }
+        self.set(searched, &start);
+        false
     }
 
     /// A value moved by a step, no further than is sensible in one go and within its range.
     fn limited(&self, searched: Searched, value: f64, step: f64) -> f64 {
         match searched {
             Searched::Skew => {
-                let most = SKEW_SAMPLES / self.capture.rate_hz;
+                let most = self.capture.largest_skew_s();
                 (value + step).clamp(-most, most)
             }
             Searched::Parameter { range: (least, largest), .. } => {
@@ -173,8 +179,7 @@ impl<'a> Separable<'a> {
     /// The structure's searched parameters; the skew too unless a delay is an effect of its own.
     fn searched(&self) -> Vec<Searched> {
         let mut searched = self.structure.searched(&self.capture.scene_of(&self.structure));
-        let delayed = self.structure.effects.iter().any(|e| matches!(e.kind().part, Part::ReadingDelay(_)));
-        if !delayed && !self.capture.motion.exact {
+        if self.structure.may_be_skewed(self.capture) {
             searched.push(Searched::Skew);
         }
         searched

@@ -30,6 +30,16 @@ pub(crate) enum Searched {
     Skew,
 }
 
+impl Searched {
+    pub(crate) fn is(self, of: usize, which: usize) -> bool {
+        matches!(self, Self::Parameter { effect, parameter, .. } if effect == of && parameter == which)
+    }
+
+    pub(crate) fn is_of(self, of: usize) -> bool {
+        matches!(self, Self::Parameter { effect, .. } if effect == of)
+    }
+}
+
 impl Structure {
     pub(crate) fn new(effects: &[Effect]) -> Self {
         let columns = effects.iter().map(|effect| regressors(effect).map_or(0, |r| r.columns)).collect();
@@ -67,6 +77,12 @@ impl Structure {
 
     pub(crate) fn delay_s(&self) -> f64 {
         self.skew_s + self.model().reading_delay_s()
+    }
+
+    /// Whether torque and motion may be skewed: not where a delay is an effect of its own.
+    pub(crate) fn may_be_skewed(&self, capture: &Capture) -> bool {
+        let delayed = self.effects.iter().any(|effect| matches!(effect.kind().part, Part::ReadingDelay(_)));
+        !delayed && !capture.motion.exact
     }
 
     pub(crate) fn bristles(&self) -> Option<Bristles> {

@@ -31,6 +31,8 @@ const UNEXPLAINED: f64 = 0.15;
 const TIE: f64 = 3.0;
 /// Most effects that are added.
 const MOST_EFFECTS: usize = 4;
+/// Effects that are tried together with a coupling where none alone is worth it.
+const HIDING: usize = 3;
 /// A gap this close to the floor is not worth the simulation of a coupling, in floors.
 const CLOSED: f64 = 1.12;
 
@@ -171,7 +173,9 @@ struct Work<'a> {
 struct Found {
     /// The model without further effects, and then with each more.
     chain: Vec<Judged>,
-    /// The rivals of each effect that was added.
+    /// The effects that were added.
+    added: Vec<&'static str>,
+    /// The rivals of each.
     rivals: Vec<Vec<Judged>>,
     /// What explained part of the rest and was not added.
     partial: Vec<Partial>,
@@ -228,9 +232,12 @@ impl Work<'_> {
 
     /// Floor of the held-out capture beside a structure, mNm.
     fn floors(&self, structure: &Structure) -> [f64; 2] {
-        // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
-        let share = structure.model().coupling().map_or(1.0, |coupling| 1.0 - coupling.inner_share);
-        [self.train, self.heldout].map(|capture| capture.floor_mnm(share * structure.inertia()))
+        [self.train, self.heldout].map(|capture| {
+            // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
+            let Some(coupling) = structure.model().coupling() else { return capture.floor_mnm(structure.inertia()) };
+            let of_cap = capture.floor_mnm((1.0 - coupling.inner_share) * structure.inertia());
+            of_cap.hypot(capture.driven_noise_mnm(structure))
+        })
     }
 
     /// Mean square above the floor, of both captures together, mNm².
@@ -242,16 +249,21 @@ impl Work<'_> {
 
     /// Adds effect after effect as long as one is worth it.
     fn explain(&self, first: Judged) -> Found {
-        let mut found = Found { chain: vec![first], rivals: Vec::new(), partial: Vec::new() };
+        let mut found = Found { chain: vec![first], added: Vec::new(), rivals: Vec::new(), partial: Vec::new() };
         while found.rivals.len() < MOST_EFFECTS {
             let Some(current) = found.chain.last().cloned() else { break };
             let mut tried = self.try_all(&current);
             tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-            let Some(best) = tried.iter().position(|rival| self.disqualified(rival).is_none()) else { break };
-            if !self.worthwhile(&current, &tried[best], &found.chain[0]) {
+            let worth = |rival: &Judged| {
+                self.disqualified(rival).is_none() && self.worthwhile(&current, rival, &found.chain[0])
+            };
+            let Some(best) = tried.iter().position(worth) else {
                 found.partial = self.partial(&current, &tried);
+                if self.add_pair(&mut found, &current, &tried) {
+                    continue;
+                }
                 break;
-            }
+            };
             let chosen = tried.remove(best);
             if let Some(with_detents) = self.as_detent(&chosen) {
                 // The first torque that repeats with the angle is the detents, which the model's base lacked.
@@ -263,10 +275,51 @@ impl Work<'_> {
                 effect: name(&chosen),
                 heldout_over_floor: chosen.heldout_rms_mnm / self.floors(&chosen.structure)[1],
             });
+            found.added.push(name(&chosen));
             found.chain.push(chosen);
             found.rivals.push(tried);
         }
         found
+    }
+
+    /// Adds two effects at once where neither alone is worth it and much is left: one may hide the other.
+    fn add_pair(&self, found: &mut Found, current: &Judged, tried: &[Judged]) -> bool {
+        let left = current.train_rms_mnm / self.floors(&current.structure)[0];
+        if left < LEFT || current.structure.is_coupled() || found.rivals.len() + 2 > MOST_EFFECTS {
+            return false;
+        }
+        let firsts: Vec<&Judged> = tried
+            .iter()
+            .filter(|judged| !judged.structure.is_coupled() && judged.evidence > current.evidence + EVIDENCE)
+            .take(HIDING)
+            .collect();
+        let couplings: Vec<&'static EffectKind> = hypotheses::candidates(&current.structure)
+            .into_iter()
+            .filter(|kind| matches!(kind.part, Part::Coupling(_)))
+            .collect();
+        let pairs: Vec<(&Judged, &'static EffectKind)> =
+            firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
+        let mut both = on_both_cores(&pairs, |(first, kind)| {
+            let judged = hypotheses::coupled(kind, &first.structure, self.train, self.heldout)?;
+            Some(((*first).clone(), judged))
+        });
+        both.retain(|(_, judged)| {
+            self.disqualified(judged).is_none() && self.worthwhile(current, judged, &found.chain[0])
+        });
+        both.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
+        let mut both = both.into_iter();
+        let Some((first, second)) = both.next() else { return false };
+        found.partial.clear();
+        for (judged, rivals) in [(first, tried.to_vec()), (second, both.map(|(_, judged)| judged).collect())] {
+            self.say(Progress::Added {
+                effect: name(&judged),
+                heldout_over_floor: judged.heldout_rms_mnm / self.floors(&judged.structure)[1],
+            });
+            found.added.push(name(&judged));
+            found.chain.push(judged);
+            found.rivals.push(rivals);
+        }
+        true
     }
 
     fn say(&self, progress: Progress) {
@@ -307,8 +360,9 @@ impl Work<'_> {
             say(kind);
             judged
         });
-        let floors = |judged: &Judged| judged.train_rms_mnm / self.floors(&judged.structure)[0];
-        if floors(current) > CLOSED && tried.iter().all(|judged| floors(judged) > CLOSED) {
+        let open = |judged: &Judged| judged.train_rms_mnm > CLOSED * self.floors(&judged.structure)[0];
+        let closes = |judged: &Judged| !open(judged) && self.disqualified(judged).is_none();
+        if open(current) && !tried.iter().any(closes) {
             tried.extend(on_both_cores(&coupled, |kind| {
                 let judged = hypotheses::coupled(kind, &current.structure, self.train, self.heldout);
                 say(kind);
@@ -352,14 +406,14 @@ impl Work<'_> {
         let mut step = 0;
         while step + 1 < found.rivals.len() {
             let Some(last) = found.chain.last().cloned() else { return };
-            let Some(index) = last.structure.position(name(&found.chain[step + 1])) else { return };
+            let Some(index) = last.structure.position(found.added[step]) else { return };
             let without = self.settled(last.structure.without(index));
             if self.worthwhile(&without, &last, &found.chain[0]) {
                 step += 1;
                 continue;
             }
             // The chain is made anew without it.
-            let removed = name(&found.chain[step + 1]);
+            let removed = found.added.remove(step);
             found.chain.remove(step + 1);
             found.rivals.remove(step);
             for later in &mut found.chain[step + 1..] {
@@ -388,14 +442,17 @@ impl Work<'_> {
             .rivals
             .iter()
             .enumerate()
-            .map(|(index, rivals)| self.step(&found.chain[index], &found.chain[index + 1], rivals, last, &values))
+            .map(|(index, rivals)| {
+                let pair = [&found.chain[index], &found.chain[index + 1]];
+                self.step(found.added[index], pair, rivals, last, &values)
+            })
             .collect();
         let mut partial = found.partial.clone();
         let mut effects = self.strongest_first(&last.structure, &steps);
         if verdict == Verdict::OutsideLibrary {
             let gap = self.excess(first);
-            let added = found.chain.windows(2).map(|pair| Partial {
-                effect: name(&pair[1]),
+            let added = found.chain.windows(2).zip(&found.added).map(|(pair, effect)| Partial {
+                effect,
                 explains_percent: 100.0 * (self.excess(&pair[0]) - self.excess(&pair[1])) / gap,
             });
             partial.splice(0..0, added);
@@ -404,7 +461,7 @@ impl Work<'_> {
         let next_experiment =
             steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
                 let tied = rivals.iter().find(|rival| step.ties.contains(&name(rival)))?;
-                experiment::next([name(chosen), name(tied)], [&chosen.structure, &tied.structure], self.train)
+                experiment::next([step.effect, name(tied)], [&chosen.structure, &tied.structure], self.train)
             });
         let mut diagnosis = Diagnosis {
             verdict,
@@ -446,13 +503,12 @@ impl Work<'_> {
 
     fn step(
         &self,
-        before: &Judged,
-        after: &Judged,
+        effect: &'static str,
+        [before, after]: [&Judged; 2],
         rivals: &[Judged],
         last: &Judged,
         values: &[std::collections::BTreeMap<&'static str, super::diagnosis::Value>],
     ) -> Step {
-        let effect = name(after);
         let best = rivals.iter().map(|rival| rival.evidence).fold(after.evidence, f64::max);
         let total: f64 = rivals.iter().chain([after]).map(|rival| (rival.evidence - best).exp()).sum();
         let rival = |judged: &Judged| Rival {
@@ -476,7 +532,7 @@ impl Work<'_> {
             heldout_rms_after: after.heldout_rms_mnm,
             evidence: after.evidence - before.evidence,
             steadiness: after.steadily_better_than(before),
-            placebo_rms: placebo::rms_mnm(before, &after.structure, self.train, self.heldout),
+            placebo_rms: placebo::rms_mnm(effect, before, &after.structure, self.train, self.heldout),
             ties: rivals.iter().filter(tied).map(name).collect(),
             rivals: rivals.iter().map(rival).collect(),
         }
