@@ -4,6 +4,7 @@ use comfy_table::Table;
 use dynamics::Model;
 use identification::diagnosis::{DiagnoseOptions, Diagnosis, Progress, diagnose};
 use indicatif::{ProgressBar, ProgressStyle};
+use report::DiagnosisPage;
 
 use crate::command_line;
 use crate::fit::{to_output, write, write_json};
@@ -36,6 +37,11 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
             effects: found.model.effects.clone(),
         };
         write(path, &model.to_toml())?;
+    }
+    if let Some(path) = &options.report {
+        let page =
+            DiagnosisPage { found: &found, train: train.facts(), heldout: heldout.as_ref().map(LoadedCapture::facts) };
+        write(path, &report::diagnosis_page(&page))?;
     }
     Ok(Outcome::Done)
 }
