@@ -1,6 +1,6 @@
 //! How large the gap is, before and after.
 
-use identification::diagnosis::{Diagnosis, Row};
+use identification::diagnosis::{Diagnosis, Row, Verdict};
 use maud::{Markup, html};
 
 use super::{Numbering, floors};
@@ -88,13 +88,15 @@ fn excerpt(found: &Diagnosis, rows: &[Row]) -> Figure {
         Layer::Band(Ink::Floor, vec![(start_s, -reach, reach), (end_s, -reach, reach)]),
         Layer::Level(Ink::Zero, 0.0),
     ];
-    let lines: [(Ink, fn(&Row) -> f64); 2] =
-        [(Ink::Before, |row| row.residual_before_mnm), (Ink::After, |row| row.residual_after_mnm)];
-    for (ink, of) in lines.into_iter().skip(usize::from(!changed)) {
+    let mut lines = |ink: Ink, of: fn(&Row) -> f64| {
         for run in shown.chunk_by(|a, b| b.t_s - a.t_s <= longest_s) {
             layers.push(Layer::Line(ink, run.iter().map(|row| (row.t_s, of(row))).collect()));
         }
+    };
+    if changed {
+        lines(Ink::Before, |row| row.residual_before_mnm);
     }
+    lines(Ink::After, |row| row.residual_after_mnm);
     let both = shown.iter().flat_map(|row| [row.residual_before_mnm, row.residual_after_mnm]);
     let plot = Plot {
         size: WIDE,
@@ -102,31 +104,32 @@ fn excerpt(found: &Diagnosis, rows: &[Row]) -> Figure {
         y: Axis::around(RESIDUAL, both.chain([1.1 * reach, -1.1 * reach])),
         layers,
     };
-    let mut legend = vec![(Mark::Line, Ink::After, "the final model's residual")];
-    if changed {
-        legend.insert(0, (Mark::Line, Ink::Before, "the first model's residual"));
+    let mut legend = if changed {
+        vec![
+            (Mark::Line, Ink::Before, "the first model's residual"),
+            (Mark::Line, Ink::After, "the final model's residual"),
+        ]
     } else {
-        legend = vec![(Mark::Line, Ink::After, "the model's residual")];
-    }
+        vec![(Mark::Line, Ink::After, "the model's residual")]
+    };
     legend.push((Mark::Band, Ink::Floor, "95 % of the sensors' noise"));
     let seen = match found.verdict {
-        identification::diagnosis::Verdict::None => {
-            "The line fills the band and shows no shape: that is what noise looks like."
-        }
-        identification::diagnosis::Verdict::Effects => {
+        Verdict::None => "The line fills the band and shows no shape: that is what noise looks like.",
+        Verdict::Effects => {
             "Where the first model's line leaves the band with a shape, something is missing; the final model's line should stay \
              within the band and have no shape left."
         }
-        identification::diagnosis::Verdict::OutsideLibrary => {
+        Verdict::OutsideLibrary => {
             "The shape that still stands out of the band is what no effect of the catalogue explains."
         }
     };
+    let whose = if changed { "the first model's" } else { "the" };
     Figure {
         title: "Measured minus model, held out".to_owned(),
         legend,
         plot: plot.svg("Residual of the held-out capture over time, before and after"),
         caption: format!(
-            "{seen} {} s from t = {} s, chosen because the first model's residual there ({} mNm RMS) is most like that of the \
+            "{seen} {} s from t = {} s, chosen because {whose} residual there ({} mNm RMS) is most like that of the \
              whole capture. Band: ± {} mNm. Gaps are where the knob was too slow to be surely sliding.",
             two(end_s - start_s),
             three(start_s),

@@ -154,7 +154,7 @@ pub(super) fn table(locations: &[Location]) -> Markup {
                     tr {
                         th { "quantity" }
                         th.number { "explains of the mean square (%)" }
-                        th.number { "p, were there nothing" }
+                        th.number { "p-value" }
                         th { "" }
                     }
                 }

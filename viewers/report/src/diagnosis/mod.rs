@@ -93,10 +93,12 @@ fn meaning(found: &Diagnosis) -> String {
     };
     match found.verdict {
         Verdict::None => {
-            format!("No effect of the catalogue improves the prediction of {judged}, and what is left is like noise.")
+            format!(
+                "No effect of the catalogue predicts {judged}, enough better to be named, and what is left is like noise."
+            )
         }
         Verdict::Effects => {
-            format!("Each effect named below was fitted to the training capture alone and judged by {judged}.")
+            format!("Each effect named below was fitted to the training capture and had to predict {judged}.")
         }
         Verdict::OutsideLibrary => format!(
             "Every effect of the catalogue was tried on the training capture and judged by {judged}; none closes the gap. \
@@ -153,7 +155,8 @@ fn method(found: &Diagnosis) -> Markup {
     html! {
         p {
             "All RMS values compare torque and model in rows: filtered below " (three(found.band_hz)) " Hz, without the moments in \
-             which the knob may stick. Models are fitted to the training capture alone. The noise floor is what the torque sensor's \
+             which the knob may stick. Models are fitted to the training capture; only what belongs to a capture and not to the knob, as the phase of the mains, is \
+             fitted to each. The noise floor is what the torque sensor's \
              noise, as seen while the knob rests, and the acceleration's noise times the inertia leave beside a complete model."
         }
         p {

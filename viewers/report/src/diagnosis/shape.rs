@@ -22,12 +22,12 @@ pub(super) fn shape(location: &Location) -> Option<String> {
     let [high_at, high] = map.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]))?;
     let unit = unit(location.unit);
     let changes = match sign_changes(&map, high.abs().max(low.abs())) {
-        0 => "never changes sign",
-        1 => "changes sign once",
-        2 => "changes sign twice",
-        _ => "changes sign again and again, as a wave",
+        0 => "never changes sign".to_owned(),
+        1 => "changes sign once".to_owned(),
+        2 => "changes sign twice".to_owned(),
+        many => format!("changes sign {many} times"),
     };
-    let mirrored = mirrored(&map).map_or("", |words| words);
+    let mirrored = mirrored(&map).unwrap_or("");
     Some(format!(
         "Highest {} mNm at {} {unit}, lowest {} mNm at {} {unit}; {changes}{mirrored}.",
         three(high),
