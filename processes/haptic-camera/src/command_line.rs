@@ -25,7 +25,7 @@ pub enum Command {
     Fit(FitOptions),
     /// Find where a model and a capture disagree, name the missing effect, add it and show the gap shrink
     #[command(after_help = "Example:\n  \
-        haptic-camera diagnose train.csv --heldout heldout.csv --out model.toml")]
+        haptic-camera diagnose train.csv --heldout heldout.csv --report diagnosis.html")]
     Diagnose(DiagnoseOptions),
     /// Find the rig's zeros, gravity, delays or the gripper's inertia
     #[command(
@@ -162,6 +162,9 @@ pub struct DiagnoseOptions {
     /// Write the model with what was missing
     #[arg(long, value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
 }
 
 /// Options of what turns the rig without a knob.

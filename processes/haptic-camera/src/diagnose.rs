@@ -1,11 +1,12 @@
 //! `diagnose`: what a model lacks.
 
-use comfy_table::Table;
 use dynamics::Model;
-use identification::diagnosis::{DiagnoseOptions, Diagnosis, Progress, diagnose};
+use identification::diagnosis::{DiagnoseOptions, Progress, diagnose};
 use indicatif::{ProgressBar, ProgressStyle};
+use report::DiagnosisPage;
 
 use crate::command_line;
+use crate::diagnosis_text;
 use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
@@ -26,7 +27,7 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     let found = found?;
     if !to_output(options.json.as_deref()) {
-        show(&found);
+        diagnosis_text::lines(&found).iter().for_each(say);
     }
     write_json(options.json.as_deref(), &found)?;
     if let Some(path) = &options.out {
@@ -36,6 +37,11 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
             effects: found.model.effects.clone(),
         };
         write(path, &model.to_toml())?;
+    }
+    if let Some(path) = &options.report {
+        let page =
+            DiagnosisPage { found: &found, train: train.facts(), heldout: heldout.as_ref().map(LoadedCapture::facts) };
+        write(path, &report::diagnosis_page(&page))?;
     }
     Ok(Outcome::Done)
 }
@@ -57,52 +63,4 @@ fn show_progress(bar: &ProgressBar, progress: Progress) {
             bar.println(format!("added {effect}: {heldout_over_floor:.2} times the noise is left"));
         }
     }
-}
-
-/// Prints the diagnosis for people.
-fn show(found: &Diagnosis) {
-    say(&found.summary);
-    if !found.steps.is_empty() {
-        let mut table = Table::new();
-        table.load_preset(comfy_table::presets::UTF8_HORIZONTAL_ONLY);
-        table.set_header(["added", "held-out RMS before", "after", "placebo", "closest rival"]);
-        for step in &found.steps {
-            let rival = step
-                .rivals
-                .first()
-                .map_or_else(String::new, |rival| format!("{} {:.3}", rival.effect, rival.heldout_rms_after));
-            table.add_row([
-                step.effect.to_owned(),
-                format!("{:.3} mNm", step.heldout_rms_before),
-                format!("{:.3}", step.heldout_rms_after),
-                format!("{:.3}", step.placebo_rms),
-                rival,
-            ]);
-        }
-        say(table);
-        for step in &found.steps {
-            for (name, value) in &step.parameters {
-                let interval =
-                    value.ci95.map_or_else(String::new, |[low, high]| format!("  95 % [{low:.4}, {high:.4}]"));
-                say(format!("  {name} = {:.5} {}{interval}", value.value, value.unit));
-            }
-        }
-    }
-    let significant: Vec<String> = found
-        .locations
-        .iter()
-        .filter(|location| location.significant)
-        .take(3)
-        .map(|location| format!("{} ({:.0} %)", location.coordinate, location.explained_percent))
-        .collect();
-    if !significant.is_empty() {
-        say(format!("The first model's gap goes with {}.", significant.join(", ")));
-    }
-    for partial in &found.partial {
-        say(format!("- {} explains {:.0} % of it", partial.effect, partial.explains_percent));
-    }
-    if let Some(next) = &found.next_experiment {
-        say(format!("To tell {} from {}: {}.", next.tells_apart[0], next.tells_apart[1], next.reason));
-    }
-    found.notes.iter().for_each(|note| say(format!("- {note}")));
 }

@@ -7,6 +7,7 @@ mod capture;
 mod check;
 mod command_line;
 mod diagnose;
+mod diagnosis_text;
 mod doctor;
 mod fit;
 mod harmonic_table;

@@ -32,10 +32,16 @@ pub(crate) enum Ink {
     Residual,
     /// A level or place to compare with.
     Reference,
+    /// What is left before an effect is added.
+    Before,
+    /// What is left with it.
+    After,
+    /// What the sensors' noise alone leaves.
+    Floor,
 }
 
 impl Ink {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 15] = [
         Self::Grid,
         Self::Label,
         Self::Title,
@@ -48,6 +54,9 @@ impl Ink {
         Self::Model,
         Self::Residual,
         Self::Reference,
+        Self::Before,
+        Self::After,
+        Self::Floor,
     ];
 
     /// Class in the style sheet.
@@ -65,6 +74,9 @@ impl Ink {
             Self::Model => "model",
             Self::Residual => "residual",
             Self::Reference => "reference",
+            Self::Before => "before",
+            Self::After => "after",
+            Self::Floor => "floor",
         }
     }
 

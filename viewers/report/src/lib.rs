@@ -1,4 +1,5 @@
-//! The report page of a fit, or of several captures and their mean: one HTML file that a person reads, prints and keeps.
+//! The report page of a fit, of several captures and their mean, or of a diagnosis: one HTML file that a person reads,
+//! prints and keeps.
 //!
 //! The page carries its plots as inline SVG and its style in its head: it needs no script, fetches
 //! nothing, follows the reader's light or dark scheme on screen and is light on paper.
@@ -8,6 +9,7 @@
 //! with a class instead of a colour; the style sheet gives the class its colour.
 
 mod average;
+mod diagnosis;
 mod figures;
 mod ink;
 mod intervals;
@@ -20,6 +22,7 @@ mod themed_svg;
 mod verdict;
 
 use dynamics::Model;
+use identification::diagnosis::Diagnosis;
 use identification::{Average, Fit};
 
 /// What is known of a capture besides its samples.
@@ -91,4 +94,24 @@ pub struct AveragePage<'a> {
 #[must_use]
 pub fn average_page(page: &AveragePage<'_>) -> String {
     average::average_page(page).into_string()
+}
+
+/// A diagnosis with everything that its page tells.
+#[derive(Clone, Debug)]
+pub struct DiagnosisPage<'a> {
+    /// The diagnosis.
+    pub found: &'a Diagnosis,
+    /// The capture that models were fitted to; its title is the page's.
+    pub train: CaptureFacts,
+    /// The capture that they were judged by; `None` if stretches of the first were held out.
+    pub heldout: Option<CaptureFacts>,
+}
+
+/// The page of a diagnosis as HTML, complete from doctype to end: the verdict, the gap, where it lies, each effect that was
+/// added beside its rivals, what is left, and what to capture next.
+///
+/// Numbers are written as on [`fit_page`].
+#[must_use]
+pub fn diagnosis_page(page: &DiagnosisPage<'_>) -> String {
+    diagnosis::diagnosis_page(page).into_string()
 }

@@ -16,9 +16,9 @@ const COVERAGE: f64 = 0.8;
 
 /// Torque over time in the excerpt whose residual is most like that of the whole capture.
 pub(crate) fn excerpt_figure(fit: &Fit, points: &[Point]) -> Figure {
-    let excerpt = typical_excerpt(points);
+    let excerpt = typical_excerpt(points, |point| point.t_s, |point| point.residual_mnm);
     let mut layers = vec![Layer::Level(Ink::Zero, 0.0)];
-    let longest_s = longest_step_s(points);
+    let longest_s = longest_step_s(points, |point| point.t_s);
     let runs = || excerpt.chunk_by(|a, b| b.t_s - a.t_s <= longest_s);
     for run in runs() {
         layers.push(Layer::Line(Ink::Measured, run.iter().map(|point| (point.t_s, point.torque_mnm)).collect()));
@@ -54,22 +54,27 @@ pub(crate) fn excerpt_figure(fit: &Fit, points: &[Point]) -> Figure {
     }
 }
 
-fn typical_excerpt(points: &[Point]) -> &[Point] {
-    let (Some(first), Some(last)) = (points.first(), points.last()) else { return points };
-    let overall = rms(points.iter().map(|point| point.residual_mnm));
+/// The excerpt whose residual is most like that of all rows; the rows follow each other in time.
+pub(crate) fn typical_excerpt<T>(
+    rows: &[T],
+    time_s: impl Fn(&T) -> f64,
+    residual_mnm: impl Fn(&T) -> f64 + Copy,
+) -> &[T] {
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return rows };
+    let overall = rms(rows.iter().map(residual_mnm));
     let mut candidates = Vec::new();
-    let mut start_s = first.t_s;
-    while start_s + EXCERPT_S <= last.t_s {
-        let from = points.partition_point(|point| point.t_s < start_s);
-        let to = points.partition_point(|point| point.t_s < start_s + EXCERPT_S);
-        candidates.push(&points[from..to]);
+    let mut start_s = time_s(first);
+    while start_s + EXCERPT_S <= time_s(last) {
+        let from = rows.partition_point(|row| time_s(row) < start_s);
+        let to = rows.partition_point(|row| time_s(row) < start_s + EXCERPT_S);
+        candidates.push(&rows[from..to]);
         start_s += STRIDE_S;
     }
-    let most = candidates.iter().map(|rows| rows.len()).max().unwrap_or(0);
-    let unlike = |rows: &[Point]| (rms(rows.iter().map(|point| point.residual_mnm)) - overall).abs();
+    let most = candidates.iter().map(|some| some.len()).max().unwrap_or(0);
+    let unlike = |some: &[T]| (rms(some.iter().map(residual_mnm)) - overall).abs();
     candidates
         .into_iter()
-        .filter(|rows| super::real(rows.len()) >= COVERAGE * super::real(most) && !rows.is_empty())
+        .filter(|some| super::real(some.len()) >= COVERAGE * super::real(most) && !some.is_empty())
         .min_by(|a, b| unlike(a).total_cmp(&unlike(b)))
-        .unwrap_or(points)
+        .unwrap_or(rows)
 }

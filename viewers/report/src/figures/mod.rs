@@ -11,31 +11,33 @@ use identification::{Fit, Point};
 use maud::{Markup, html};
 
 pub(crate) use effects::effect_figures;
-pub(crate) use excerpt::excerpt_figure;
+pub(crate) use excerpt::{excerpt_figure, typical_excerpt};
 pub(crate) use residual::{histogram_figure, residual_figure};
 pub(crate) use residual_order::order_figure;
-pub(crate) use torque::{angle_figure, velocity_figure};
+pub(crate) use torque::{
+    LEGEND as TORQUE_LEGEND, angle_figure, angle_plot, quantity_plot, velocity_figure, velocity_plot,
+};
 
 use crate::ink::Ink;
 
 /// Axis titles, named like the columns `torque_mnm`, `angle_rad`, ….
-const TORQUE: &str = "torque (mNm)";
+pub(crate) const TORQUE: &str = "torque (mNm)";
 const ANGLE: &str = "angle (rad)";
 const VELOCITY: &str = "velocity (rad/s)";
 const ACCELERATION: &str = "acceleration (rad/s²)";
-const TIME: &str = "t (s)";
-const RESIDUAL: &str = "residual (mNm)";
+pub(crate) const TIME: &str = "t (s)";
+pub(crate) const RESIDUAL: &str = "residual (mNm)";
 
 /// Size of a plot across the page, SVG units.
-const WIDE: (u32, u32) = (880, 340);
+pub(crate) const WIDE: (u32, u32) = (880, 340);
 /// Size of two plots beside each other.
-const HALF: (u32, u32) = (428, 260);
+pub(crate) const HALF: (u32, u32) = (428, 260);
 /// Size of three plots beside each other.
-const THIRD: (u32, u32) = (280, 250);
+pub(crate) const THIRD: (u32, u32) = (280, 250);
 
 /// How a mark looks in the legend.
 #[derive(Clone, Copy, Debug)]
-enum Mark {
+pub(crate) enum Mark {
     Dots,
     Line,
     Band,
@@ -53,10 +55,10 @@ impl Mark {
 
 /// A plot with its words.
 pub(crate) struct Figure {
-    title: String,
-    legend: Vec<(Mark, Ink, &'static str)>,
-    plot: Markup,
-    caption: String,
+    pub(crate) title: String,
+    pub(crate) legend: Vec<(Mark, Ink, &'static str)>,
+    pub(crate) plot: Markup,
+    pub(crate) caption: String,
 }
 
 impl Figure {
@@ -116,17 +118,17 @@ fn travel_rad(points: &[Point]) -> f64 {
 }
 
 /// Longest time from one row to the next that is not a gap, s.
-fn longest_step_s(points: &[Point]) -> f64 {
-    let steps = points.windows(2).map(|pair| pair[1].t_s - pair[0].t_s).filter(|step| *step > 0.0);
+pub(crate) fn longest_step_s<T>(rows: &[T], time_s: impl Fn(&T) -> f64) -> f64 {
+    let steps = rows.windows(2).map(|pair| time_s(&pair[1]) - time_s(&pair[0])).filter(|step| *step > 0.0);
     1.5 * steps.fold(f64::INFINITY, f64::min)
 }
 
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (count, sum) = values.fold((0.0, 0.0), |(count, sum), value| (count + 1.0, sum + value * value));
     if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
 }
 
 #[allow(clippy::cast_precision_loss, reason = "counts of rows and bins are far below 2^52")]
-fn real(count: usize) -> f64 {
+pub(crate) fn real(count: usize) -> f64 {
     count as f64
 }

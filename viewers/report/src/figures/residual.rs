@@ -21,7 +21,7 @@ const REACH: f64 = 4.0;
 /// Residual over the whole capture, as the range that it fills.
 pub(crate) fn residual_figure(fit: &Fit, points: &[Point]) -> Figure {
     let (start_s, end_s) = (points.first().map_or(0.0, |p| p.t_s), points.last().map_or(1.0, |p| p.t_s));
-    let column_s = ((end_s - start_s) / COLUMNS).max(longest_step_s(points));
+    let column_s = ((end_s - start_s) / COLUMNS).max(longest_step_s(points, |point| point.t_s));
     let mut columns: Vec<(f64, f64, f64)> = Vec::new();
     for point in points {
         let at = start_s + ((point.t_s - start_s) / column_s).floor() * column_s;

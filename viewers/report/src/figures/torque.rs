@@ -2,6 +2,7 @@
 
 use dynamics::effects;
 use identification::{Fit, Point};
+use maud::Markup;
 
 use super::bins::{Bin, runs, smoothed};
 use super::{ANGLE, Figure, Mark, TORQUE, VELOCITY, WIDE, real, thinned, travel_rad};
@@ -22,7 +23,7 @@ const VELOCITY_SMOOTHING: f64 = 0.15;
 /// Bins that a detent needs to be seen in the line.
 const BINS_PER_DETENT: f64 = 5.0;
 
-const LEGEND: [(Mark, Ink, &str); 4] = [
+pub(crate) const LEGEND: [(Mark, Ink, &str); 4] = [
     (Mark::Dots, Ink::MeasuredPositive, "measured turning positively"),
     (Mark::Line, Ink::ModelPositive, "model"),
     (Mark::Dots, Ink::MeasuredNegative, "measured turning negatively"),
@@ -33,9 +34,7 @@ const LEGEND: [(Mark, Ink, &str); 4] = [
 pub(crate) fn angle_figure(fit: &Fit, points: &[Point]) -> Figure {
     let detent_rad = fit.parameters.get(effects::detent::KIND.parameters[1].name).and_then(|period| period.value);
     let detents = detent_rad.map(|period| std::f64::consts::TAU * period.abs());
-    let rows = if detents.is_some() { ANGLE_ROWS.0 } else { ANGLE_ROWS.1 };
-    let [positive, negative] =
-        directions(points).map(|points| runs(points.iter(), |point| point.angle_rad, ANGLE_BINS, rows));
+    let [positive, negative] = angle_runs(points, detents.is_some());
     let bins = positive.iter().chain(&negative).map(Vec::len).max().unwrap_or(1);
     let averaged = detents.is_some_and(|detent| real(bins) < BINS_PER_DETENT * travel_rad(points) / detent);
     let caption = format!(
@@ -59,17 +58,34 @@ pub(crate) fn angle_figure(fit: &Fit, points: &[Point]) -> Figure {
     }
 }
 
+/// The plot of [`angle_figure`] alone.
+pub(crate) fn angle_plot(points: &[Point], has_detents: bool) -> Markup {
+    plot(points, ANGLE, |point| point.angle_rad, angle_runs(points, has_detents)).svg("Torque against angle")
+}
+
+/// Measured and model torque over any quantity, by direction; the model as means in bins, at most so many and of so many
+/// rows on average.
+pub(crate) fn quantity_plot(
+    points: &[Point],
+    title: &str,
+    of: fn(&Point) -> f64,
+    (most, rows): (usize, usize),
+) -> Plot {
+    plot(points, title, of, directions(points).map(|points| runs(points.iter(), of, most, rows)))
+}
+
+/// The model's torque over the angle, by direction.
+fn angle_runs(points: &[Point], has_detents: bool) -> [Vec<Vec<Bin>>; 2] {
+    let rows = if has_detents { ANGLE_ROWS.0 } else { ANGLE_ROWS.1 };
+    directions(points).map(|points| runs(points.iter(), |point| point.angle_rad, ANGLE_BINS, rows))
+}
+
 /// Torque against velocity, by direction.
 pub(crate) fn velocity_figure(fit: &Fit, points: &[Point]) -> Figure {
-    let fastest_rad_s = points.iter().map(|point| point.velocity_rad_s.abs()).fold(0.0, f64::max);
-    let lines = directions(points).map(|points| {
-        let bins = runs(points.iter(), |point| point.velocity_rad_s, VELOCITY_BINS.0, VELOCITY_BINS.1);
-        vec![smoothed(&bins, VELOCITY_SMOOTHING * fastest_rad_s)]
-    });
     Figure {
         title: "Torque against velocity".to_owned(),
         legend: LEGEND.to_vec(),
-        plot: plot(points, VELOCITY, |point| point.velocity_rad_s, lines).svg("Torque against velocity"),
+        plot: velocity_plot(points),
         caption: format!(
             "Lines: the model's torque, averaged over similar velocities, with its 95 % interval. Their step at zero is \
              Coulomb friction, their slope viscous friction; the dots spread by inertia and detents, and what of these does \
@@ -78,6 +94,16 @@ pub(crate) fn velocity_figure(fit: &Fit, points: &[Point]) -> Figure {
             two(fit.preparation.stick_threshold_rad_s)
         ),
     }
+}
+
+/// The plot of [`velocity_figure`] alone.
+pub(crate) fn velocity_plot(points: &[Point]) -> Markup {
+    let fastest_rad_s = points.iter().map(|point| point.velocity_rad_s.abs()).fold(0.0, f64::max);
+    let lines = directions(points).map(|points| {
+        let bins = runs(points.iter(), |point| point.velocity_rad_s, VELOCITY_BINS.0, VELOCITY_BINS.1);
+        vec![smoothed(&bins, VELOCITY_SMOOTHING * fastest_rad_s)]
+    });
+    plot(points, VELOCITY, |point| point.velocity_rad_s, lines).svg("Torque against velocity")
 }
 
 fn interval_words(fit: &Fit) -> String {
@@ -100,7 +126,9 @@ fn plot(points: &[Point], title: &str, of: fn(&Point) -> f64, lines: [Vec<Vec<Bi
     for (ink, runs) in [Ink::ModelPositive, Ink::ModelNegative].into_iter().zip(lines) {
         for run in runs {
             let edges = |bin: &Bin| (bin.at, bin.model_mnm - bin.half_width_mnm, bin.model_mnm + bin.half_width_mnm);
-            layers.push(Layer::Band(ink, run.iter().map(edges).collect()));
+            if run.iter().any(|bin| bin.half_width_mnm > 0.0) {
+                layers.push(Layer::Band(ink, run.iter().map(edges).collect()));
+            }
             layers.push(Layer::Line(ink, run.iter().map(|bin| (bin.at, bin.model_mnm)).collect()));
         }
     }

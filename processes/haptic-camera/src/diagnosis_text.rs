@@ -1,0 +1,155 @@
+//! A diagnosis as text for a terminal.
+
+use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
+use dynamics::effects;
+use identification::diagnosis::{Diagnosis, Location, Step, Verdict};
+
+/// Width of the text, columns.
+const WIDTH: u16 = 80;
+/// Coordinates that are named.
+const NAMED: usize = 3;
+
+/// The diagnosis line by line, none wider than 80 columns.
+pub fn lines(found: &Diagnosis) -> Vec<String> {
+    let mut lines = paragraph("", &found.summary);
+    let mut say = |text: &str| lines.extend(paragraph("", text));
+    if let Some(words) = goes_with(&found.locations) {
+        say(&format!("The first model's gap goes with {words}."));
+    }
+    if !found.steps.is_empty() {
+        say("");
+        say(&format!(
+            "RMS left of the held-out capture, mNm; noise alone leaves {:.3}. Placebo: as much freedom, spent on nothing.",
+            found.noise_floor_rms
+        ));
+        lines.extend(rows(&steps(&found.steps)));
+        lines.push(String::new());
+        lines.extend(rows(&parameters(&found.steps)));
+        lines.extend(ties(&found.steps));
+    }
+    match (found.verdict, goes_with(&found.where_after)) {
+        (Verdict::None, _) | (Verdict::Effects, None) => {}
+        (Verdict::OutsideLibrary, None) => {
+            lines.extend(paragraph("", "No single quantity explains what is left beyond chance."));
+        }
+        (_, Some(words)) => lines.extend(paragraph("", &format!("What is left goes with {words}."))),
+    }
+    if !found.partial.is_empty() {
+        let of = match found.verdict {
+            Verdict::OutsideLibrary => "Effects that explain part of it, and are not what is missing:",
+            Verdict::None | Verdict::Effects => {
+                "Effects that would explain some of what is left, too little to be named:"
+            }
+        };
+        lines.extend(paragraph("", of));
+        for partial in &found.partial {
+            lines.extend(paragraph("- ", &format!("{} {:.0} %", partial.effect, partial.explains_percent)));
+        }
+    }
+    if let Some(next) = &found.next_experiment {
+        let [one, other] = &next.tells_apart;
+        lines.extend(paragraph("", &format!("To tell {one} from {other}: {}.", next.reason)));
+    }
+    found.notes.iter().for_each(|note| lines.extend(paragraph("- ", note)));
+    lines
+}
+
+fn goes_with(locations: &[Location]) -> Option<String> {
+    let significant: Vec<String> = locations
+        .iter()
+        .filter(|location| location.significant)
+        .take(NAMED)
+        .map(|location| format!("{} ({:.0} %)", location.coordinate, location.explained_percent))
+        .collect();
+    (!significant.is_empty()).then(|| significant.join(", "))
+}
+
+fn ties(steps: &[Step]) -> Vec<String> {
+    let tied = steps.iter().filter(|step| !step.ties.is_empty());
+    tied.flat_map(|step| {
+        paragraph("", &format!("A tie: the captures cannot tell {} from {}.", step.effect, step.ties.join(" or ")))
+    })
+    .collect()
+}
+
+fn steps(steps: &[Step]) -> Table {
+    let mut table = table(["added", "before", "after", "placebo", "closest rival"]);
+    for step in steps {
+        let rival = step.rivals.iter().find(|rival| rival.disqualified.is_none());
+        let rms_mnm = |value: f64| Cell::new(format!("{value:.3}")).set_alignment(CellAlignment::Right);
+        table.add_row([
+            Cell::new(step.effect),
+            rms_mnm(step.heldout_rms_before),
+            rms_mnm(step.heldout_rms_after),
+            rms_mnm(step.placebo_rms),
+            Cell::new(
+                rival.map_or_else(|| "none".to_owned(), |one| format!("{} {:.3}", one.effect, one.heldout_rms_after)),
+            ),
+        ]);
+    }
+    table
+}
+
+/// The parameters of what was added, each effect's in the order of its law.
+fn parameters(steps: &[Step]) -> Table {
+    let mut table = table(["parameter", "value", "95 % interval", "unit"]);
+    for step in steps {
+        let kind = effects::by_name(step.effect);
+        let place = |name: &str| {
+            kind.map_or(0, |kind| kind.parameters.iter().take_while(|parameter| parameter.name != name).count())
+        };
+        let mut ordered: Vec<_> = step.parameters.iter().collect();
+        ordered.sort_by_key(|(name, _)| place(name));
+        for (name, value) in ordered {
+            let digits = decimals(value.ci95.map_or(0.01 * value.value, |[low, high]| high - low));
+            let interval =
+                value.ci95.map_or_else(|| "–".to_owned(), |[low, high]| format!("{low:.digits$} … {high:.digits$}"));
+            table.add_row([
+                Cell::new(name),
+                Cell::new(format!("{:.digits$}", value.value)).set_alignment(CellAlignment::Right),
+                Cell::new(interval).set_alignment(CellAlignment::Right),
+                Cell::new(value.unit),
+            ]);
+        }
+    }
+    table
+}
+
+/// Decimals that show two or three digits of an interval's width.
+fn decimals(width: f64) -> usize {
+    let order = width.abs().max(1e-9).log10().floor();
+    (0..12).take_while(|decimals| f64::from(*decimals) + order < 1.0).count()
+}
+
+fn table<const COLUMNS: usize>(header: [&str; COLUMNS]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    let right = |name: &str| matches!(name, "before" | "after" | "placebo" | "value" | "95 % interval");
+    let cell = |name: &str| {
+        Cell::new(name).set_alignment(if right(name) { CellAlignment::Right } else { CellAlignment::Left })
+    };
+    table.set_header(header.map(cell));
+    table
+}
+
+/// A sentence in lines; those after the first are indented by as much as `mark` takes.
+fn paragraph(mark: &str, text: &str) -> Vec<String> {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    if mark.is_empty() {
+        table.add_row([text]);
+    } else {
+        table.add_row([mark.trim_end(), text]);
+    }
+    table.column_iter_mut().for_each(|column| {
+        column.set_padding((0, 0));
+    });
+    if !mark.is_empty() {
+        table.column_mut(0).map(|column| column.set_padding((0, 1)));
+    }
+    rows(&table)
+}
+
+fn rows(table: &Table) -> Vec<String> {
+    table.lines().map(|line| line.trim_end().to_owned()).collect()
+}

@@ -1,0 +1,140 @@
+//! How large the gap is, before and after.
+
+use identification::diagnosis::{Diagnosis, Row, Verdict};
+use maud::{Markup, html};
+
+use super::{Numbering, floors};
+use crate::figures::{Figure, Mark, RESIDUAL, TIME, WIDE, longest_step_s, rms, typical_excerpt};
+use crate::ink::Ink;
+use crate::numbers::{three, two};
+use crate::page::FEWEST_ROWS;
+use crate::plot::{Axis, Layer, Plot};
+
+/// Standard deviations that hold 95 % of a normal noise.
+const NINETY_FIVE_PERCENT: f64 = 1.96;
+
+/// A floor from the fewest rows that are believed is known to one part in nine: residuals below this share of it contradict it.
+const DOUBTFUL: f64 = 0.7;
+
+pub(super) fn section(found: &Diagnosis, heldout: &[Row], numbers: &mut Numbering) -> Markup {
+    html! {
+        (table(found))
+        @if found.heldout_rms_after < DOUBTFUL * found.noise_floor_rms {
+            p.note {
+                "The model leaves less than the noise floor, which cannot be: the floor is read off the knob's rests, and in this \
+                 capture more than noise acted there. Judge by the millinewton-metres, not by the multiples of the noise."
+            }
+        }
+        @if heldout.len() < FEWEST_ROWS {
+            p.note { "Too few rows of sliding motion in the held-out capture for a plot." }
+        } @else {
+            (excerpt(found, heldout).numbered(numbers.next()))
+        }
+    }
+}
+
+fn table(found: &Diagnosis) -> Markup {
+    let changed = !found.steps.is_empty();
+    let [percent_before, percent_after] = found.heldout_relative_error_percent;
+    let row = |name: &str, unit: &str, [before, after]: [f64; 2], is_rms: bool| {
+        html! {
+            tr {
+                th scope="row" { (name) }
+                td.number { (three(before)) @if is_rms { span.faint { (floors(found, before)) " × noise" } } }
+                @if changed {
+                    td.number.value { (three(after)) @if is_rms { span.faint { (floors(found, after)) " × noise" } } }
+                    td.number { (two(before / after)) " ×" }
+                }
+                td.unit { (unit) }
+            }
+        }
+    };
+    let left = "RMS left of the held-out capture";
+    html! {
+        div.scroll {
+            table.gap {
+                thead {
+                    tr {
+                        th { "" }
+                        th.number { (if changed { "first model" } else { "model" }) }
+                        @if changed { th.number { "with what was added" } th.number { "smaller by" } }
+                        th { "unit" }
+                    }
+                }
+                tbody {
+                    (row(left, "mNm", [found.heldout_rms_before, found.heldout_rms_after], true))
+                    (row("the same, of the measured torque", "%", [percent_before, percent_after], false))
+                    (row("RMS left of the training capture", "mNm", [found.train_rms_before, found.train_rms_after], false))
+                    tr {
+                        th scope="row" { "RMS that noise alone leaves of the held-out capture" }
+                        td.number { (three(found.noise_floor_rms)) }
+                        @if changed { td {} td {} }
+                        td.unit { "mNm" }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The residual of the held-out capture in a stretch that is typical of the gap.
+fn excerpt(found: &Diagnosis, rows: &[Row]) -> Figure {
+    let changed = !found.steps.is_empty();
+    let shown = typical_excerpt(rows, |row| row.t_s, |row| row.residual_before_mnm);
+    let (start_s, end_s) = (shown.first().map_or(0.0, |row| row.t_s), shown.last().map_or(0.0, |row| row.t_s));
+    let reach = NINETY_FIVE_PERCENT * found.noise_floor_rms;
+    let longest_s = longest_step_s(rows, |row| row.t_s);
+    let mut layers = vec![
+        Layer::Band(Ink::Floor, vec![(start_s, -reach, reach), (end_s, -reach, reach)]),
+        Layer::Level(Ink::Zero, 0.0),
+    ];
+    let mut lines = |ink: Ink, of: fn(&Row) -> f64| {
+        for run in shown.chunk_by(|a, b| b.t_s - a.t_s <= longest_s) {
+            layers.push(Layer::Line(ink, run.iter().map(|row| (row.t_s, of(row))).collect()));
+        }
+    };
+    if changed {
+        lines(Ink::Before, |row| row.residual_before_mnm);
+    }
+    lines(Ink::After, |row| row.residual_after_mnm);
+    let both = shown.iter().flat_map(|row| [row.residual_before_mnm, row.residual_after_mnm]);
+    let plot = Plot {
+        size: WIDE,
+        x: Axis::exactly(TIME, start_s, end_s),
+        y: Axis::around(RESIDUAL, both.chain([1.1 * reach, -1.1 * reach])),
+        layers,
+    };
+    let mut legend = if changed {
+        vec![
+            (Mark::Line, Ink::Before, "the first model's residual"),
+            (Mark::Line, Ink::After, "the final model's residual"),
+        ]
+    } else {
+        vec![(Mark::Line, Ink::After, "the model's residual")]
+    };
+    legend.push((Mark::Band, Ink::Floor, "95 % of the sensors' noise"));
+    let seen = match found.verdict {
+        Verdict::None => "The line fills the band and shows no shape: that is what noise looks like.",
+        Verdict::Effects => {
+            "Where the first model's line leaves the band with a shape, something is missing; the final model's line should stay \
+             within the band and have no shape left."
+        }
+        Verdict::OutsideLibrary => {
+            "The shape that still stands out of the band is what no effect of the catalogue explains."
+        }
+    };
+    let whose = if changed { "the first model's" } else { "the" };
+    Figure {
+        title: "Measured minus model, held out".to_owned(),
+        legend,
+        plot: plot.svg("Residual of the held-out capture over time, before and after"),
+        caption: format!(
+            "{seen} {} s from t = {} s, chosen because {whose} residual there ({} mNm RMS) is most like that of the \
+             whole capture. Band: ± {} mNm. Gaps are where the knob was too slow to be surely sliding.",
+            two(end_s - start_s),
+            three(start_s),
+            three(rms(shown.iter().map(|row| row.residual_before_mnm))),
+            three(reach)
+        ),
+    }
+}
