@@ -7,8 +7,8 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use identification::{Fit, FitError, FitOptions, Samples, fit};
 use common::{Capture, Uniform, measured};
+use identification::{Fit, FitError, FitOptions, Samples, fit};
 
 /// A knob stepped by 0.002 rad with rests, at 1 kHz: friction ±`coulomb`, sinusoids (wavenumber, amplitude, phase).
 fn stepped(turns: &[(f64, f64)], coulomb: [f64; 2], sinusoids: &[[f64; 3]], random: &mut Uniform) -> Capture {

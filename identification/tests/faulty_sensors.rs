@@ -3,9 +3,9 @@
 
 mod common;
 
-use identification::{Fit, FitError, FitOptions, Samples, fit};
 use common::{Capture, Uniform, ideal, knob, run, sweep};
 use dynamics::{Drive, knobs};
+use identification::{Fit, FitError, FitOptions, Samples, fit};
 
 /// Ten seconds of a paper's knob that follows the linear chirp on the simulated rig.
 fn rig(number: u32, seed: u64) -> Capture {

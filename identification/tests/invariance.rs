@@ -8,9 +8,9 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
+use common::{Capture, Uniform, ideal, knob, sweep};
 use dynamics::{Effect, EffectKind, Minimum, ParameterKind, Part, Regressors};
 use identification::{Fit, FitOptions, fit};
-use common::{Capture, Uniform, ideal, knob, sweep};
 
 const SEEDS: u64 = 30;
 /// Largest difference between two answers that are the same, in half widths of the 95 % interval.
@@ -178,7 +178,9 @@ static STRIBECK: EffectKind = EffectKind {
             row[0] = motion.velocity_rad_s.signum() * (-motion.velocity_rad_s.abs() / values[1]).exp();
         },
         values: |coefficients, values| values[0] = coefficients[0],
+        nonnegative: &[0],
     }),
+    hypothesis: None,
 };
 
 /// The fit takes no start for its own parameters. All that could act as one is the value that a further effect's

@@ -5,8 +5,8 @@
 
 mod common;
 
-use identification::{Fit, FitOptions, PreparationMethod, Samples, fit};
 use common::measured;
+use identification::{Fit, FitOptions, PreparationMethod, Samples, fit};
 
 /// The asymmetric model as published: inertia, and the friction of each direction.
 const PUBLISHED: [(&str, f64); 5] = [

@@ -3,9 +3,9 @@
 
 mod common;
 
+use common::{Uniform, ideal, knob, sweep};
 use identification::{FitOptions, Point, PreparationMethod, fit};
 use nalgebra::{DMatrix, DVector};
-use common::{Uniform, ideal, knob, sweep};
 
 /// Least squares of the rows in the order given: M, C₋, C₊, B₋, B₊, and A·cos S, A·sin S at the period known.
 fn solve(points: &[Point], period_rad: f64) -> Vec<f64> {
