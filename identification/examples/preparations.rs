@@ -3,10 +3,11 @@
 //! `cargo run --release -p identification --example preparations -- [SEEDS]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
+#[path = "../tests/common/mod.rs"]
 mod common;
 
-use common::{Uniform, capture, true_value};
-use dynamics::{Drive, Excitation, knobs};
+use common::{Failure, Uniform, captured_at, true_value};
+use dynamics::knobs;
 use hal::simulated::RigParameters;
 use identification::{FitOptions, PreparationMethod, fit};
 
@@ -14,7 +15,7 @@ const PARAMETERS: [&str; 4] = ["inertia", "coulomb_positive", "viscous_positive"
 const METHODS: [PreparationMethod; 3] =
     [PreparationMethod::Automatic, PreparationMethod::Paper, PreparationMethod::CentralDifferences];
 
-fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+fn main() -> Result<(), Failure> {
     let seeds: u64 = std::env::args().nth(1).map_or(Ok(20), |text| text.parse())?;
     println!("RMS error in % of the truth (captures that tell it); linear chirp, 6 s at 10 kHz, {seeds} seeds");
     println!("knob preparation          {}", PARAMETERS.map(|name| format!("{name:>24}")).concat());
@@ -23,11 +24,9 @@ fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         let mut errors = vec![vec![Vec::new(); PARAMETERS.len()]; METHODS.len()];
         for seed in 1..=seeds {
             let amplitude_rad = 0.95 + 0.1 * Uniform(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)).next();
-            let sweep = Excitation::named("linear-chirp", Drive::Position)?.with_amplitude(amplitude_rad)?;
-            let capture = capture(&knob, sweep, RigParameters::default(), 6.0, seed)?;
+            let capture = captured_at(&knob, "linear-chirp", amplitude_rad, RigParameters::default(), 6.0, seed)?;
             for (method, errors) in METHODS.iter().zip(&mut errors) {
-                let calibration = Some(capture.calibration.clone());
-                let options = FitOptions { calibration, preparation: *method, ..FitOptions::default() };
+                let options = FitOptions { preparation: *method, ..capture.options() };
                 let fit = fit(&capture.samples(), &options)?;
                 for (name, errors) in PARAMETERS.iter().zip(errors) {
                     let truth = true_value(&knob, name).filter(|truth| *truth != 0.0);

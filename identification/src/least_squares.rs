@@ -4,6 +4,7 @@ use std::ops::Deref;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use crate::long_run::{kernel_scale, smooth_scores};
 use crate::vector;
 pub(crate) use crate::vector::dot;
 
@@ -12,11 +13,6 @@ const COLLINEAR: f64 = 1e-9;
 
 /// A correction that would move the prediction by less than this share of the target is rounding.
 const SETTLED: f64 = 1e-15;
-/// Places at which half of the covariance's kernel is told apart.
-const PLACES_PER_HALF: usize = 16;
-
-/// Least bandwidth as a share of the rows.
-const SHARE: f64 = 0.02;
 
 /// Noise of a column, in sums over the rows.
 #[derive(Clone, Copy, Debug)]
@@ -192,12 +188,8 @@ impl LeastSquares {
 
     /// Covariance of the coefficients for residuals of unknown autocorrelation and varying size.
     ///
-    /// Newey and West's sandwich with Parzen's kernel and the bandwidth of Andrews (Econometrica 59,
-    /// 1991, 817–858) from first-order autocorrelations of the scores. Also returns the bandwidth as a
-    /// share of the rows.
-    ///
-    /// Parzen's kernel is a triangle convolved with itself, and a triangle is a box convolved with itself: with running
-    /// sums the cost does not depend on the bandwidth, and the result has no negative eigenvalue.
+    /// Newey and West's sandwich around the long-run covariance of the scores (`long_run`). Also returns the bandwidth
+    /// as a share of the rows.
     #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn robust_covariance<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> (DMatrix<f64>, f64) {
         let rows = self.residual.len();
@@ -274,66 +266,6 @@ fn find_collinear(gram: &DMatrix<f64>, scales: &[f64]) -> Vec<bool> {
         }
     }
     collinear
-}
-
-/// Scores summed over triangles, whose inner products are the long-run covariance but for [`kernel_scale`]; half the
-/// bandwidth in their own places, and the bandwidth in rows.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number of rows"
-)]
-fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) {
-    let rows = scores.first().map_or(0, Vec::len);
-    let half = (0.5 * parzen_bandwidth(scores, rows)).round().max(1.0) as usize;
-    // Neighbours far closer than the bandwidth count as one.
-    let group = (half / PLACES_PER_HALF).max(1);
-    let width = half.div_ceil(group);
-    let smooth = |score: &Vec<f64>| {
-        let places: Vec<f64> = score.chunks(group).map(|part| part.iter().sum()).collect();
-        boxed(&boxed(&places, width), width)
-    };
-    (scores.iter().map(smooth).collect(), width, 2.0 * (width * group) as f64)
-}
-
-/// One over the triangle's sum of squares: what the kernel would else be at lag zero.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-fn kernel_scale(width: usize) -> f64 {
-    let width = width as f64;
-    3.0 / (width * (2.0 * width * width + 1.0))
-}
-
-/// Sums of `width` neighbours at every place that any of the values reaches.
-fn boxed(values: &[f64], width: usize) -> Vec<f64> {
-    let mut sum = 0.0;
-    let fresh = values.iter().copied().chain(std::iter::repeat_n(0.0, width - 1));
-    let stale = std::iter::repeat_n(0.0, width).chain(values.iter().copied());
-    fresh
-        .zip(stale)
-        .map(|(fresh, stale)| {
-            sum += fresh - stale;
-            sum
-        })
-        .collect()
-}
-
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
-    let (mut above, mut below) = (0.0, 0.0);
-    for score in scores {
-        let variance = dot(score, score);
-        if variance <= 0.0 {
-            continue;
-        }
-        let correlation = (dot(&score[1..], score) / variance).clamp(-0.97, 0.97);
-        // Scores count alike whatever their unit, so the variances drop out.
-        above += 4.0 * correlation.powi(2) / (1.0 - correlation).powi(8);
-        below += 1.0 / (1.0 - correlation).powi(4);
-    }
-    let plug_in = if below > 0.0 { 2.6614 * (above / below * rows as f64).powf(0.2) } else { 0.0 };
-    // First-order autocorrelations do not see all: a share of the rows, which the critical value then allows for.
-    plug_in.max((SHARE * rows as f64).clamp(8.0, 64.0)).min((rows as f64 / 8.0).max(1.0))
 }
 
 #[cfg(test)]

@@ -40,6 +40,7 @@ mod karnopp;
 mod knob_motion;
 mod least_squares;
 pub mod live;
+mod long_run;
 mod motion;
 mod options;
 mod paper_preparation;

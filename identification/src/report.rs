@@ -7,12 +7,11 @@ use crate::estimate::{Covariance, Parameter, Parameters, Point};
 use crate::fit::Trimmed;
 use crate::frame::Frame;
 use crate::least_squares::dot;
+use crate::long_run::{NORMAL_95, critical_value};
 use crate::motion::{Band, KnobMotion, rms};
 use crate::problem::Column;
 use crate::vector;
 
-/// Two-sided 95 % of a normal distribution, in standard deviations.
-const NORMAL_95: f64 = 1.959_964;
 /// A parameter whose interval spans this share of the torque's RMS, times its column, is not told.
 const HOPELESS: f64 = 0.5;
 /// Share of the acceleration's power that may be noise before the inertia is not told.
@@ -293,12 +292,4 @@ fn prediction_sd(columns: &[Column], covariance: &DMatrix<f64>) -> Vec<f64> {
     vector::quadratic_form(columns, covariance, &mut deviation);
     deviation.iter_mut().for_each(|variance| *variance = variance.max(0.0).sqrt());
     deviation
-}
-
-/// Two-sided 95 % of the studentised estimate when the bandwidth is a given share of the rows.
-///
-/// Kiefer and Vogelsang (Econometric Theory 21, 2005, 1130–1164): the estimated long-run variance is
-/// itself uncertain, and the normal quantile too small.
-pub(crate) fn critical_value(bandwidth_share: f64) -> f64 {
-    NORMAL_95 + 2.9694 * bandwidth_share + 0.416 * bandwidth_share.powi(2)
 }

@@ -8,23 +8,13 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{Capture, Uniform, ideal, knob, sweep};
-use dynamics::{Effect, EffectKind, Minimum, ParameterKind, Part, Regressors};
+use common::{Capture, SLIDING, Uniform, ideal, knob, sweep};
+use dynamics::{Effect, effects};
 use identification::{Fit, FitOptions, fit};
 
 const SEEDS: u64 = 30;
 /// Largest difference between two answers that are the same, in half widths of the 95 % interval.
 const SAME: f64 = 0.02;
-const NAMES: [&str; 8] = [
-    "inertia",
-    "coulomb_negative",
-    "coulomb_positive",
-    "viscous_negative",
-    "viscous_positive",
-    "detent_amplitude",
-    "detent_period",
-    "detent_phase",
-];
 
 /// A random knob's capture; every other one has the encoder alone, with noise.
 fn capture(seed: u64) -> Capture {
@@ -101,15 +91,15 @@ fn a_shifted_angle_moves_the_phase_of_the_detents_and_nothing_else() {
         let mut shifted = capture.clone();
         shifted.angle_rad.iter_mut().for_each(|angle| *angle += shift_rad);
         let (before, after) = (fitted(&capture), fitted(&shifted));
-        for name in &NAMES[..7] {
+        for name in &SLIDING[..7] {
             let ((expected, half), (found, _)) = (told(&before, name), told(&after, name));
             assert_same(seed, name, found, expected, half);
         }
         // S is the phase at angle zero: with the angle's zero elsewhere, the period's own error turns it besides.
-        let ((period, _), (phase, _)) = (told(&before, NAMES[6]), told(&before, NAMES[7]));
-        let (found, half) = told(&after, NAMES[7]);
+        let ((period, _), (phase, _)) = (told(&before, SLIDING[6]), told(&before, SLIDING[7]));
+        let (found, half) = told(&after, SLIDING[7]);
         let difference = found - (phase - shift_rad / period);
-        assert_same(seed, NAMES[7], (difference + PI).rem_euclid(TAU) - PI, 0.0, half);
+        assert_same(seed, SLIDING[7], (difference + PI).rem_euclid(TAU) - PI, 0.0, half);
     }
 }
 
@@ -124,7 +114,7 @@ fn a_scaled_angle_scales_the_period_and_divides_inertia_and_viscous_friction() {
         columns.into_iter().flatten().flatten().for_each(|value| *value *= factor);
         let (before, after) = (fitted(&capture), fitted(&scaled));
         let by = [1.0 / factor, 1.0, 1.0, 1.0 / factor, 1.0 / factor, 1.0, factor, 1.0];
-        for (name, by) in NAMES.iter().zip(by) {
+        for (name, by) in SLIDING.iter().zip(by) {
             let ((expected, half), (found, _)) = (told(&before, name), told(&after, name));
             assert_same(seed, name, found, by * expected, by * half);
         }
@@ -139,47 +129,13 @@ fn a_scaled_torque_scales_what_is_a_torque() {
         let mut scaled = capture.clone();
         scaled.torque_mnm.iter_mut().for_each(|torque| *torque *= factor);
         let (before, after) = (fitted(&capture), fitted(&scaled));
-        for (index, name) in NAMES.iter().enumerate() {
+        for (index, name) in SLIDING.iter().enumerate() {
             let by = if index < 6 { factor } else { 1.0 };
             let ((expected, half), (found, _)) = (told(&before, name), told(&after, name));
             assert_same(seed, name, found, by * expected, by * half);
         }
     }
 }
-
-/// Friction that is higher at low speed: G·exp(−|θ̇|/V) in the direction of motion.
-static STRIBECK: EffectKind = EffectKind {
-    name: "stribeck",
-    description: "more friction at low speed",
-    source: "Stribeck 1902",
-    parameters: &[
-        ParameterKind {
-            name: "stribeck_torque",
-            unit: "mNm",
-            symbol: "G",
-            description: "friction at rest beyond Coulomb's",
-            minimum: Minimum::None,
-        },
-        ParameterKind {
-            name: "stribeck_speed",
-            unit: "rad/s",
-            symbol: "V",
-            description: "speed at which it has fallen to 37 %",
-            minimum: Minimum::AboveZero,
-        },
-    ],
-    part: Part::Torque(|values, motion| {
-        values[0] * motion.velocity_rad_s.signum() * (-motion.velocity_rad_s.abs() / values[1]).exp()
-    }),
-    regressors: Some(Regressors {
-        columns: 1,
-        searched: &[1],
-        fill: |values, motion, row| {
-            row[0] = motion.velocity_rad_s.signum() * (-motion.velocity_rad_s.abs() / values[1]).exp();
-        },
-        values: |coefficients, values| values[0] = coefficients[0],
-    }),
-};
 
 /// The fit takes no start for its own parameters. All that could act as one is the value that a further effect's
 /// searched parameter comes with.
@@ -189,17 +145,17 @@ fn a_further_effect_that_starts_anywhere_ends_at_the_same_answer() {
         let mut random = Uniform(seed + 21);
         let mut model = knob(&[0.1, 3.0, 4.0, 0.5, 0.6, 2.0, 0.05, 0.3]);
         let speed_rad_s = 2.0 + 2.0 * random.next();
-        model.effects.push(Effect::new(&STRIBECK, &[6.0, speed_rad_s]));
+        model.effects.push(Effect::new(&effects::stribeck::KIND, &[6.0, speed_rad_s, 1.0]));
         let capture = ideal(&model, sweep("linear-chirp"), 0.5, &mut random);
         let fits: Vec<Fit> = [0.4, 0.7, 1.0, 1.5, 2.5]
             .iter()
             .map(|factor| {
-                let further_effects = vec![Effect::new(&STRIBECK, &[0.0, factor * speed_rad_s])];
+                let further_effects = vec![Effect::new(&effects::stribeck::KIND, &[0.0, factor * speed_rad_s, 1.0])];
                 fit(&capture.samples(), &FitOptions { further_effects, ..FitOptions::default() }).unwrap()
             })
             .collect();
         for other in &fits[1..] {
-            for name in NAMES.iter().chain(&["stribeck_torque", "stribeck_speed"]) {
+            for name in SLIDING.iter().chain(&["stribeck_torque", "stribeck_speed", "stribeck_exponent"]) {
                 let ((expected, half), (found, _)) = (told(&fits[0], name), told(other, name));
                 assert_same(seed, name, found, expected, half);
             }

@@ -19,8 +19,8 @@ use std::collections::BTreeMap;
 use dynamics::{Effect, Model, effects};
 
 use crate::estimate::{Covariance, Fit, Parameter, Parameters};
+use crate::long_run::NORMAL_95;
 use observation::Observation;
-use scalar::NORMAL_95;
 
 pub use repeatability::{Repeatability, Told};
 pub(crate) use scalar::{Combined, combined, wrapped};

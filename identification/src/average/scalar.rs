@@ -2,8 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// Half width of a 95 % interval, in standard deviations.
-pub(super) const NORMAL_95: f64 = 1.959_964;
+use crate::long_run::NORMAL_95;
 
 /// A value with the half width of its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,8 @@ use nalgebra::DMatrix;
 
 use crate::filter::butterworth_low_pass;
 use crate::least_squares::LeastSquares;
+use crate::long_run::critical_value;
 use crate::motion::{ROWS_PER_EDGE, rms};
-use crate::report::critical_value;
 use crate::spectrum::median;
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks

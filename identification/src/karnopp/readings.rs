@@ -3,13 +3,12 @@
 use dynamics::{Minimum, ParameterKind};
 
 use crate::estimate::Parameter;
+use crate::long_run::NORMAL_95;
 
 use super::slide::to_f64;
 
 /// Fewest readings from which a value is given.
 pub(super) const FEWEST: usize = 3;
-/// Two-sided 95 % of a normal distribution, in standard deviations.
-const NORMAL_95: f64 = 1.959_964;
 
 /// Readings of one quantity.
 #[derive(Clone, Debug, Default)]

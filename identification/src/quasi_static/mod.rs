@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::smallest_step;
+use crate::long_run::NORMAL_95;
 use crate::motion::{rms, scatter};
 use crate::samples::{FEWEST_SAMPLES, Samples};
 use crate::saturation::Rails;
@@ -20,8 +21,6 @@ use crate::spectrum::median;
 use block_sums::{BlockSums, STUDENT_95};
 use ladder::Grid;
 
-/// Two-sided 95 % of a normal distribution, in standard deviations.
-const NORMAL_95: f64 = 1.959_964;
 /// Fewest rows of a direction from which its friction is told.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
 

@@ -12,7 +12,7 @@ pub fn measured(file: &str) -> Option<Vec<Vec<f64>>> {
         eprintln!("skipped: there is no {}; HAPTIC_CAMERA_DATA may name the folder", path.display());
         return None;
     };
-    let rows: Vec<Vec<f64>> =
-        text.lines().skip(1).map(|line| line.split(',').map(|value| value.parse().unwrap()).collect()).collect();
+    let number = |value: &str| value.parse().expect("a recording holds numbers below its header");
+    let rows: Vec<Vec<f64>> = text.lines().skip(1).map(|line| line.split(',').map(number).collect()).collect();
     Some((0..rows[0].len()).map(|column| rows.iter().map(|row| row[column]).collect()).collect())
 }
