@@ -1,13 +1,12 @@
 //! A capture made ready: motion, torque, the rows in which they are compared, and the noise that is left in these.
 
-use std::f64::consts::{PI, TAU};
-
 use dynamics::{Calibration, Motion, Scene};
 
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
 
+use super::periodogram::periodogram;
 use super::structure::Structure;
 use crate::frame::Frame;
 use crate::least_squares::dot;
@@ -49,8 +48,8 @@ impl Stretches {
     fn weight(self, stretch: usize) -> f64 {
         let kept = match self {
             Self::All => true,
-            Self::Odd => stretch % 2 == 1,
-            Self::Even => stretch % 2 == 0,
+            Self::Odd => !stretch.is_multiple_of(2),
+            Self::Even => stretch.is_multiple_of(2),
         };
         f64::from(u8::from(kept))
     }
@@ -277,25 +276,6 @@ fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_m
         (edges[1] - edges[0]) * median(&mut part) / std::f64::consts::LN_2
     });
     Some(parts.sum::<f64>().sqrt())
-}
-
-/// Densities at whole numbers of cycles, the lowest apart, through Hann's window.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-fn periodogram(rows: &[f64]) -> Vec<[f64; 2]> {
-    let count = rows.len() as f64;
-    let windowed: Vec<f64> =
-        rows.iter().enumerate().map(|(index, row)| row * (PI * (index as f64 + 0.5) / count).sin().powi(2)).collect();
-    let line = |cycles: usize| {
-        let turn = TAU * cycles as f64 / count;
-        let (mut sine, mut cosine) = (0.0, 0.0);
-        for (index, value) in windowed.iter().enumerate() {
-            let (s, c) = (turn * index as f64).sin_cos();
-            (sine, cosine) = (sine + s * value, cosine + c * value);
-        }
-        // One-sided; Hann's window passes 3/8 of the power.
-        [cycles as f64 / count, 2.0 * (sine * sine + cosine * cosine) / (0.375 * count)]
-    };
-    (2..rows.len() / 2).map(line).collect()
 }
 
 /// Takes the best parabola off evenly spaced values.

@@ -3,7 +3,7 @@
 use dynamics::{Drive, Excitation, Motion, excitation};
 
 use super::capture::Capture;
-use super::diagnosis::NextExperiment;
+use super::findings::NextExperiment;
 use super::structure::Structure;
 
 /// Amplitudes tried, as shares of the capture's own.

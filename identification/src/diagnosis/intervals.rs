@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::capture::Capture;
-use super::diagnosis::Value;
+use super::findings::Value;
 use super::nonlinear::Nonlinear;
 use super::structure::Structure;
 use crate::least_squares::LeastSquares;

@@ -8,7 +8,7 @@ use super::structure::Structure;
 use crate::least_squares::dot;
 
 /// Stretches over which a comparison of two structures is repeated.
-const BLOCKS: usize = 24;
+const BLOCKS: usize = 60;
 /// Change of the logarithm of a stretch's mean square above which two structures differ there …
 const FELT: f64 = 0.02;
 /// … and fewest such stretches from which anything is concluded.
@@ -96,11 +96,7 @@ fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
     if own.is_empty() {
         return nonlinear::residual(structure, capture);
     }
-    let rows: Vec<Vec<f64>> = own
-        .iter()
-        .flat_map(|index| structure.full_columns(*index, capture))
-        .map(|column| capture.frame.rows(&column))
-        .collect();
+    let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| structure.rows(*index, capture)).collect();
     let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let rest = own.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
     let left = nonlinear::residual(&rest, capture);

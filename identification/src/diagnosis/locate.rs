@@ -3,13 +3,21 @@
 use std::f64::consts::TAU;
 
 use super::capture::Capture;
+use super::periodogram::periodogram;
 use super::structure::Structure;
 use crate::least_squares::dot;
+use crate::spectrum::median;
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;
 /// Stretches that are left out in turn when a map is tested.
 const FOLDS: usize = 12;
+/// Lines on each side that tell how high a spectrum is where one line stands.
+const NEIGHBOURS: usize = 40;
+/// Points of a spectrum that are kept for plots.
+const SPECTRUM_POINTS: usize = 200;
+/// Lines over which Hann's window spreads a sinusoid's power.
+const HANN_WIDTH: f64 = 1.5;
 /// Share of false discoveries that is accepted among the coordinates named.
 const FALSE_DISCOVERIES: f64 = 0.05;
 
@@ -59,6 +67,7 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
     }
     let mut found: Vec<Location> =
         coordinates.into_iter().map(|(name, unit, at)| mapped(name, unit, &at, &values)).collect();
+    found.push(spectrum(residual, &rows, capture));
     control_false_discoveries(&mut found);
     found.sort_by(|a, b| b.explained_percent.total_cmp(&a.explained_percent));
     found
@@ -78,7 +87,7 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
         .chunks(FOLDS)
         .map(|bin| bin.iter().fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]]))
         .collect();
-    let mut gains = vec![0.0; FOLDS];
+    let mut gains = [0.0; FOLDS];
     for (index, value) in residual.iter().enumerate() {
         let fold = (index / fold_length).min(FOLDS - 1);
         let own = sums[bins[index] * FOLDS + fold];
@@ -105,6 +114,49 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
             .map(|([sum, count], middle)| [middle / count, sum / count])
             .collect(),
     }
+}
+
+/// The residual over frequency: whether one line stands out of its neighbours, as a hum or a ringing does.
+#[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
+fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Capture) -> Location {
+    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let slid: Vec<f64> =
+        residual.iter().zip(rows).map(|(value, (_, mask))| if *mask > 0.0 { *value } else { 0.0 }).collect();
+    let lines = periodogram(&slid);
+    let total: f64 = lines.iter().map(|[_, power]| power).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut strongest = (0.0, 0);
+    for (index, [cycles, power]) in lines.iter().enumerate() {
+        if cycles * rate_hz > capture.band.edge_hz {
+            break;
+        }
+        let near = index.saturating_sub(NEIGHBOURS)..(index + NEIGHBOURS + 1).min(lines.len());
+        let mut neighbours: Vec<f64> = lines[near].iter().map(|[_, power]| *power).collect();
+        // In units of the neighbours' mean, of which their median is ln 2.
+        let height = power * std::f64::consts::LN_2 / median(&mut neighbours).max(f64::MIN_POSITIVE);
+        if height > strongest.0 {
+            strongest = (height, index);
+        }
+    }
+    let (height, index) = strongest;
+    let line = index.saturating_sub(1)..(index + 2).min(lines.len());
+    let chance = (-height).exp();
+    Location {
+        coordinate: "frequency",
+        unit: "Hz",
+        explained_percent: 100.0 * lines[line].iter().map(|[_, power]| power).sum::<f64>() / total,
+        p_value: -(lines.len() as f64 * (-chance).ln_1p()).exp_m1(),
+        significant: false,
+        map: lines
+            .chunks(lines.len().div_ceil(SPECTRUM_POINTS).max(1))
+            .map(|part| spectral_point(part, rate_hz, HANN_WIDTH / slid.len() as f64))
+            .collect(),
+    }
+}
+
+/// Frequency in Hz of the strongest of neighbouring lines, and its RMS, mNm.
+fn spectral_point(part: &[[f64; 2]], rate_hz: f64, width: f64) -> [f64; 2] {
+    let largest = part.iter().fold([0.0, 0.0], |best: [f64; 2], line| if line[1] > best[1] { *line } else { best });
+    [largest[0] * rate_hz, (largest[1] * width).sqrt()]
 }
 
 /// The bin of every value: as many values in each.

@@ -1,20 +1,21 @@
 //! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
 
 mod capture;
-mod diagnosis;
 mod experiment;
+mod findings;
 mod hypotheses;
 mod intervals;
 mod judged;
 mod locate;
 mod nonlinear;
 mod normal;
+mod periodogram;
 mod placebo;
 mod rows;
 mod separable;
 mod structure;
 mod workflow;
 
-pub use diagnosis::{Diagnosis, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
+pub use findings::{Diagnosis, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
 pub use locate::Location;
 pub use workflow::{DiagnoseOptions, DiagnosisError, Progress, diagnose};

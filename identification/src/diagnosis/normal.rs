@@ -4,10 +4,13 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::least_squares::dot;
 
-/// A column of which less than this share of the square remains beside the others counts as collinear.
-const COLLINEAR: f64 = 1e-8;
+/// What holds a coefficient of either sign near zero, as a share of its column's square: too little to be felt unless
+/// other columns can do the same.
+const HELD: f64 = 1e-8;
+/// The same for coefficients that cannot be negative.
+const FIRM: f64 = 1e-11;
 
-/// Solves target ≈ Σ coefficient · column; coefficients marked stay at or above zero, collinear columns get zero.
+/// Solves target ≈ Σ coefficient · column; coefficients marked stay at or above zero, empty columns get zero.
 ///
 /// The products of the columns are formed once, whatever coefficients are at their bound.
 pub(crate) fn solve(columns: &[&[f64]], target: &[f64], nonnegative: &[bool]) -> Vec<f64> {
@@ -21,12 +24,12 @@ pub(crate) fn solve(columns: &[&[f64]], target: &[f64], nonnegative: &[bool]) ->
         }
     }
     let right: Vec<f64> = columns.iter().zip(&scales).map(|(column, scale)| dot(column, target) / scale).collect();
-    // Where columns are sums of each other, one that may have either sign is kept: it can do what the others may not.
-    let mut order: Vec<usize> = (0..count).filter(|index| !nonnegative[*index]).collect();
-    order.extend((0..count).filter(|index| nonnegative[*index]));
-    let ordered = DMatrix::from_fn(count, count, |row, column| gram[(order[row], order[column])]);
-    let kept = independent(&ordered);
-    let mut free: Vec<usize> = order.iter().zip(kept).filter(|(_, kept)| *kept).map(|(index, _)| *index).collect();
+    // Where columns are sums of each other, as an offset is of two levels of friction, the one that may have either
+    // sign is held small: it takes over only what the others, at their bounds, cannot do.
+    for (index, nonnegative) in nonnegative.iter().enumerate() {
+        gram[(index, index)] += if *nonnegative { FIRM } else { HELD };
+    }
+    let mut free: Vec<usize> = (0..count).filter(|index| gram[(*index, *index)] > 0.5).collect();
     loop {
         let part = DMatrix::from_fn(free.len(), free.len(), |row, column| gram[(free[row], free[column])]);
         let side = DVector::from_iterator(free.len(), free.iter().map(|index| right[*index]));
@@ -58,25 +61,4 @@ pub(crate) fn residual(columns: &[&[f64]], target: &[f64], coefficients: &[f64])
         left.iter_mut().zip(*column).for_each(|(slot, value)| *slot -= coefficient * value);
     }
     left
-}
-
-/// Which columns are not sums of earlier ones, by a Cholesky factorisation that leaves these out.
-fn independent(gram: &DMatrix<f64>) -> Vec<bool> {
-    let count = gram.nrows();
-    let mut factor: DMatrix<f64> = DMatrix::zeros(count, count);
-    let mut independent = vec![true; count];
-    for row in 0..count {
-        let mut left = gram[(row, row)];
-        for column in 0..row {
-            if !independent[column] {
-                continue;
-            }
-            let known: f64 = (0..column).map(|k| factor[(row, k)] * factor[(column, k)]).sum();
-            factor[(row, column)] = (gram[(row, column)] - known) / factor[(column, column)];
-            left -= factor[(row, column)].powi(2);
-        }
-        independent[row] = left > COLLINEAR;
-        factor[(row, row)] = left.max(0.0).sqrt();
-    }
-    independent
 }

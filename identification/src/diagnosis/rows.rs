@@ -1,7 +1,7 @@
 //! The comparison row by row, for plots.
 
 use super::capture::Capture;
-use super::diagnosis::Row;
+use super::findings::Row;
 use super::judged::Judged;
 
 /// Rows of training and held-out capture in which the knob surely slides.

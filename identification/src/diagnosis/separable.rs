@@ -46,7 +46,7 @@ impl<'a> Separable<'a> {
     }
 
     fn rows_of(&self, index: usize) -> Vec<Vec<f64>> {
-        self.structure.full_columns(index, self.capture).iter().map(|column| self.capture.frame.rows(column)).collect()
+        self.structure.rows(index, self.capture)
     }
 
     fn solve(&mut self) {
@@ -100,18 +100,17 @@ impl<'a> Separable<'a> {
         let predicted = |value: f64| {
             let mut moved = self.structure.clone();
             moved.set(searched, value);
-            let mut sum = vec![0.0; self.capture.motion.len()];
+            let mut sum = vec![0.0; self.target.len()];
             for index in changed(&self.structure, &moved) {
                 let coefficients = &self.coefficients[ranges[index].clone()];
-                for (column, coefficient) in moved.full_columns(index, self.capture).iter().zip(coefficients) {
-                    sum.iter_mut().zip(column).for_each(|(slot, value)| *slot += coefficient * value);
+                for (rows, coefficient) in moved.rows(index, self.capture).iter().zip(coefficients) {
+                    sum.iter_mut().zip(rows).for_each(|(slot, value)| *slot += coefficient * value);
                 }
             }
             sum
         };
         let (above, below) = (predicted(value + step), predicted(value - step));
-        let difference: Vec<f64> = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * step)).collect();
-        self.capture.frame.rows(&difference)
+        above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * step)).collect()
     }
 
     /// Improves the searched parameters and the skew by at most `rounds` Gauss–Newton steps.

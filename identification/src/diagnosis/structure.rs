@@ -204,8 +204,24 @@ impl Structure {
         }
     }
 
-    /// Full-rate columns of the effect at an index.
-    pub(crate) fn full_columns(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
+    /// Rows of the columns of the effect at an index.
+    pub(crate) fn rows(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
+        let effect = &self.effects[index];
+        let depends_on_others = match effect.kind().part {
+            Part::Friction(_) => self.bristles().is_some(),
+            Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_) => true,
+            _ => false,
+        };
+        if depends_on_others {
+            return self.full_columns(index, capture).iter().map(|column| capture.frame.rows(column)).collect();
+        }
+        let mut rows = capture.frame.effect_rows(effect, &capture.motion);
+        rows.truncate(self.columns[index]);
+        rows
+    }
+
+    /// Full-rate columns of an effect that depends on others, or on what was before.
+    fn full_columns(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
         let (effect, motion) = (&self.effects[index], &capture.motion);
         let width = self.widths()[index];
         let each = |row: &dyn Fn(usize, &mut [f64])| fill(motion.len(), width, row);
@@ -223,9 +239,7 @@ impl Structure {
         };
         match effect.kind().part {
             Part::Friction(_) => {
-                let Some(bristles) = self.bristles() else {
-                    return each(&|at, row| row.copy_from_slice(&all(&motion.at(at))[..width]));
-                };
+                let Some(bristles) = self.bristles() else { return Vec::new() };
                 let deflections = deflections(bristles, capture);
                 each(&|at, row| {
                     let now = motion.at(at);
@@ -244,7 +258,7 @@ impl Structure {
                     row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction[at] * factor);
                 })
             }
-            _ => each(&|at, row| row.copy_from_slice(&all(&motion.at(at))[..width])),
+            _ => Vec::new(),
         }
     }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use dynamics::{Calibration, Effect, EffectKind, Model, Part, effects};
 
 use super::capture::{Capture, Stretches};
-use super::diagnosis::{Diagnosis, Partial, Rival, Step, Verdict};
+use super::findings::{Diagnosis, Partial, Rival, Step, Verdict};
 use super::hypotheses;
 use super::judged::Judged;
 use super::locate::locate;
@@ -332,8 +332,10 @@ impl Work<'_> {
     fn worthwhile(&self, before: &Judged, after: &Judged, first: &Judged) -> bool {
         let floor = self.floors(&after.structure)[1];
         let closed = self.excess(before) - self.excess(after);
+        // An end stop may be felt in a few stretches only; then what was never fitted must speak for it.
+        let unseen = self.heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
         after.evidence - before.evidence > EVIDENCE
-            && after.steadily_better_than(before) > STEADY
+            && (after.steadily_better_than(before) > STEADY || unseen > EVIDENCE)
             && after.heldout_rms_mnm < before.heldout_rms_mnm
             && closed > WORTHWHILE * self.excess(before)
             && closed > SMALLEST * floor * floor
@@ -401,14 +403,14 @@ impl Work<'_> {
         each.filter(|partial| partial.explains_percent > 5.0).collect()
     }
 
-    /// Takes out again what later effects have made superfluous.
+    /// Takes out again what other effects have made superfluous.
     fn eliminate(&self, found: &mut Found) {
         let mut step = 0;
-        while step + 1 < found.rivals.len() {
-            let Some(last) = found.chain.last().cloned() else { return };
+        while step < found.added.len() && found.added.len() > 1 {
+            let Some(last) = found.chain.last() else { return };
             let Some(index) = last.structure.position(found.added[step]) else { return };
             let without = self.settled(last.structure.without(index));
-            if self.worthwhile(&without, &last, &found.chain[0]) {
+            if self.worthwhile(&without, last, &found.chain[0]) {
                 step += 1;
                 continue;
             }
@@ -430,7 +432,10 @@ impl Work<'_> {
         let floors = self.floors(&last.structure);
         let left = (last.heldout_rms_mnm / floors[1]).min(last.train_rms_mnm / floors[0]);
         let unexplained = (self.excess(last).max(0.0) / self.excess(first).max(f64::MIN_POSITIVE)).sqrt();
-        let verdict = if left > LEFT && unexplained > UNEXPLAINED {
+        let where_after = locate(&last.train_residual, &last.structure, self.train);
+        // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
+        let shaped = where_after.iter().any(|location| location.significant);
+        let verdict = if left > LEFT && unexplained > UNEXPLAINED && shaped {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {
             Verdict::None
@@ -476,7 +481,7 @@ impl Work<'_> {
             steps,
             partial,
             locations: locate(&first.train_residual, &first.structure, self.train),
-            where_after: locate(&last.train_residual, &last.structure, self.train),
+            where_after,
             next_experiment,
             heldout_is_own,
             band_hz: self.train.band.edge_hz,
@@ -507,7 +512,7 @@ impl Work<'_> {
         [before, after]: [&Judged; 2],
         rivals: &[Judged],
         last: &Judged,
-        values: &[std::collections::BTreeMap<&'static str, super::diagnosis::Value>],
+        values: &[std::collections::BTreeMap<&'static str, super::findings::Value>],
     ) -> Step {
         let best = rivals.iter().map(|rival| rival.evidence).fold(after.evidence, f64::max);
         let total: f64 = rivals.iter().chain([after]).map(|rival| (rival.evidence - best).exp()).sum();
