@@ -3,13 +3,15 @@
 //! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks what capture i told), the mean is
 //! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and what the captures
 //! leave of it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say. The root of that over its
-//! degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227).
+//! degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227). Covariances are themselves estimates,
+//! of some 50 degrees of freedom, and their inverses too large for that: the sum is compared with F as S. Johansen
+//! derives it (Biometrika 67, 1980, 85–92).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use statrs::function::gamma::checked_gamma_ur;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::observation::Observation;
-use super::{Agreement, position, scalar};
+use super::{Agreement, SCATTERED, position, scalar};
 
 /// Added to the ones of each correlation matrix, so that rounding does not make it indefinite.
 const RIDGE: f64 = 1e-9;
@@ -36,7 +38,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
             if known.is_finite() { known } else { 1.0 }
         })
         .collect();
-    let scatter: Vec<f64> = names
+    let mut scatter: Vec<f64> = names
         .iter()
         .zip(&floors)
         .map(|(name, floor)| {
@@ -46,7 +48,15 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
         })
         .collect();
     let problem = Problem { names: &names, floors: &floors, observations };
-    let agreement = problem.agreement(&problem.solve(&vec![0.0; names.len()]).0);
+    let alike = problem.solve(&vec![0.0; names.len()]);
+    let agreement = problem.agreement(&alike);
+    // What stands by itself takes no part in the agreement.
+    let agree = agreement.is_none_or(|agreement| agreement.probability >= SCATTERED);
+    let joint: Vec<bool> = names
+        .iter()
+        .map(|name| observations.iter().any(|one| position(&one.names, name).is_some_and(|at| one.joint[at])))
+        .collect();
+    scatter.iter_mut().zip(&joint).filter(|(_, joint)| agree && **joint).for_each(|(scatter, _)| *scatter = 0.0);
     let (values, mut covariance) = problem.solve(&scatter);
     for (at, name) in names.iter().enumerate() {
         let uncertain = scatter[at] > 0.0 || told(name).iter().any(|one| one.1 > 0.0);
@@ -55,11 +65,9 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
             covariance.column_mut(at).fill(0.0);
         }
     }
-    let joint = names
-        .iter()
-        .map(|name| observations.iter().any(|one| position(&one.names, name).is_some_and(|at| one.joint[at])))
-        .collect();
-    (Observation { values: values.iter().copied().collect(), covariance, joint, names }, agreement)
+    let degrees_of_freedom = observations.iter().map(|one| one.degrees_of_freedom).sum();
+    let values = values.iter().copied().collect();
+    (Observation { values, covariance, joint, names, degrees_of_freedom }, agreement)
 }
 
 struct Problem<'a> {
@@ -134,11 +142,15 @@ impl Problem<'_> {
         )
     }
 
-    /// χ² of what the observations leave of `mean`, over the parameters whose covariance a fit gave.
+    /// χ² of what the observations leave of their mean, over the parameters whose covariance a fit gave.
+    ///
+    /// With ν degrees of freedom of each covariance, Johansen's sum over the observations
+    /// A = Σ (tr Mᵢ² + (tr Mᵢ)²)/2νᵢ, Mᵢ = 1 − H⁻¹·Vᵢ⁻¹ and H = Σ Vᵢ⁻¹, gives the law χ² ~ c·F(f, f₂) with f₂ = f·(f + 2)/3A
+    /// and c = f + 2A − 6A/(f + 2).
     #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
-    fn agreement(&self, mean: &DVector<f64>) -> Option<Agreement> {
+    fn agreement(&self, (mean, of_mean): &(DVector<f64>, DMatrix<f64>)) -> Option<Agreement> {
         let none = vec![0.0; self.names.len()];
-        let (mut chi_squared, mut told) = (0.0, 0);
+        let (mut chi_squared, mut told, mut uncertain) = (0.0, 0, 0.0);
         let mut parameters = vec![false; self.names.len()];
         for observation in self.observations {
             let places = self.places(observation);
@@ -148,6 +160,21 @@ impl Problem<'_> {
                 if observation.joint[at] { (observation.values[at] - mean[places[at]]) / deviations[at] } else { 0.0 }
             });
             chi_squared += left.dot(&factor.solve(&left));
+            let joint: Vec<usize> = (0..places.len()).filter(|at| observation.joint[*at]).collect();
+            if joint.is_empty() {
+                continue;
+            }
+            let own = factor.inverse();
+            let free = DMatrix::from_fn(joint.len(), joint.len(), |row, column| {
+                let taken: f64 = (0..places.len())
+                    .map(|at| {
+                        of_mean[(places[joint[row]], places[at])] / deviations[at] * own[(at, joint[column])]
+                            / deviations[joint[column]]
+                    })
+                    .sum();
+                f64::from(u8::from(row == column)) - taken
+            });
+            uncertain += ((&free * &free).trace() + free.trace().powi(2)) / (2.0 * observation.degrees_of_freedom);
             for (at, place) in places.iter().enumerate().filter(|(at, _)| observation.joint[*at]) {
                 told += usize::from(observation.covariance[(at, at)] > 0.0);
                 parameters[*place] = true;
@@ -161,8 +188,16 @@ impl Problem<'_> {
         Some(Agreement {
             chi_squared,
             degrees_of_freedom,
-            probability: checked_gamma_ur(0.5 * freedom, 0.5 * chi_squared).unwrap_or(0.0),
+            probability: probability(chi_squared, freedom, uncertain),
             birge_ratio: (chi_squared / freedom).sqrt(),
         })
     }
+}
+
+/// Probability of a χ² of `freedom` at least as large, where the covariances' own uncertainty adds up to `uncertain`.
+fn probability(chi_squared: f64, freedom: f64, uncertain: f64) -> f64 {
+    // Covariances that are known for certain have so many.
+    let freedom_below = (freedom * (freedom + 2.0) / (3.0 * uncertain)).min(1e6);
+    let scale = freedom + 2.0 * uncertain - 6.0 * uncertain / (freedom + 2.0);
+    FisherSnedecor::new(freedom, freedom_below).map_or(0.0, |law| law.sf(chi_squared / scale))
 }

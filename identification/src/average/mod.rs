@@ -2,10 +2,11 @@
 //!
 //! The mean is that of whole parameter vectors: each capture counts with the inverse of its covariance
 //! ([`Fit::covariance`]), so that a capture which tells a sum of two parameters better than each of them
-//! keeps that. Where captures differ by more than their intervals allow, the excess is a scatter from
-//! capture to capture, estimated parameter by parameter after DerSimonian and Laird (Controlled Clinical
-//! Trials 7, 1986, 177–188) and added to every capture's variances: the combined interval widens, and
-//! captures that differ count alike. [`Agreement`] tells, before that, whether they differ at all.
+//! keeps that. [`Agreement`] tells whether they differ by more than their covariances allow. Where chance would
+//! do that in less than one of twenty, the excess is a scatter from capture to capture, estimated parameter by
+//! parameter after DerSimonian and Laird (Controlled Clinical Trials 7, 1986, 177–188) and added to every
+//! capture's variances: the combined interval widens, and captures that differ count alike. Of captures that
+//! agree none is estimated: from two of them it would be chance, and take the weight off the better one.
 
 mod generalised;
 mod model_torque;
@@ -27,9 +28,10 @@ pub(crate) use scalar::{Combined, combined, wrapped};
 
 /// Captures that differ by this multiple of what their intervals allow are not of the same knob, or one went wrong.
 const GROSS: f64 = 5.0;
-/// Probability of the disagreement below which it is worth a note. Covariances are estimates themselves, so that χ² is
-/// large more often than its distribution says.
+/// Probability of the disagreement below which it is worth a note.
 const UNLIKELY: f64 = 1e-3;
+/// Probability below which captures are taken to scatter by more than their covariances say.
+const SCATTERED: f64 = 0.05;
 
 /// Whether captures differ by more than their covariances allow.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -38,7 +40,7 @@ pub struct Agreement {
     pub chi_squared: f64,
     /// What that would be on average if the captures agree.
     pub degrees_of_freedom: usize,
-    /// Probability of a χ² at least as large if they agree and their covariances are right.
+    /// Probability of one at least as large if they agree, covariances being estimates themselves.
     pub probability: f64,
     /// √(χ² over degrees of freedom): how many times larger than told the differences are.
     pub birge_ratio: f64,
@@ -140,6 +142,7 @@ fn covariance(mean: &Observation) -> Covariance {
         order: joint.iter().map(|at| mean.names[*at]).collect(),
         rows: joint.iter().map(row).collect(),
         critical: NORMAL_95,
+        degrees_of_freedom: mean.degrees_of_freedom,
     }
 }
 
