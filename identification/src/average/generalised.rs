@@ -11,7 +11,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::observation::Observation;
-use super::{Agreement, SCATTERED, position, scalar};
+use super::{Agreement, position, scalar};
 
 /// Added to the ones of each correlation matrix, so that rounding does not make it indefinite.
 const RIDGE: f64 = 1e-9;
@@ -38,7 +38,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
             if known.is_finite() { known } else { 1.0 }
         })
         .collect();
-    let mut scatter: Vec<f64> = names
+    let scatter: Vec<f64> = names
         .iter()
         .zip(&floors)
         .map(|(name, floor)| {
@@ -48,16 +48,19 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
         })
         .collect();
     let problem = Problem { names: &names, floors: &floors, observations };
-    let alike = problem.solve(&vec![0.0; names.len()]);
+    let none = vec![0.0; names.len()];
+    let alike = problem.solve(&none, &none);
     let agreement = problem.agreement(&alike);
     // What stands by itself takes no part in the agreement.
-    let agree = agreement.is_none_or(|agreement| agreement.probability >= SCATTERED);
+    let agree = agreement.is_none_or(|agreement| agreement.agrees());
     let joint: Vec<bool> = names
         .iter()
         .map(|name| observations.iter().any(|one| position(&one.names, name).is_some_and(|at| one.joint[at])))
         .collect();
-    scatter.iter_mut().zip(&joint).filter(|(_, joint)| agree && **joint).for_each(|(scatter, _)| *scatter = 0.0);
-    let (values, mut covariance) = problem.solve(&scatter);
+    let weighing: Vec<f64> =
+        scatter.iter().zip(&joint).map(|(scatter, joint)| if agree && *joint { 0.0 } else { *scatter }).collect();
+    let widening: Vec<f64> = scatter.iter().zip(&weighing).map(|(scatter, weighing)| scatter - weighing).collect();
+    let (values, mut covariance) = problem.solve(&weighing, &widening);
     for (at, name) in names.iter().enumerate() {
         let uncertain = scatter[at] > 0.0 || told(name).iter().any(|one| one.1 > 0.0);
         if !uncertain {
@@ -104,8 +107,9 @@ impl Problem<'_> {
         (factor, deviations)
     }
 
-    /// Values and covariance of the mean.
-    fn solve(&self, scatter: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+    /// Values and covariance of the mean, with variances from capture to capture added to those of every observation:
+    /// `weighing` count in weights and covariance, `widening` in the covariance alone.
+    fn solve(&self, weighing: &[f64], widening: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let count = self.names.len();
         let scales: Vec<f64> = self.floors.iter().map(|floor| floor.sqrt()).collect();
         // Relative to the first value that was told, so that phases and small periods keep their digits.
@@ -117,25 +121,32 @@ impl Problem<'_> {
             .collect();
         let mut normal = DMatrix::<f64>::zeros(count, count);
         let mut right = DVector::<f64>::zeros(count);
+        let mut middle = DMatrix::<f64>::zeros(count, count);
+        let widening =
+            DMatrix::from_diagonal(&DVector::from_fn(count, |at, _| widening[at] / (scales[at] * scales[at])));
         for observation in self.observations {
             let places = self.places(observation);
-            let (Some(factor), deviations) = self.factor(observation, scatter) else { continue };
+            let (Some(factor), deviations) = self.factor(observation, weighing) else { continue };
             let whitened = |at: usize| (observation.values[at] - origin[places[at]]) / deviations[at];
             let solved = factor.solve(&DVector::from_fn(places.len(), |at, _| whitened(at)));
             let inverse = factor.inverse();
+            let mut weight = DMatrix::<f64>::zeros(count, count);
             for (row, place) in places.iter().enumerate() {
                 let share = scales[*place] / deviations[row];
                 right[*place] += share * solved[row];
                 for (column, other) in places.iter().enumerate() {
-                    normal[(*place, *other)] += share * inverse[(row, column)] * scales[*other] / deviations[column];
+                    weight[(*place, *other)] = share * inverse[(row, column)] * scales[*other] / deviations[column];
                 }
             }
+            middle += &weight * &widening * &weight;
+            normal += weight;
         }
         let Some(factor) = Cholesky::new(normal) else {
             return (DVector::from_vec(origin), DMatrix::zeros(count, count));
         };
         let solution = factor.solve(&right);
         let inverse = factor.inverse();
+        let inverse = &inverse + &inverse * middle * &inverse;
         (
             DVector::from_fn(count, |at, _| origin[at] + scales[at] * solution[at]),
             DMatrix::from_fn(count, count, |row, column| scales[row] * scales[column] * inverse[(row, column)]),

@@ -2,11 +2,11 @@
 //!
 //! The mean is that of whole parameter vectors: each capture counts with the inverse of its covariance
 //! ([`Fit::covariance`]), so that a capture which tells a sum of two parameters better than each of them
-//! keeps that. [`Agreement`] tells whether they differ by more than their covariances allow. Where chance would
-//! do that in less than one of twenty, the excess is a scatter from capture to capture, estimated parameter by
-//! parameter after DerSimonian and Laird (Controlled Clinical Trials 7, 1986, 177–188) and added to every
-//! capture's variances: the combined interval widens, and captures that differ count alike. Of captures that
-//! agree none is estimated: from two of them it would be chance, and take the weight off the better one.
+//! keeps that. What captures differ by beyond their covariances is a scatter from capture to capture, estimated
+//! parameter by parameter after DerSimonian and Laird (Controlled Clinical Trials 7, 1986, 177–188). It always
+//! widens the combined interval. In the weights it counts where the captures disagree ([`Agreement`]): captures
+//! that differ count alike then. Where they agree, a scatter estimated from two of them is mostly chance and
+//! would take the weight off the better one.
 
 mod generalised;
 mod model_torque;
@@ -28,10 +28,8 @@ pub(crate) use scalar::{Combined, combined, wrapped};
 
 /// Captures that differ by this multiple of what their intervals allow are not of the same knob, or one went wrong.
 const GROSS: f64 = 5.0;
-/// Probability of the disagreement below which it is worth a note.
+/// Probability of the disagreement below which it is worth a note, and captures count alike.
 const UNLIKELY: f64 = 1e-3;
-/// Probability below which captures are taken to scatter by more than their covariances say.
-const SCATTERED: f64 = 0.05;
 
 /// Whether captures differ by more than their covariances allow.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
