@@ -65,6 +65,8 @@ pub struct Covariance {
     pub rows: Vec<Vec<f64>>,
     /// Half width of a 95 % interval over the standard deviation: more than 1.96, since the covariance is itself estimated.
     pub critical: f64,
+    /// Degrees of freedom of Student's distribution with the same uncertainty: how well the variances themselves are known.
+    pub degrees_of_freedom: f64,
 }
 
 /// One sinusoid of the angle.

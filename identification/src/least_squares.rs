@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::long_run::{kernel_scale, smooth_scores};
+use crate::long_run::{degrees_of_freedom, kernel_scale, smooth_scores};
 use crate::vector;
 pub(crate) use crate::vector::dot;
 
@@ -40,6 +40,15 @@ pub(crate) struct LeastSquares {
     pub(crate) collinear: Vec<bool>,
     /// Columns held at zero because their coefficient would be negative.
     pub(crate) at_zero: Vec<bool>,
+}
+
+/// Covariance of coefficients for residuals of unknown autocorrelation and varying size.
+pub(crate) struct RobustCovariance {
+    pub(crate) matrix: DMatrix<f64>,
+    /// Bandwidth of the long-run covariance as a share of the rows.
+    pub(crate) bandwidth_share: f64,
+    /// Degrees of freedom with which the variances are known.
+    pub(crate) degrees_of_freedom: f64,
 }
 
 impl LeastSquares {
@@ -140,7 +149,7 @@ impl LeastSquares {
     }
 
     /// The same fit by instrumental variables: the residual is made orthogonal to the `instruments`, one per column,
-    /// which noise in the columns then does not bias. [`Self::robust_covariance`] wants the instruments.
+    /// which noise in the columns then does not bias. [`Self::robust`] wants the instruments.
     pub(crate) fn instrumented<C: Deref<Target = [f64]>>(
         self,
         columns: &[C],
@@ -186,20 +195,30 @@ impl LeastSquares {
         &self.inverse * (dot(&self.residual, &self.residual) / freedom)
     }
 
+    /// [`Self::robust`] as the matrix and the bandwidth as a share of the rows.
+    pub(crate) fn robust_covariance<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> (DMatrix<f64>, f64) {
+        let RobustCovariance { matrix, bandwidth_share, .. } = self.robust(columns);
+        (matrix, bandwidth_share)
+    }
+
     /// Covariance of the coefficients for residuals of unknown autocorrelation and varying size.
     ///
-    /// Newey and West's sandwich around the long-run covariance of the scores (`long_run`). Also returns the bandwidth
-    /// as a share of the rows.
+    /// Newey and West's sandwich around the long-run covariance of the scores (`long_run`).
     #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-    pub(crate) fn robust_covariance<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> (DMatrix<f64>, f64) {
+    pub(crate) fn robust<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> RobustCovariance {
         let rows = self.residual.len();
         let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
         let (smooth, width, bandwidth) = smooth_scores(&scores);
+        let degrees_of_freedom = degrees_of_freedom(&smooth, width);
         let mut middle = DMatrix::zeros(columns.len(), columns.len());
         vector::products(&smooth, 0, &mut middle);
         middle *= kernel_scale(width);
         let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
-        (&self.inverse * middle * self.inverse.transpose() * freedom, bandwidth / rows as f64)
+        RobustCovariance {
+            matrix: &self.inverse * middle * self.inverse.transpose() * freedom,
+            bandwidth_share: bandwidth / rows as f64,
+            degrees_of_freedom,
+        }
     }
 
     /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.

@@ -12,6 +12,8 @@ pub(crate) const NORMAL_95: f64 = 1.959_964;
 const PLACES_PER_HALF: usize = 16;
 /// Least bandwidth as a share of the rows.
 const SHARE: f64 = 0.02;
+/// ∫k² of Parzen's kernel from −1 to 1.
+const PARZEN_SQUARES: f64 = 151.0 / 280.0;
 
 /// Two-sided 95 % of the studentised estimate when the bandwidth is a given share of the rows.
 ///
@@ -40,6 +42,27 @@ pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) 
         boxed(&boxed(&places, width), width)
     };
     (scores.iter().map(smooth).collect(), width, 2.0 * (width * group) as f64)
+}
+
+/// Degrees of freedom of the long-run variances: those of a χ² that varies as much, after Satterthwaite (Biometrics
+/// Bulletin 2, 1946, 110–114), harmonic mean over the scores.
+///
+/// A variance is a mean of squares of smoothed scores s, which are alike over the bandwidth and not all of one size:
+/// a knob that slides forward half of the time has half of the rows to tell its friction by. For normal scores of varying
+/// size it varies by 2/ν = ∫k²·Σs⁴/3 over (Σs²)², k Parzen's kernel, the autocorrelation of the triangle.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+pub(crate) fn degrees_of_freedom(smooth: &[Vec<f64>], width: usize) -> f64 {
+    let alike = PARZEN_SQUARES * 2.0 * width as f64;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for score in smooth {
+        let squares = dot(score, score);
+        let fourths: f64 = score.iter().map(|value| value.powi(4)).sum();
+        if fourths > 0.0 {
+            sum += alike * fourths / (3.0 * squares * squares);
+            count += 1.0;
+        }
+    }
+    if sum > 0.0 { count / sum } else { f64::INFINITY }
 }
 
 /// One over the triangle's sum of squares: what the kernel would else be at lag zero.

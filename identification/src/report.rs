@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, RowDVector};
 use crate::estimate::{Covariance, Parameter, Parameters, Point};
 use crate::fit::Trimmed;
 use crate::frame::Frame;
-use crate::least_squares::dot;
+use crate::least_squares::{RobustCovariance, dot};
 use crate::long_run::{NORMAL_95, critical_value};
 use crate::motion::{Band, KnobMotion, rms};
 use crate::problem::Column;
@@ -43,7 +43,7 @@ impl Report<'_> {
         let Trimmed { columns, solution, .. } = self.trimmed;
         let textbook = solution.textbook_covariance();
         let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
-        let (robust, bandwidth_share) = solution.robust_covariance(instruments);
+        let RobustCovariance { matrix: robust, bandwidth_share, degrees_of_freedom } = solution.robust(instruments);
         let critical = critical_value(bandwidth_share);
         let mut parameters = Vec::new();
         for (index, effect) in self.trimmed.effects().iter().enumerate() {
@@ -54,12 +54,12 @@ impl Report<'_> {
                 parameters.push(Parameter::untold(parameter.name, parameter.unit, reason.clone()));
             }
         }
-        let covariance = self.covariance(&parameters, &robust, critical);
+        let covariance = Covariance { critical, degrees_of_freedom, ..self.covariance(&parameters, &robust) };
         (Parameters(parameters), covariance, self.compare([&robust, &textbook], critical))
     }
 
     /// Covariance of the parameters that are told and not held at zero, from that of the coefficients.
-    fn covariance(&self, parameters: &[Parameter], coefficients: &DMatrix<f64>, critical: f64) -> Covariance {
+    fn covariance(&self, parameters: &[Parameter], coefficients: &DMatrix<f64>) -> Covariance {
         let mut order = Vec::new();
         let mut derivatives = Vec::new();
         for (index, effect) in self.trimmed.effects().iter().enumerate() {
@@ -76,7 +76,7 @@ impl Report<'_> {
             let product = left * coefficients;
             derivatives.iter().map(|right| product.dot(right)).collect()
         };
-        Covariance { rows: derivatives.iter().map(row).collect(), order, critical }
+        Covariance { rows: derivatives.iter().map(row).collect(), order, ..Covariance::default() }
     }
 
     /// What a reader should know besides.

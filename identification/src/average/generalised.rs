@@ -3,10 +3,12 @@
 //! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks what capture i told), the mean is
 //! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and what the captures
 //! leave of it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say. The root of that over its
-//! degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227).
+//! degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227). Covariances are themselves estimates,
+//! of some 50 degrees of freedom, and their inverses too large for that: the sum is compared with F as S. Johansen
+//! derives it (Biometrika 67, 1980, 85–92).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use statrs::function::gamma::checked_gamma_ur;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::observation::Observation;
 use super::{Agreement, position, scalar};
@@ -46,8 +48,19 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
         })
         .collect();
     let problem = Problem { names: &names, floors: &floors, observations };
-    let agreement = problem.agreement(&problem.solve(&vec![0.0; names.len()]).0);
-    let (values, mut covariance) = problem.solve(&scatter);
+    let none = vec![0.0; names.len()];
+    let alike = problem.solve(&none, &none);
+    let agreement = problem.agreement(&alike);
+    // What stands by itself takes no part in the agreement.
+    let agree = agreement.is_none_or(|agreement| agreement.agrees());
+    let joint: Vec<bool> = names
+        .iter()
+        .map(|name| observations.iter().any(|one| position(&one.names, name).is_some_and(|at| one.joint[at])))
+        .collect();
+    let weighing: Vec<f64> =
+        scatter.iter().zip(&joint).map(|(scatter, joint)| if agree && *joint { 0.0 } else { *scatter }).collect();
+    let widening: Vec<f64> = scatter.iter().zip(&weighing).map(|(scatter, weighing)| scatter - weighing).collect();
+    let (values, mut covariance) = problem.solve(&weighing, &widening);
     for (at, name) in names.iter().enumerate() {
         let uncertain = scatter[at] > 0.0 || told(name).iter().any(|one| one.1 > 0.0);
         if !uncertain {
@@ -55,11 +68,9 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
             covariance.column_mut(at).fill(0.0);
         }
     }
-    let joint = names
-        .iter()
-        .map(|name| observations.iter().any(|one| position(&one.names, name).is_some_and(|at| one.joint[at])))
-        .collect();
-    (Observation { values: values.iter().copied().collect(), covariance, joint, names }, agreement)
+    let degrees_of_freedom = observations.iter().map(|one| one.degrees_of_freedom).sum();
+    let values = values.iter().copied().collect();
+    (Observation { values, covariance, joint, names, degrees_of_freedom }, agreement)
 }
 
 struct Problem<'a> {
@@ -96,8 +107,9 @@ impl Problem<'_> {
         (factor, deviations)
     }
 
-    /// Values and covariance of the mean.
-    fn solve(&self, scatter: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+    /// Values and covariance of the mean, with variances from capture to capture added to those of every observation:
+    /// `weighing` count in weights and covariance, `widening` in the covariance alone.
+    fn solve(&self, weighing: &[f64], widening: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let count = self.names.len();
         let scales: Vec<f64> = self.floors.iter().map(|floor| floor.sqrt()).collect();
         // Relative to the first value that was told, so that phases and small periods keep their digits.
@@ -109,36 +121,47 @@ impl Problem<'_> {
             .collect();
         let mut normal = DMatrix::<f64>::zeros(count, count);
         let mut right = DVector::<f64>::zeros(count);
+        let mut middle = DMatrix::<f64>::zeros(count, count);
+        let widening =
+            DMatrix::from_diagonal(&DVector::from_fn(count, |at, _| widening[at] / (scales[at] * scales[at])));
         for observation in self.observations {
             let places = self.places(observation);
-            let (Some(factor), deviations) = self.factor(observation, scatter) else { continue };
+            let (Some(factor), deviations) = self.factor(observation, weighing) else { continue };
             let whitened = |at: usize| (observation.values[at] - origin[places[at]]) / deviations[at];
             let solved = factor.solve(&DVector::from_fn(places.len(), |at, _| whitened(at)));
             let inverse = factor.inverse();
+            let mut weight = DMatrix::<f64>::zeros(count, count);
             for (row, place) in places.iter().enumerate() {
                 let share = scales[*place] / deviations[row];
                 right[*place] += share * solved[row];
                 for (column, other) in places.iter().enumerate() {
-                    normal[(*place, *other)] += share * inverse[(row, column)] * scales[*other] / deviations[column];
+                    weight[(*place, *other)] = share * inverse[(row, column)] * scales[*other] / deviations[column];
                 }
             }
+            middle += &weight * &widening * &weight;
+            normal += weight;
         }
         let Some(factor) = Cholesky::new(normal) else {
             return (DVector::from_vec(origin), DMatrix::zeros(count, count));
         };
         let solution = factor.solve(&right);
         let inverse = factor.inverse();
+        let inverse = &inverse + &inverse * middle * &inverse;
         (
             DVector::from_fn(count, |at, _| origin[at] + scales[at] * solution[at]),
             DMatrix::from_fn(count, count, |row, column| scales[row] * scales[column] * inverse[(row, column)]),
         )
     }
 
-    /// χ² of what the observations leave of `mean`, over the parameters whose covariance a fit gave.
+    /// χ² of what the observations leave of their mean, over the parameters whose covariance a fit gave.
+    ///
+    /// With ν degrees of freedom of each covariance, Johansen's sum over the observations
+    /// A = Σ (tr Mᵢ² + (tr Mᵢ)²)/2νᵢ, Mᵢ = 1 − H⁻¹·Vᵢ⁻¹ and H = Σ Vᵢ⁻¹, gives the law χ² ~ c·F(f, f₂) with f₂ = f·(f + 2)/3A
+    /// and c = f + 2A − 6A/(f + 2).
     #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
-    fn agreement(&self, mean: &DVector<f64>) -> Option<Agreement> {
+    fn agreement(&self, (mean, of_mean): &(DVector<f64>, DMatrix<f64>)) -> Option<Agreement> {
         let none = vec![0.0; self.names.len()];
-        let (mut chi_squared, mut told) = (0.0, 0);
+        let (mut chi_squared, mut told, mut uncertain) = (0.0, 0, 0.0);
         let mut parameters = vec![false; self.names.len()];
         for observation in self.observations {
             let places = self.places(observation);
@@ -148,6 +171,21 @@ impl Problem<'_> {
                 if observation.joint[at] { (observation.values[at] - mean[places[at]]) / deviations[at] } else { 0.0 }
             });
             chi_squared += left.dot(&factor.solve(&left));
+            let joint: Vec<usize> = (0..places.len()).filter(|at| observation.joint[*at]).collect();
+            if joint.is_empty() {
+                continue;
+            }
+            let own = factor.inverse();
+            let free = DMatrix::from_fn(joint.len(), joint.len(), |row, column| {
+                let taken: f64 = (0..places.len())
+                    .map(|at| {
+                        of_mean[(places[joint[row]], places[at])] / deviations[at] * own[(at, joint[column])]
+                            / deviations[joint[column]]
+                    })
+                    .sum();
+                f64::from(u8::from(row == column)) - taken
+            });
+            uncertain += ((&free * &free).trace() + free.trace().powi(2)) / (2.0 * observation.degrees_of_freedom);
             for (at, place) in places.iter().enumerate().filter(|(at, _)| observation.joint[*at]) {
                 told += usize::from(observation.covariance[(at, at)] > 0.0);
                 parameters[*place] = true;
@@ -161,8 +199,16 @@ impl Problem<'_> {
         Some(Agreement {
             chi_squared,
             degrees_of_freedom,
-            probability: checked_gamma_ur(0.5 * freedom, 0.5 * chi_squared).unwrap_or(0.0),
+            probability: probability(chi_squared, freedom, uncertain),
             birge_ratio: (chi_squared / freedom).sqrt(),
         })
     }
+}
+
+/// Probability of a χ² of `freedom` at least as large, where the covariances' own uncertainty adds up to `uncertain`.
+fn probability(chi_squared: f64, freedom: f64, uncertain: f64) -> f64 {
+    // Covariances that are known for certain have so many.
+    let freedom_below = (freedom * (freedom + 2.0) / (3.0 * uncertain)).min(1e6);
+    let scale = freedom + 2.0 * uncertain - 6.0 * uncertain / (freedom + 2.0);
+    FisherSnedecor::new(freedom, freedom_below).map_or(0.0, |law| law.sf(chi_squared / scale))
 }

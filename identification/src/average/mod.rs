@@ -2,10 +2,11 @@
 //!
 //! The mean is that of whole parameter vectors: each capture counts with the inverse of its covariance
 //! ([`Fit::covariance`]), so that a capture which tells a sum of two parameters better than each of them
-//! keeps that. Where captures differ by more than their intervals allow, the excess is a scatter from
-//! capture to capture, estimated parameter by parameter after DerSimonian and Laird (Controlled Clinical
-//! Trials 7, 1986, 177–188) and added to every capture's variances: the combined interval widens, and
-//! captures that differ count alike. [`Agreement`] tells, before that, whether they differ at all.
+//! keeps that. What captures differ by beyond their covariances is a scatter from capture to capture, estimated
+//! parameter by parameter after DerSimonian and Laird (Controlled Clinical Trials 7, 1986, 177–188). It always
+//! widens the combined interval. In the weights it counts where the captures disagree ([`Agreement`]): captures
+//! that differ count alike then. Where they agree, a scatter estimated from two of them is mostly chance and
+//! would take the weight off the better one.
 
 mod generalised;
 mod model_torque;
@@ -27,8 +28,7 @@ pub(crate) use scalar::{Combined, combined, wrapped};
 
 /// Captures that differ by this multiple of what their intervals allow are not of the same knob, or one went wrong.
 const GROSS: f64 = 5.0;
-/// Probability of the disagreement below which it is worth a note. Covariances are estimates themselves, so that χ² is
-/// large more often than its distribution says.
+/// Probability of the disagreement below which it is worth a note, and captures count alike.
 const UNLIKELY: f64 = 1e-3;
 
 /// Whether captures differ by more than their covariances allow.
@@ -38,7 +38,7 @@ pub struct Agreement {
     pub chi_squared: f64,
     /// What that would be on average if the captures agree.
     pub degrees_of_freedom: usize,
-    /// Probability of a χ² at least as large if they agree and their covariances are right.
+    /// Probability of one at least as large if they agree, covariances being estimates themselves.
     pub probability: f64,
     /// √(χ² over degrees of freedom): how many times larger than told the differences are.
     pub birge_ratio: f64,
@@ -140,6 +140,7 @@ fn covariance(mean: &Observation) -> Covariance {
         order: joint.iter().map(|at| mean.names[*at]).collect(),
         rows: joint.iter().map(row).collect(),
         critical: NORMAL_95,
+        degrees_of_freedom: mean.degrees_of_freedom,
     }
 }
 

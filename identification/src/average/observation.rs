@@ -16,6 +16,8 @@ pub(super) struct Observation {
     pub(super) covariance: DMatrix<f64>,
     /// Whether the covariance comes from the fit; where not, it is from the interval alone.
     pub(super) joint: Vec<bool>,
+    /// Degrees of freedom with which the variances are known.
+    pub(super) degrees_of_freedom: f64,
 }
 
 impl Observation {
@@ -39,6 +41,7 @@ impl Observation {
             values: told.iter().map(|(_, value)| *value).collect(),
             covariance,
             joint: places.iter().map(Option::is_some).collect(),
+            degrees_of_freedom: known.degrees_of_freedom,
         }
     }
 

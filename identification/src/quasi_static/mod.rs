@@ -78,6 +78,18 @@ pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> 
 }
 
 impl Map {
+    /// Way over time of all neighbouring rows of one pass, rad/s.
+    fn mean_speed_rad_s(&self, samples: &Samples<'_>) -> f64 {
+        let (mut way_rad, mut time_s) = (0.0, 0.0);
+        for (at, pair) in
+            self.index.windows(2).enumerate().filter(|(at, _)| self.directions[*at] == self.directions[at + 1])
+        {
+            way_rad += f64::from(self.directions[at]) * (self.angle_rad[at + 1] - self.angle_rad[at]);
+            time_s += samples.t_s[pair[1]] - samples.t_s[pair[0]];
+        }
+        if time_s > 0.0 { way_rad / time_s } else { 0.0 }
+    }
+
     fn of(samples: &Samples<'_>, rails: &Rails) -> Option<Self> {
         let step = smallest_step(samples.angle_rad);
         let duration_s = samples.t_s.last()? - samples.t_s.first()?;
@@ -250,15 +262,17 @@ impl Fitted {
         effects
     }
 
+    /// The rows; of the speed only its direction and its mean over the passes can be told.
     fn points(&self, samples: &Samples<'_>, map: &Map) -> Vec<Point> {
         let mut row = DVector::zeros(self.sums.width());
+        let speed_rad_s = map.mean_speed_rad_s(samples);
         (0..map.index.len())
             .map(|at| {
                 self.sums.row(at, &mut row);
                 Point {
                     t_s: samples.t_s[map.index[at]],
                     angle_rad: map.angle_rad[at],
-                    velocity_rad_s: 0.0,
+                    velocity_rad_s: f64::from(map.directions[at]) * speed_rad_s,
                     acceleration_rad_s2: 0.0,
                     torque_mnm: map.torque_mnm[at],
                     torque_model_mnm: map.torque_mnm[at] - self.residual[at],

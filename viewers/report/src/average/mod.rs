@@ -113,9 +113,11 @@ fn mean_method() -> Markup {
             "The mean is that of whole parameter vectors by generalised least squares: each capture counts with the inverse \
              of the covariance of its parameters. Phases of detents are compared and averaged at the mean angle of all \
              captures, since at angle zero they follow the period. Where a parameter differs from capture to capture by more \
-             than its intervals allow, the excess is taken for a scatter (DerSimonian and Laird 1986) that is added to every \
-             capture's variance. χ² is what the captures leave of their mean without that scatter; its root over the degrees \
-             of freedom is the Birge ratio, 1 where captures differ as much as their intervals say."
+             than its intervals allow, the excess is taken for a scatter (DerSimonian and Laird 1986) that widens the mean's \
+             interval; where the captures disagree it is added to the variances that weigh them as well. χ² is what the \
+             captures leave of their mean without that scatter, compared with what Johansen (1980) gives for covariances that \
+             are themselves estimates; its root over the degrees of freedom is the Birge ratio, 1 where captures differ as much \
+             as their intervals say."
         }
     }
 }
