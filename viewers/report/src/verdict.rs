@@ -8,7 +8,7 @@ use crate::numbers::{Digits, three, two};
 const NO_BREAK: &str = "\u{a0}";
 
 /// Residual over expected noise up to which the model counts as complete.
-const LIKE_NOISE: f64 = 1.5;
+pub(crate) const LIKE_NOISE: f64 = 1.5;
 
 /// The parameters that were found, and how well the model follows the torque.
 pub(crate) fn findings(fit: &Fit) -> String {

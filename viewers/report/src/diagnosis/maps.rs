@@ -31,7 +31,7 @@ pub(super) fn section(locations: &[Location], numbers: &mut Numbering) -> Markup
                 0 => "No quantity alone explains more than chance would. That is so when nothing is missing, and when what is \
                       missing depends on several quantities at once or averages out over each.",
                 1 => "One quantity explains more than chance would.",
-                _ => { (significant) " quantities explain more than chance would." },
+                _ => { "Of them " (significant) " explain more than chance would." },
             }
         }
         (maps(locations, Ink::Before, "Where the gap is", numbers))

@@ -134,6 +134,8 @@ fn next_experiment(found: &Diagnosis) -> Markup {
             p {
                 @if tied {
                     "No excitation that was tried, within the angles and speeds of these captures, tells the tied effects apart."
+                } @else if found.verdict == Verdict::OutsideLibrary {
+                    "No two effects of the catalogue compete for what is missing, so no capture can be proposed to choose between them."
                 } @else {
                     "Nothing: no two effects are tied, so no further capture is needed to choose between them."
                 }

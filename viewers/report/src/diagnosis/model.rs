@@ -65,6 +65,7 @@ fn velocity_figure(points: &[Point]) -> Figure {
 
 /// Every parameter of the model.
 fn parameters(model: &Model) -> Markup {
+    let zero: Vec<&str> = model.parameters().filter(|(_, value)| *value == 0.0).map(|(kind, _)| kind.name).collect();
     html! {
         @if model.effects.is_empty() {
             p.note { "The model has no effects." }
@@ -74,7 +75,7 @@ fn parameters(model: &Model) -> Markup {
                     thead { tr { th { "parameter" } th { "symbol" } th.number { "value" } th { "unit" } th { "effect" } } }
                     tbody {
                         @for effect in &model.effects {
-                            @for (kind, value) in effect.parameters() {
+                            @for (kind, value) in effect.parameters().filter(|(_, value)| *value != 0.0) {
                                 tr {
                                     (name_cells(kind.name))
                                     td.number.value { (Digits::significant(value, DIGITS).show(value)) }
@@ -86,7 +87,10 @@ fn parameters(model: &Model) -> Markup {
                     }
                 }
             }
-            p.note { "Four digits each, whatever the data support; the intervals of what was added are with the steps." }
+            p.note {
+                "Four digits each, whatever the data support; the intervals of what was added are with the steps."
+                @if !zero.is_empty() { " Zero and left out: " (zero.join(", ")) "." }
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::numbers::three;
 
 /// Share of the largest magnitude that a bin must have for its sign to count.
 const COUNTS: f64 = 0.25;
-/// Share of the power that makes a map odd or even.
+/// Share of the power that makes a map odd or even, and of all ups and downs that makes it a slope.
 const MOSTLY: f64 = 0.85;
 /// Points at which the two halves of a map are compared.
 const COMPARED: u32 = 40;
@@ -21,6 +21,7 @@ pub(super) fn shape(location: &Location) -> Option<String> {
     let [low_at, low] = map.iter().copied().min_by(|a, b| a[1].total_cmp(&b[1]))?;
     let [high_at, high] = map.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]))?;
     let unit = unit(location.unit);
+    let trend = trend(&map);
     let changes = match sign_changes(&map, high.abs().max(low.abs())) {
         0 => "never changes sign".to_owned(),
         1 => "changes sign once".to_owned(),
@@ -29,12 +30,26 @@ pub(super) fn shape(location: &Location) -> Option<String> {
     };
     let mirrored = mirrored(&map).unwrap_or("");
     Some(format!(
-        "Highest {} mNm at {} {unit}, lowest {} mNm at {} {unit}; {changes}{mirrored}.",
+        "Highest {} mNm at {} {unit}, lowest {} mNm at {} {unit}; {trend}{changes}{mirrored}.",
         three(high),
         three(high_at),
         three(low),
         three(low_at)
     ))
+}
+
+/// Whether the map goes one way from end to end.
+fn trend(map: &[[f64; 2]]) -> &'static str {
+    let (Some(first), Some(last)) = (map.first(), map.last()) else { return "" };
+    let up_and_down: f64 = map.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs()).sum();
+    let rise = last[1] - first[1];
+    if rise > MOSTLY * up_and_down {
+        "rises from end to end, "
+    } else if -rise > MOSTLY * up_and_down {
+        "falls from end to end, "
+    } else {
+        ""
+    }
 }
 
 fn sign_changes(map: &[[f64; 2]], largest: f64) -> usize {
