@@ -172,6 +172,11 @@ impl Capture {
     }
 
     /// Rows of the torque as it would have been read `delay_s` earlier.
+    pub(crate) fn target(&self, delay_s: f64) -> Vec<f64> {
+        self.frame.rows(&self.torque_mnm(delay_s))
+    }
+
+    /// The torque as it would have been read `delay_s` earlier, mNm.
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
@@ -179,18 +184,17 @@ impl Capture {
         clippy::cast_sign_loss,
         reason = "a delay of some samples"
     )]
-    pub(crate) fn target(&self, delay_s: f64) -> Vec<f64> {
+    pub(crate) fn torque_mnm(&self, delay_s: f64) -> Vec<f64> {
         let whole = (delay_s * self.rate_hz).round();
         let rest_s = delay_s - whole / self.rate_hz;
         let last = self.motion.len() as isize - 1;
-        let shifted: Vec<f64> = (0..=last)
+        (0..=last)
             .map(|index| {
                 let at = (index + whole as isize).clamp(0, last) as usize;
                 let [torque, rate, curvature] = &self.torque;
                 torque[at] + rest_s * (rate[at] + 0.5 * rest_s * curvature[at])
             })
-            .collect();
-        self.frame.rows(&shifted)
+            .collect()
     }
 
     /// Time of every row, s, with the motion there and the weight of the mask.

@@ -26,7 +26,8 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// What is missing.
     pub verdict: Verdict,
-    /// The effects named, strongest first; empty unless the verdict is [`Verdict::Effects`].
+    /// The effects named, strongest first. Beside [`Verdict::OutsideLibrary`] these explain most of the gap, and something
+    /// else is left.
     pub effects: Vec<&'static str>,
     /// In one sentence.
     pub summary: String,
@@ -42,6 +43,9 @@ pub struct Diagnosis {
     pub noise_floor_rms: f64,
     /// 100 · ‖measured − model‖ / ‖measured‖ on the held-out capture, before and after.
     pub heldout_relative_error_percent: [f64; 2],
+    /// RMS error of the held-out angle predicted from the measured torque, started anew every
+    /// [`FORWARD_WINDOW_S`](super::FORWARD_WINDOW_S), before and after, rad; none where a model cannot be simulated forward.
+    pub forward_angle_rms_rad: Option<[f64; 2]>,
     /// What was added, in this order.
     pub steps: Vec<Step>,
     /// Effects that explain part of what is outside the catalogue; not names of what is missing.
@@ -194,8 +198,13 @@ impl Diagnosis {
                         location.coordinate, location.explained_percent
                     )
                 });
+                let named = if self.effects.is_empty() {
+                    String::new()
+                } else {
+                    format!("{} explains most of the gap, but not all. ", self.effects.join(", "))
+                };
                 format!(
-                    "Something is missing that no known effect explains: {:.3} mNm are left on held-out data, \
+                    "{named}Something is missing that no known effect explains: {:.3} mNm are left on held-out data, \
                      {over_floor:.1} times the noise{shape}.",
                     self.heldout_rms_after
                 )

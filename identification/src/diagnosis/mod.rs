@@ -18,4 +18,4 @@ mod workflow;
 
 pub use findings::{Diagnosis, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
 pub use locate::Location;
-pub use workflow::{DiagnoseOptions, DiagnosisError, Progress, diagnose};
+pub use workflow::{DiagnoseOptions, DiagnosisError, FORWARD_WINDOW_S, Progress, diagnose};

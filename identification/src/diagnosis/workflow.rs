@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use dynamics::{Calibration, Effect, EffectKind, Model, Part, effects};
+use dynamics::{Calibration, Effect, EffectKind, Model, Part, effects, simulate};
 
 use super::capture::{Capture, Stretches};
 use super::findings::{Diagnosis, Partial, Rival, Step, Verdict};
@@ -29,6 +29,12 @@ const LEFT: f64 = 1.3;
 const UNEXPLAINED: f64 = 0.15;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
 const TIE: f64 = 3.0;
+/// Narrowest band in which captures are compared, Hz.
+const NARROWEST_HZ: f64 = 8.0;
+/// Share of the gap's mean square that effects must explain to be named although something else is left.
+const MOST_OF_IT: f64 = 0.7;
+/// Time over which motion is predicted from torque before it is started anew, s.
+pub const FORWARD_WINDOW_S: f64 = 0.1;
 /// Most effects that are added.
 const MOST_EFFECTS: usize = 4;
 /// Effects that are tried together with a coupling where none alone is worth it.
@@ -144,23 +150,44 @@ fn prepare(
     heldout: Option<&Samples<'_>>,
     options: &DiagnoseOptions<'_>,
 ) -> Result<[Capture; 2], DiagnosisError> {
-    let calibration = options.calibration.as_ref();
-    let of = |which, samples: &Samples<'_>, stretches| {
-        Capture::of(samples, calibration, Capture::widest_edge_hz(), stretches)
-            .map_err(|reason| DiagnosisError::Capture { which, reason })
-    };
-    let Some(heldout) = heldout else {
-        return Ok([of("training", train, Stretches::Odd)?, of("training", train, Stretches::Even)?]);
-    };
-    if train.t_s == heldout.t_s && train.angle_rad == heldout.angle_rad && train.torque_mnm == heldout.torque_mnm {
+    if let Some(heldout) = heldout
+        && train.t_s == heldout.t_s
+        && train.angle_rad == heldout.angle_rad
+        && train.torque_mnm == heldout.torque_mnm
+    {
         return Err(DiagnosisError::SameCapture);
     }
-    let captures = [of("training", train, Stretches::All)?, of("held-out", heldout, Stretches::All)?];
+    let mut edge_hz = Capture::widest_edge_hz();
+    let captures = loop {
+        match prepare_in(edge_hz, train, heldout, options) {
+            // Where the encoder is coarse, motion can be told from noise in a narrower band only.
+            Err(DiagnosisError::Capture { reason: FitError::HardlyMoving { .. }, .. }) if edge_hz > NARROWEST_HZ => {
+                edge_hz *= 0.5;
+            }
+            prepared => break prepared?,
+        }
+    };
     let [train_hz, heldout_hz] = [captures[0].rate_hz, captures[1].rate_hz];
     if (train_hz / heldout_hz - 1.0).abs() > 0.02 {
         return Err(DiagnosisError::DifferentRates { train_hz, heldout_hz });
     }
     Ok(captures)
+}
+
+fn prepare_in(
+    edge_hz: f64,
+    train: &Samples<'_>,
+    heldout: Option<&Samples<'_>>,
+    options: &DiagnoseOptions<'_>,
+) -> Result<[Capture; 2], DiagnosisError> {
+    let of = |which, samples: &Samples<'_>, stretches| {
+        Capture::of(samples, options.calibration.as_ref(), edge_hz, stretches)
+            .map_err(|reason| DiagnosisError::Capture { which, reason })
+    };
+    Ok(match heldout {
+        Some(heldout) => [of("training", train, Stretches::All)?, of("held-out", heldout, Stretches::All)?],
+        None => [of("training", train, Stretches::Odd)?, of("training", train, Stretches::Even)?],
+    })
 }
 
 struct Work<'a> {
@@ -188,9 +215,14 @@ impl Work<'_> {
             Some(model) => model.effects.clone(),
             None => {
                 let options = FitOptions { calibration: self.options.calibration.clone(), ..FitOptions::default() };
-                let fit =
-                    fit(samples, &options).map_err(|reason| DiagnosisError::Capture { which: "training", reason })?;
-                fit.effects().to_vec()
+                match fit(samples, &options) {
+                    Ok(fit) => fit.effects().to_vec(),
+                    // Too slow or too coarse to look for detents; in a narrow band the rest can still be told.
+                    Err(FitError::HardlyMoving { .. }) => {
+                        [&effects::inertia::KIND, &effects::friction::KIND].map(|kind| Effect::new(kind, &[])).to_vec()
+                    }
+                    Err(reason) => return Err(DiagnosisError::Capture { which: "training", reason }),
+                }
             }
         };
         let fitted: Vec<Effect> =
@@ -461,7 +493,9 @@ impl Work<'_> {
                 explains_percent: 100.0 * (self.excess(&pair[0]) - self.excess(&pair[1])) / gap,
             });
             partial.splice(0..0, added);
-            effects.clear();
+            if self.excess(last) > (1.0 - MOST_OF_IT) * gap {
+                effects.clear();
+            }
         }
         let next_experiment =
             steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
@@ -477,6 +511,7 @@ impl Work<'_> {
             heldout_rms_before: first.heldout_rms_mnm,
             heldout_rms_after: last.heldout_rms_mnm,
             noise_floor_rms: floors[1],
+            forward_angle_rms_rad: self.forward_angle_rms_rad(&first.structure, &last.structure),
             heldout_relative_error_percent: [first, last].map(|judged| self.relative_error_percent(judged)),
             steps,
             partial,
@@ -498,6 +533,17 @@ impl Work<'_> {
             );
         }
         diagnosis
+    }
+
+    /// Error of the held-out motion predicted from the torque, with the first and with the final model.
+    fn forward_angle_rms_rad(&self, first: &Structure, last: &Structure) -> Option<[f64; 2]> {
+        let predicted = |structure: &Structure| {
+            let readings_mnm = self.heldout.torque_mnm(structure.skew_s);
+            let (model, motions) = (structure.model(), self.heldout.motions());
+            let errors = simulate::forward_windows(&model, 0.0, motions, &readings_mnm, FORWARD_WINDOW_S).ok()?;
+            errors.angle_rms_rad.is_finite().then_some(errors.angle_rms_rad)
+        };
+        Some([predicted(first)?, predicted(last)?])
     }
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {

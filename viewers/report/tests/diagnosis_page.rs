@@ -73,6 +73,7 @@ fn spring() -> Diagnosis {
         heldout_rms_before: 2.637,
         heldout_rms_after: 0.2318,
         noise_floor_rms: 0.2044,
+        forward_angle_rms_rad: Some([0.0123, 0.00234]),
         heldout_relative_error_percent: [14.83, 1.307],
         steps: vec![step],
         partial: vec![Partial { effect: "cogging", explains_percent: 6.71 }],

@@ -65,6 +65,9 @@ fn table(found: &Diagnosis) -> Markup {
                     (row(left, "mNm", [found.heldout_rms_before, found.heldout_rms_after], true))
                     (row("the same, of the measured torque", "%", [percent_before, percent_after], false))
                     (row("RMS left of the training capture", "mNm", [found.train_rms_before, found.train_rms_after], false))
+                    @if let Some(forward) = found.forward_angle_rms_rad {
+                        (row("RMS error of the held-out angle predicted from the torque over 0.1 s", "rad", forward, false))
+                    }
                     tr {
                         th scope="row" { "RMS that noise alone leaves of the held-out capture" }
                         td.number { (three(found.noise_floor_rms)) }
