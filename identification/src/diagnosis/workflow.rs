@@ -23,8 +23,10 @@ const STEADY: f64 = 3.0;
 const WORTHWHILE: f64 = 0.28;
 /// … and in mean squares of the floor: smaller ones could be what the floor's own estimate is wrong by.
 const SMALLEST: f64 = 0.06;
-/// RMS in floors above which something is certainly left.
+/// RMS in floors above which something is left, if it goes with something …
 const LEFT: f64 = 1.3;
+/// … and above which it need not: noise in motion is not two and a half times as strong as the sensors' own.
+const CERTAINLY_LEFT: f64 = 1.6;
 /// Share of the gap's amplitude that may be left by a complete explanation.
 const UNEXPLAINED: f64 = 0.15;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
@@ -467,7 +469,7 @@ impl Work<'_> {
         let where_after = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
         let shaped = where_after.iter().any(|location| location.significant);
-        let verdict = if left > LEFT && unexplained > UNEXPLAINED && shaped {
+        let verdict = if left > LEFT && unexplained > UNEXPLAINED && (shaped || left > CERTAINLY_LEFT) {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {
             Verdict::None
