@@ -1,5 +1,7 @@
 //! How to look for an effect in a capture whose model lacks it.
 
+use std::f64::consts::TAU;
+
 /// What is known of a capture and its knob before an effect is looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scene {
@@ -30,6 +32,19 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Stiffnesses with which the knob would resonate between two frequencies, mNm/rad; `None` without inertia.
+    #[must_use]
+    pub fn resonant_stiffnesses(&self, lowest_hz: f64, highest_hz: f64) -> Option<(f64, f64)> {
+        let stiffness = |hertz: f64| (TAU * hertz).powi(2) * self.inertia;
+        (self.inertia > 0.0).then(|| (stiffness(lowest_hz), stiffness(highest_hz)))
+    }
+
+    /// Dampings of a coupling, mNm·s/rad, from what rings on to what creeps: rates of 1 to 500 Hz for the inertia.
+    #[must_use]
+    pub fn coupling_dampings(&self) -> Option<(f64, f64)> {
+        Some((TAU * 1.0 * self.inertia, TAU * 500.0 * self.inertia))
+    }
+
     /// Angle between the two ends of the motion, rad.
     #[must_use]
     pub fn travel_rad(&self) -> f64 {
@@ -64,6 +79,13 @@ pub struct Search {
 }
 
 impl Search {
+    /// Values to try over so many widths of a spectral peak: three to a width.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of starts")]
+    pub fn starts_over(widths: f64) -> usize {
+        (3.0 * widths).ceil().clamp(1.0, 4000.0) as usize
+    }
+
     /// The values to try, in rising order; none if the capture cannot show the parameter.
     #[must_use]
     pub fn values(&self, scene: &Scene) -> Vec<f64> {

@@ -1,8 +1,6 @@
 //! Lost motion between the cap and the inner body.
 
-use std::f64::consts::TAU;
-
-use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Search};
+use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Scene, Search};
 
 /// `backlash`: cap and inner body touch only where their angles differ by more than half a gap; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
@@ -60,22 +58,13 @@ pub static KIND: EffectKind = EffectKind {
             Search { parameter: 1, range: |_| Some((0.02, 0.98)), starts: |_| 2, logarithmic: false, same_as: None },
             Search {
                 parameter: 2,
-                range: |scene| {
-                    // A resonance between the lowest that shows and the highest that the samples resolve.
-                    let squared = |hertz: f64| (TAU * hertz).powi(2) * scene.inertia;
-                    (scene.inertia > 0.0).then(|| (squared(20.0), squared(0.4 / scene.sample_s)))
-                },
+                // A resonance between the lowest that shows and the highest that the samples resolve.
+                range: |scene| scene.resonant_stiffnesses(20.0, 0.4 / scene.sample_s),
                 starts: |_| 2,
                 logarithmic: true,
                 same_as: None,
             },
-            Search {
-                parameter: 3,
-                range: |scene| Some((TAU * 1.0 * scene.inertia, TAU * 500.0 * scene.inertia)),
-                starts: |_| 1,
-                logarithmic: true,
-                same_as: None,
-            },
+            Search { parameter: 3, range: Scene::coupling_dampings, starts: |_| 1, logarithmic: true, same_as: None },
         ],
         nested: &[],
         per_capture: false,

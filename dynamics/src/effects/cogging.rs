@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Search};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Scene, Search};
 
 /// `cogging`: τ = H·sin(n·θ + η), its period unrelated to the detents'.
 pub static KIND: EffectKind = EffectKind {
@@ -47,18 +47,12 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[Search {
             parameter: 1,
             range: |scene| {
-                // Fewer than two periods over the travel are a bend; finer ones pass faster than the band.
+                // Fewer than two periods over the travel are a bend.
                 let fewest = (2.0 * TAU / scene.travel_rad()).max(1.5);
-                let most = TAU * scene.band_hz / (0.5 * scene.median_speed_rad_s).max(f64::MIN_POSITIVE);
+                let most = finest_per_turn(scene);
                 (most > fewest).then_some((fewest, most))
             },
-            // Three values to the width of a peak.
-            starts: |scene| {
-                let most = TAU * scene.band_hz / (0.5 * scene.median_speed_rad_s).max(f64::MIN_POSITIVE);
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of starts")]
-                let starts = (3.0 * most * scene.travel_rad() / TAU).ceil().clamp(1.0, 4000.0) as usize;
-                starts
-            },
+            starts: |scene| Search::starts_over(finest_per_turn(scene) * scene.travel_rad() / TAU),
             logarithmic: false,
             same_as: None,
         }],
@@ -66,3 +60,8 @@ pub static KIND: EffectKind = EffectKind {
         per_capture: false,
     }),
 };
+
+/// Most periods per turn that pass slowly enough for the band.
+fn finest_per_turn(scene: &Scene) -> f64 {
+    TAU * scene.band_hz / (0.5 * scene.median_speed_rad_s).max(f64::MIN_POSITIVE)
+}

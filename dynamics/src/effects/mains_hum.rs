@@ -47,12 +47,7 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[Search {
             parameter: 1,
             range: |scene| (scene.band_hz > 70.0).then_some((49.0, 61.0)),
-            // Three values to the width of a peak.
-            starts: |scene| {
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of starts")]
-                let starts = (36.0 * scene.duration_s).ceil().clamp(1.0, 4000.0) as usize;
-                starts
-            },
+            starts: |scene| Search::starts_over(12.0 * scene.duration_s),
             logarithmic: false,
             same_as: None,
         }],

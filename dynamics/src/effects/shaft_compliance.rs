@@ -1,8 +1,6 @@
 //! A shaft that twists between sensor and knob.
 
-use std::f64::consts::TAU;
-
-use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Search};
+use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Scene, Search};
 
 /// `shaft-compliance`: the knob turns on a torsional spring and damper; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
@@ -36,22 +34,13 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[
             Search {
                 parameter: 0,
-                range: |scene| {
-                    // A resonance between the lowest that shows and the highest that the samples resolve.
-                    let squared = |hertz: f64| (TAU * hertz).powi(2) * scene.inertia;
-                    (scene.inertia > 0.0).then(|| (squared(5.0), squared(0.2 / scene.sample_s)))
-                },
+                // A resonance between the lowest that shows and the highest that the samples resolve.
+                range: |scene| scene.resonant_stiffnesses(5.0, 0.2 / scene.sample_s),
                 starts: |_| 8,
                 logarithmic: true,
                 same_as: None,
             },
-            Search {
-                parameter: 1,
-                range: |scene| Some((TAU * 1.0 * scene.inertia, TAU * 500.0 * scene.inertia)),
-                starts: |_| 1,
-                logarithmic: true,
-                same_as: None,
-            },
+            Search { parameter: 1, range: Scene::coupling_dampings, starts: |_| 1, logarithmic: true, same_as: None },
         ],
         nested: &[],
         per_capture: false,

@@ -137,9 +137,17 @@ impl Capture {
         self.torque_noise_mnm.hypot(inertia * self.acceleration_noise_rad_s2)
     }
 
+    /// RMS of the residual that noise alone leaves beside a structure, mNm.
+    pub(crate) fn floor_beside_mnm(&self, structure: &Structure) -> f64 {
+        // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
+        let Some(coupling) = structure.model().coupling() else { return self.floor_mnm(structure.inertia()) };
+        let of_cap = self.floor_mnm((1.0 - coupling.inner_share) * structure.inertia());
+        of_cap.hypot(self.driven_noise_mnm(structure))
+    }
+
     /// RMS in the rows of what the angle's noise makes of a simulation that the angle drives, mNm: the simulation with
     /// as much noise again, against the one without.
-    pub(crate) fn driven_noise_mnm(&self, structure: &Structure) -> f64 {
+    fn driven_noise_mnm(&self, structure: &Structure) -> f64 {
         let deviation = (self.motion.angle_density * 0.5 * self.rate_hz).sqrt();
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
         let white: Vec<f64> = (0..self.motion.len())

@@ -22,6 +22,9 @@ pub(crate) struct Judged {
     pub(crate) heldout_residual: Vec<f64>,
     pub(crate) train_rms_mnm: f64,
     pub(crate) heldout_rms_mnm: f64,
+    /// RMS that the sensors' noise leaves of either capture beside this structure, mNm.
+    pub(crate) train_floor_mnm: f64,
+    pub(crate) heldout_floor_mnm: f64,
     /// Log-likelihood of both captures less what the structure's freedom costs, nats.
     pub(crate) evidence: f64,
 }
@@ -47,6 +50,8 @@ impl Judged {
         #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
         let cost = 0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln();
         Self {
+            train_floor_mnm: train.floor_beside_mnm(&structure),
+            heldout_floor_mnm: heldout.floor_beside_mnm(&structure),
             structure,
             train_residual,
             heldout_residual,
@@ -54,6 +59,22 @@ impl Judged {
             heldout_rms_mnm,
             evidence: likelihood - cost,
         }
+    }
+
+    /// RMS left of the held-out capture, in floors.
+    pub(crate) fn heldout_over_floor(&self) -> f64 {
+        self.heldout_rms_mnm / self.heldout_floor_mnm
+    }
+
+    /// RMS left of the training capture, in floors.
+    pub(crate) fn train_over_floor(&self) -> f64 {
+        self.train_rms_mnm / self.train_floor_mnm
+    }
+
+    /// Mean square above the floor, of both captures together, mNm².
+    pub(crate) fn excess(&self) -> f64 {
+        let above = |rms: f64, floor: f64| rms * rms - floor * floor;
+        0.5 * (above(self.train_rms_mnm, self.train_floor_mnm) + above(self.heldout_rms_mnm, self.heldout_floor_mnm))
     }
 
     /// By how many standard errors this explains stretch after stretch of both captures better than `other`, among the

@@ -264,23 +264,6 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Floor of the held-out capture beside a structure, mNm.
-    fn floors(&self, structure: &Structure) -> [f64; 2] {
-        [self.train, self.heldout].map(|capture| {
-            // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
-            let Some(coupling) = structure.model().coupling() else { return capture.floor_mnm(structure.inertia()) };
-            let of_cap = capture.floor_mnm((1.0 - coupling.inner_share) * structure.inertia());
-            of_cap.hypot(capture.driven_noise_mnm(structure))
-        })
-    }
-
-    /// Mean square above the floor, of both captures together, mNm².
-    fn excess(&self, judged: &Judged) -> f64 {
-        let [train, heldout] = self.floors(&judged.structure);
-        let above = |rms: f64, floor: f64| rms * rms - floor * floor;
-        0.5 * (above(judged.train_rms_mnm, train) + above(judged.heldout_rms_mnm, heldout))
-    }
-
     /// Adds effect after effect as long as one is worth it.
     fn explain(&self, first: Judged) -> Found {
         let mut found = Found { chain: vec![first], added: Vec::new(), rivals: Vec::new(), partial: Vec::new() };
@@ -305,21 +288,23 @@ impl Work<'_> {
                 found.chain.push(with_detents);
                 continue;
             }
-            self.say(Progress::Added {
-                effect: name(&chosen),
-                heldout_over_floor: chosen.heldout_rms_mnm / self.floors(&chosen.structure)[1],
-            });
-            found.added.push(name(&chosen));
-            found.chain.push(chosen);
-            found.rivals.push(tried);
+            self.add(&mut found, chosen, tried);
         }
         found
     }
 
+    fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) {
+        let effect = name(&chosen);
+        self.say(Progress::Added { effect, heldout_over_floor: chosen.heldout_over_floor() });
+        found.added.push(effect);
+        found.chain.push(chosen);
+        found.rivals.push(rivals);
+    }
+
     /// Adds two effects at once where neither alone is worth it and much is left: one may hide the other.
     fn add_pair(&self, found: &mut Found, current: &Judged, tried: &[Judged]) -> bool {
-        let left = current.train_rms_mnm / self.floors(&current.structure)[0];
-        if left < LEFT || current.structure.is_coupled() || found.rivals.len() + 2 > MOST_EFFECTS {
+        if current.train_over_floor() < LEFT || current.structure.is_coupled() || found.rivals.len() + 2 > MOST_EFFECTS
+        {
             return false;
         }
         let firsts: Vec<&Judged> = tried
@@ -345,13 +330,7 @@ impl Work<'_> {
         let Some((first, second)) = both.next() else { return false };
         found.partial.clear();
         for (judged, rivals) in [(first, tried.to_vec()), (second, both.map(|(_, judged)| judged).collect())] {
-            self.say(Progress::Added {
-                effect: name(&judged),
-                heldout_over_floor: judged.heldout_rms_mnm / self.floors(&judged.structure)[1],
-            });
-            found.added.push(name(&judged));
-            found.chain.push(judged);
-            found.rivals.push(rivals);
+            self.add(found, judged, rivals);
         }
         true
     }
@@ -364,16 +343,16 @@ impl Work<'_> {
 
     /// Whether an effect more explains enough, surely enough.
     fn worthwhile(&self, before: &Judged, after: &Judged, first: &Judged) -> bool {
-        let floor = self.floors(&after.structure)[1];
-        let closed = self.excess(before) - self.excess(after);
+        let floor = after.heldout_floor_mnm;
+        let closed = before.excess() - after.excess();
         // An end stop may be felt in a few stretches only; then what was never fitted must speak for it.
         let unseen = self.heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
         after.evidence - before.evidence > EVIDENCE
             && (after.steadily_better_than(before) > STEADY || unseen > EVIDENCE)
             && after.heldout_rms_mnm < before.heldout_rms_mnm
-            && closed > WORTHWHILE * self.excess(before)
+            && closed > WORTHWHILE * before.excess()
             && closed > SMALLEST * floor * floor
-            && closed > UNEXPLAINED * UNEXPLAINED * self.excess(first)
+            && closed > UNEXPLAINED * UNEXPLAINED * first.excess()
     }
 
     /// The best fit with each effect of the catalogue more, on both cores.
@@ -396,7 +375,7 @@ impl Work<'_> {
             say(kind);
             judged
         });
-        let open = |judged: &Judged| judged.train_rms_mnm > CLOSED * self.floors(&judged.structure)[0];
+        let open = |judged: &Judged| judged.train_over_floor() > CLOSED;
         let closes = |judged: &Judged| !open(judged) && self.disqualified(judged).is_none();
         if open(current) && !tried.iter().any(closes) {
             tried.extend(on_both_cores(&coupled, |kind| {
@@ -429,11 +408,11 @@ impl Work<'_> {
 
     /// What explains some of the rest without being worth a name.
     fn partial(&self, current: &Judged, tried: &[Judged]) -> Vec<Partial> {
-        let gap = self.excess(current);
-        let each = tried.iter().filter(|judged| judged.evidence - current.evidence > EVIDENCE).map(|judged| Partial {
-            effect: name(judged),
-            explains_percent: 100.0 * (gap - self.excess(judged)) / gap,
-        });
+        let gap = current.excess();
+        let each = tried
+            .iter()
+            .filter(|judged| judged.evidence - current.evidence > EVIDENCE)
+            .map(|judged| Partial { effect: name(judged), explains_percent: 100.0 * (gap - judged.excess()) / gap });
         each.filter(|partial| partial.explains_percent > 5.0).collect()
     }
 
@@ -463,9 +442,8 @@ impl Work<'_> {
 
     fn report(&self, found: &Found, heldout_is_own: bool) -> Diagnosis {
         let (first, last) = (&found.chain[0], found.chain.last().unwrap_or(&found.chain[0]));
-        let floors = self.floors(&last.structure);
-        let left = (last.heldout_rms_mnm / floors[1]).min(last.train_rms_mnm / floors[0]);
-        let unexplained = (self.excess(last).max(0.0) / self.excess(first).max(f64::MIN_POSITIVE)).sqrt();
+        let left = last.heldout_over_floor().min(last.train_over_floor());
+        let unexplained = (last.excess().max(0.0) / first.excess().max(f64::MIN_POSITIVE)).sqrt();
         let where_after = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
         let shaped = where_after.iter().any(|location| location.significant);
@@ -489,13 +467,13 @@ impl Work<'_> {
         let mut partial = found.partial.clone();
         let mut effects = self.strongest_first(&last.structure, &steps);
         if verdict == Verdict::OutsideLibrary {
-            let gap = self.excess(first);
+            let gap = first.excess();
             let added = found.chain.windows(2).zip(&found.added).map(|(pair, effect)| Partial {
                 effect,
-                explains_percent: 100.0 * (self.excess(&pair[0]) - self.excess(&pair[1])) / gap,
+                explains_percent: 100.0 * (pair[0].excess() - pair[1].excess()) / gap,
             });
             partial.splice(0..0, added);
-            if self.excess(last) > (1.0 - MOST_OF_IT) * gap {
+            if last.excess() > (1.0 - MOST_OF_IT) * gap {
                 effects.clear();
             }
         }
@@ -512,7 +490,7 @@ impl Work<'_> {
             train_rms_after: last.train_rms_mnm,
             heldout_rms_before: first.heldout_rms_mnm,
             heldout_rms_after: last.heldout_rms_mnm,
-            noise_floor_rms: floors[1],
+            noise_floor_rms: last.heldout_floor_mnm,
             forward_angle_rms_rad: self.forward_angle_rms_rad(&first.structure, &last.structure),
             heldout_relative_error_percent: [first, last].map(|judged| self.relative_error_percent(judged)),
             steps,
