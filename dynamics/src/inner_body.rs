@@ -1,6 +1,6 @@
 //! What happens inside a knob of two bodies while its cap moves as it was measured.
 
-use crate::{Bristles, Coupling, Direction, Model, Motion};
+use crate::{Bristles, Coupling, Direction, Model, Motion, StickLimits};
 
 /// Substeps per sample, at least.
 const SUBSTEPS: f64 = 2.0;
@@ -22,6 +22,26 @@ pub struct InnerBody<'model> {
     angle_rad: f64,
     velocity_rad_s: f64,
     deflection: f64,
+}
+
+/// What acts on the body over a sample.
+struct Held {
+    /// Torque of detents, springs and whatever else depends on the angle, mNm.
+    free_mnm: f64,
+    limits: StickLimits,
+    /// Friction at the lowest speed in either direction, mNm.
+    level_mnm: [f64; 2],
+    /// The direction in which the body turns, or is about to.
+    direction: Direction,
+    /// Rise of friction over speed in that direction, mNm·s/rad.
+    slope: f64,
+}
+
+impl Held {
+    fn friction_mnm(&self, velocity_rad_s: f64, direction: Direction) -> f64 {
+        let slope = if direction == self.direction { self.slope } else { 0.0 };
+        self.level_mnm[direction as usize] + slope * velocity_rad_s
+    }
 }
 
 /// The velocity at the end of a substep without dry friction: momentum over mass.
@@ -76,34 +96,52 @@ impl<'model> InnerBody<'model> {
     }
 
     /// Moves on to the next sample, the cap going there evenly accelerated.
+    ///
+    /// Detents, springs and levels of friction are taken where the body will be half a sample on, and held meanwhile:
+    /// they change over angles and times that are long beside a sample, contact and sticking do not.
     pub fn advance(&mut self, from: &Motion, to: &Motion) {
         let sample_s = to.time_s - from.time_s;
+        let held = self.held(sample_s, from, to);
         let substeps = self.substeps(sample_s);
-        let step_s = sample_s / f64::from(substeps);
-        let between = |share: f64| Motion {
-            time_s: from.time_s + share * sample_s,
-            angle_rad: from.angle_rad + share * (to.angle_rad - from.angle_rad),
-            velocity_rad_s: from.velocity_rad_s + share * (to.velocity_rad_s - from.velocity_rad_s),
-            acceleration_rad_s2: 0.0,
-        };
+        let share = 1.0 / f64::from(substeps);
+        let turning = |share: f64| from.velocity_rad_s + share * (to.velocity_rad_s - from.velocity_rad_s);
         for index in 0..substeps {
-            let cap = between(f64::from(index) / f64::from(substeps));
-            let middle = between((f64::from(index) + 0.5) / f64::from(substeps));
-            self.substep(step_s, cap.angle_rad, &middle);
+            let passed = f64::from(index) * share;
+            let cap_rad = from.angle_rad + passed * (to.angle_rad - from.angle_rad);
+            self.substep(share * sample_s, cap_rad, turning(passed + 0.5 * share), &held);
         }
     }
 
-    fn substep(&mut self, step_s: f64, cap_rad: f64, middle: &Motion) {
-        let inner = Motion {
-            time_s: middle.time_s,
-            angle_rad: self.angle_rad + 0.5 * step_s * self.velocity_rad_s,
-            velocity_rad_s: self.velocity_rad_s,
+    fn held(&self, sample_s: f64, from: &Motion, to: &Motion) -> Held {
+        let cap_rad_s = 0.5 * (from.velocity_rad_s + to.velocity_rad_s);
+        let at = |velocity_rad_s| Motion {
+            time_s: from.time_s + 0.5 * sample_s,
+            angle_rad: self.angle_rad + 0.5 * sample_s * self.velocity_rad_s,
+            velocity_rad_s,
             acceleration_rad_s2: 0.0,
         };
-        let free = self.without_dry_friction(step_s, cap_rad, middle, &inner);
+        let still = at(0.0);
+        let limits = self.knob.stick_limits(&still);
+        let level_mnm = [Direction::Negative, Direction::Positive].map(|to| self.knob.friction_mnm(&still, to));
+        // A body at rest will, if at all, soon turn as the cap does.
+        let turning_rad_s = if self.velocity_rad_s == 0.0 { cap_rad_s } else { self.velocity_rad_s };
+        let direction = Direction::of(turning_rad_s);
+        let sliding_mnm = self.knob.friction_mnm(&at(turning_rad_s), direction);
+        let slope = (sliding_mnm - level_mnm[direction as usize]) / turning_rad_s;
+        Held {
+            free_mnm: self.knob.free_torque_mnm(&at(self.velocity_rad_s)),
+            limits,
+            level_mnm,
+            direction,
+            slope: if slope.is_finite() { slope } else { 0.0 },
+        }
+    }
+
+    fn substep(&mut self, step_s: f64, cap_rad: f64, cap_rad_s: f64, held: &Held) {
+        let free = self.without_dry_friction(step_s, cap_rad, cap_rad_s, held);
         let end_rad_s = match self.bristles {
-            Some(bristles) => self.bent_end_rad_s(bristles, step_s, &free, &inner),
-            None => self.dry_end_rad_s(step_s, &free, &inner),
+            Some(bristles) => self.bent_end_rad_s(bristles, step_s, &free, held),
+            None => self.dry_end_rad_s(step_s, &free, held),
         };
         let turned_rad = 0.5 * step_s * (self.velocity_rad_s + end_rad_s);
         self.deflection = self.bristles.map_or(0.0, |bristles| bristles.bent(self.deflection, turned_rad));
@@ -111,49 +149,46 @@ impl<'model> InnerBody<'model> {
         self.velocity_rad_s = end_rad_s;
     }
 
-    fn without_dry_friction(&self, step_s: f64, cap_rad: f64, middle: &Motion, inner: &Motion) -> Free {
+    fn without_dry_friction(&self, step_s: f64, cap_rad: f64, cap_rad_s: f64, held: &Held) -> Free {
         let Coupling { half_gap_rad, stiffness_mnm_rad, damping, .. } = self.coupling;
         let velocity = self.velocity_rad_s;
         let ahead_rad = cap_rad - self.angle_rad;
         let beyond_rad = ahead_rad - ahead_rad.clamp(-half_gap_rad, half_gap_rad);
         let touching = half_gap_rad == 0.0 || beyond_rad != 0.0;
         let pulls = half_gap_rad > 0.0
-            && (stiffness_mnm_rad * beyond_rad + damping * (middle.velocity_rad_s - velocity)) * beyond_rad < 0.0;
+            && (stiffness_mnm_rad * beyond_rad + damping * (cap_rad_s - velocity)) * beyond_rad < 0.0;
         let implicit = if touching && !pulls { stiffness_mnm_rad * step_s / 2.0 + damping } else { 0.0 };
         let spring_mnm = if implicit > 0.0 { stiffness_mnm_rad * beyond_rad } else { 0.0 };
-        let load_mnm =
-            spring_mnm + implicit * (middle.velocity_rad_s - 0.5 * velocity) - self.knob.free_torque_mnm(inner);
+        let load_mnm = spring_mnm + implicit * (cap_rad_s - 0.5 * velocity) - held.free_mnm;
         let momentum = self.inertia * velocity + step_s * load_mnm;
         Free { momentum, mass: self.inertia + 0.5 * step_s * implicit, load_mnm }
     }
 
-    fn dry_end_rad_s(&self, step_s: f64, free: &Free, inner: &Motion) -> f64 {
+    fn dry_end_rad_s(&self, step_s: f64, free: &Free, held: &Held) -> f64 {
         let velocity = self.velocity_rad_s;
         let frictionless = free.momentum / free.mass;
-        let limits = self.knob.stick_limits(inner);
+        let limits = &held.limits;
         let bears = (-limits.negative_mnm..=limits.positive_mnm).contains(&free.load_mnm);
         if velocity == 0.0 && bears {
             return 0.0;
         }
-        let direction = Direction::of(frictionless);
         // The velocity at which friction acts must have the direction that it opposes.
-        let sliding = Motion { velocity_rad_s: if velocity * frictionless > 0.0 { velocity } else { 0.0 }, ..*inner };
-        let braked = frictionless - step_s * self.knob.friction_mnm(&sliding, direction) / free.mass;
+        let sliding_rad_s = if velocity * frictionless > 0.0 { velocity } else { 0.0 };
+        let braked = frictionless - step_s * held.friction_mnm(sliding_rad_s, Direction::of(frictionless)) / free.mass;
         let sticks = bears && velocity.abs() > limits.velocity_rad_s && braked.abs() <= limits.velocity_rad_s;
         if braked * frictionless > 0.0 && !sticks { braked } else { 0.0 }
     }
 
-    fn bent_end_rad_s(&self, bristles: Bristles, step_s: f64, free: &Free, inner: &Motion) -> f64 {
+    fn bent_end_rad_s(&self, bristles: Bristles, step_s: f64, free: &Free, held: &Held) -> f64 {
         let velocity = self.velocity_rad_s;
-        let still = Motion { velocity_rad_s: 0.0, ..*inner };
-        let bent_mnm = self.knob.bent_friction_mnm(&still, self.deflection);
+        let level_mnm = held.friction_mnm(0.0, Direction::of(self.deflection)).abs();
+        let bent_mnm = self.deflection * level_mnm;
         let direction = if velocity == 0.0 { Direction::of(free.load_mnm - bent_mnm) } else { Direction::of(velocity) };
         let yielding = 1.0 - direction.sign() * self.deflection;
-        let level_mnm = self.knob.friction_mnm(&still, Direction::of(self.deflection)).abs();
         let stiffness_mnm_rad = level_mnm * yielding / bristles.deflection_rad;
         let implicit = 0.5 * step_s * stiffness_mnm_rad + bristles.damping * yielding;
-        let sliding_mnm = self.knob.bent_friction_mnm(inner, self.deflection);
-        let momentum = free.momentum - step_s * (sliding_mnm + 0.5 * implicit * velocity);
+        let rest_mnm = held.friction_mnm(velocity, direction) - held.friction_mnm(0.0, direction);
+        let momentum = free.momentum - step_s * (bent_mnm + rest_mnm + 0.5 * implicit * velocity);
         momentum / (free.mass + 0.5 * step_s * implicit)
     }
 }

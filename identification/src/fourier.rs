@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
+use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
 
 thread_local! {
@@ -12,4 +13,29 @@ thread_local! {
 /// The forward transform of `length` real numbers.
 pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
+}
+
+/// Evenly spaced values through a response, which is given for every line: the line at `index` makes so many cycles over
+/// all values.
+#[allow(clippy::cast_precision_loss, reason = "a number of values")]
+pub(crate) fn through(values: &[f64], response: impl Fn(usize) -> Complex<f64>) -> Vec<f64> {
+    let mut planner = RealFftPlanner::new();
+    let (forward, back) = (planner.plan_fft_forward(values.len()), planner.plan_fft_inverse(values.len()));
+    let (mut input, mut lines) = (values.to_vec(), forward.make_output_vec());
+    let mut output = back.make_output_vec();
+    if forward.process(&mut input, &mut lines).is_err() {
+        return output;
+    }
+    lines.iter_mut().enumerate().for_each(|(index, line)| *line *= response(index));
+    // The mean and, of an even number, the last line are real.
+    if let Some(line) = lines.first_mut() {
+        line.im = 0.0;
+    }
+    if let Some(line) = lines.last_mut().filter(|_| values.len().is_multiple_of(2)) {
+        line.im = 0.0;
+    }
+    if back.process(&mut lines, &mut output).is_ok() {
+        output.iter_mut().for_each(|value| *value /= values.len() as f64);
+    }
+    output
 }

@@ -56,6 +56,7 @@ impl Stretches {
 }
 
 /// A capture ready for diagnosis.
+#[derive(Clone)]
 pub(crate) struct Capture {
     pub(crate) rate_hz: f64,
     pub(crate) band: Band,
@@ -177,6 +178,16 @@ impl Capture {
     /// The motion at every sample.
     pub(crate) fn motions(&self) -> &[Motion] {
         &self.motions
+    }
+
+    /// The same torque beside another motion.
+    pub(crate) fn beside(&self, motion: KnobMotion) -> Self {
+        Self { motions: (0..motion.len()).map(|index| motion.at(index)).collect(), motion, ..self.clone() }
+    }
+
+    /// The torque filtered as the motion is, mNm, and its first two derivatives by time.
+    pub(crate) fn torques(&self) -> &[Vec<f64>; 3] {
+        &self.torque
     }
 
     /// Rows of the torque as it would have been read `delay_s` earlier.

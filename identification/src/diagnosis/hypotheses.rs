@@ -8,6 +8,7 @@ use super::nonlinear::Nonlinear;
 use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
+use super::twist;
 use crate::least_squares::dot;
 
 /// Starts of a separable hypothesis that are refined.
@@ -18,6 +19,13 @@ const ROUNDS: usize = 6;
 const SLOW: f64 = 0.25;
 /// Index of the whole band among those that a fit of everything goes through.
 const FULL_BAND: usize = 2;
+/// Ratios by which a shaft's values are changed at first and at last.
+const COARSEST: f64 = 1.5;
+const FINEST: f64 = 1.02;
+/// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
+const HOPELESS: f64 = 0.8;
+/// A gap this close to the floor is closed, in floors.
+pub(crate) const CLOSED: f64 = 1.12;
 /// Effects that are tried in full beside a coupling.
 const PROMISING: usize = 3;
 
@@ -75,12 +83,19 @@ pub(crate) fn coupled(
     heldout: &Capture,
 ) -> Option<Judged> {
     let hypothesis = kind.hypothesis?;
-    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = grid(&hypothesis, &train.scene_of(base))?
-        .iter()
-        .map(|point| {
-            // The skew that the structure needed without the coupling tells nothing.
-            let structure = Structure { skew_s: 0.0, ..base.with(effect_at(kind, &hypothesis, point), 0) };
-            let fit = Nonlinear::new(structure, train);
+    let grid = grid(&hypothesis, &train.scene_of(base))?;
+    let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
+    // The skew that the structure needed without the coupling tells nothing.
+    let unskewed = Structure { skew_s: 0.0, ..base.clone() };
+    if let Some(start) = twisted(&effects, &hypothesis, &unskewed, train) {
+        let mut fit = Nonlinear::new(start, train);
+        fit.refine(FULL_BAND);
+        return Some(Judged::nonlinear(&fit, train, heldout));
+    }
+    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = effects
+        .into_iter()
+        .map(|effect| {
+            let fit = Nonlinear::new(unskewed.with(effect, 0), train);
             (fit.slow_squares(SLOW), fit.squares(), fit)
         })
         .collect();
@@ -89,12 +104,60 @@ pub(crate) fn coupled(
     if let Some(best) = (1..starts.len()).min_by(|a, b| starts[*a].1.total_cmp(&starts[*b].1)) {
         starts.swap(1, best);
     }
-    let refined = starts.into_iter().take(REFINED).map(|(_, _, mut fit)| {
-        fit.refine(0);
-        fit
-    });
-    let best = refined.min_by(|a, b| a.squares().total_cmp(&b.squares()))?;
-    Some(Judged::nonlinear(&best, train, heldout))
+    let present = Nonlinear::new(unskewed, train).slow_squares(SLOW);
+    let mut best: Option<Judged> = None;
+    for (_, _, mut fit) in starts.into_iter().take(REFINED) {
+        fit.refine_slow();
+        if fit.slow_squares(SLOW) > HOPELESS * present {
+            continue;
+        }
+        fit.refine(FULL_BAND);
+        let judged = Judged::nonlinear(&fit, train, heldout);
+        let closed = judged.train_over_floor() < CLOSED;
+        if best.as_ref().is_none_or(|best| judged.train_rms_mnm < best.train_rms_mnm) {
+            best = Some(judged);
+        }
+        if closed {
+            break;
+        }
+    }
+    best
+}
+
+/// Where the measured torque tells the twist of a shaft, the best values for it, found without simulation by going
+/// along one value after the other in ever smaller steps; `None` where bodies may lose touch.
+fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train: &Capture) -> Option<Structure> {
+    let shaft = |effect: &Effect| match effect.kind().part {
+        Part::Coupling(coupling) => Some(coupling(effect.values())).filter(|coupling| coupling.half_gap_rad == 0.0),
+        _ => None,
+    };
+    let squares = |effect: &Effect| shaft(effect).map_or(f64::INFINITY, |shaft| twist::squares(base, &shaft, train).0);
+    let start = effects
+        .first()
+        .and_then(shaft)
+        .and(effects.iter().map(|effect| (squares(effect), *effect)).min_by(|a, b| a.0.total_cmp(&b.0)));
+    let (mut least, mut best) = start?;
+    let mut ratio = COARSEST;
+    while ratio > FINEST {
+        let mut moved = false;
+        for search in hypothesis.searched {
+            for factor in [ratio, 1.0 / ratio] {
+                let mut tried = best;
+                tried.values_mut()[search.parameter] *= factor;
+                let there = squares(&tried);
+                if there < least {
+                    (least, best, moved) = (there, tried, true);
+                    break;
+                }
+            }
+        }
+        if !moved {
+            ratio = ratio.sqrt();
+        }
+    }
+    let mut structure = base.clone();
+    structure.take(&twist::squares(base, &shaft(&best)?, train).1);
+    Some(structure.with(best, 0))
 }
 
 /// Fits of a structure with a coupling and one of the `kinds` more: those that promise most beside the present values'

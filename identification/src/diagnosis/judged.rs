@@ -73,7 +73,12 @@ impl Judged {
 
     /// Mean square above the floor, of both captures together, mNm².
     pub(crate) fn excess(&self) -> f64 {
-        let above = |rms: f64, floor: f64| rms * rms - floor * floor;
+        self.excess_above(1.0)
+    }
+
+    /// Mean square above a share of the floor, of both captures together, mNm².
+    pub(crate) fn excess_above(&self, share: f64) -> f64 {
+        let above = |rms: f64, floor: f64| rms * rms - (share * floor).powi(2);
         0.5 * (above(self.train_rms_mnm, self.train_floor_mnm) + above(self.heldout_rms_mnm, self.heldout_floor_mnm))
     }
 

@@ -14,6 +14,7 @@ mod placebo;
 mod rows;
 mod separable;
 mod structure;
+mod twist;
 mod workflow;
 
 pub use findings::{Diagnosis, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};

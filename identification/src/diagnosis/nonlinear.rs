@@ -20,6 +20,8 @@ const DIFFERENCE: f64 = 1e-4;
 const SETTLED: f64 = 1e-4;
 /// How far from a bound a fit is tried that stands on it, as a share of the range or, for ratios, of the value.
 const NEAR: f64 = 0.05;
+/// Steps for which derivatives are updated before they are taken anew.
+const UPDATES: usize = 2;
 /// First damping, as a share of the diagonal.
 const DAMPING: f64 = 1e-3;
 
@@ -32,6 +34,42 @@ struct Value {
     /// Size of a typical change.
     scale: f64,
     logarithmic: bool,
+}
+
+/// Rows of the residual's derivatives with the sign turned, one per value.
+#[derive(Default)]
+struct Tangents {
+    rows: Vec<Vec<f64>>,
+    /// Steps since they were taken.
+    updates: usize,
+}
+
+impl Tangents {
+    fn are_stale(&self) -> bool {
+        self.rows.is_empty() || self.updates > UPDATES
+    }
+
+    fn normal_equations(&self, left: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+        let count = self.rows.len();
+        let gram = DMatrix::from_fn(count, count, |row, column| dot(&self.rows[row], &self.rows[column]));
+        (gram, DVector::from_iterator(count, self.rows.iter().map(|tangent| dot(tangent, left))))
+    }
+
+    /// Makes them agree with what a step did (C. G. Broyden, *A class of methods for solving nonlinear simultaneous
+    /// equations*, Math. Comp. 19 (1965) 577–593): a step costs one simulation and new derivatives one for each value.
+    fn update(&mut self, step: &[f64], before: &[f64], after: &[f64]) {
+        let length = dot(step, step);
+        if length > 0.0 {
+            let mut missed: Vec<f64> = before.iter().zip(after).map(|(before, after)| before - after).collect();
+            for (tangent, step) in self.rows.iter().zip(step) {
+                missed.iter_mut().zip(tangent).for_each(|(slot, value)| *slot -= step * value);
+            }
+            for (tangent, step) in self.rows.iter_mut().zip(step) {
+                tangent.iter_mut().zip(&missed).for_each(|(slot, value)| *slot += step / length * value);
+            }
+        }
+        self.updates += 1;
+    }
 }
 
 /// A structure in one capture, all of its values free.
@@ -66,20 +104,28 @@ impl<'a> Nonlinear<'a> {
         }
     }
 
+    /// Fits all values on slow motion only, band by band.
+    pub(crate) fn refine_slow(&mut self) {
+        for (share, rounds) in &BANDS[..BANDS.len() - 1] {
+            self.refine_in(*share, *rounds);
+        }
+    }
+
     fn refine_in(&mut self, share: f64, rounds: usize) {
         let slow = |rows: &[f64]| narrowed(rows, share, self.capture);
         let mut damping = DAMPING;
         let mut left = slow(&self.residual);
+        let mut tangents = Tangents::default();
         for _ in 0..rounds {
             let before = dot(&left, &left);
-            let tangents = self.tangents(share);
-            let count = tangents.len();
-            let gram = DMatrix::from_fn(count, count, |row, column| dot(&tangents[row], &tangents[column]));
-            let right = DVector::from_iterator(count, tangents.iter().map(|tangent| dot(tangent, &left)));
+            if tangents.are_stale() {
+                tangents = Tangents { rows: self.tangents(share), updates: 0 };
+            }
+            let (gram, right) = tangents.normal_equations(&left);
             let mut accepted = false;
             for _ in 0..6 {
                 let mut damped = gram.clone();
-                for index in 0..count {
+                for index in 0..gram.nrows() {
                     damped[(index, index)] += damping * gram[(index, index)].max(f64::MIN_POSITIVE) + 1e-12;
                 }
                 let Some(step) = damped.cholesky().map(|factor| factor.solve(&right)) else { break };
@@ -87,6 +133,7 @@ impl<'a> Nonlinear<'a> {
                 let trial_residual = residual(&trial_structure, self.capture);
                 let trial = narrowed(&trial_residual, share, self.capture);
                 if dot(&trial, &trial) < before {
+                    tangents.update(step.as_slice(), &left, &trial);
                     self.structure = trial_structure;
                     self.residual = trial_residual;
                     left = trial;
@@ -94,9 +141,16 @@ impl<'a> Nonlinear<'a> {
                     accepted = true;
                     break;
                 }
+                if tangents.updates > 0 {
+                    // The updated derivatives may be what is wrong.
+                    break;
+                }
                 damping *= 6.0;
             }
-            if !accepted || before - dot(&left, &left) < SETTLED * before {
+            let fresh = tangents.updates <= usize::from(accepted);
+            if !accepted && !fresh {
+                tangents = Tangents::default();
+            } else if !accepted || before - dot(&left, &left) < SETTLED * before {
                 break;
             }
         }

@@ -29,6 +29,8 @@ const LEFT: f64 = 1.3;
 const CERTAINLY_LEFT: f64 = 1.6;
 /// Share of the gap's amplitude that may be left by a complete explanation.
 const UNEXPLAINED: f64 = 0.15;
+/// How far the floor may lie below its estimate, as a share of it.
+const LOWER_FLOOR: f64 = 0.8;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
 const TIE: f64 = 3.0;
 /// Narrowest band in which captures are compared, Hz.
@@ -41,8 +43,6 @@ pub const FORWARD_WINDOW_S: f64 = 0.1;
 const MOST_EFFECTS: usize = 4;
 /// Effects that are tried together with a coupling where none alone is worth it.
 const HIDING: usize = 3;
-/// A gap this close to the floor is not worth the simulation of a coupling, in floors.
-const CLOSED: f64 = 1.12;
 
 /// What a diagnosis may be told; nothing need be.
 #[derive(Default)]
@@ -269,7 +269,11 @@ impl Work<'_> {
         let mut found = Found { chain: vec![first], added: Vec::new(), rivals: Vec::new(), partial: Vec::new() };
         while found.rivals.len() < MOST_EFFECTS {
             let Some(current) = found.chain.last().cloned() else { break };
-            let mut tried = self.try_all(&current);
+            if explains_the_gap(&current, &found.chain[0]) {
+                // Nothing more could be worth a name.
+                break;
+            }
+            let mut tried = self.try_all(&current, &found.chain[0]);
             tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
             let worth = |rival: &Judged| {
                 self.disqualified(rival).is_none() && self.worthwhile(&current, rival, &found.chain[0])
@@ -356,13 +360,14 @@ impl Work<'_> {
     }
 
     /// The best fit with each effect of the catalogue more, on both cores.
-    fn try_all(&self, current: &Judged) -> Vec<Judged> {
+    fn try_all(&self, current: &Judged, first: &Judged) -> Vec<Judged> {
         let kinds = hypotheses::candidates(&current.structure);
         if current.structure.is_coupled() {
             return hypotheses::beside_coupling(&kinds, &current.structure, self.train, self.heldout);
         }
-        let (coupled, separable): (Vec<&EffectKind>, Vec<&EffectKind>) =
+        let (mut coupled, separable): (Vec<&'static EffectKind>, Vec<&'static EffectKind>) =
             kinds.iter().partition(|kind| matches!(kind.part, Part::Coupling(_)));
+        coupled.sort_by_key(|kind| kind.parameters.len());
         let base = Separable::new(current.structure.clone(), self.train);
         let of = kinds.len();
         let done = AtomicUsize::new(0);
@@ -375,14 +380,20 @@ impl Work<'_> {
             say(kind);
             judged
         });
-        let open = |judged: &Judged| judged.train_over_floor() > CLOSED;
-        let closes = |judged: &Judged| !open(judged) && self.disqualified(judged).is_none();
+        let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
+        let closes =
+            |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();
         if open(current) && !tried.iter().any(closes) {
-            tried.extend(on_both_cores(&coupled, |kind| {
+            for kind in coupled {
                 let judged = hypotheses::coupled(kind, &current.structure, self.train, self.heldout);
                 say(kind);
-                judged
-            }));
+                let closed = judged.as_ref().is_some_and(closes);
+                tried.extend(judged);
+                if closed {
+                    // The next coupling has more freedom and costs more.
+                    break;
+                }
+            }
         }
         tried
     }
@@ -588,6 +599,12 @@ impl Work<'_> {
         sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
         sizes.into_iter().map(|(_, effect)| effect).collect()
     }
+}
+
+/// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor
+/// were lower than it is thought to be.
+fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
+    first.excess() > 0.0 && judged.excess_above(LOWER_FLOOR) < UNEXPLAINED * UNEXPLAINED * first.excess()
 }
 
 /// The effect that a structure has more than the one before.

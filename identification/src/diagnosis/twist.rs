@@ -1,0 +1,64 @@
+//! The motion behind a shaft that twists, from the torque that twists it.
+//!
+//! The measured torque tells the twist of a shaft of known stiffness and damping at once, without simulating anything:
+//! behind it everything is linear again, and the sum of squares has one wide valley over stiffness where a simulated
+//! resonance has many narrow ones. The torque's noise above the resonance, which this makes louder, is turned down by
+//! the shaft's own response.
+
+use std::f64::consts::TAU;
+
+use dynamics::Coupling;
+use realfft::num_complex::Complex;
+
+use super::capture::Capture;
+use super::normal;
+use super::structure::Structure;
+use crate::fourier;
+use crate::least_squares::dot;
+use crate::motion::KnobMotion;
+
+/// Sum of squares of what a structure leaves behind a shaft, and the coefficients with which it does, mNm².
+pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> (f64, Vec<f64>) {
+    let behind = capture.beside(motion(shaft, capture));
+    let response = |rows: Vec<f64>| turned_down(&rows, base.inertia(), shaft, capture);
+    let rows: Vec<Vec<f64>> =
+        (0..base.effects.len()).flat_map(|index| base.rows(index, &behind)).map(response).collect();
+    let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let target = response(capture.target(0.0));
+    let coefficients = normal::solve(&columns, &target, &base.nonnegative());
+    let left = normal::residual(&columns, &target, &coefficients);
+    (dot(&left, &left), coefficients)
+}
+
+/// The motion of the body behind the shaft.
+fn motion(shaft: &Coupling, capture: &Capture) -> KnobMotion {
+    let mut motion = capture.motion.clone();
+    let [torque, rate, curvature] = capture.torques();
+    let sides = [
+        (&mut motion.angle_rad, torque),
+        (&mut motion.velocity_rad_s, rate),
+        (&mut motion.acceleration_rad_s2, curvature),
+    ];
+    // Torque on a spring beside a damper: the twist follows it with this time constant.
+    let kept = (-shaft.stiffness_mnm_rad / (shaft.damping * capture.rate_hz)).exp();
+    for (values, torque) in sides {
+        let mut twist = 0.0;
+        for (value, torque_mnm) in values.iter_mut().zip(torque) {
+            twist = kept * twist + (1.0 - kept) * torque_mnm / shaft.stiffness_mnm_rad;
+            *value -= twist;
+        }
+    }
+    motion
+}
+
+/// Rows through the response of an inertia on the shaft: torque at the sensor over torque on the inertia.
+#[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
+fn turned_down(rows: &[f64], inertia: f64, shaft: &Coupling, capture: &Capture) -> Vec<f64> {
+    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let response = |index: usize| {
+        let turning = TAU * index as f64 * rate_hz / rows.len() as f64;
+        let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
+        spring / (spring - inertia * turning * turning)
+    };
+    fourier::through(rows, response)
+}
