@@ -1,8 +1,9 @@
 //! A torque reading that is late.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Search};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Scene, Search};
 
-/// `sensor-delay`: what the sensor reads is the torque of a fixed time ago.
+/// `sensor-delay`: what the sensor reads is the torque of a fixed time ago; where the angle is the late one, the time is
+/// negative.
 pub static KIND: EffectKind = EffectKind {
     name: "sensor-delay",
     description: "the torque reading lags the motion by a fixed time",
@@ -19,12 +20,19 @@ pub static KIND: EffectKind = EffectKind {
     hypothesis: Some(Hypothesis {
         searched: &[Search {
             parameter: 0,
-            range: |scene| Some((0.5 * scene.sample_s, 0.02_f64.max(20.0 * scene.sample_s))),
-            starts: |_| 12,
-            logarithmic: true,
+            // Either channel may be the late one.
+            range: |scene| Some((-longest_s(scene), longest_s(scene))),
+            // Three to a period of what is fastest.
+            starts: |scene| Search::starts_over(2.0 * longest_s(scene) * scene.band_hz),
+            logarithmic: false,
             same_as: None,
         }],
         nested: &[],
         per_capture: false,
     }),
 };
+
+/// Longest delay that is looked for, s.
+fn longest_s(scene: &Scene) -> f64 {
+    0.02_f64.max(20.0 * scene.sample_s)
+}

@@ -69,6 +69,8 @@ pub(crate) struct Capture {
     torque_noise_mnm: f64,
     /// RMS in the rows of the acceleration's noise, rad/s².
     acceleration_noise_rad_s2: f64,
+    /// The same as a share of the acceleration's RMS.
+    pub(crate) acceleration_noise_share: f64,
     /// What the rows amount to in fully weighted ones.
     pub(crate) weight: f64,
     angle_step_rad: f64,
@@ -106,10 +108,12 @@ impl Capture {
         #[allow(clippy::cast_precision_loss, reason = "a decimation")]
         let weight = frame.mask.iter().map(|mask| mask * mask).sum::<f64>() / frame.step as f64;
         let noise = SensorNoise::of(&frame, &motion, &band);
+        let acceleration = frame.rows(&motion.acceleration_rad_s2);
         let mut capture = Self {
             rate_hz,
             torque_noise_mnm: resting_mnm.map_or(white_mnm, |resting| resting.max(white_mnm)),
             acceleration_noise_rad_s2: (noise.acceleration_squares / weight).sqrt(),
+            acceleration_noise_share: (noise.acceleration_squares / dot(&acceleration, &acceleration)).sqrt(),
             weight,
             angle_step_rad: crate::fit::smallest_step(samples.angle_rad),
             band,

@@ -52,9 +52,10 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     let coarse = (grid.len() > 1 && pointwise(kind)).then(|| Coarse::of(base));
     for point in grid {
         let effect = effect_at(kind, &hypothesis, &point);
-        let gain = match &coarse {
-            Some(coarse) => coarse.gain(&effect),
-            None => base.squares() - Separable::new(base.structure.with(effect, width), train).squares(),
+        let gain = match (&coarse, kind.part) {
+            (Some(coarse), _) => coarse.gain(&effect),
+            (None, Part::ReadingDelay(delay)) => base.squares() - base.squares_if_late(delay(effect.values())),
+            _ => base.squares() - Separable::new(base.structure.with(effect, width), train).squares(),
         };
         starts.push((gain, effect));
     }

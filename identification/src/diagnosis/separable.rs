@@ -40,6 +40,13 @@ impl<'a> Separable<'a> {
         dot(&self.residual, &self.residual)
     }
 
+    /// Sum of squares if the torque channel were late by so much, s.
+    pub(crate) fn squares_if_late(&self, delay_s: f64) -> f64 {
+        let (columns, target) = (self.columns(), self.capture.target(delay_s));
+        let left = residual(&columns, &target, &solve(&columns, &target, &self.structure.nonnegative()));
+        dot(&left, &left)
+    }
+
     /// All columns' rows.
     pub(crate) fn columns(&self) -> Vec<&[f64]> {
         self.rows.iter().flatten().map(Vec::as_slice).collect()

@@ -33,6 +33,8 @@ const UNEXPLAINED: f64 = 0.15;
 const LOWER_FLOOR: f64 = 0.8;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
 const TIE: f64 = 3.0;
+/// Largest noise of acceleration, as a share of its RMS: with more, inertia is underrated by more than a hundredth.
+const NOISIEST: f64 = 0.1;
 /// Narrowest band in which captures are compared, Hz.
 const NARROWEST_HZ: f64 = 8.0;
 /// Share of the gap's mean square that effects must explain to be named although something else is left.
@@ -164,6 +166,9 @@ fn prepare(
         match prepare_in(edge_hz, train, heldout, options) {
             // Where the encoder is coarse, motion can be told from noise in a narrower band only.
             Err(DiagnosisError::Capture { reason: FitError::HardlyMoving { .. }, .. }) if edge_hz > NARROWEST_HZ => {
+                edge_hz *= 0.5;
+            }
+            Ok(captures) if captures[0].acceleration_noise_share > NOISIEST && edge_hz > NARROWEST_HZ => {
                 edge_hz *= 0.5;
             }
             prepared => break prepared?,
