@@ -1,7 +1,7 @@
 //! How often the 95 % intervals hold the truth, over whole captures of the paper's knobs on the simulated rig.
 //!
 //! `cargo run --release -p identification --example coverage -- [--captures N] [--knobs 1,2] [--sweeps paper,…]
-//! [--ideal noise,steps,compliance,lags] [--first-seed N] [--duration S] [--errors FILE.csv]`
+//! [--ideal noise,steps,compliance,lags,servo] [--first-seed N] [--duration S] [--errors FILE.csv]`
 #![allow(clippy::print_stdout, reason = "an example speaks to its user")]
 
 #[path = "../tests/common/mod.rs"]
@@ -16,7 +16,7 @@ use hal::simulated::RigParameters;
 use identification::{Fit, fit};
 
 /// What of the rig is made ideal.
-const IMPERFECTIONS: [&str; 4] = ["noise", "steps", "compliance", "lags"];
+const IMPERFECTIONS: [&str; 5] = ["noise", "steps", "compliance", "lags", "servo"];
 
 struct Study {
     captures: usize,
@@ -25,6 +25,8 @@ struct Study {
     first_seed: u64,
     duration_s: f64,
     parameters: RigParameters,
+    /// Step of the encoder in the recording alone, rad: the servo sees the angle without steps.
+    recorded_step_rad: Option<f64>,
     /// Where every single error is written, if anywhere.
     errors: Option<String>,
 }
@@ -111,6 +113,7 @@ impl Study {
             first_seed: 1,
             duration_s: 10.0,
             parameters: RigParameters::default(),
+            recorded_step_rad: None,
             errors: None,
         };
         let mut arguments = std::env::args().skip(1);
@@ -144,6 +147,10 @@ impl Study {
                 parameters.torque_bandwidth_hz = 2e4;
                 parameters.acceleration_bandwidth_hz = 2e4;
             }
+            "servo" => {
+                self.recorded_step_rad = Some(parameters.angle_step_rad);
+                parameters.angle_step_rad = 0.0;
+            }
             _ => return Err(format!("'{what}' is none of {}", IMPERFECTIONS.join(", ")).into()),
         }
         Ok(())
@@ -172,7 +179,11 @@ impl Study {
             let seed = self.first_seed + index as u64;
             let amplitude_rad = amplitude_rad(seed);
             let model = knobs::paper_knob(knob)?;
-            let capture = captured_at(&model, sweep, amplitude_rad, self.parameters.clone(), self.duration_s, seed)?;
+            let mut capture =
+                captured_at(&model, sweep, amplitude_rad, self.parameters.clone(), self.duration_s, seed)?;
+            if let Some(step_rad) = self.recorded_step_rad {
+                capture.angle_rad.iter_mut().for_each(|angle| *angle = (*angle / step_rad).round() * step_rad);
+            }
             let fit = fit(&capture.samples(), &capture.options())?;
             if index < self.knobs.len() * self.sweeps.len() {
                 println!(

@@ -64,6 +64,7 @@ pub struct Covariance {
     /// The symmetric matrix, row by row, in the products of the parameters' units.
     pub rows: Vec<Vec<f64>>,
     /// Half width of a 95 % interval over the standard deviation: more than 1.96, since the covariance is itself estimated.
+    /// It goes with the harmonic mean of the degrees of freedom; each parameter's interval has its own.
     pub critical: f64,
     /// Degrees of freedom of Student's distribution with the same uncertainty: how well the variances themselves are known.
     pub degrees_of_freedom: f64,

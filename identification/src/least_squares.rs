@@ -4,7 +4,8 @@ use std::ops::Deref;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::long_run::{degrees_of_freedom, kernel_scale, smooth_scores};
+use crate::leverage::Leverage;
+use crate::long_run::{kernel_scale, smooth_scores};
 use crate::vector;
 pub(crate) use crate::vector::dot;
 
@@ -45,10 +46,18 @@ pub(crate) struct LeastSquares {
 /// Covariance of coefficients for residuals of unknown autocorrelation and varying size.
 pub(crate) struct RobustCovariance {
     pub(crate) matrix: DMatrix<f64>,
-    /// Bandwidth of the long-run covariance as a share of the rows.
-    pub(crate) bandwidth_share: f64,
-    /// Degrees of freedom with which the variances are known.
+    /// Degrees of freedom with which the variances are known, harmonic mean over the coefficients.
     pub(crate) degrees_of_freedom: f64,
+    leverage: Leverage,
+    /// What takes the scores to the coefficients.
+    inverse: DMatrix<f64>,
+}
+
+impl RobustCovariance {
+    /// Degrees of freedom with which the variance of Σ `derivatives`ⱼ·coefficientⱼ is known.
+    pub(crate) fn degrees_of_freedom_of(&self, derivatives: &DVector<f64>) -> f64 {
+        self.leverage.degrees_of_freedom(&self.inverse.tr_mul(derivatives))
+    }
 }
 
 impl LeastSquares {
@@ -195,30 +204,32 @@ impl LeastSquares {
         &self.inverse * (dot(&self.residual, &self.residual) / freedom)
     }
 
-    /// [`Self::robust`] as the matrix and the bandwidth as a share of the rows.
-    pub(crate) fn robust_covariance<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> (DMatrix<f64>, f64) {
-        let RobustCovariance { matrix, bandwidth_share, .. } = self.robust(columns);
-        (matrix, bandwidth_share)
-    }
-
     /// Covariance of the coefficients for residuals of unknown autocorrelation and varying size.
     ///
-    /// Newey and West's sandwich around the long-run covariance of the scores (`long_run`).
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    /// Newey and West's sandwich around the long-run covariance of the scores (`long_run`), enlarged by what the
+    /// residuals have lost to the fit (`leverage`).
     pub(crate) fn robust<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> RobustCovariance {
-        let rows = self.residual.len();
+        let count = columns.len();
         let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
         let (smooth, width, bandwidth) = smooth_scores(&scores);
-        let degrees_of_freedom = degrees_of_freedom(&smooth, width);
-        let mut middle = DMatrix::zeros(columns.len(), columns.len());
+        let mut middle = DMatrix::zeros(count, count);
         vector::products(&smooth, 0, &mut middle);
-        middle *= kernel_scale(width);
-        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
-        RobustCovariance {
-            matrix: &self.inverse * middle * self.inverse.transpose() * freedom,
-            bandwidth_share: bandwidth / rows as f64,
-            degrees_of_freedom,
+        let active: Vec<usize> = (0..count).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
+        let leverage = Leverage::of(columns, bandwidth);
+        let factor = &self.inverse * leverage.correction(&active);
+        let mut robust = RobustCovariance {
+            matrix: &factor * middle * factor.transpose() * kernel_scale(width),
+            degrees_of_freedom: f64::INFINITY,
+            leverage,
+            inverse: self.inverse.clone(),
+        };
+        let unit = |index: &usize| DVector::from_fn(count, |row, _| if row == *index { 1.0 } else { 0.0 });
+        let shares = active.iter().map(|index| 1.0 / robust.degrees_of_freedom_of(&unit(index)));
+        let (sum, fitted) = shares.fold((0.0, 0.0), |(sum, fitted), share| (sum + share, fitted + 1.0));
+        if sum > 0.0 {
+            robust.degrees_of_freedom = fitted / sum;
         }
+        robust
     }
 
     /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.

@@ -17,7 +17,8 @@
 //! 3. Base effects by linear least squares with Coulomb friction at or above zero; the detent period by
 //!    a scan over everything that the travel supports, refined by Gauss–Newton.
 //! 4. What the sensors' own noise adds to the normal equations is taken off them; it would shift the inertia.
-//! 5. 95 % intervals allow for residuals that are correlated and of varying size.
+//! 5. 95 % intervals allow for residuals that are correlated, of varying size, and smaller than the errors by what the
+//!    fit took.
 //!
 //! [`live::LiveFit`] does the same to a stream. [`average()`] makes one model of several captures,
 //! [`calibration`] finds out what is known of a rig, and [`checks`] looks at a capture without a fit.
@@ -39,6 +40,7 @@ mod held_out;
 mod karnopp;
 mod knob_motion;
 mod least_squares;
+mod leverage;
 pub mod live;
 mod long_run;
 mod motion;
@@ -52,6 +54,7 @@ mod saturation;
 mod scan;
 mod sensor_noise;
 mod spectrum;
+mod student;
 mod time_order;
 mod uniform;
 mod vector;

@@ -1,4 +1,4 @@
-//! The long-run covariance of correlated scores, and the critical value that goes with it.
+//! The long-run covariance of correlated scores.
 //!
 //! Newey and West's estimate with Parzen's kernel and the bandwidth of Andrews (Econometrica 59, 1991, 817–858) from
 //! first-order autocorrelations. Parzen's kernel is a triangle convolved with itself, and a triangle is a box convolved
@@ -13,15 +13,7 @@ const PLACES_PER_HALF: usize = 16;
 /// Least bandwidth as a share of the rows.
 const SHARE: f64 = 0.02;
 /// ∫k² of Parzen's kernel from −1 to 1.
-const PARZEN_SQUARES: f64 = 151.0 / 280.0;
-
-/// Two-sided 95 % of the studentised estimate when the bandwidth is a given share of the rows.
-///
-/// Kiefer and Vogelsang (Econometric Theory 21, 2005, 1130–1164): the estimated long-run variance is
-/// itself uncertain, and the normal quantile too small.
-pub(crate) fn critical_value(bandwidth_share: f64) -> f64 {
-    NORMAL_95 + 2.9694 * bandwidth_share + 0.416 * bandwidth_share.powi(2)
-}
+pub(crate) const PARZEN_SQUARES: f64 = 151.0 / 280.0;
 
 /// Scores summed over triangles, whose inner products are the long-run covariance but for [`kernel_scale`]; half the
 /// bandwidth in their own places, and the bandwidth in rows.
@@ -44,27 +36,6 @@ pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) 
     (scores.iter().map(smooth).collect(), width, 2.0 * (width * group) as f64)
 }
 
-/// Degrees of freedom of the long-run variances: those of a χ² that varies as much, after Satterthwaite (Biometrics
-/// Bulletin 2, 1946, 110–114), harmonic mean over the scores.
-///
-/// A variance is a mean of squares of smoothed scores s, which are alike over the bandwidth and not all of one size:
-/// a knob that slides forward half of the time has half of the rows to tell its friction by. For normal scores of varying
-/// size it varies by 2/ν = ∫k²·Σs⁴/3 over (Σs²)², k Parzen's kernel, the autocorrelation of the triangle.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-pub(crate) fn degrees_of_freedom(smooth: &[Vec<f64>], width: usize) -> f64 {
-    let alike = PARZEN_SQUARES * 2.0 * width as f64;
-    let (mut sum, mut count) = (0.0, 0.0);
-    for score in smooth {
-        let squares = dot(score, score);
-        let fourths: f64 = score.iter().map(|value| value.powi(4)).sum();
-        if fourths > 0.0 {
-            sum += alike * fourths / (3.0 * squares * squares);
-            count += 1.0;
-        }
-    }
-    if sum > 0.0 { count / sum } else { f64::INFINITY }
-}
-
 /// One over the triangle's sum of squares: what the kernel would else be at lag zero.
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 pub(crate) fn kernel_scale(width: usize) -> f64 {
@@ -73,7 +44,7 @@ pub(crate) fn kernel_scale(width: usize) -> f64 {
 }
 
 /// Sums of `width` neighbours at every place that any of the values reaches.
-fn boxed(values: &[f64], width: usize) -> Vec<f64> {
+pub(crate) fn boxed(values: &[f64], width: usize) -> Vec<f64> {
     let mut sum = 0.0;
     let fresh = values.iter().copied().chain(std::iter::repeat_n(0.0, width - 1));
     let stale = std::iter::repeat_n(0.0, width).chain(values.iter().copied());
@@ -100,6 +71,6 @@ fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
         below += 1.0 / (1.0 - correlation).powi(4);
     }
     let plug_in = if below > 0.0 { 2.6614 * (above / below * rows as f64).powf(0.2) } else { 0.0 };
-    // First-order autocorrelations do not see all: a share of the rows, which the critical value then allows for.
+    // First-order autocorrelations do not see all: a share of the rows.
     plug_in.max((SHARE * rows as f64).clamp(8.0, 64.0)).min((rows as f64 / 8.0).max(1.0))
 }

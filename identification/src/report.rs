@@ -7,9 +7,10 @@ use crate::estimate::{Covariance, Parameter, Parameters, Point};
 use crate::fit::Trimmed;
 use crate::frame::Frame;
 use crate::least_squares::{RobustCovariance, dot};
-use crate::long_run::{NORMAL_95, critical_value};
+use crate::long_run::NORMAL_95;
 use crate::motion::{Band, KnobMotion, rms};
 use crate::problem::Column;
+use crate::student::student_95;
 use crate::vector;
 
 /// A parameter whose interval spans this share of the torque's RMS, times its column, is not told.
@@ -43,19 +44,20 @@ impl Report<'_> {
         let Trimmed { columns, solution, .. } = self.trimmed;
         let textbook = solution.textbook_covariance();
         let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
-        let RobustCovariance { matrix: robust, bandwidth_share, degrees_of_freedom } = solution.robust(instruments);
-        let critical = critical_value(bandwidth_share);
+        let robust = solution.robust(instruments);
+        let degrees_of_freedom = robust.degrees_of_freedom;
+        let critical = student_95(degrees_of_freedom);
         let mut parameters = Vec::new();
         for (index, effect) in self.trimmed.effects().iter().enumerate() {
-            self.effect_parameters(index, effect, [&robust, &textbook], critical, &mut parameters);
+            self.effect_parameters(index, effect, &robust, &textbook, &mut parameters);
         }
         if let Some(reason) = no_detents {
             for parameter in effects::detent::KIND.parameters {
                 parameters.push(Parameter::untold(parameter.name, parameter.unit, reason.clone()));
             }
         }
-        let covariance = Covariance { critical, degrees_of_freedom, ..self.covariance(&parameters, &robust) };
-        (Parameters(parameters), covariance, self.compare([&robust, &textbook], critical))
+        let covariance = Covariance { critical, degrees_of_freedom, ..self.covariance(&parameters, &robust.matrix) };
+        (Parameters(parameters), covariance, self.compare([&robust.matrix, &textbook], critical))
     }
 
     /// Covariance of the parameters that are told and not held at zero, from that of the coefficients.
@@ -96,13 +98,14 @@ impl Report<'_> {
         &self,
         index: usize,
         effect: &Effect,
-        covariances: [&DMatrix<f64>; 2],
-        critical: f64,
+        robust: &RobustCovariance,
+        textbook: &DMatrix<f64>,
         parameters: &mut Vec<Parameter>,
     ) {
         let Some(regressors) = effect.kind().regressors else { return };
-        let jacobian = self.jacobian(index, effect, covariances[0]);
-        let [robust, textbook] = covariances.map(|covariance| &jacobian * covariance * jacobian.transpose());
+        let jacobian = self.jacobian(index, effect, &robust.matrix);
+        let [variances, textbook] =
+            [&robust.matrix, textbook].map(|covariance| &jacobian * covariance * jacobian.transpose());
         let gripper = match (effect.kind().part, self.calibration) {
             (Part::Inertia(_), Some(calibration)) => calibration.gripper_inertia,
             _ => 0.0,
@@ -110,7 +113,8 @@ impl Report<'_> {
         let range = self.trimmed.problem.range(index);
         let searched_any = !regressors.searched.is_empty();
         for (position, (kind, value)) in effect.parameters().enumerate() {
-            let half = critical * robust[(position, position)].max(0.0).sqrt();
+            let critical = student_95(robust.degrees_of_freedom_of(&jacobian.row(position).transpose()));
+            let half = critical * variances[(position, position)].max(0.0).sqrt();
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
             if let Some(reason) = linear.and_then(|column| self.why_untold(column, kind.name, half)) {

@@ -26,13 +26,20 @@ impl Observation {
         let told: Vec<(&Parameter, f64)> =
             fit.parameters.0.iter().filter_map(|parameter| Some((parameter, parameter.value?))).collect();
         let known = &fit.covariance;
-        let scale = (known.critical / NORMAL_95).powi(2);
         let places: Vec<Option<usize>> = told
             .iter()
             .map(|(parameter, _)| position(&known.order, parameter.name).filter(|at| known.rows[*at][*at] > 0.0))
             .collect();
+        // Student's quantile is each parameter's own.
+        let scales: Vec<f64> = told
+            .iter()
+            .zip(&places)
+            .map(|((parameter, _), place)| {
+                place.map_or(1.0, |at| half_width(parameter) / NORMAL_95 / known.rows[at][at].sqrt())
+            })
+            .collect();
         let covariance = DMatrix::from_fn(told.len(), told.len(), |row, column| match (places[row], places[column]) {
-            (Some(a), Some(b)) => scale * known.rows[a][b],
+            (Some(a), Some(b)) => scales[row] * scales[column] * known.rows[a][b],
             _ if row == column => (half_width(told[row].0) / NORMAL_95).powi(2),
             _ => 0.0,
         });

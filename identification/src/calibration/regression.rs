@@ -3,10 +3,10 @@
 use nalgebra::DMatrix;
 
 use crate::filter::butterworth_low_pass;
-use crate::least_squares::LeastSquares;
-use crate::long_run::critical_value;
+use crate::least_squares::{LeastSquares, RobustCovariance};
 use crate::motion::{ROWS_PER_EDGE, rms};
 use crate::spectrum::median;
+use crate::student::student_95;
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.
@@ -86,12 +86,12 @@ impl Band {
             }
             solution = LeastSquares::solve(&columns, &target, &free);
         }
-        let (covariance, bandwidth_share) = solution.robust_covariance(&columns);
+        let RobustCovariance { matrix: covariance, degrees_of_freedom, .. } = solution.robust(&columns);
         let unexplained = rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE);
         Solved {
             coefficients: solution.coefficients,
             covariance,
-            critical: critical_value(bandwidth_share),
+            critical: student_95(degrees_of_freedom),
             unexplained,
         }
     }

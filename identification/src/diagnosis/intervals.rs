@@ -19,7 +19,7 @@ pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'sta
     let fit = Nonlinear::new(structure.clone(), capture);
     let tangents = fit.tangents(1.0);
     let solved = LeastSquares::solve(&tangents, &fit.residual, &vec![false; tangents.len()]);
-    let (covariance, _) = solved.robust_covariance(&tangents);
+    let covariance = solved.robust(&tangents).matrix;
     let mut all = Vec::new();
     for (index, effect) in structure.effects.iter().enumerate() {
         let mut values = BTreeMap::new();

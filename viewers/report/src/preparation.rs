@@ -126,8 +126,9 @@ pub(crate) fn method() -> Markup {
              decimated, which leaves the relation between them exact. Linear least squares gives the coefficients, with \
              Coulomb friction at or above zero. Only the period of the detents is searched, by a scan over everything that \
              the travel supports and then Gauss–Newton, so no starting values are needed. The 95 % intervals use a \
-             covariance that allows for residuals correlated in time and of varying size, with the critical values of Kiefer \
-             and Vogelsang (2005). The relative error is 100·‖measured − model‖ / ‖measured‖ over the rows used."
+             covariance that allows for residuals correlated in time, of varying size, and smaller than the errors by what \
+             the fit took from them, with Student's critical values after Bell and McCaffrey (2002). The relative \
+             error is 100·‖measured − model‖ / ‖measured‖ over the rows used."
         }
         p.equation {
             i { "τ" } " = " i { "M" } "·θ̈ + [θ̇<0]·(−" i { "C" } "₋ + " i { "B" } "₋·θ̇) + [θ̇>0]·(" i { "C" } "₊ + " i { "B" }
