@@ -10,6 +10,8 @@ use crate::vector::dot;
 pub(crate) const NORMAL_95: f64 = 1.959_964;
 /// Places at which half of the kernel is told apart.
 const PLACES_PER_HALF: usize = 16;
+/// Scores whose running sums are taken side by side: one alone would wait for each addition.
+const TOGETHER: usize = 4;
 /// Least bandwidth as a share of the rows.
 const SHARE: f64 = 0.02;
 /// ∫k² of Parzen's kernel from −1 to 1.
@@ -37,11 +39,17 @@ pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) 
     // Neighbours far closer than the bandwidth count as one.
     let group = (half / PLACES_PER_HALF).max(1);
     let width = half.div_ceil(group);
-    let smooth = |score: &Vec<f64>| {
-        let places: Vec<f64> = score.chunks(group).map(|part| part.iter().sum()).collect();
-        boxed(&boxed(&places, width), width)
-    };
-    (scores.iter().map(smooth).collect(), width, 2.0 * (width * group) as f64)
+    let smooth = scores.chunks(TOGETHER).flat_map(|scores| {
+        let mut places = vec![[0.0; TOGETHER]; rows.div_ceil(group)];
+        for (lane, score) in scores.iter().enumerate() {
+            for (place, part) in places.iter_mut().zip(score.chunks(group)) {
+                place[lane] = part.iter().sum();
+            }
+        }
+        let triangles = boxed(&boxed(&places, width), width);
+        (0..scores.len()).map(move |lane| triangles.iter().map(|sums| sums[lane]).collect())
+    });
+    (smooth.collect(), width, 2.0 * (width * group) as f64)
 }
 
 /// Degrees of freedom of the long-run variances: those of a χ² that varies as much, after Satterthwaite (Biometrics
@@ -73,17 +81,18 @@ pub(crate) fn kernel_scale(width: usize) -> f64 {
 }
 
 /// Sums of `width` neighbours at every place that any of the values reaches.
-fn boxed(values: &[f64], width: usize) -> Vec<f64> {
-    let mut sum = 0.0;
-    let fresh = values.iter().copied().chain(std::iter::repeat_n(0.0, width - 1));
-    let stale = std::iter::repeat_n(0.0, width).chain(values.iter().copied());
-    fresh
-        .zip(stale)
-        .map(|(fresh, stale)| {
-            sum += fresh - stale;
-            sum
-        })
-        .collect()
+fn boxed(values: &[[f64; TOGETHER]], width: usize) -> Vec<[f64; TOGETHER]> {
+    const NOTHING: [f64; TOGETHER] = [0.0; TOGETHER];
+    let mut sums = NOTHING;
+    let place = |place: usize| {
+        let fresh = values.get(place).unwrap_or(&NOTHING);
+        let stale = place.checked_sub(width).map_or(&NOTHING, |left| &values[left]);
+        for ((sum, fresh), stale) in sums.iter_mut().zip(fresh).zip(stale) {
+            *sum += fresh - stale;
+        }
+        sums
+    };
+    (0..values.len() + width - 1).map(place).collect()
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]

@@ -76,14 +76,9 @@ impl Scan {
         base_rows: &[Column],
         inverse: &DMatrix<f64>,
     ) -> Option<Self> {
-        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut offset_rad = f64::INFINITY;
-        for (angle, mask) in motion.angle_rad.iter().zip(&frame.mask) {
-            offset_rad = offset_rad.min(*angle);
-            lowest = if *mask > 0.0 { lowest.min(*angle) } else { lowest };
-            highest = if *mask > 0.0 { highest.max(*angle) } else { highest };
-        }
-        let travel_rad = (highest - lowest).max(0.0);
+        let (offset_rad, _) = vector::extent(&motion.angle_rad)?;
+        let (lowest, highest) = vector::extent_where(&motion.angle_rad, &frame.mask)?;
+        let travel_rad = highest - lowest;
         let at_rows = || (0..motion.len()).step_by(frame.step);
         let mut speeds: Vec<f64> = at_rows()
             .filter(|index| frame.mask[*index] > 0.0)

@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_2_PI;
 use std::ops::Deref;
 
 use nalgebra::DMatrix;
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 
 /// Rows that are looked at together: a dozen columns of them stay in the first-level cache.
 const BLOCK: usize = 512;
@@ -15,9 +15,29 @@ const LANES: usize = 16;
 /// Largest argument that the reduction below takes without losing digits; larger ones go the slow way.
 const LARGEST_ARGUMENT: f64 = 1e6;
 
+/// Runs a loop in the copy of it that is compiled for the widest vectors.
+///
+/// The loop and all that it calls must be `#[inline(always)]`: what is not inlined is compiled for any processor.
+#[inline(always)]
+fn widest<R>(body: impl FnMut() -> R) -> R {
+    Arch::new().dispatch(Body(body))
+}
+
+/// The body of a loop. Called as a plain `FnOnce` it would hide behind a function of the compiler's that is not inlined.
+struct Body<F>(F);
+
+impl<R, F: FnMut() -> R> NullaryFnOnce for Body<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn call(mut self) -> R {
+        (self.0)()
+    }
+}
+
 /// Inner product of two columns of one length.
 pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
-    Arch::new().dispatch(|| dot_inline(left, right))
+    widest(#[inline(always)] || dot_inline(left, right))
 }
 
 #[inline(always)]
@@ -42,7 +62,7 @@ pub(crate) fn products<C: Deref<Target = [f64]>>(columns: &[C], from: usize, pro
         }
     }
     let rows = columns.first().map_or(0, |column| column.len());
-    Arch::new().dispatch(|| {
+    widest(#[inline(always)] || {
         for start in (0..rows).step_by(BLOCK) {
             let block = start..(start + BLOCK).min(rows);
             for row in from..columns.len() {
@@ -69,7 +89,7 @@ pub(crate) fn residual<C: Deref<Target = [f64]>>(
 ) -> Vec<f64> {
     let mut products = vec![0.0; columns.len()];
     let rows = target.len();
-    Arch::new().dispatch(|| {
+    widest(#[inline(always)] || {
         for start in (0..rows).step_by(BLOCK) {
             let block = start..(start + BLOCK).min(rows);
             let left = &mut residual[block.clone()];
@@ -87,6 +107,11 @@ pub(crate) fn residual<C: Deref<Target = [f64]>>(
     products
 }
 
+/// Multiplies a column by another, row by row.
+pub(crate) fn multiply_by(column: &mut [f64], factor: &[f64]) {
+    widest(#[inline(always)] || column.iter_mut().zip(factor).for_each(|(value, factor)| *value *= factor));
+}
+
 /// Row by row product of two columns.
 pub(crate) fn multiply(left: &[f64], right: &[f64]) -> Vec<f64> {
     left.iter().zip(right).map(|(left, right)| left * right).collect()
@@ -96,7 +121,7 @@ pub(crate) fn multiply(left: &[f64], right: &[f64]) -> Vec<f64> {
 pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &DMatrix<f64>, output: &mut [f64]) {
     let rows = output.len();
     output.fill(0.0);
-    Arch::new().dispatch(|| {
+    widest(#[inline(always)] || {
         let mut inner = [0.0; BLOCK];
         for start in (0..rows).step_by(BLOCK) {
             let block = start..(start + BLOCK).min(rows);
@@ -122,37 +147,63 @@ pub(crate) fn quadratic_form<C: Deref<Target = [f64]>>(columns: &[C], matrix: &D
 /// With the input sorted by its place modulo `step`, neighbouring outputs take neighbouring inputs: whole vectors of
 /// outputs are summed at once.
 pub(crate) fn decimate(input: &[f64], taps: &[f64], step: usize, output: &mut [f64]) {
-    let length = output.len() + taps.len().div_ceil(step);
-    let mut phases = vec![0.0; length * step];
+    /// Outputs that are summed side by side: enough that no addition waits for the one before.
+    const OUTPUTS: usize = 32;
+    let length = if step == 1 { input.len() } else { output.len() + taps.len().div_ceil(step) };
+    let mut sorted = vec![0.0; if step == 1 { 0 } else { length * step }];
     let places: Vec<(usize, f64)> =
         taps.iter().enumerate().map(|(index, tap)| ((index % step) * length + index / step, *tap)).collect();
-    Arch::new().dispatch(|| {
-        for (place, values) in input.chunks(step).take(length).enumerate() {
-            for (phase, value) in values.iter().enumerate() {
-                phases[phase * length + place] = *value;
+    widest(#[inline(always)] || {
+        match step {
+            1 => {}
+            // The step of the widest band: known here, so that whole vectors are sorted at once.
+            4 => sort_by_phase(input.as_chunks::<4>().0, length, &mut sorted),
+            _ => {
+                for (phase, sorted) in sorted.chunks_exact_mut(length).enumerate() {
+                    let values = input.iter().skip(phase).step_by(step);
+                    sorted.iter_mut().zip(values).for_each(|(slot, value)| *slot = *value);
+                }
             }
         }
-        let (blocks, rest) = output.as_chunks_mut::<LANES>();
-        for (block, start) in blocks.iter_mut().zip((0..).step_by(LANES)) {
-            let mut sums = [0.0; LANES];
+        if step == 4 {
+            let (whole, rest) = input.as_chunks::<4>();
+            if whole.len() < length {
+                rest.iter().enumerate().for_each(|(phase, value)| sorted[phase * length + whole.len()] = *value);
+            }
+        }
+        let phases = if step == 1 { input } else { &sorted };
+        let (blocks, rest) = output.as_chunks_mut::<OUTPUTS>();
+        for (block, start) in blocks.iter_mut().zip((0..).step_by(OUTPUTS)) {
+            let mut sums = [0.0; OUTPUTS];
             for (place, tap) in &places {
                 let place = place + start;
-                for (sum, value) in sums.iter_mut().zip(&phases[place..place + LANES]) {
+                for (sum, value) in sums.iter_mut().zip(&phases[place..place + OUTPUTS]) {
                     *sum += tap * value;
                 }
             }
             *block = sums;
         }
-        let done = blocks.len() * LANES;
+        let done = blocks.len() * OUTPUTS;
         for (slot, window) in rest.iter_mut().zip(input.windows(taps.len()).step_by(step).skip(done)) {
             *slot = dot_inline(window, taps);
         }
     });
 }
 
+/// Values by their place modulo `STEP`, `length` of each.
+#[inline(always)]
+fn sort_by_phase<const STEP: usize>(input: &[[f64; STEP]], length: usize, sorted: &mut [f64]) {
+    let length_in = input.len().min(length);
+    for (phase, sorted) in sorted.chunks_exact_mut(length).enumerate().take(STEP) {
+        for (slot, values) in sorted[..length_in].iter_mut().zip(&input[..length_in]) {
+            *slot = values[phase];
+        }
+    }
+}
+
 /// The adjoint of [`decimate`]: adds `kept[i] · taps[j]` to `output[i · step + j]`.
 pub(crate) fn spread(kept: &[f64], taps: &[f64], step: usize, output: &mut [f64]) {
-    Arch::new().dispatch(|| {
+    widest(#[inline(always)] || {
         for (index, value) in kept.iter().enumerate() {
             for (slot, tap) in output[index * step..index * step + taps.len()].iter_mut().zip(taps) {
                 *slot += value * tap;
@@ -162,36 +213,164 @@ pub(crate) fn spread(kept: &[f64], taps: &[f64], step: usize, output: &mut [f64]
 }
 
 /// Shares every value out among four bins by a cubic spline; its place lies between the second and the third of them.
+///
+/// Neighbouring samples mostly share their bins, and an addition would wait for the one before it to be stored: samples
+/// from two halves take turns.
 pub(crate) fn share_out(values: &[f64], angles: &[f64], offset_rad: f64, bin_rad: f64, bins: &mut [f64]) {
     let per_bin = 1.0 / bin_rad;
     let Some(last) = bins.len().checked_sub(4) else { return };
-    Arch::new().dispatch(|| {
-        for (value, angle) in values.iter().zip(angles) {
+    let length = values.len().min(angles.len());
+    let half = length.div_ceil(2);
+    let mut shares = [Shares::EMPTY; 2];
+    widest(#[inline(always)] || {
+        for start in (0..half).step_by(BLOCK) {
+            for (shares, first) in shares.iter_mut().zip([start, half + start]) {
+                let end = (start + BLOCK).min(half) - start + first;
+                let range = first.min(length)..end.min(length);
+                shares.of(&values[range.clone()], &angles[range], offset_rad, per_bin);
+            }
+            for place in 0..BLOCK {
+                for shares in &shares {
+                    let first = (shares.first[place] as usize).min(last);
+                    for (bin, share) in bins[first..first + 4].iter_mut().zip(&shares.share) {
+                        *bin += share[place];
+                    }
+                }
+            }
+        }
+    });
+}
+
+/// What a block of values gives to four bins each.
+#[derive(Clone, Copy)]
+struct Shares {
+    first: [u32; BLOCK],
+    share: [[f64; BLOCK]; 4],
+}
+
+impl Shares {
+    const EMPTY: Self = Self { first: [0; BLOCK], share: [[0.0; BLOCK]; 4] };
+
+    /// Shares of up to a block of values; nothing beyond them.
+    #[inline(always)]
+    fn of(&mut self, values: &[f64], angles: &[f64], offset_rad: f64, per_bin: f64) {
+        let Self { first, share: [a, b, c, d] } = self;
+        let count = values.len();
+        let slots = first.iter_mut().zip(a.iter_mut()).zip(b.iter_mut()).zip(c.iter_mut()).zip(d.iter_mut());
+        for (((((first, a), b), c), d), (value, angle)) in slots.zip(values.iter().zip(angles)) {
             let place = ((angle - offset_rad) * per_bin).max(0.0);
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of a bin")]
             let index = place as u32;
             let share = place - f64::from(index);
             let rest = 1.0 - share;
             let sixth = value / 6.0;
-            let shares = [
-                sixth * rest * rest * rest,
-                sixth * (4.0 - 3.0 * share * share * (1.0 + rest)),
-                sixth * (4.0 - 3.0 * rest * rest * (1.0 + share)),
-                sixth * share * share * share,
-            ];
-            let first = (index as usize).min(last);
-            for (bin, share) in bins[first..first + 4].iter_mut().zip(shares) {
-                *bin += share;
-            }
+            *first = index;
+            *a = sixth * rest * rest * rest;
+            *b = sixth * (4.0 - 3.0 * share * share * (1.0 + rest));
+            *c = sixth * (4.0 - 3.0 * rest * rest * (1.0 + share));
+            *d = sixth * share * share * share;
+        }
+        [a, b, c, d].into_iter().for_each(|share| share[count..].fill(0.0));
+    }
+}
+
+/// Columns of Coulomb and viscous friction, of the negative and the positive direction each, as the effect defines them.
+pub(crate) fn friction(velocity: &[f64], [coulomb_negative, coulomb_positive, negative, positive]: [&mut [f64]; 4]) {
+    widest(#[inline(always)] || {
+        let coulomb = coulomb_negative.iter_mut().zip(coulomb_positive.iter_mut());
+        let viscous = negative.iter_mut().zip(positive.iter_mut());
+        for ((velocity, coulomb), viscous) in velocity.iter().zip(coulomb).zip(viscous) {
+            *coulomb.0 = if *velocity < 0.0 { -1.0 } else { 0.0 };
+            *coulomb.1 = if *velocity > 0.0 { 1.0 } else { 0.0 };
+            *viscous.0 = if *velocity < 0.0 { *velocity } else { 0.0 };
+            *viscous.1 = if *velocity > 0.0 { *velocity } else { 0.0 };
         }
     });
+}
+
+/// Differences across one to four samples on either side, weighted and summed; none for the four samples at each end.
+pub(crate) fn differences(signal: &[f64], weights: [f64; 4], output: &mut [f64]) {
+    let count = output.len();
+    let [a, b, c, d] = weights;
+    let at: [&[f64]; 9] = std::array::from_fn(|shift| &signal[shift..shift + count]);
+    widest(#[inline(always)] || {
+        for (index, slot) in output.iter_mut().enumerate() {
+            let near = a * (at[5][index] - at[3][index]) + b * (at[6][index] - at[2][index]);
+            let far = c * (at[7][index] - at[1][index]) + d * (at[8][index] - at[0][index]);
+            *slot = near + far;
+        }
+    });
+}
+
+/// How many fourth differences lie below a limit.
+pub(crate) fn small_fourth_differences(signal: &[f64], limit: f64) -> usize {
+    widest(#[inline(always)] || {
+        let small = |w: &[f64; 5]| u64::from((w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs() < limit);
+        signal.array_windows().map(small).sum::<u64>() as usize
+    })
+}
+
+/// Smallest and largest value; `None` for no values.
+pub(crate) fn extent(values: &[f64]) -> Option<(f64, f64)> {
+    extent_of(values.len(), |index| (values[index], values[index]))
+}
+
+/// Smallest and largest of the values whose weight is above zero; `None` for none.
+pub(crate) fn extent_where(values: &[f64], weights: &[f64]) -> Option<(f64, f64)> {
+    let length = values.len().min(weights.len());
+    let (values, weights) = (&values[..length], &weights[..length]);
+    extent_of(length, |index| {
+        let (value, counts) = (values[index], weights[index] > 0.0);
+        (if counts { value } else { f64::INFINITY }, if counts { value } else { f64::NEG_INFINITY })
+    })
+}
+
+#[inline(always)]
+fn extent_of(length: usize, at: impl Fn(usize) -> (f64, f64)) -> Option<(f64, f64)> {
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    widest(#[inline(always)] || {
+        let mut take = |lane: usize, index: usize| {
+            let (lower, upper) = at(index);
+            low[lane] = if lower < low[lane] { lower } else { low[lane] };
+            high[lane] = if upper > high[lane] { upper } else { high[lane] };
+        };
+        let whole = length - length % LANES;
+        for start in (0..whole).step_by(LANES) {
+            (0..LANES).for_each(|lane| take(lane, start + lane));
+        }
+        (whole..length).for_each(|index| take(0, index));
+    });
+    let low = low.into_iter().fold(f64::INFINITY, f64::min);
+    let high = high.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    (low <= high).then_some((low, high))
+}
+
+/// The smallest difference between neighbours that differ; infinite for none.
+pub(crate) fn smallest_step(values: &[f64]) -> f64 {
+    let count = values.len().saturating_sub(1);
+    let (left, right) = (&values[..count], &values[values.len() - count..]);
+    let step = |index: usize| {
+        let step = (right[index] - left[index]).abs();
+        if step > 0.0 { step } else { f64::INFINITY }
+    };
+    extent_of(count, |index| (step(index), step(index))).map_or(f64::INFINITY, |(least, _)| least)
+}
+
+/// Whether all values are numbers and none is infinite.
+pub(crate) fn all_finite(values: &[f64]) -> bool {
+    widest(#[inline(always)] || values.iter().fold(true, |all, value| all & value.is_finite()))
+}
+
+/// Whether every value lies above the one before.
+pub(crate) fn rises(values: &[f64]) -> bool {
+    widest(#[inline(always)] || values.iter().zip(values.iter().skip(1)).fold(true, |all, (before, after)| all & (before < after)))
 }
 
 /// Sine and cosine of `wavenumber` times every angle, to a unit or two in the last place.
 ///
 /// Cody and Waite's reduction to ±π/4 and the polynomials of fdlibm (`k_sin.c`, `k_cos.c`, Sun Microsystems 1993).
 pub(crate) fn sines(angle: &[f64], wavenumber: f64, sine: &mut [f64], cosine: &mut [f64]) {
-    Arch::new().dispatch(|| {
+    widest(#[inline(always)] || {
         let mut too_large = 0_u64;
         for ((angle, sine), cosine) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
             let argument = angle * wavenumber;
@@ -199,7 +378,7 @@ pub(crate) fn sines(angle: &[f64], wavenumber: f64, sine: &mut [f64], cosine: &m
             (*sine, *cosine) = sine_cosine(argument);
         }
         if too_large != 0 {
-            for ((angle, sine), cosine) in angle.iter().zip(sine).zip(cosine) {
+            for ((angle, sine), cosine) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
                 (*sine, *cosine) = (angle * wavenumber).sin_cos();
             }
         }
