@@ -46,8 +46,7 @@ pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) 
                 place[lane] = part.iter().sum();
             }
         }
-        let triangles = boxed(&boxed(&places, width), width);
-        (0..scores.len()).map(move |lane| triangles.iter().map(|sums| sums[lane]).collect())
+        triangles(&places, width).into_iter().take(scores.len())
     });
     (smooth.collect(), width, 2.0 * (width * group) as f64)
 }
@@ -80,19 +79,29 @@ pub(crate) fn kernel_scale(width: usize) -> f64 {
     3.0 / (width * (2.0 * width * width + 1.0))
 }
 
-/// Sums of `width` neighbours at every place that any of the values reaches.
-fn boxed(values: &[[f64; TOGETHER]], width: usize) -> Vec<[f64; TOGETHER]> {
+/// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
+fn triangles(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
     const NOTHING: [f64; TOGETHER] = [0.0; TOGETHER];
-    let mut sums = NOTHING;
-    let place = |place: usize| {
+    let length = values.len() + 2 * (width - 1);
+    let mut smooth = [const { Vec::new() }; TOGETHER];
+    smooth.iter_mut().for_each(|smooth| smooth.reserve_exact(length));
+    let (mut box_sums, mut triangle_sums) = (NOTHING, NOTHING);
+    // The last `width` box sums, the oldest at the place of the next one.
+    let mut recent = vec![NOTHING; width];
+    let mut oldest = 0;
+    for place in 0..length {
         let fresh = values.get(place).unwrap_or(&NOTHING);
-        let stale = place.checked_sub(width).map_or(&NOTHING, |left| &values[left]);
-        for ((sum, fresh), stale) in sums.iter_mut().zip(fresh).zip(stale) {
-            *sum += fresh - stale;
+        let stale = place.checked_sub(width).and_then(|left| values.get(left)).unwrap_or(&NOTHING);
+        let recent = &mut recent[oldest];
+        for lane in 0..TOGETHER {
+            box_sums[lane] += fresh[lane] - stale[lane];
+            triangle_sums[lane] += box_sums[lane] - recent[lane];
+            smooth[lane].push(triangle_sums[lane]);
         }
-        sums
-    };
-    (0..values.len() + width - 1).map(place).collect()
+        *recent = box_sums;
+        oldest = if oldest + 1 == width { 0 } else { oldest + 1 };
+    }
+    smooth
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
