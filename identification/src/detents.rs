@@ -31,7 +31,9 @@ const PLACEBO_OF_FEW: f64 = 20.0;
 const FEW_PERIODS: f64 = 3.0;
 /// Margin for harmonics in the residual.
 const HARMONIC_MARGIN: f64 = 14.0;
-/// A harmonic is looked at closely if the scan shows the margin divided by this.
+/// A harmonic explains at least this share of the residual's sum of squares.
+const HARMONIC_SHARE: f64 = 0.01;
+/// A harmonic is looked at closely if the scan shows what it must explain divided by this.
 const HARMONIC_LOOK: f64 = 2.0;
 /// Overtones are looked for up to this multiple of the detent.
 const HIGHEST_OVERTONE: u32 = 12;
@@ -145,9 +147,8 @@ pub(crate) fn search<'a>(
         })
         .map(|peak| 1.0 / peak.wavenumber)
         .collect();
-    let evident = |order: u32| {
-        scan.near(&rest, f64::from(order) / period_rad)
-            .is_none_or(|power| HARMONIC_LOOK * power > HARMONIC_MARGIN * background)
+    let evident = |order: u32, needed: f64| {
+        scan.near(&rest, f64::from(order) / period_rad).is_none_or(|power| HARMONIC_LOOK * power > needed)
     };
     let harmonics = harmonics(&problem, &solution, [period_rad, shortest], background, evident);
     Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
@@ -162,19 +163,22 @@ fn no_detents(longest: f64, shortest: f64) -> String {
 
 /// The overtones in the residual that stand out and predict stretches of the capture that they were not fitted to.
 ///
-/// `evident` tells whether the scan shows enough at an order for a closer look.
+/// `evident` tells whether the scan shows enough at an order for a closer look, given what the order must explain, mNm².
 fn harmonics(
     problem: &Problem<'_>,
     solution: &LeastSquares,
     [period_rad, shortest_rad]: [f64; 2],
     background: f64,
-    evident: impl Fn(u32) -> bool,
+    evident: impl Fn(u32, f64) -> bool,
 ) -> Vec<Harmonic> {
     let mut total = dot(&solution.residual, &solution.residual);
     let mut found: Vec<(Harmonic, Vec<Column>)> = Vec::new();
     let orders = (2..=HIGHEST_OVERTONE).take_while(|order| period_rad / f64::from(*order) >= shortest_rad);
-    let orders = orders.filter(|order| evident(*order));
     for order in orders {
+        let needed = (HARMONIC_MARGIN * background).max(HARMONIC_SHARE * total);
+        if !evident(order, needed) {
+            continue;
+        }
         let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
         let own: Vec<Column> =
             problem.frame.effect_rows(&effect, problem.motion).into_iter().map(Column::from).collect();
@@ -183,7 +187,7 @@ fn harmonics(
         let [.., sine, cosine] = with.coefficients[..] else { continue };
         let left = dot(&with.residual, &with.residual);
         let gain = total - left;
-        if gain < HARMONIC_MARGIN * background || gain < 0.01 * total {
+        if gain < needed {
             continue;
         }
         if held_out::evidence(&columns, columns.len() - own.len(), &problem.target) < PREDICTS {

@@ -22,6 +22,7 @@ use crate::saturation::Rails;
 use crate::spectrum::quantile;
 use crate::time_order::Sorted;
 use crate::uniform::Uniform;
+use crate::vector;
 
 /// A delay between torque and motion is believed only up to this many samples; more is an effect of its own.
 const LARGEST_DELAY_SAMPLES: f64 = 0.5;
@@ -340,10 +341,7 @@ fn base_effects(further: &[Effect]) -> Vec<Effect> {
 
 /// The smallest difference between two samples that differ: the encoder's step, if it has one.
 pub(crate) fn smallest_step(angle_rad: &[f64]) -> f64 {
-    angle_rad.iter().zip(&angle_rad[1..]).fold(f64::INFINITY, |least, (left, right)| {
-        let step = (right - left).abs();
-        if step > 0.0 && step < least { step } else { least }
-    })
+    vector::smallest_step(angle_rad)
 }
 
 fn preparation(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, band: &Band) -> Preparation {

@@ -74,7 +74,7 @@ impl Frame {
             fill(range.clone(), &mut columns);
             let first = start * self.step - range.start;
             for (rows, column) in rows.iter_mut().zip(&mut columns) {
-                column.iter_mut().zip(&self.mask[range.clone()]).for_each(|(value, mask)| *value *= mask);
+                vector::multiply_by(column, &self.mask[range.clone()]);
                 self.fir.decimate_part(column, first, self.step, &mut rows[start..end]);
             }
         }
@@ -144,11 +144,25 @@ fn fade(mask: &mut [f64], length: usize) {
 /// Writes an effect's columns for a range of samples.
 pub(crate) fn fill(effect: &Effect, motion: &KnobMotion, range: Range<usize>, columns: &mut [Vec<f64>]) {
     let Some(regressors) = effect.kind().regressors else { return };
-    if let [sine, cosine] = columns
-        && effect.kind().name == effects::detent::KIND.name
-    {
-        vector::sines(&motion.angle_rad[range], 1.0 / effect.values()[1], sine, cosine);
-        return;
+    // The base model's effects by whole columns; the others sample by sample, as they define themselves.
+    let name = effect.kind().name;
+    match columns {
+        [acceleration] if name == effects::inertia::KIND.name => {
+            acceleration.copy_from_slice(&motion.acceleration_rad_s2[range]);
+            return;
+        }
+        [sine, cosine] if name == effects::detent::KIND.name => {
+            vector::sines(&motion.angle_rad[range], 1.0 / effect.values()[1], sine, cosine);
+            return;
+        }
+        [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive]
+            if name == effects::friction::KIND.name =>
+        {
+            let columns = [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive];
+            vector::friction(&motion.velocity_rad_s[range], columns.map(Vec::as_mut_slice));
+            return;
+        }
+        _ => {}
     }
     let mut row = vec![0.0; regressors.columns];
     let values = effect.values();

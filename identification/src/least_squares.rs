@@ -12,8 +12,12 @@ pub(crate) use crate::vector::dot;
 /// A column of which less than this share of the square remains beside the others counts as collinear.
 const COLLINEAR: f64 = 1e-9;
 
-/// A correction that would move the prediction by less than this share of the target is rounding.
+/// A correction that would move the prediction by less than this share of the target is rounding, …
 const SETTLED: f64 = 1e-15;
+/// … and one by less than this share of the residual is a billionth of a standard deviation.
+const NEGLIGIBLE: f64 = 1e-9;
+/// Most rounds on the residual.
+const ROUNDS: usize = 3;
 
 /// Noise of a column, in sums over the rows.
 #[derive(Clone, Copy, Debug)]
@@ -128,9 +132,13 @@ impl LeastSquares {
         let Some(factor) = Cholesky::new(part) else {
             return solution;
         };
+        let size = dot(target, target).sqrt();
         // Rounds on the residual win back the digits that the Gram matrix costs.
-        for _ in 0..3 {
+        for round in 0..=ROUNDS {
             let products = vector::residual(columns, &solution.coefficients, target, &mut solution.residual);
+            if round == ROUNDS {
+                break;
+            }
             let right = DVector::from_iterator(
                 active.len(),
                 active.iter().map(|index| {
@@ -140,14 +148,14 @@ impl LeastSquares {
                 }),
             );
             let step = factor.solve(&right);
+            let left = dot(&solution.residual, &solution.residual).sqrt();
+            if step.norm() <= (SETTLED * size).max(NEGLIGIBLE * left) {
+                break;
+            }
             for (index, step) in active.iter().zip(step.iter()) {
                 solution.coefficients[*index] += step / scales[*index];
             }
-            if step.norm() <= SETTLED * dot(target, target).sqrt() {
-                break;
-            }
         }
-        solution.residual = residual(columns, target, &solution.coefficients);
         let inverse = factor.inverse();
         for (row, at) in active.iter().enumerate() {
             for (column, other) in active.iter().enumerate() {

@@ -10,6 +10,8 @@ use crate::vector::dot;
 pub(crate) const NORMAL_95: f64 = 1.959_964;
 /// Places at which half of the kernel is told apart.
 const PLACES_PER_HALF: usize = 16;
+/// Scores whose running sums are taken side by side: one alone would wait for each addition.
+const TOGETHER: usize = 4;
 /// Least bandwidth as a share of the rows.
 const SHARE: f64 = 0.02;
 /// ∫k² of Parzen's kernel from −1 to 1.
@@ -29,11 +31,16 @@ pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) 
     // Neighbours far closer than the bandwidth count as one.
     let group = (half / PLACES_PER_HALF).max(1);
     let width = half.div_ceil(group);
-    let smooth = |score: &Vec<f64>| {
-        let places: Vec<f64> = score.chunks(group).map(|part| part.iter().sum()).collect();
-        boxed(&boxed(&places, width), width)
-    };
-    (scores.iter().map(smooth).collect(), width, 2.0 * (width * group) as f64)
+    let smooth = scores.chunks(TOGETHER).flat_map(|scores| {
+        let mut places = vec![[0.0; TOGETHER]; rows.div_ceil(group)];
+        for (lane, score) in scores.iter().enumerate() {
+            for (place, part) in places.iter_mut().zip(score.chunks(group)) {
+                place[lane] = part.iter().sum();
+            }
+        }
+        triangles(&places, width).into_iter().take(scores.len())
+    });
+    (smooth.collect(), width, 2.0 * (width * group) as f64)
 }
 
 /// One over the triangle's sum of squares: what the kernel would else be at lag zero.
@@ -55,6 +62,31 @@ pub(crate) fn boxed(values: &[f64], width: usize) -> Vec<f64> {
             sum
         })
         .collect()
+}
+
+/// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
+fn triangles(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
+    const NOTHING: [f64; TOGETHER] = [0.0; TOGETHER];
+    let length = values.len() + 2 * (width - 1);
+    let mut smooth = [const { Vec::new() }; TOGETHER];
+    smooth.iter_mut().for_each(|smooth| smooth.reserve_exact(length));
+    let (mut box_sums, mut triangle_sums) = (NOTHING, NOTHING);
+    // The last `width` box sums, the oldest at the place of the next one.
+    let mut recent = vec![NOTHING; width];
+    let mut oldest = 0;
+    for place in 0..length {
+        let fresh = values.get(place).unwrap_or(&NOTHING);
+        let stale = place.checked_sub(width).and_then(|left| values.get(left)).unwrap_or(&NOTHING);
+        let recent = &mut recent[oldest];
+        for lane in 0..TOGETHER {
+            box_sums[lane] += fresh[lane] - stale[lane];
+            triangle_sums[lane] += box_sums[lane] - recent[lane];
+            smooth[lane].push(triangle_sums[lane]);
+        }
+        *recent = box_sums;
+        oldest = if oldest + 1 == width { 0 } else { oldest + 1 };
+    }
+    smooth
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]

@@ -10,7 +10,7 @@ use crate::fusion::{Sensors, blend, kalman_smoother};
 use crate::options::AccelerationUse;
 use crate::spectrum::{Spectrum, white_density};
 use crate::uniform::Uniform;
-use crate::vector::dot;
+use crate::vector::{self, dot};
 
 /// Share of the torque's power above its noise that may lie beyond the fit's band.
 const POWER_BEYOND_BAND: f64 = 1e-4;
@@ -294,15 +294,15 @@ pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
             rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
         }
     };
-    let [a, b, c, d] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0].map(|weight: f64| weight * rate_hz);
-    let mut rate = Vec::with_capacity(signal.len());
-    rate.extend((0..GRADIENT_REACH.min(signal.len())).map(towards_end));
-    rate.extend(
-        signal
-            .windows(2 * GRADIENT_REACH + 1)
-            .map(|w| (a * (w[5] - w[3]) + b * (w[6] - w[2])) + (c * (w[7] - w[1]) + d * (w[8] - w[0]))),
-    );
-    rate.extend((rate.len()..signal.len()).map(towards_end));
+    let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0].map(|weight: f64| weight * rate_hz);
+    let mut rate = vec![0.0; signal.len()];
+    let inside = GRADIENT_REACH..signal.len().saturating_sub(GRADIENT_REACH);
+    if !inside.is_empty() {
+        vector::differences(signal, weights, &mut rate[inside.clone()]);
+    }
+    for index in (0..signal.len()).filter(|index| !inside.contains(index)) {
+        rate[index] = towards_end(index);
+    }
     rate
 }
 
@@ -405,11 +405,7 @@ pub(crate) fn scatter(signal: &[f64]) -> f64 {
 fn is_smooth(signal: &[f64], limit: f64) -> bool {
     // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.
     let limit = limit * 0.6745 * 70_f64.sqrt();
-    let below = signal
-        .windows(5)
-        .map(|w| usize::from((w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs() < limit))
-        .sum::<usize>();
-    2 * below > signal.len().saturating_sub(4)
+    2 * vector::small_fourth_differences(signal, limit) > signal.len().saturating_sub(4)
 }
 
 /// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.

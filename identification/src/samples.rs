@@ -1,5 +1,7 @@
 //! The samples of a capture, and why they may not do.
 
+use crate::vector;
+
 /// A capture's columns, borrowed. All have one length.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<'a> {
@@ -105,14 +107,18 @@ impl Samples<'_> {
             if values.len() != self.t_s.len() {
                 return Err(FitError::Length { column, found: values.len(), expected: self.t_s.len() });
             }
-            if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            if !vector::all_finite(values)
+                && let Some(index) = values.iter().position(|value| !value.is_finite())
+            {
                 return Err(FitError::NotFinite { column, index });
             }
         }
         if self.t_s.len() < FEWEST_SAMPLES {
             return Err(FitError::TooFewSamples { samples: self.t_s.len() });
         }
-        if let Some(index) = self.t_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+        if !vector::rises(self.t_s)
+            && let Some(index) = self.t_s.windows(2).position(|pair| pair[1] <= pair[0])
+        {
             return Err(FitError::TimeNotRising {
                 index: index + 1,
                 previous_s: self.t_s[index],
@@ -132,8 +138,5 @@ impl Samples<'_> {
 
 /// Distance between the smallest and the largest value.
 pub(crate) fn span(values: &[f64]) -> f64 {
-    let (low, high) = values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
-    (high - low).max(0.0)
+    vector::extent(values).map_or(0.0, |(low, high)| high - low)
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::motion::rms;
+use crate::vector;
 
 /// Shortest run of equal values that may be a rail, samples.
 const SHORTEST: usize = 5;
@@ -27,22 +28,23 @@ pub(crate) struct Rails {
 
 impl Rails {
     pub(crate) fn of(values: &[f64]) -> Self {
-        let (low, high) = values
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
         let runs = runs_of_equal(values);
+        let Some((low, high)) = vector::extent(values).filter(|_| runs.iter().any(|run| run.len() >= SHORTEST)) else {
+            return Self::default();
+        };
         let extreme = |value: f64| value == low || value == high;
         let within = runs.iter().filter(|run| !extreme(values[run.start])).map(ExactSizeIterator::len).max();
-        let least = SHORTEST.max(BEYOND_WITHIN * within.unwrap_or(0));
+        let least = SHORTEST.max(BEYOND_WITHIN * within.unwrap_or(1));
         // A channel that only knows two values has no range between them.
-        if within.is_none() || !runs.iter().any(|run| extreme(values[run.start]) && run.len() >= least) {
+        if values.iter().all(|value| extreme(*value))
+            || !runs.iter().any(|run| extreme(values[run.start]) && run.len() >= least)
+        {
             return Self::default();
         }
         // Once an end of the range is known to be a rail, shorter visits to it are no measurements either.
         let is_rail = |rail: f64| runs.iter().any(|run| values[run.start] == rail && run.len() >= least);
         let (low, high) = (Some(low).filter(|rail| is_rail(*rail)), Some(high).filter(|rail| is_rail(*rail)));
-        let runs =
-            runs.into_iter().filter(|run| [low, high].contains(&Some(values[run.start])) && run.len() > 1).collect();
+        let runs = runs.into_iter().filter(|run| [low, high].contains(&Some(values[run.start]))).collect();
         Self { runs, low, high }
     }
 
@@ -80,24 +82,26 @@ impl Rails {
 
 /// Stretches where the encoder stood still while the knob turned on: the angle stops dead, or jumps afterwards.
 pub(crate) fn frozen(angle_rad: &[f64], torque_mnm: &[f64]) -> Vec<Range<usize>> {
+    let mut runs = runs_of_equal(angle_rad);
+    runs.retain(|run| run.len() >= SHORTEST_FROZEN);
+    if runs.is_empty() {
+        return runs;
+    }
     let steps: Vec<f64> = angle_rad.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let typical = rms(&steps);
     let largest = |range: Range<usize>| steps[range].iter().map(|step| step.abs()).fold(0.0, f64::max);
-    runs_of_equal(angle_rad)
-        .into_iter()
-        .filter(|run| run.len() >= SHORTEST_FROZEN)
-        .filter(|run| {
-            let torque = &torque_mnm[run.clone()];
-            if torque.iter().all(|value| *value == torque[0]) {
-                return false;
-            }
-            // Step number n leads from sample n to n + 1; the one out of the run is number run.end − 1.
-            let before = run.start.saturating_sub(NEARBY + 1)..run.start.saturating_sub(1);
-            let after = run.end.min(steps.len())..(run.end + NEARBY).min(steps.len());
-            let out = steps.get(run.end - 1).map_or(0.0, |step| step.abs());
-            out > JUMP * largest(before).max(largest(after)).max(typical / JUMP)
-        })
-        .collect()
+    runs.retain(|run| {
+        let torque = &torque_mnm[run.clone()];
+        if torque.iter().all(|value| *value == torque[0]) {
+            return false;
+        }
+        // Step number n leads from sample n to n + 1; the one out of the run is number run.end − 1.
+        let before = run.start.saturating_sub(NEARBY + 1)..run.start.saturating_sub(1);
+        let after = run.end.min(steps.len())..(run.end + NEARBY).min(steps.len());
+        let out = steps.get(run.end - 1).map_or(0.0, |step| step.abs());
+        out > JUMP * largest(before).max(largest(after)).max(typical / JUMP)
+    });
+    runs
 }
 
 /// A sentence on a frozen encoder.
@@ -112,14 +116,15 @@ pub(crate) fn frozen_note(runs: &[Range<usize>]) -> Option<String> {
     })
 }
 
-/// All runs of equal values, single ones included.
+/// All runs of two or more equal values.
 fn runs_of_equal(values: &[f64]) -> Vec<Range<usize>> {
-    let mut runs = Vec::new();
-    let mut start = 0;
-    for index in 1..=values.len() {
-        if index == values.len() || values[index] != values[start] {
-            runs.push(start..index);
-            start = index;
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for (index, (value, next)) in values.iter().zip(values.iter().skip(1)).enumerate() {
+        if value == next {
+            match runs.last_mut() {
+                Some(run) if run.end == index + 1 => run.end = index + 2,
+                _ => runs.push(index..index + 2),
+            }
         }
     }
     runs

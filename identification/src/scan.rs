@@ -31,6 +31,9 @@ const BINS_PER_PERIOD: f64 = 5.2;
 const MOST_BASE: usize = 512;
 /// Wavenumbers at which the filter's gain is summed over the speeds lie this factor apart.
 const GAIN_STEP: f64 = 1.03;
+/// Share of a sinusoid's square that is added to it twice over, so that one that the base columns nearly explain is not told
+/// from rounding.
+const RIDGE: f64 = 3e-3;
 /// Share of the samples that must see a detent slowly enough for the band.
 const SLOW_SHARE: f64 = 0.1;
 
@@ -51,12 +54,9 @@ pub(crate) struct Scan {
     first: usize,
     last: usize,
     fine: Gather,
-    /// Sums of the base columns at the low wavenumbers, from index 0.
-    base: Vec<Vec<Complex<f64>>>,
-    /// The same of the mask.
-    weights: Vec<Complex<f64>>,
-    attenuation: Vec<f64>,
-    inverse: DMatrix<f64>,
+    /// For every wavenumber, the inverse of the Gram matrix of sine and cosine beside the base columns: sine with
+    /// itself, twice sine with cosine, cosine with itself; zeros where the base columns explain a sinusoid as well.
+    inverses: Vec<[f64; 3]>,
 }
 
 impl Scan {
@@ -76,14 +76,9 @@ impl Scan {
         base_rows: &[Column],
         inverse: &DMatrix<f64>,
     ) -> Option<Self> {
-        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut offset_rad = f64::INFINITY;
-        for (angle, mask) in motion.angle_rad.iter().zip(&frame.mask) {
-            offset_rad = offset_rad.min(*angle);
-            lowest = if *mask > 0.0 { lowest.min(*angle) } else { lowest };
-            highest = if *mask > 0.0 { highest.max(*angle) } else { highest };
-        }
-        let travel_rad = (highest - lowest).max(0.0);
+        let (offset_rad, _) = vector::extent(&motion.angle_rad)?;
+        let (lowest, highest) = vector::extent_where(&motion.angle_rad, &frame.mask)?;
+        let travel_rad = highest - lowest;
         let at_rows = || (0..motion.len()).step_by(frame.step);
         let mut speeds: Vec<f64> = at_rows()
             .filter(|index| frame.mask[*index] > 0.0)
@@ -105,19 +100,21 @@ impl Scan {
         // A base column varies slowly, and low wavenumbers pass the rows' filter: rows alone will do.
         let angles: Vec<f64> = at_rows().map(|index| motion.angle_rad[index]).collect();
         let masks: Vec<f64> = at_rows().map(|index| frame.mask[index]).collect();
-        let base = base_rows.iter().map(|rows| coarse.sums(rows, &angles)).collect();
+        let mut columns: Vec<&[f64]> = base_rows.iter().map(|rows| &**rows).collect();
+        columns.push(&masks);
+        let mut base = coarse.sums_of(&columns, &angles);
+        let weights = base.pop()?;
         let mut scan = Self {
             travel_rad,
             spacing,
             first,
             last,
             fine: Gather::new(length, offset_rad, spacing, last),
-            base,
-            weights: coarse.sums(&masks, &angles),
-            attenuation: Vec::new(),
-            inverse: inverse.clone(),
+            inverses: Vec::new(),
         };
-        scan.attenuation = scan.attenuations(frame, band, &speeds);
+        let attenuations = scan.attenuations(frame, band, &speeds);
+        scan.inverses =
+            (first..).zip(&attenuations).map(|(k, gain)| gram_inverse(k, *gain, &base, &weights, inverse)).collect();
         Some(scan)
     }
 
@@ -141,43 +138,8 @@ impl Scan {
     /// What a detent at each wavenumber would take off the residual's sum of squares, mNm².
     pub(crate) fn powers(&self, frame: &Frame, motion: &KnobMotion, residual: &[f64]) -> Vec<f64> {
         let target = self.fine.sums(&frame.spread(residual), &motion.angle_rad);
-        let total = self.weights[0].re;
-        let ridge = 3e-3;
-        let mut sines = vec![0.0; self.base.len()];
-        let mut cosines = sines.clone();
-        (self.first..=self.last)
-            .map(|index| {
-                let attenuation = self.attenuation[index - self.first];
-                let half = 0.5 * total * attenuation;
-                // Sine and cosine products against the residual and against every base column.
-                let (sine, cosine) = (target[index].im, target[index].re);
-                let mut gram = [half * (1.0 + 2.0 * ridge), 0.0, half * (1.0 + 2.0 * ridge)];
-                if let Some(twice) = self.weights.get(2 * index) {
-                    let twice = 0.5 * attenuation * twice;
-                    gram = [gram[0] - twice.re, twice.im, gram[2] + twice.re];
-                    for (column, base) in self.base.iter().enumerate() {
-                        (sines[column], cosines[column]) = (base[index].im, base[index].re);
-                    }
-                    let explained = |left: &[f64], right: &[f64]| -> f64 {
-                        let rows = left.iter().enumerate();
-                        rows.map(|(row, left)| {
-                            let columns = right.iter().enumerate();
-                            left * columns.map(|(column, right)| self.inverse[(row, column)] * right).sum::<f64>()
-                        })
-                        .sum()
-                    };
-                    gram[0] -= explained(&sines, &sines);
-                    gram[1] -= explained(&sines, &cosines);
-                    gram[2] -= explained(&cosines, &cosines);
-                }
-                let determinant = gram[0] * gram[2] - gram[1] * gram[1];
-                // Where the base columns explain a sinusoid as well, its own share is not told.
-                if gram[0] <= 0.0 || determinant <= 0.0 {
-                    return 0.0;
-                }
-                (gram[2] * sine * sine - 2.0 * gram[1] * sine * cosine + gram[0] * cosine * cosine) / determinant
-            })
-            .collect()
+        let found = target.get(self.first..).unwrap_or_default().iter().zip(&self.inverses);
+        found.map(|(sum, [a, b, c])| a * sum.im * sum.im + b * sum.im * sum.re + c * sum.re * sum.re).collect()
     }
 
     /// The strongest peaks, at least a peak's width apart, strongest first.
@@ -299,6 +261,37 @@ impl Scan {
     }
 }
 
+/// One entry of [`Scan::inverses`]: for the wavenumber of an `index`, at which the rows' filter has the mean square gain
+/// `attenuation`; `base` and `weights` are Fourier sums of the base columns and of the mask.
+fn gram_inverse(
+    index: usize,
+    attenuation: f64,
+    base: &[Vec<Complex<f64>>],
+    weights: &[Complex<f64>],
+    inverse: &DMatrix<f64>,
+) -> [f64; 3] {
+    let diagonal = 0.5 * weights[0].re * attenuation * (1.0 + 2.0 * RIDGE);
+    let mut gram = [diagonal, 0.0, diagonal];
+    if let Some(twice) = weights.get(2 * index) {
+        let twice = 0.5 * attenuation * twice;
+        gram = [diagonal - twice.re, twice.im, diagonal + twice.re];
+        // What the base columns explain of sine and cosine.
+        for (column, left) in base.iter().enumerate() {
+            let left = left[index];
+            let right: Complex<f64> =
+                base.iter().zip(inverse.column(column).iter()).map(|(b, share)| b[index] * share).sum();
+            gram[0] -= left.im * right.im;
+            gram[1] -= left.im * right.re;
+            gram[2] -= left.re * right.re;
+        }
+    }
+    let determinant = gram[0] * gram[2] - gram[1] * gram[1];
+    if gram[0] <= 0.0 || determinant <= 0.0 {
+        return [0.0; 3];
+    }
+    [gram[2] / determinant, -2.0 * gram[1] / determinant, gram[0] / determinant]
+}
+
 /// Fourier sums over samples at uneven angles.
 struct Gather {
     offset_rad: f64,
@@ -313,17 +306,16 @@ impl Gather {
     #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     fn new(length: usize, offset_rad: f64, spacing: f64, last: usize) -> Self {
         let half = 0.5 * TAU / length as f64;
-        let turn = Complex::from_polar(1.0, -2.0 * half);
-        let mut shift = Complex::new(1.0, 0.0);
-        let correction = (0..=last)
-            .map(|index| {
-                // The bins lie one too late, and the spline's own transform is the fourth power of a sinc.
-                let sinc = if index == 0 { 1.0 } else { (half * index as f64).sin() / (half * index as f64) };
-                let correction = shift / sinc.powi(4);
-                shift *= turn;
-                correction
-            })
-            .collect();
+        let indices: Vec<f64> = (0..=last).map(|index| index as f64).collect();
+        let (mut sines, mut cosines) = (vec![0.0; indices.len()], vec![0.0; indices.len()]);
+        vector::sines(&indices, half, &mut sines, &mut cosines);
+        let correction = indices.iter().zip(sines.iter().zip(&cosines)).map(|(index, (sine, cosine))| {
+            // The bins lie one too late, and the spline's own transform is the fourth power of a sinc.
+            let sinc = if *index == 0.0 { 1.0 } else { sine / (half * index) };
+            let square = sinc * sinc;
+            Complex::new(cosine * cosine - sine * sine, -2.0 * sine * cosine) / (square * square)
+        });
+        let correction = correction.collect();
         let bin_rad = TAU / (spacing * length as f64);
         Self { offset_rad, bin_rad, correction, transform: fourier::forward(length) }
     }
@@ -335,8 +327,32 @@ impl Gather {
         let mut bins = self.transform.make_input_vec();
         // What is masked counts as zero, so it does not matter where angles beyond the sliding ones end up.
         vector::share_out(values, angles, self.offset_rad, self.bin_rad, &mut bins);
+        self.transformed(&mut bins)
+    }
+
+    /// [`Self::sums`] of several columns with the same angles.
+    fn sums_of(&self, columns: &[&[f64]], angles: &[f64]) -> Vec<Vec<Complex<f64>>> {
+        /// Columns that are shared out together.
+        const TOGETHER: usize = 8;
+        let empty = vec![0.0; angles.len()];
+        let mut bins = self.transform.make_input_vec();
+        let mut sums = Vec::with_capacity(columns.len());
+        for part in columns.chunks(TOGETHER) {
+            let together: [&[f64]; TOGETHER] = std::array::from_fn(|lane| part.get(lane).copied().unwrap_or(&empty));
+            let mut shared = vec![[0.0; TOGETHER]; bins.len()];
+            vector::share_out_together(&together, angles, self.offset_rad, self.bin_rad, &mut shared);
+            for lane in 0..part.len() {
+                bins.iter_mut().zip(&shared).for_each(|(bin, shared)| *bin = shared[lane]);
+                sums.push(self.transformed(&mut bins));
+            }
+        }
+        sums
+    }
+
+    /// The sums from the shares in the bins, which are overwritten.
+    fn transformed(&self, bins: &mut [f64]) -> Vec<Complex<f64>> {
         let mut sums = self.transform.make_output_vec();
-        if self.transform.process(&mut bins, &mut sums).is_err() {
+        if self.transform.process(bins, &mut sums).is_err() {
             sums.fill(Complex::new(0.0, 0.0));
         }
         // The transform has the other sign in the exponent.

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::fourier;
+use crate::vector::{self, dot};
 
 /// One-sided power spectral density.
 #[derive(Clone, Debug)]
@@ -22,7 +23,10 @@ impl Spectrum {
             length /= 2;
         }
         length = length.min(signal.len() & !1).max(2);
-        let window: Vec<f64> = (0..length).map(|i| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos()).collect();
+        let places: Vec<f64> = (0..length).map(|i| i as f64).collect();
+        let (mut window, mut sine) = (vec![0.0; length], vec![0.0; length]);
+        vector::sines(&places, TAU / length as f64, &mut sine, &mut window);
+        window.iter_mut().for_each(|cosine| *cosine = 0.5 - 0.5 * *cosine);
         let power: f64 = window.iter().map(|w| w * w).sum();
         let transform = fourier::forward(length);
         let mut buffer = transform.make_input_vec();
@@ -30,7 +34,7 @@ impl Spectrum {
         let mut density = vec![0.0; bins.len()];
         let mut count = 0.0;
         for part in signal.windows(length).step_by((length / 2).max(1)) {
-            let (mean, slope) = line(part);
+            let (mean, slope) = line(part, &places);
             let middle = 0.5 * (length as f64 - 1.0);
             for (i, slot) in buffer.iter_mut().enumerate() {
                 *slot = (part[i] - mean - slope * (i as f64 - middle)) * window[i];
@@ -125,12 +129,12 @@ pub(crate) fn quantile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
-/// Mean and slope per sample of the straight line through a signal.
+/// Mean and slope per sample of the straight line through a signal at `places` 0, 1, ….
 #[allow(clippy::cast_precision_loss, reason = "window lengths are small")]
-fn line(signal: &[f64]) -> (f64, f64) {
+fn line(signal: &[f64], places: &[f64]) -> (f64, f64) {
     let count = signal.len() as f64;
     let middle = 0.5 * (count - 1.0);
-    let mean = signal.iter().sum::<f64>() / count;
-    let moment: f64 = signal.iter().enumerate().map(|(i, value)| (i as f64 - middle) * (value - mean)).sum();
+    let mean = vector::sum(signal) / count;
+    let moment = dot(places, signal) - middle * count * mean;
     (mean, moment / (count * (count * count - 1.0) / 12.0))
 }

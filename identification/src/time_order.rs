@@ -1,6 +1,7 @@
 //! A capture in the order of time, whatever the order of its rows.
 
 use crate::samples::Samples;
+use crate::vector;
 
 /// Columns sorted by time.
 pub(crate) struct Sorted {
@@ -18,7 +19,7 @@ impl Sorted {
     pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
         let Samples { t_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm } = *samples;
         let columns = [Some(angle_rad), velocity_rad_s, acceleration_rad_s2, Some(torque_mnm)];
-        if t_s.iter().zip(t_s.iter().skip(1)).all(|(before, after)| before < after)
+        if vector::rises(t_s)
             || columns.iter().flatten().any(|column| column.len() != t_s.len())
             || t_s.iter().any(|time| !time.is_finite())
         {
