@@ -48,10 +48,8 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[
             Search {
                 parameter: 0,
-                range: |scene| {
-                    Some(((5.0 * scene.angle_step_rad).max(1e-5 * scene.travel_rad()), 0.1 * scene.travel_rad()))
-                },
-                starts: |_| 8,
+                range: |scene| Some((scene.angle_step_rad.max(3e-6 * scene.travel_rad()), 0.1 * scene.travel_rad())),
+                starts: |_| 10,
                 logarithmic: true,
                 same_as: None,
             },

@@ -1,6 +1,6 @@
 //! A stiff contact beyond an angle.
 
-use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Search};
+use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Scene, Search};
 
 /// `end-stop`: beyond either end τ = K·depth + D·θ̇, the contact pushing back only.
 pub static KIND: EffectKind = EffectKind {
@@ -62,14 +62,15 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[
             Search {
                 parameter: 0,
-                range: |scene| Some((scene.lowest_rad, scene.lowest_rad + 0.4 * scene.travel_rad())),
+                // Where there is none, out of reach.
+                range: |scene| Some(around(scene.lowest_rad, -BEYOND, 0.4, scene)),
                 starts: |_| 9,
                 logarithmic: false,
                 same_as: None,
             },
             Search {
                 parameter: 1,
-                range: |scene| Some((scene.highest_rad - 0.4 * scene.travel_rad(), scene.highest_rad)),
+                range: |scene| Some(around(scene.highest_rad, -0.4, BEYOND, scene)),
                 starts: |_| 9,
                 logarithmic: false,
                 same_as: None,
@@ -79,6 +80,13 @@ pub static KIND: EffectKind = EffectKind {
         per_capture: false,
     }),
 };
+
+/// How far beyond the motion a stop may be sought, as a share of the travel.
+const BEYOND: f64 = 0.05;
+
+fn around(end_rad: f64, from: f64, to: f64, scene: &Scene) -> (f64, f64) {
+    (end_rad + from * scene.travel_rad(), end_rad + to * scene.travel_rad())
+}
 
 fn columns_at(values: &[f64], motion: &Motion, row: &mut [f64]) {
     row[0] = (motion.angle_rad - values[0]).min(0.0);

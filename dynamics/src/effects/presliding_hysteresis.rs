@@ -29,9 +29,9 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[Search {
             parameter: 0,
             range: |scene| {
-                Some(((20.0 * scene.angle_step_rad).max(1e-4 * scene.travel_rad()), 0.2 * scene.travel_rad()))
+                Some(((3.0 * scene.angle_step_rad).max(1e-5 * scene.travel_rad()), 0.2 * scene.travel_rad()))
             },
-            starts: |_| 10,
+            starts: |_| 14,
             logarithmic: true,
             same_as: None,
         }],
