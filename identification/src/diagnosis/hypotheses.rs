@@ -2,6 +2,7 @@
 
 use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part, effects};
 
+use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
@@ -22,8 +23,10 @@ const FULL_BAND: usize = 2;
 /// Ratios by which a shaft's values are changed at first and at last.
 const COARSEST: f64 = 1.5;
 const FINEST: f64 = 1.02;
+/// Starts of a coupling that are refined: as many of the best on slow motion and of the best on the whole band.
+const STARTED: usize = 3;
 /// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
-const HOPELESS: f64 = 0.8;
+const HOPELESS: f64 = 0.95;
 /// A gap this close to the floor is closed, in floors.
 pub(crate) const CLOSED: f64 = 1.12;
 /// Effects that are tried in full beside a coupling.
@@ -93,25 +96,25 @@ pub(crate) fn coupled(
         fit.refine(FULL_BAND);
         return Some(Judged::nonlinear(&fit, train, heldout));
     }
-    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = effects
-        .into_iter()
-        .map(|effect| {
-            let fit = Nonlinear::new(unskewed.with(effect, 0), train);
-            (fit.slow_squares(SLOW), fit.squares(), fit)
-        })
-        .collect();
-    // The best start on slow motion, and the best on the whole band among the others.
+    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = on_both_cores(&effects, |effect| {
+        let fit = Nonlinear::new(unskewed.with(*effect, 0), train);
+        Some((fit.slow_squares(SLOW), fit.squares(), fit))
+    });
+    // The best starts on slow motion, and the best on the whole band among the others.
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some(best) = (1..starts.len()).min_by(|a, b| starts[*a].1.total_cmp(&starts[*b].1)) {
-        starts.swap(1, best);
-    }
+    let first = starts.len().min(STARTED);
+    starts[first..].sort_by(|a, b| a.1.total_cmp(&b.1));
+    starts.truncate(2 * STARTED);
     let present = Nonlinear::new(unskewed, train).slow_squares(SLOW);
-    let mut best: Option<Judged> = None;
-    for (_, _, mut fit) in starts.into_iter().take(REFINED) {
+    let mut slow = on_both_cores(&starts, |(_, _, start)| {
+        let mut fit = start.clone();
         fit.refine_slow();
-        if fit.slow_squares(SLOW) > HOPELESS * present {
-            continue;
-        }
+        let left = fit.slow_squares(SLOW);
+        (left < HOPELESS * present).then_some((left, fit))
+    });
+    slow.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best: Option<Judged> = None;
+    for (_, mut fit) in slow {
         fit.refine(FULL_BAND);
         let judged = Judged::nonlinear(&fit, train, heldout);
         let closed = judged.train_over_floor() < CLOSED;

@@ -1,5 +1,6 @@
 //! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
 
+mod both_cores;
 mod capture;
 mod experiment;
 mod findings;

@@ -73,6 +73,7 @@ impl Tangents {
 }
 
 /// A structure in one capture, all of its values free.
+#[derive(Clone)]
 pub(crate) struct Nonlinear<'a> {
     capture: &'a Capture,
     pub(crate) structure: Structure,

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dynamics::{Calibration, Effect, EffectKind, Model, Part, effects, simulate};
 
+use super::both_cores::on_both_cores;
 use super::capture::{Capture, Stretches};
 use super::findings::{Diagnosis, Partial, Rival, Step, Verdict};
 use super::hypotheses;
@@ -615,25 +616,4 @@ fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
 /// The effect that a structure has more than the one before.
 fn name(judged: &Judged) -> &'static str {
     judged.structure.effects.last().map_or("", |effect| effect.kind().name)
-}
-
-/// Applies `work` to every item, two at a time; what gives `None` is left out.
-fn on_both_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Option<R> + Sync) -> Vec<R> {
-    let next = AtomicUsize::new(0);
-    let worker = || {
-        let mut results = Vec::new();
-        while let Some(item) = items.get(next.fetch_add(1, Ordering::Relaxed)) {
-            results.extend(work(item));
-        }
-        results
-    };
-    std::thread::scope(|scope| {
-        let other = scope.spawn(worker);
-        let mut results = worker();
-        match other.join() {
-            Ok(more) => results.extend(more),
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
-        results
-    })
 }
