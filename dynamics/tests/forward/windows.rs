@@ -198,11 +198,8 @@ fn the_motion_follows_from_the_command_once_the_motor_is_known() {
     // Plant and motor turn as one: the plant is told the sum, the model only the knob's part.
     let knob = Knob { place: |x, _| 5.0 * (x / 0.1 + 0.4).sin(), ..Knob::default() };
     let alone = crate::model(&[("inertia", &[0.03]), ("friction", &[2.5, 2.5, 0.4, 0.4])]);
-    let with_detent = crate::model(&[
-        ("inertia", &[0.03]),
-        ("friction", &[2.5, 2.5, 0.4, 0.4]),
-        ("detent", &[5.0, 0.1, 0.4]),
-    ]);
+    let with_detent =
+        crate::model(&[("inertia", &[0.03]), ("friction", &[2.5, 2.5, 0.4, 0.4]), ("detent", &[5.0, 0.1, 0.4])]);
     // Commands are held; the plant takes straight lines, so each command is given as the steps' two ends.
     let commands = polygon();
     let fine = 20;

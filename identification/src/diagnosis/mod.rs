@@ -1,6 +1,7 @@
 //! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
 
 mod capture;
+mod commanded;
 mod experiment;
 mod findings;
 mod hypotheses;
@@ -16,6 +17,7 @@ mod separable;
 mod structure;
 mod workflow;
 
-pub use findings::{Diagnosis, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
+pub use commanded::CommandedTorque;
+pub use findings::{Diagnosis, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
 pub use locate::Location;
 pub use workflow::{DiagnoseOptions, DiagnosisError, FORWARD_WINDOW_S, Progress, diagnose};

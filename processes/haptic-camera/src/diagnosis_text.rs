@@ -2,7 +2,7 @@
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 use dynamics::effects;
-use identification::diagnosis::{Diagnosis, Location, Step, Verdict};
+use identification::diagnosis::{Diagnosis, FORWARD_WINDOW_S, Location, Step, Verdict};
 
 /// Width of the text, columns.
 const WIDTH: u16 = 80;
@@ -27,6 +27,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         lines.extend(rows(&parameters(&found.steps)));
         lines.extend(ties(&found.steps));
     }
+    lines.extend(forward(found).iter().flat_map(|text| paragraph("", text)));
     match (found.verdict, goes_with(&found.where_after)) {
         (Verdict::None, _) | (Verdict::Effects, None) => {}
         (Verdict::OutsideLibrary, None) => {
@@ -52,6 +53,26 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     }
     found.notes.iter().for_each(|note| lines.extend(paragraph("- ", note)));
     lines
+}
+
+/// How well motion follows from torque, measured and commanded.
+fn forward(found: &Diagnosis) -> Vec<String> {
+    let from_sensor = found.forward_angle_rms_rad.map(|[before, after]| {
+        let after = if found.steps.is_empty() { String::new() } else { format!(", then {after:.2e} rad") };
+        format!("from the measured torque {before:.2e} rad{after}")
+    });
+    let from_command = found.forward_from_command.as_ref().map(|forward| {
+        let mut each = forward.angle_rms_rad.iter();
+        let first = each.next().map_or_else(String::new, |error| format!("{error:.2e} rad"));
+        let then = each.zip(&found.steps).map(|(error, step)| format!(", with {} {error:.2e} rad", step.effect));
+        format!("from the commanded torque {first}{}", then.collect::<String>())
+    });
+    let told: Vec<String> = from_sensor.into_iter().chain(from_command).collect();
+    if told.is_empty() {
+        return told;
+    }
+    let window_s = FORWARD_WINDOW_S;
+    vec![format!("RMS error of the held-out angle predicted over {window_s} s: {}.", told.join("; "))]
 }
 
 fn goes_with(locations: &[Location]) -> Option<String> {

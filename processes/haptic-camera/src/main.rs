@@ -12,6 +12,7 @@ mod doctor;
 mod fit;
 mod harmonic_table;
 mod load;
+mod offline_run;
 mod outcome;
 mod parameter_table;
 mod recover;
