@@ -127,6 +127,9 @@ pub struct CaptureOptions {
     /// Write the report page of the diagnosis here, instead of beside the first capture
     #[arg(long, requires = "diagnose", value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    /// Write the diagnosis as a rerun file
+    #[arg(long, requires = "diagnose", value_name = "FILE.rrd")]
+    pub recording: Option<PathBuf>,
 }
 
 /// Options of `fit`.
@@ -191,6 +194,9 @@ pub struct DiagnoseOptions {
     /// Write the report page
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    /// Write a rerun file: torque measured and predicted, the residual's maps, each effect beside its rivals
+    #[arg(long, value_name = "FILE.rrd")]
+    pub recording: Option<PathBuf>,
 }
 
 /// Options of what turns the rig without a knob.

@@ -10,6 +10,7 @@ use crate::diagnosis_text;
 use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::recording;
 
 /// Diagnoses a capture and writes what was asked for.
 ///
@@ -51,6 +52,9 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
         let page =
             DiagnosisPage { found: &found, train: train.facts(), heldout: heldout.as_ref().map(LoadedCapture::facts) };
         write(path, &report::diagnosis_page(&page))?;
+    }
+    if let Some(path) = &options.recording {
+        recording::write(path, &found, &train.title(), heldout.as_ref().map(LoadedCapture::title).as_deref())?;
     }
     Ok(Outcome::Done)
 }

@@ -9,10 +9,25 @@ const WIDTH: u16 = 80;
 /// Coordinates that are named.
 const NAMED: usize = 3;
 
+/// Share of the noise floor below which what is left contradicts it: a floor from the fewest rows that are believed is
+/// known to one part in nine.
+const DOUBTFUL: f64 = 0.7;
+
+/// Whether the model leaves so little that the noise floor cannot be what it is taken for.
+pub fn is_floor_doubtful(found: &Diagnosis) -> bool {
+    found.heldout_rms_after < DOUBTFUL * found.noise_floor_rms
+}
+
 /// The diagnosis line by line, none wider than 80 columns.
 pub fn lines(found: &Diagnosis) -> Vec<String> {
     let mut lines = paragraph("", &found.summary);
     let mut say = |text: &str| lines.extend(paragraph("", text));
+    if is_floor_doubtful(found) {
+        say(
+            "The model leaves less than the noise floor, which cannot be: the floor is read off the knob's rests, and more \
+             than noise acted there. Effects below that floor are not found: judge by the millinewton-metres.",
+        );
+    }
     if let Some(words) = goes_with(&found.locations) {
         say(&format!("The first model's gap goes with {words}."));
     }

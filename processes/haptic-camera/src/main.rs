@@ -15,6 +15,7 @@ mod load;
 mod offline_run;
 mod outcome;
 mod parameter_table;
+mod recording;
 mod recover;
 mod repeatability;
 mod rig_run;

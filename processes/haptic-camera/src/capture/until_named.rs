@@ -17,6 +17,7 @@ use crate::diagnosis_text;
 use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
+use crate::recording;
 
 /// The motion that is held out, unless it is the sweep asked for …
 const HELD_OUT: &str = "multisine";
@@ -85,7 +86,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
                 Some(experiment)
             }
             end => {
-                tell_end(&end, &taken);
+                tell_end(&end, &taken, diagnosis_text::is_floor_doubtful(&found));
                 None
             }
         };
@@ -175,9 +176,12 @@ fn depends_on_time(found: &Diagnosis) -> bool {
     names.into_iter().any(|name| of_time.contains(name))
 }
 
-fn tell_end(end: &Next, taken: &[Taken]) {
+fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
     let captures = taken.len();
     match end {
+        Next::Settled if floor_is_doubtful => remark(format!(
+            "no rivals are left after {captures} captures, but the noise floor is in doubt, and with it the verdict"
+        )),
         Next::Settled => say(format!("settled after {captures} captures")),
         Next::BudgetSpent => remark(format!("rivals are left and the budget is spent after {captures} captures")),
         Next::Undecidable => remark(
@@ -210,6 +214,10 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     let report = options.report.clone().unwrap_or_else(|| beside("html"));
     write(&report, &report::diagnosis_page(&page))?;
     say(format!("report   {}", report.display()));
+    if let Some(path) = &options.recording {
+        recording::write(path, found, &first.loaded.title(), Some(&held_out.loaded.title()))?;
+        say(format!("recording  {}", path.display()));
+    }
     write_json(options.json.as_deref(), found)
 }
 
