@@ -112,6 +112,36 @@ fn a_knob_that_lacks_nothing_is_settled_after_two_captures() {
 }
 
 #[test]
+fn backlash_and_harmonics_of_the_papers_knob_5_are_named_where_it_does_not_stick() {
+    let mut knob = dynamics::knobs::paper_knob(5).unwrap();
+    knob.effects.retain(|effect| !matches!(effect.kind().part, dynamics::Part::Stick(_)));
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("knob.toml"), knob.to_toml()).unwrap();
+    let options = "capture --diagnose --offline --knob knob.toml --rate-hz 4000 --duration-s 4 --out out \
+                   --json diagnosis.json";
+    let output = Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
+        .args(options.split_whitespace())
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let found = diagnosis(folder.path());
+    let mut names: Vec<&str> = found["effects"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["backlash", "detent-harmonics"], "{said}");
+    assert!(found["steps"].as_array().unwrap().iter().all(|step| step["ties"] == serde_json::json!([])), "{said}");
+    // Of the knob's file.
+    let value = |name: &str| {
+        let steps = found["steps"].as_array().unwrap().iter();
+        steps.filter_map(|step| step["parameters"][name]["value"].as_f64()).next().unwrap()
+    };
+    for (name, truth) in [("backlash_half_gap", 0.013), ("harmonic_2_cosine", 23.64), ("harmonic_3_sine", 19.3)] {
+        assert!((value(name) / truth - 1.0).abs() < 0.05, "{name} is {}, in truth {truth}", value(name));
+    }
+}
+
+#[test]
 fn what_makes_no_sense_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (options, status, expected) in [

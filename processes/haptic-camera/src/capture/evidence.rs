@@ -54,3 +54,40 @@ impl Joined {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use archive::Capture;
+
+    use super::Joined;
+    use crate::load::LoadedCapture;
+
+    fn loaded(samples: usize, accelerated: bool) -> LoadedCapture {
+        #[allow(clippy::cast_precision_loss, reason = "a few samples")]
+        let angle: Vec<f64> = (0..samples).map(|index| index as f64).collect();
+        let capture = Capture {
+            acceleration_rad_s2: accelerated.then(|| vec![0.5; samples]),
+            ..Capture::from_columns(100.0, angle, vec![1.0; samples])
+        };
+        LoadedCapture { capture, calibration: None, truth: None }
+    }
+
+    #[test]
+    fn captures_follow_each_other_with_a_gap_in_between() {
+        let (one, other) = (loaded(3, true), loaded(4, true));
+        let joined = Joined::of(&[&one, &other]);
+        let samples = joined.samples();
+        assert_eq!(samples.angle_rad, [0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(samples.acceleration_rad_s2.map(<[f64]>::len), Some(7));
+        let steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(steps.iter().all(|step| *step > 0.0) && steps[2] > 0.5, "{steps:?}");
+    }
+
+    #[test]
+    fn a_column_that_one_capture_lacks_is_left_out() {
+        let (one, other) = (loaded(3, true), loaded(4, false));
+        let joined = Joined::of(&[&one, &other]);
+        assert!(joined.samples().acceleration_rad_s2.is_none());
+        assert!(joined.commanded_torque_mnm.is_none());
+    }
+}
