@@ -1,28 +1,81 @@
 //! The captures that a diagnosis rests on, and how further ones join them.
 
+use dynamics::effects;
 use identification::Samples;
+use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, diagnose};
 
+use crate::command_line::CaptureOptions;
+use crate::diagnose::{progress_bar, show_progress};
 use crate::load::LoadedCapture;
+use crate::outcome::say;
 
 /// Rest put between two captures that are made into one, s: longer than any gap that is filled in.
 const PAUSE_S: f64 = 1.0;
 
+/// Diagnoses all captures so far, two at least; `before` is what the ones before the last told.
+///
+/// The second capture is held out; the first and the further ones are fitted together: what tells rivals apart then also
+/// tells their parameters, and the sweep goes on telling the rest. Effects that depend on the time of a capture do not
+/// go on over several: for these the last capture is held out instead.
+pub(super) fn diagnosed(
+    options: &CaptureOptions,
+    mut fitted: Vec<&LoadedCapture>,
+    before: Option<&Diagnosis>,
+) -> anyhow::Result<Diagnosis> {
+    let held_out = if before.is_some_and(depends_on_time) {
+        let last = fitted.split_off(fitted.len() - 1);
+        fitted.truncate(1);
+        last
+    } else {
+        vec![fitted.remove(1)]
+    };
+    let (train, heldout) = (Joined::of(&fitted), Joined::of(&held_out));
+    let bar = progress_bar();
+    let progress = |progress| show_progress(&bar, progress);
+    let asked = DiagnoseOptions {
+        calibration: fitted[0].calibration.clone(),
+        commanded: train.commanded_torque_mnm.as_deref().zip(heldout.commanded_torque_mnm.as_deref()).map(
+            |(of_train, of_heldout)| CommandedTorque {
+                train: of_train,
+                train_t_s: train.samples().t_s,
+                heldout: of_heldout,
+                heldout_t_s: heldout.samples().t_s,
+            },
+        ),
+        reach_rad: options.reach,
+        progress: Some(&progress),
+        ..DiagnoseOptions::default()
+    };
+    let found = diagnose(&train.samples(), Some(&heldout.samples()), &asked);
+    bar.finish_and_clear();
+    let found = found?;
+    say(format!("\n{}", found.summary));
+    Ok(found)
+}
+
+/// Whether a name or a rival is an effect of the time since a capture began.
+fn depends_on_time(found: &Diagnosis) -> bool {
+    let of_time = [effects::friction_drift::KIND.name, effects::mains_hum::KIND.name];
+    let names = found.steps.iter().flat_map(|step| step.ties.iter().chain([&step.effect]));
+    names.into_iter().any(|name| of_time.contains(name))
+}
+
 /// Columns of captures one after the other.
 ///
 /// Between two captures lies a gap, as if samples had been lost: what spans it is left out of every comparison.
-pub(super) struct Joined {
+struct Joined {
     t_s: Vec<f64>,
     angle_rad: Vec<f64>,
     velocity_rad_s: Option<Vec<f64>>,
     acceleration_rad_s2: Option<Vec<f64>>,
     torque_mnm: Vec<f64>,
     /// Torque commanded from the motor, mNm; none unless every capture has it.
-    pub(super) commanded_torque_mnm: Option<Vec<f64>>,
+    commanded_torque_mnm: Option<Vec<f64>>,
 }
 
 impl Joined {
     /// Puts captures one after the other. A column that one of them lacks is left out.
-    pub(super) fn of(captures: &[&LoadedCapture]) -> Self {
+    fn of(captures: &[&LoadedCapture]) -> Self {
         let mut t_s: Vec<f64> = Vec::new();
         for one in captures {
             let first = one.capture.t_s.first().copied().unwrap_or(0.0);
@@ -44,7 +97,7 @@ impl Joined {
     }
 
     /// The columns that a diagnosis takes.
-    pub(super) fn samples(&self) -> Samples<'_> {
+    fn samples(&self) -> Samples<'_> {
         Samples {
             t_s: &self.t_s,
             angle_rad: &self.angle_rad,

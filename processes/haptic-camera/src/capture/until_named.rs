@@ -4,15 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use dynamics::{Model, effects};
-use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, diagnose};
+use dynamics::Model;
+use identification::diagnosis::Diagnosis;
 use report::DiagnosisPage;
 
-use super::evidence::Joined;
+use super::evidence::diagnosed;
 use super::next::{Experiment, Next, next};
 use super::{archive_path, finish, take};
 use crate::command_line::CaptureOptions;
-use crate::diagnose::{progress_bar, show_progress};
 use crate::diagnosis_text;
 use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
@@ -67,7 +66,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
     let mut before: Option<Diagnosis> = None;
     loop {
         at_rest.store(true, Ordering::Release);
-        let found = diagnosed(options, &taken, before.as_ref());
+        let found = diagnosed(options, taken.iter().map(|one| &one.loaded).collect(), before.as_ref());
         at_rest.store(false, Ordering::Release);
         let found = match (found, before.take()) {
             (Ok(found), _) => found,
@@ -129,51 +128,6 @@ fn one_more(
     let Some(end) = take(&options, &path, interrupted)? else { return Ok(None) };
     let read = finish::read_back(&path, &end)?;
     Ok(read.map(|(loaded, outcome)| (Taken { experiment, loaded, path }, outcome)))
-}
-
-/// Diagnoses what there is.
-///
-/// The second capture is held out; the first and the further ones are fitted together: what tells rivals apart then also
-/// tells their parameters, and the sweep goes on telling the rest. Effects that depend on the time of a capture do not
-/// go on over several: for these the last capture is held out instead.
-fn diagnosed(options: &CaptureOptions, taken: &[Taken], before: Option<&Diagnosis>) -> anyhow::Result<Diagnosis> {
-    let mut fitted: Vec<&LoadedCapture> = taken.iter().map(|one| &one.loaded).collect();
-    let held_out = if before.is_some_and(depends_on_time) {
-        let last = fitted.split_off(fitted.len() - 1);
-        fitted.truncate(1);
-        last
-    } else {
-        vec![fitted.remove(1)]
-    };
-    let (train, heldout) = (Joined::of(&fitted), Joined::of(&held_out));
-    let bar = progress_bar();
-    let progress = |progress| show_progress(&bar, progress);
-    let asked = DiagnoseOptions {
-        calibration: fitted[0].calibration.clone(),
-        commanded: train.commanded_torque_mnm.as_deref().zip(heldout.commanded_torque_mnm.as_deref()).map(
-            |(of_train, of_heldout)| CommandedTorque {
-                train: of_train,
-                train_t_s: train.samples().t_s,
-                heldout: of_heldout,
-                heldout_t_s: heldout.samples().t_s,
-            },
-        ),
-        reach_rad: options.reach,
-        progress: Some(&progress),
-        ..DiagnoseOptions::default()
-    };
-    let found = diagnose(&train.samples(), Some(&heldout.samples()), &asked);
-    bar.finish_and_clear();
-    let found = found?;
-    say(format!("\n{}", found.summary));
-    Ok(found)
-}
-
-/// Whether a name or a rival is an effect of the time since a capture began.
-fn depends_on_time(found: &Diagnosis) -> bool {
-    let of_time = [effects::friction_drift::KIND.name, effects::mains_hum::KIND.name];
-    let names = found.steps.iter().flat_map(|step| step.ties.iter().chain([&step.effect]));
-    names.into_iter().any(|name| of_time.contains(name))
 }
 
 fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
