@@ -70,6 +70,38 @@ fn a_ctrl_c_brings_the_torque_down_and_leaves_a_whole_archive() {
 }
 
 #[test]
+fn a_ctrl_c_in_a_diagnosis_keeps_every_capture_whole() {
+    let bench = Bench::new().unwrap();
+    let arguments = ["capture", "--diagnose", "--knob", "2", "--duration-s", "6", "--no-viewer", "--out", "out"];
+    let child = bench.start(&arguments).unwrap();
+    let archives = || {
+        let entries = std::fs::read_dir(bench.path("out")).into_iter().flatten().flatten().map(|entry| entry.path());
+        entries.filter(|path| path.extension().is_some_and(|found| found == "mcap")).collect::<Vec<_>>()
+    };
+    let deadline = std::time::Instant::now() + Duration::from_secs(60);
+    while archives().is_empty() && std::time::Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    // In the middle of the second capture.
+    bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(Duration::from_secs(4));
+    kill(Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let mut lengths = Vec::new();
+    for path in archives() {
+        let capture = Capture::load(&path).unwrap();
+        let ticks = *capture.tick.last().unwrap() + 1;
+        assert_whole(&capture, ticks);
+        lengths.push(ticks);
+    }
+    lengths.sort_unstable();
+    assert_eq!((lengths.len(), lengths[1]), (2, 60_000), "{lengths:?}");
+    assert!(lengths[0] < 60_000, "{lengths:?}");
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
+}
+
+#[test]
 fn a_torque_sweep_on_a_knob_that_holds_is_measured_as_commanded() {
     let bench = Bench::new().unwrap();
     let arguments =

@@ -57,3 +57,31 @@ fn pythons_mcap_reader_with_the_ros_2_decoder_reads_every_value_to_the_last_bit(
 fn reruns_own_importer_reads_every_value_to_the_last_bit() {
     reads_the_same("check-archive-rerun.py", "rerun, datafusion");
 }
+
+#[test]
+fn reruns_own_reader_finds_in_a_diagnosis_recording_what_its_json_tells() {
+    let Some(python) = python_with("rerun, datafusion") else { return };
+    let bench = Bench::new().unwrap();
+    // A knob that lacks nothing and one that lacks an effect: drag of air.
+    let drag = "[[effects]]\neffect = \"quadratic-drag\"\ndrag_coefficient = 0.05\n";
+    for (effects, charts) in [("", 20), (drag, 20)] {
+        let knob = format!(
+            "name = \"test\"\ndescription = \"\"\n[[effects]]\neffect = \"inertia\"\ninertia = 0.05\n[[effects]]\n\
+             effect = \"friction\"\ncoulomb_negative = 5.0\ncoulomb_positive = 5.5\nviscous_negative = 0.4\n\
+             viscous_positive = 0.5\n{effects}"
+        );
+        std::fs::write(bench.path("knob.toml"), knob).unwrap();
+        let arguments = "capture --diagnose --offline --knob knob.toml --rate-hz 4000 --duration-s 6 --out out --budget 2 \
+                         --json diagnosis.json --recording diagnosis.rrd";
+        let arguments: Vec<&str> = arguments.split_whitespace().collect();
+        let output = bench.run(&arguments).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scripts/check-diagnosis-recording.py");
+        let files = ["diagnosis.json", "diagnosis.rrd"].map(|name| bench.path(name));
+        let output = Command::new(&python).arg(script).args(files).output().unwrap();
+        assert!(output.status.success(), "{}", printed(&output));
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        let words: Vec<&str> = told.split_whitespace().collect();
+        assert!(words[1].parse::<usize>().unwrap() >= charts && words[3].parse::<usize>().unwrap() > 1000, "{told}");
+    }
+}

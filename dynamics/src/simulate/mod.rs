@@ -16,8 +16,10 @@
 //! ([`crate::Bristles::bent`]), so only reversals are events. What a torque sensor reads besides the torque takes no
 //! part in the motion; [`crate::Model::knob_torque_mnm`] takes it off.
 //!
-//! [`forward_windows`] compares a model's motion with a measured one, window by window.
+//! [`forward_windows`] compares a model's motion with a measured one, window by window, and
+//! [`forward_windows_from_command`] does so from what the rig's motor was told to do.
 
+mod driving;
 mod equation;
 mod error;
 mod events;
@@ -32,9 +34,10 @@ use self::runge_kutta::Place;
 use self::twist::Twist;
 use crate::{Coupling, Direction, Model, Motion};
 
+pub use self::driving::RigMotor;
 pub use self::error::SimulationError;
 pub use self::state::State;
-pub use self::windows::{ForwardErrors, WindowError, forward_windows};
+pub use self::windows::{ForwardErrors, WindowError, forward_windows, forward_windows_from_command};
 
 /// Longest step, s; also the time in which the number of events and of steps is bounded.
 const LONGEST_STEP_S: f64 = 100e-6;

@@ -1,5 +1,8 @@
-//! How well a model's motion under the measured torque follows the measured motion.
+//! How well a model's motion under the measured or the commanded torque follows the measured motion.
 
+use std::ops::Range;
+
+use super::driving::{Driving, RigMotor};
 use super::observer::Observer;
 use super::{ForwardSimulation, SimulationError};
 use crate::{Model, Motion};
@@ -51,29 +54,63 @@ pub fn forward_windows(
     readings_mnm: &[f64],
     window_s: f64,
 ) -> Result<ForwardErrors, SimulationError> {
-    let known = model.readings_within(motions);
     let torque_mnm = model.knob_torque_mnm(motions, readings_mnm);
+    follow(model, added_inertia, motions, &Driving::Measured(&torque_mnm), model.readings_within(motions), window_s)
+}
+
+/// The same from the torque commanded from the rig's motor, which turns itself and the knob: the torque sensor takes no
+/// part in it.
+///
+/// `commanded_mnm` is what was commanded at the time of each motion, until the next; NaN where that is unknown. The
+/// motor's inertia and friction act on the knob, or on its cap. What the amplifier cannot give, and the time that the
+/// current takes, are left to the error.
+///
+/// # Errors
+/// [`SimulationError`], for models that cannot be simulated.
+pub fn forward_windows_from_command(
+    model: &Model,
+    motor: &RigMotor,
+    motions: &[Motion],
+    commanded_mnm: &[f64],
+    window_s: f64,
+) -> Result<ForwardErrors, SimulationError> {
+    let share = model.coupling().map_or(1.0, |coupling| 1.0 - coupling.inner_share);
+    let inertia = motor.inertia + share * model.inertia();
+    let driving = Driving::Commanded { torque_mnm: commanded_mnm, motor, inertia };
+    follow(model, motor.inertia, motions, &driving, 0..motions.len(), window_s)
+}
+
+/// Predicts the motion at the samples of `known`, window by window.
+fn follow(
+    model: &Model,
+    added_inertia: f64,
+    motions: &[Motion],
+    driving: &Driving<'_>,
+    known: Range<usize>,
+    window_s: f64,
+) -> Result<ForwardErrors, SimulationError> {
     let Some(first) = motions.first() else { return Ok(ForwardErrors::default()) };
-    let gap_s = GAP * usual_step_s(motions);
+    let usual_s = usual_step_s(motions);
     let mut observer = Observer::new(model, first)?;
     let mut window: Option<Window> = None;
     let mut windows = Vec::new();
     let mut before = *first;
-    for (index, (motion, torque_mnm)) in motions.iter().zip(&torque_mnm).enumerate() {
+    for (index, motion) in motions.iter().enumerate() {
         observer.advance(motion)?;
-        let interrupted = !known.contains(&index) || motion.time_s - before.time_s > gap_s;
-        if interrupted {
+        let known = known.contains(&index) && driving.is_known(index);
+        if !known || motion.time_s - before.time_s > GAP * usual_s {
             windows.extend(window.take());
         } else if let Some(window) = &mut window {
-            window.predict(motion, *torque_mnm)?;
+            window.predict(index, motion, driving)?;
         }
         let full = |window: &Window| motion.time_s - window.start_s >= window_s * (1.0 - 1e-9);
         if window.as_ref().is_some_and(full) {
             windows.extend(window.take());
         }
-        if window.is_none() && known.contains(&index) {
-            let simulation = ForwardSimulation::from_state(model, added_inertia, &observer.state(), *torque_mnm)?;
-            window = Some(Window::new(simulation, motion, *torque_mnm));
+        if window.is_none() && known {
+            let torque_mnm = driving.at(index, motion, usual_s);
+            let simulation = ForwardSimulation::from_state(model, added_inertia, &observer.state(), torque_mnm)?;
+            window = Some(Window::new(simulation, motion, torque_mnm));
         }
         before = *motion;
     }
@@ -85,8 +122,8 @@ pub fn forward_windows(
 struct Window<'model> {
     simulation: ForwardSimulation<'model>,
     start_s: f64,
-    time_s: f64,
-    torque_mnm: f64,
+    /// The motion predicted so far.
+    reached: Motion,
     samples: usize,
     angle_squares: f64,
     velocity_squares: f64,
@@ -94,22 +131,22 @@ struct Window<'model> {
 
 impl<'model> Window<'model> {
     fn new(simulation: ForwardSimulation<'model>, motion: &Motion, torque_mnm: f64) -> Self {
-        let time_s = motion.time_s;
+        let reached = simulation.motion(torque_mnm);
         let (angle_squares, velocity_squares) = (0.0, 0.0);
-        Self { simulation, start_s: time_s, time_s, torque_mnm, samples: 0, angle_squares, velocity_squares }
+        Self { simulation, start_s: motion.time_s, reached, samples: 0, angle_squares, velocity_squares }
     }
 
     /// Predicts the motion at the next sample and compares.
-    fn predict(&mut self, measured: &Motion, torque_mnm: f64) -> Result<(), SimulationError> {
-        let step_s = measured.time_s - self.time_s;
+    fn predict(&mut self, index: usize, measured: &Motion, driving: &Driving<'_>) -> Result<(), SimulationError> {
+        let step_s = measured.time_s - self.reached.time_s;
         if step_s > 0.0 {
-            self.simulation.advance(step_s, self.torque_mnm, torque_mnm)?;
+            let [now_mnm, then_mnm] = driving.over_step(index, &self.reached, step_s);
+            self.simulation.advance(step_s, now_mnm, then_mnm)?;
+            self.reached = self.simulation.motion(then_mnm);
         }
-        (self.time_s, self.torque_mnm) = (measured.time_s, torque_mnm);
-        let predicted = self.simulation.motion(torque_mnm);
         self.samples += 1;
-        self.angle_squares += (predicted.angle_rad - measured.angle_rad).powi(2);
-        self.velocity_squares += (predicted.velocity_rad_s - measured.velocity_rad_s).powi(2);
+        self.angle_squares += (self.reached.angle_rad - measured.angle_rad).powi(2);
+        self.velocity_squares += (self.reached.velocity_rad_s - measured.velocity_rad_s).powi(2);
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! Motion predicted from torque, effect by effect, against a knob simulated by other means.
 
-use dynamics::simulate::{ForwardErrors, forward_windows};
+use dynamics::simulate::{ForwardErrors, RigMotor, forward_windows, forward_windows_from_command};
 use dynamics::{Model, Motion};
 
 use crate::plant::{self, Knob, Link};
@@ -189,4 +189,45 @@ fn a_gap_in_the_capture_starts_a_new_window() {
 fn a_capture_of_nothing_has_no_windows() {
     let none = errors(&model(&[]), &[], &[]);
     assert_eq!(none, ForwardErrors::default());
+}
+
+#[test]
+#[allow(clippy::print_stdout, reason = "the figures, for --nocapture")]
+fn the_motion_follows_from_the_command_once_the_motor_is_known() {
+    let motor = RigMotor { inertia: 0.02, coulomb_mnm: 1.5, viscous: 0.2 };
+    // Plant and motor turn as one: the plant is told the sum, the model only the knob's part.
+    let knob = Knob { place: |x, _| 5.0 * (x / 0.1 + 0.4).sin(), ..Knob::default() };
+    let alone = crate::model(&[("inertia", &[0.03]), ("friction", &[2.5, 2.5, 0.4, 0.4])]);
+    let with_detent =
+        crate::model(&[("inertia", &[0.03]), ("friction", &[2.5, 2.5, 0.4, 0.4]), ("detent", &[5.0, 0.1, 0.4])]);
+    // Commands are held; the plant takes straight lines, so each command is given as the steps' two ends.
+    let commands = polygon();
+    let fine = 20;
+    let held: Vec<f64> = commands.iter().flat_map(|command| std::iter::repeat_n(*command, fine)).collect();
+    let course = plant::run(&knob, SAMPLE_S / fine as f64, &held, 10);
+    let measured = motions(&course.into_iter().step_by(fine).collect::<Vec<_>>());
+    let error = |model: &Model, motor: &RigMotor| {
+        forward_windows_from_command(model, motor, &measured, &commands, WINDOW_S).unwrap().angle_rms_rad
+    };
+    let right = error(&with_detent, &motor);
+    for (what, wrong) in [
+        ("without the detents", error(&alone, &motor)),
+        ("without the motor's friction", error(&with_detent, &RigMotor { coulomb_mnm: 0.0, viscous: 0.0, ..motor })),
+        ("without the motor's inertia", error(&with_detent, &RigMotor { inertia: 0.0, ..motor })),
+    ] {
+        println!("{right:.2e} rad, {what} {wrong:.2e} rad");
+        assert!(wrong > 20.0 * right, "{what}: {right:.2e} and {wrong:.2e} rad");
+    }
+}
+
+#[test]
+fn where_a_command_is_unknown_no_window_goes_on() {
+    let mut commands = polygon();
+    let measured = motions(&plant::run(&Knob::default(), SAMPLE_S, &commands, 50));
+    commands[4_300] = f64::NAN;
+    let motor = RigMotor::default();
+    let errors = forward_windows_from_command(&model(&[]), &motor, &measured, &commands, WINDOW_S).unwrap();
+    assert!(errors.angle_rms_rad.is_finite());
+    assert_eq!(errors.windows[4].samples, 299);
+    assert!((errors.windows[5].start_s - 0.4301).abs() < 1e-9);
 }

@@ -12,10 +12,21 @@ const AMPLITUDES: [f64; 4] = [1.0, 0.3, 0.1, 0.02];
 const DURATION_S: f64 = 8.0;
 const RATE_HZ: f64 = 2000.0;
 
-/// The excitation on which two fitted structures differ most.
-pub(crate) fn next(names: [&str; 2], rivals: [&Structure; 2], capture: &Capture) -> Option<NextExperiment> {
+/// Evidence that a capture must promise to be worth making, nats: what is smaller a small misfit of either rival decides.
+const WORTH_NATS: f64 = 10.0;
+
+/// The excitation on which two fitted structures differ most, as far as the knob may be turned; none if they differ too
+/// little to be told apart by it.
+///
+/// Without a `reach_rad` the knob is not turned further than it was.
+pub(crate) fn next(
+    names: [&str; 2],
+    rivals: [&Structure; 2],
+    capture: &Capture,
+    reach_rad: Option<f64>,
+) -> Option<NextExperiment> {
     let scene = capture.scene_of(rivals[0]);
-    let reach_rad = 0.5 * scene.travel_rad();
+    let reach_rad = reach_rad.unwrap_or(0.5 * scene.travel_rad());
     let floor_mnm = capture.floor_mnm(rivals[0].inertia());
     let mut best: Option<NextExperiment> = None;
     for name in excitation::NAMES.iter().filter(|name| !matches!(**name, "hold" | "torque-ramp")) {
@@ -38,7 +49,11 @@ pub(crate) fn next(names: [&str; 2], rivals: [&Structure; 2], capture: &Capture)
             }
             #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
             let difference_rms_mnm = (squares / motions.len() as f64).sqrt();
-            if difference_rms_mnm.is_finite()
+            // Independent rows of noise, each with half the square of the difference over it.
+            let rows = 2.0 * capture.band.edge_hz * DURATION_S;
+            let expected_evidence = 0.5 * rows * (difference_rms_mnm / floor_mnm).powi(2);
+            if expected_evidence.is_finite()
+                && expected_evidence > WORTH_NATS
                 && best.as_ref().is_none_or(|best| difference_rms_mnm > best.difference_rms_mnm)
             {
                 best = Some(NextExperiment {
@@ -47,8 +62,9 @@ pub(crate) fn next(names: [&str; 2], rivals: [&Structure; 2], capture: &Capture)
                     tells_apart: names.map(str::to_owned),
                     difference_rms_mnm,
                     difference_over_noise: difference_rms_mnm / floor_mnm,
+                    expected_evidence,
                     reason: format!(
-                        "capture with --sweep {name} --amplitude {:.3}: there {} and {} differ by {:.2} mNm RMS, {:.0} \
+                        "capture with --sweep {name} --amplitude {:.3}: there {} and {} differ by {:.2} mNm RMS, {:.1} \
                          times the noise",
                         sweep.amplitude,
                         names[0],

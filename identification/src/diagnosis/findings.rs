@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use dynamics::Model;
+use dynamics::simulate::RigMotor;
 
 use super::locate::Location;
 
@@ -46,6 +47,8 @@ pub struct Diagnosis {
     /// RMS error of the held-out angle predicted from the measured torque, started anew every
     /// [`FORWARD_WINDOW_S`](super::FORWARD_WINDOW_S), before and after, rad; none where a model cannot be simulated forward.
     pub forward_angle_rms_rad: Option<[f64; 2]>,
+    /// The same from the torque commanded from the rig's motor; none without a command, as the notes say.
+    pub forward_from_command: Option<ForwardFromCommand>,
     /// What was added, in this order.
     pub steps: Vec<Step>,
     /// Effects that explain part of what is outside the catalogue; not names of what is missing.
@@ -68,9 +71,31 @@ pub struct Diagnosis {
     /// The model with all that was added.
     #[serde(skip)]
     pub model: Model,
+    /// The model without further effects, and then with each step's more.
+    #[serde(skip)]
+    pub chain: Vec<Model>,
     /// Rows of both captures for plots.
     #[serde(skip)]
     pub rows: [Vec<Row>; 2],
+}
+
+/// How well the held-out motion follows from the torque commanded from the rig's motor.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ForwardFromCommand {
+    /// RMS error of the angle predicted over a window, rad: with the first model, and then with each step's effect more.
+    pub angle_rms_rad: Vec<f64>,
+    /// Time after which a prediction is started anew, s.
+    pub window_s: f64,
+    /// The rig's motor: inertia from the calibration, friction as the training capture shows it.
+    pub motor: RigMotor,
+}
+
+impl ForwardFromCommand {
+    /// The error with the first and with the final model, rad.
+    #[must_use]
+    pub fn before_and_after_rad(&self) -> Option<[f64; 2]> {
+        Some([*self.angle_rms_rad.first()?, *self.angle_rms_rad.last()?])
+    }
 }
 
 /// An effect that was added.
@@ -149,6 +174,8 @@ pub struct NextExperiment {
     pub difference_rms_mnm: f64,
     /// The same in noise floors.
     pub difference_over_noise: f64,
+    /// Evidence that a capture of 8 s would bring if either were true, nats.
+    pub expected_evidence: f64,
     /// In one sentence.
     pub reason: String,
 }

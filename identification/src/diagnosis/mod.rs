@@ -2,6 +2,7 @@
 
 mod both_cores;
 mod capture;
+mod commanded;
 mod experiment;
 mod findings;
 mod hypotheses;
@@ -18,6 +19,7 @@ mod structure;
 mod twist;
 mod workflow;
 
-pub use findings::{Diagnosis, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
+pub use commanded::CommandedTorque;
+pub use findings::{Diagnosis, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
 pub use locate::Location;
 pub use workflow::{DiagnoseOptions, DiagnosisError, FORWARD_WINDOW_S, Progress, diagnose};

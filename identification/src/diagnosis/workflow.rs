@@ -6,6 +6,7 @@ use dynamics::{Calibration, Effect, EffectKind, Model, Part, effects, simulate};
 
 use super::both_cores::on_both_cores;
 use super::capture::{Capture, Stretches};
+use super::commanded::{self, CommandedTorque};
 use super::findings::{Diagnosis, Partial, Rival, Step, Verdict};
 use super::hypotheses;
 use super::judged::Judged;
@@ -54,6 +55,10 @@ pub struct DiagnoseOptions<'a> {
     pub calibration: Option<Calibration>,
     /// The model to start from; without one, inertia, friction and detents as they are fitted to the training capture.
     pub model: Option<Model>,
+    /// How far from its start the knob may be turned to tell rivals apart, rad; without it as far as it was.
+    pub reach_rad: Option<f64>,
+    /// What was commanded from the rig's motor, where the captures tell.
+    pub commanded: Option<CommandedTorque<'a>>,
     /// Called as the work goes on.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }
@@ -497,7 +502,12 @@ impl Work<'_> {
         let next_experiment =
             steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
                 let tied = rivals.iter().find(|rival| step.ties.contains(&name(rival)))?;
-                experiment::next([step.effect, name(tied)], [&chosen.structure, &tied.structure], self.train)
+                experiment::next(
+                    [step.effect, name(tied)],
+                    [&chosen.structure, &tied.structure],
+                    self.train,
+                    self.options.reach_rad,
+                )
             });
         let mut diagnosis = Diagnosis {
             verdict,
@@ -509,6 +519,7 @@ impl Work<'_> {
             heldout_rms_after: last.heldout_rms_mnm,
             noise_floor_rms: last.heldout_floor_mnm,
             forward_angle_rms_rad: self.forward_angle_rms_rad(&first.structure, &last.structure),
+            forward_from_command: None,
             heldout_relative_error_percent: [first, last].map(|judged| self.relative_error_percent(judged)),
             steps,
             partial,
@@ -519,9 +530,16 @@ impl Work<'_> {
             band_hz: self.train.band.edge_hz,
             notes: Vec::new(),
             model: last.structure.model(),
+            chain: found.chain.iter().map(|judged| judged.structure.model()).collect(),
             rows: rows::of(first, last, [self.train, self.heldout]),
         };
         diagnosis.summary = diagnosis.in_one_sentence();
+        let motor_inertia = self.options.calibration.as_ref().map(|known| known.motor_inertia);
+        let commanded = self.options.commanded.as_ref();
+        match commanded::forward(&diagnosis.chain, [self.train, self.heldout], commanded, motor_inertia) {
+            Ok(forward) => diagnosis.forward_from_command = Some(forward),
+            Err(reason) => diagnosis.notes.push(format!("motion is not predicted from the command: {reason}")),
+        }
         if heldout_is_own {
             diagnosis.notes.push(
                 "no held-out capture was given: stretches of the training capture were held out, which is weaker \

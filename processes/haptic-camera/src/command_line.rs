@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::capture::Budget;
+
 /// Captures how a mechanical knob feels, as numbers.
 #[derive(Debug, Parser)]
 #[command(name = "haptic-camera", version, propagate_version = true)]
@@ -18,7 +20,8 @@ pub struct CommandLine {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Turn a knob through a sweep, watch it live, and keep an archive and a fitted model
-    #[command(after_help = "Example:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures")]
+    #[command(after_help = "Examples:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures\n  \
+        haptic-camera capture --knob 5 --diagnose --budget 5")]
     Capture(CaptureOptions),
     /// Fit a model to a capture, or one model to several captures of the same knob
     #[command(after_help = "Example:\n  haptic-camera fit captures/20261121-101500-knob-3.mcap --report knob-3.html")]
@@ -59,7 +62,7 @@ pub enum Command {
 }
 
 /// Options of `capture`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct CaptureOptions {
     /// The rig: `sim` is the simulated one
     #[arg(long, default_value = "sim")]
@@ -101,6 +104,32 @@ pub struct CaptureOptions {
     /// Show the live view in a window of its own instead of a web page
     #[arg(long, conflicts_with = "no_viewer")]
     pub native_viewer: bool,
+    /// Run the simulated rig as fast as the processor goes, without the real-time processes
+    #[arg(long)]
+    pub offline: bool,
+    /// Diagnose what is captured, and run the experiments that tell rivals apart until one name is left.
+    ///
+    /// The first capture is the sweep asked for, the second another motion that is held out. While effects are tied,
+    /// the experiment on which they differ most is run and joins the evidence. Every capture is kept as a file of
+    /// its own; model and report page of the diagnosis lie beside the first.
+    #[arg(long, conflicts_with = "torque")]
+    pub diagnose: bool,
+    /// Most that the knob is turned for a diagnosis: captures, as in 5, or seconds of turning, as in 60s. The first two
+    /// captures count, and are made in any case
+    #[arg(long, requires = "diagnose", default_value = "5", value_name = "CAPTURES|SECONDSs")]
+    pub budget: Budget,
+    /// How far from its start the knob may be turned to tell rivals apart, rad [default: as far as the first two captures]
+    #[arg(long, requires = "diagnose", value_name = "RAD", allow_negative_numbers = true)]
+    pub reach: Option<f64>,
+    /// Write the diagnosis as JSON; `-` for standard output
+    #[arg(long, requires = "diagnose", value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page of the diagnosis here, instead of beside the first capture
+    #[arg(long, requires = "diagnose", value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write the diagnosis as a rerun file
+    #[arg(long, requires = "diagnose", value_name = "FILE.rrd")]
+    pub recording: Option<PathBuf>,
 }
 
 /// Options of `fit`.
@@ -165,6 +194,9 @@ pub struct DiagnoseOptions {
     /// Write the report page
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    /// Write a rerun file: torque measured and predicted, the residual's maps, each effect beside its rivals
+    #[arg(long, value_name = "FILE.rrd")]
+    pub recording: Option<PathBuf>,
 }
 
 /// Options of what turns the rig without a knob.

@@ -1,7 +1,7 @@
 //! `diagnose`: what a model lacks.
 
 use dynamics::Model;
-use identification::diagnosis::{DiagnoseOptions, Progress, diagnose};
+use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Progress, diagnose};
 use indicatif::{ProgressBar, ProgressStyle};
 use report::DiagnosisPage;
 
@@ -10,6 +10,7 @@ use crate::diagnosis_text;
 use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::recording;
 
 /// Diagnoses a capture and writes what was asked for.
 ///
@@ -21,8 +22,17 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
     let model = options.model.as_deref().map(Model::load).transpose()?;
     let bar = progress_bar();
     let progress = |progress: Progress| show_progress(&bar, progress);
-    let asked = DiagnoseOptions { calibration: train.calibration.clone(), model, progress: Some(&progress) };
     let samples = heldout.as_ref().map(LoadedCapture::samples);
+    let judge = heldout.as_ref().unwrap_or(&train);
+    let commanded = train.commanded_torque_mnm().zip(judge.commanded_torque_mnm());
+    let commanded = commanded.map(|(of_train, of_judge)| CommandedTorque {
+        train: of_train,
+        train_t_s: &train.capture.t_s,
+        heldout: of_judge,
+        heldout_t_s: &judge.capture.t_s,
+    });
+    let calibration = train.calibration.clone();
+    let asked = DiagnoseOptions { calibration, model, commanded, progress: Some(&progress), reach_rad: None };
     let found = diagnose(&train.samples(), samples.as_ref(), &asked);
     bar.finish_and_clear();
     let found = found?;
@@ -43,16 +53,19 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
             DiagnosisPage { found: &found, train: train.facts(), heldout: heldout.as_ref().map(LoadedCapture::facts) };
         write(path, &report::diagnosis_page(&page))?;
     }
+    if let Some(path) = &options.recording {
+        recording::write(path, &found, &train.title(), heldout.as_ref().map(LoadedCapture::title).as_deref())?;
+    }
     Ok(Outcome::Done)
 }
 
-fn progress_bar() -> ProgressBar {
+pub fn progress_bar() -> ProgressBar {
     let style =
         ProgressStyle::with_template("{bar:24} {pos}/{len} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(1).with_style(style)
 }
 
-fn show_progress(bar: &ProgressBar, progress: Progress) {
+pub fn show_progress(bar: &ProgressBar, progress: Progress) {
     match progress {
         Progress::Tried { effect, done, of } => {
             bar.set_length(of as u64);

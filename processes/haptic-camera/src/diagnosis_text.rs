@@ -2,17 +2,32 @@
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 use dynamics::effects;
-use identification::diagnosis::{Diagnosis, Location, Step, Verdict};
+use identification::diagnosis::{Diagnosis, FORWARD_WINDOW_S, Location, Step, Verdict};
 
 /// Width of the text, columns.
 const WIDTH: u16 = 80;
 /// Coordinates that are named.
 const NAMED: usize = 3;
 
+/// Share of the noise floor below which what is left contradicts it: a floor from the fewest rows that are believed is
+/// known to one part in nine.
+const DOUBTFUL: f64 = 0.7;
+
+/// Whether the model leaves so little that the noise floor cannot be what it is taken for.
+pub fn is_floor_doubtful(found: &Diagnosis) -> bool {
+    found.heldout_rms_after < DOUBTFUL * found.noise_floor_rms
+}
+
 /// The diagnosis line by line, none wider than 80 columns.
 pub fn lines(found: &Diagnosis) -> Vec<String> {
     let mut lines = paragraph("", &found.summary);
     let mut say = |text: &str| lines.extend(paragraph("", text));
+    if is_floor_doubtful(found) {
+        say(
+            "The model leaves less than the noise floor, which cannot be: the floor is read off the knob's rests, and more \
+             than noise acted there. Effects below that floor are not found: judge by the millinewton-metres.",
+        );
+    }
     if let Some(words) = goes_with(&found.locations) {
         say(&format!("The first model's gap goes with {words}."));
     }
@@ -27,6 +42,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         lines.extend(rows(&parameters(&found.steps)));
         lines.extend(ties(&found.steps));
     }
+    lines.extend(forward(found).iter().flat_map(|text| paragraph("", text)));
     match (found.verdict, goes_with(&found.where_after)) {
         (Verdict::None, _) | (Verdict::Effects, None) => {}
         (Verdict::OutsideLibrary, None) => {
@@ -52,6 +68,26 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     }
     found.notes.iter().for_each(|note| lines.extend(paragraph("- ", note)));
     lines
+}
+
+/// How well motion follows from torque, measured and commanded.
+fn forward(found: &Diagnosis) -> Vec<String> {
+    let from_sensor = found.forward_angle_rms_rad.map(|[before, after]| {
+        let after = if found.steps.is_empty() { String::new() } else { format!(", then {after:.2e} rad") };
+        format!("from the measured torque {before:.2e} rad{after}")
+    });
+    let from_command = found.forward_from_command.as_ref().map(|forward| {
+        let mut each = forward.angle_rms_rad.iter();
+        let first = each.next().map_or_else(String::new, |error| format!("{error:.2e} rad"));
+        let then = each.zip(&found.steps).map(|(error, step)| format!(", with {} {error:.2e} rad", step.effect));
+        format!("from the commanded torque {first}{}", then.collect::<String>())
+    });
+    let told: Vec<String> = from_sensor.into_iter().chain(from_command).collect();
+    if told.is_empty() {
+        return told;
+    }
+    let window_s = FORWARD_WINDOW_S;
+    vec![format!("RMS error of the held-out angle predicted over {window_s} s: {}.", told.join("; "))]
 }
 
 fn goes_with(locations: &[Location]) -> Option<String> {

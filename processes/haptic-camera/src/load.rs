@@ -47,6 +47,11 @@ impl LoadedCapture {
         }
     }
 
+    /// Torque commanded from the motor, mNm; none for a table or a simulation without it.
+    pub fn commanded_torque_mnm(&self) -> Option<&[f64]> {
+        self.capture.commanded_torque_mnm.as_deref()
+    }
+
     /// What to call it in tables and on pages.
     pub fn title(&self) -> String {
         let file = self.capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();

@@ -2,19 +2,13 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
-use archive::Capture;
-use clap::Parser as _;
-use rt_loop::control::{ControlState, Reading, Request};
-use rt_loop::plan::{Options, Plan};
-use shared_types::{LoopState, Sample};
 
 use crate::command_line::RigOptions;
+use crate::offline_run;
 use crate::outcome::say;
-
-/// Time for which the rig is armed before an offline run begins, s.
-const ARMED_S: f64 = 0.3;
 
 /// What a run is to be.
 #[derive(Clone, Debug)]
@@ -104,57 +98,11 @@ impl RigRun {
 
     /// The same control step on the simulated rig, as fast as the processor goes.
     fn offline(&self, rig: &RigOptions, folder: &Path) -> anyhow::Result<PathBuf> {
-        let mut arguments = self.arguments(rig);
-        arguments.insert(0, "rt-loop".to_owned());
-        let plan = Plan::new(&Options::try_parse_from(arguments)?)?;
-        let mut description = plan.description()?;
-        description.notes.push(("time".to_owned(), "offline: the plant's, not a clock's".to_owned()));
-        let samples = samples_of(plan)?;
-        let column = |of: fn(&Sample) -> f64| samples.iter().map(of).collect::<Vec<f64>>();
-        let capture = Capture {
-            velocity_rad_s: Some(column(|sample| sample.velocity_rad_s)),
-            acceleration_rad_s2: Some(column(|sample| sample.acceleration_rad_s2)),
-            commanded_angle_rad: Some(column(|sample| sample.commanded_angle_rad)),
-            commanded_torque_mnm: Some(column(|sample| sample.commanded_torque_mnm)),
-            description: Some(description),
-            ..Capture::from_columns(self.rate_hz, column(|sample| sample.angle_rad), column(|sample| sample.torque_mnm))
-        };
         let path = folder.join(format!("{}.mcap", self.knob));
-        capture.write_mcap(&path)?;
-        Ok(path)
-    }
-}
-
-/// Every sample of a run, tick by tick.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "ticks of a run of minutes"
-)]
-fn samples_of(plan: Plan) -> anyhow::Result<Vec<Sample>> {
-    let Plan { mut apparatus, rig, control, .. } = plan;
-    let mut state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
-    apparatus.enable()?;
-    state.arm();
-    let start = (ARMED_S * control.rate_hz) as u64;
-    let mut samples = Vec::new();
-    for tick in 0.. {
-        if tick == start {
-            state.request(Request::Start);
+        let run = offline_run::archive(&self.arguments(rig), &path, &AtomicBool::new(false))?;
+        match run.fault {
+            Some(fault) => anyhow::bail!("the run ended in a fault after {} samples: {fault}", run.samples),
+            None => Ok(path),
         }
-        let measurement = apparatus.read((tick as f64 * 1e9 / control.rate_hz).round() as u64);
-        let output = state.step(&Reading { elapsed_ticks: 1, measurement });
-        let _ = apparatus.write_torque(output.torque_mnm);
-        samples.extend(output.sample);
-        match state.state() {
-            LoopState::Armed | LoopState::Running => {}
-            _ => break,
-        }
-    }
-    apparatus.disable();
-    match state.fault() {
-        Some(fault) => anyhow::bail!("the run ended in a fault after {} samples: {fault}", samples.len()),
-        None => Ok(samples),
     }
 }

@@ -4,8 +4,11 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use dynamics::simulate::RigMotor;
 use dynamics::{Effect, Model, effects};
-use identification::diagnosis::{Diagnosis, Location, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
+use identification::diagnosis::{
+    Diagnosis, ForwardFromCommand, Location, NextExperiment, Partial, Rival, Row, Step, Value, Verdict,
+};
 use report::{CaptureFacts, DiagnosisPage, diagnosis_page};
 use serde_json::Value as Json;
 
@@ -74,6 +77,11 @@ fn spring() -> Diagnosis {
         heldout_rms_after: 0.2318,
         noise_floor_rms: 0.2044,
         forward_angle_rms_rad: Some([0.0123, 0.00234]),
+        forward_from_command: Some(ForwardFromCommand {
+            angle_rms_rad: vec![0.0456, 0.00567],
+            window_s: 0.1,
+            motor: RigMotor { inertia: 0.016, coulomb_mnm: 3.0, viscous: 0.001 },
+        }),
         heldout_relative_error_percent: [14.83, 1.307],
         steps: vec![step],
         partial: vec![Partial { effect: "cogging", explains_percent: 6.71 }],
@@ -89,6 +97,7 @@ fn spring() -> Diagnosis {
             tells_apart: ["return-spring".to_owned(), "mass-imbalance".to_owned()],
             difference_rms_mnm: 7.731,
             difference_over_noise: 37.8,
+            expected_evidence: 4711.0,
             reason: "there they differ".to_owned(),
         }),
         heldout_is_own: false,
@@ -102,6 +111,7 @@ fn spring() -> Diagnosis {
                 Effect::new(&effects::return_spring::KIND, &[3.0417, 0.2731]),
             ],
         },
+        chain: Vec::new(),
         rows: [rows(0.2), rows(0.2)],
     }
 }
@@ -119,6 +129,7 @@ fn empty(verdict: Verdict) -> Diagnosis {
         next_experiment: None,
         notes: Vec::new(),
         model: Model { name: String::new(), description: String::new(), effects: Vec::new() },
+        forward_from_command: None,
         rows: [Vec::new(), Vec::new()],
         ..spring()
     }

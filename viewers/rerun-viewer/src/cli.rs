@@ -3,13 +3,17 @@
 use std::net::IpAddr;
 use std::path::PathBuf;
 
-use clap::Parser;
+use clap::{Parser, Subcommand};
 use rerun::MemoryLimit;
 
 /// Shows a running capture, or a finished one, as a web page, in a window or into a file.
 #[derive(Clone, Debug, Parser)]
-#[command(name = "rerun-viewer", version)]
+#[command(name = "rerun-viewer", version, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
+    /// What to do instead of showing a capture.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+
     /// Show a finished capture instead of the running one: an archive or a CSV file.
     #[arg(long, value_name = "CAPTURE")]
     pub capture: Option<PathBuf>,
@@ -49,4 +53,18 @@ pub struct Arguments {
     /// How often the viewer was restarted during the run, for the health report.
     #[arg(long, default_value_t = 0)]
     pub restarts: u32,
+}
+
+/// What the viewer can do besides showing captures.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Command {
+    /// Draw a diagnosis into a rerun file.
+    Diagnosis {
+        /// The diagnosis with its captures' rows, as `haptic-camera diagnose --recording` hands it over.
+        #[arg(value_name = "FILE.json")]
+        json: PathBuf,
+        /// The rerun file.
+        #[arg(long, value_name = "FILE.rrd")]
+        out: PathBuf,
+    },
 }

@@ -19,12 +19,15 @@
 //!
 //! A finished capture is another source for the same picture. It is shown whole: a file waits while
 //! the outbox is full, so no frame is dropped, and the model is the one that the whole capture gives.
+//!
+//! A diagnosis becomes a file at once, without source or screen: [`diagnosis`].
 
 pub mod capture_source;
 pub mod capture_summary;
 pub mod cli;
 pub mod consumers;
 pub mod decimation;
+pub mod diagnosis;
 pub mod drawing;
 pub mod entities;
 pub mod extremes;

@@ -9,7 +9,8 @@ use clap::Parser as _;
 use consumer::Stop;
 
 use rerun_viewer::capture_source::CaptureSource;
-use rerun_viewer::cli::Arguments;
+use rerun_viewer::cli::{Arguments, Command};
+use rerun_viewer::diagnosis;
 use rerun_viewer::frame::Frame;
 use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
@@ -28,8 +29,13 @@ const EXIT_DATA_LOST: i32 = 3;
 const OUTBOX_FRAMES: usize = 40;
 
 fn main() -> ExitCode {
-    match show(&Arguments::parse()) {
-        Ok(never) => match never {},
+    let arguments = Arguments::parse();
+    let done = match &arguments.command {
+        Some(Command::Diagnosis { json, out }) => diagnosis::record(json, out),
+        None => show(&arguments).map(|never| match never {}),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             complain(&error);
             ExitCode::FAILURE

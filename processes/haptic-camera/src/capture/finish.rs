@@ -12,28 +12,7 @@ use crate::outcome::{Outcome, remark, say};
 /// # Errors
 /// When the archive cannot be read or the results not written.
 pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
-    tell_run(end);
-    if !archive.exists() {
-        remark(format!(
-            "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
-             `haptic-camera recover`",
-            archive.display()
-        ));
-        return Ok(Outcome::Failed);
-    }
-    let loaded = LoadedCapture::load(archive)?;
-    let missing: u64 = loaded.capture.gaps.iter().map(|gap| gap.count).sum();
-    say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
-    if missing > 0 {
-        remark(format!("{missing} samples are missing in the archive; it says where"));
-    }
-    let outcome = if end.loop_died || fault_words(&end.status).is_some() {
-        Outcome::Failed
-    } else if missing > 0 || end.recorder_exit == Some(3) {
-        Outcome::DataLost
-    } else {
-        Outcome::Done
-    };
+    let Some((loaded, outcome)) = read_back(archive, end)? else { return Ok(Outcome::Failed) };
     match fit::fit_capture(&loaded) {
         Ok(fitted) => {
             let (model, report) = (archive.with_extension("toml"), archive.with_extension("html"));
@@ -49,6 +28,36 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> 
         Err(error) => remark(format!("no model: {error:#}")),
     }
     Ok(outcome)
+}
+
+/// Tells how the run went and reads its archive; `None` when there is none.
+///
+/// # Errors
+/// When the archive cannot be read.
+pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(LoadedCapture, Outcome)>> {
+    tell_run(end);
+    if !archive.exists() {
+        remark(format!(
+            "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
+             `haptic-camera recover`",
+            archive.display()
+        ));
+        return Ok(None);
+    }
+    let loaded = LoadedCapture::load(archive)?;
+    let missing: u64 = loaded.capture.gaps.iter().map(|gap| gap.count).sum();
+    say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
+    if missing > 0 {
+        remark(format!("{missing} samples are missing in the archive; it says where"));
+    }
+    let outcome = if end.loop_died || fault_words(&end.status).is_some() {
+        Outcome::Failed
+    } else if missing > 0 || end.recorder_exit == Some(3) {
+        Outcome::DataLost
+    } else {
+        Outcome::Done
+    };
+    Ok(Some((loaded, outcome)))
 }
 
 fn tell_run(end: &RunEnd) {

@@ -1,11 +1,15 @@
 //! `capture`: the control loop and its consumers, started, watched and ended together.
 
+mod budget;
 mod children;
+mod evidence;
 mod finish;
 mod loop_link;
+mod next;
 mod progress;
+mod until_named;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -14,7 +18,9 @@ use anyhow::Context as _;
 use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime};
 
 use crate::command_line::CaptureOptions;
+use crate::offline_run;
 use crate::outcome::{Outcome, remark, say};
+pub(crate) use budget::Budget;
 pub(crate) use children::program_path;
 use children::{Child, Consumers, program};
 use loop_link::LoopLink;
@@ -29,25 +35,53 @@ const RECORDER_DONE: Duration = Duration::from_secs(120);
 /// Time between two looks at the run.
 const CYCLE: Duration = Duration::from_millis(20);
 
-/// Runs a capture from start to end.
+/// Runs a capture from start to end, or capture after capture until the knob's effects have names.
 ///
 /// # Errors
-/// Whatever keeps the run from being started, recorded or ended.
+/// Whatever keeps a run from being started, recorded or ended.
 pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     let interrupted = Arc::new(AtomicBool::new(false));
     signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(&interrupted))?;
     signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&interrupted))?;
-
+    if options.diagnose {
+        return until_named::run(options, &interrupted);
+    }
     let archive = archive_path(options)?;
-    let mut control_loop = Child::start(program("rt-loop")?.args(loop_arguments(options)))?;
-    let outcome = supervise(options, &archive, &mut control_loop, &interrupted);
-    // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
-    control_loop.end(Duration::from_secs(3));
-    clear_shared_memory();
-    match outcome? {
+    match take(options, &archive, &interrupted)? {
         Some(end) => finish::conclude(&archive, &end),
         None => Ok(Outcome::Failed),
     }
+}
+
+/// Makes one run and its archive; `None` when the control loop itself said why it cannot run.
+fn take(options: &CaptureOptions, archive: &Path, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
+    if options.offline {
+        return offline(options, archive, interrupted).map(Some);
+    }
+    let mut control_loop = Child::start(program("rt-loop")?.args(loop_arguments(options)))?;
+    let end = supervise(options, archive, &mut control_loop, interrupted);
+    // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
+    control_loop.end(Duration::from_secs(3));
+    clear_shared_memory();
+    end
+}
+
+/// The same without clock and other processes.
+fn offline(options: &CaptureOptions, archive: &Path, interrupted: &AtomicBool) -> anyhow::Result<RunEnd> {
+    say(format!("capturing {}, offline", in_words(options)));
+    let run = offline_run::archive(&loop_arguments(options), archive, interrupted)?;
+    Ok(RunEnd {
+        status: LoopStatus {
+            published_samples: run.samples as u64,
+            fault: run.fault.map_or(0, Fault::code),
+            finished: 1,
+            ..LoopStatus::default()
+        },
+        recorder_exit: Some(0),
+        restarts: Vec::new(),
+        interrupted: interrupted.load(Ordering::Acquire),
+        loop_died: false,
+    })
 }
 
 /// Takes away what the run left in shared memory.
@@ -77,7 +111,7 @@ pub(crate) struct RunEnd {
 /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
 fn supervise(
     options: &CaptureOptions,
-    archive: &std::path::Path,
+    archive: &Path,
     control_loop: &mut Child,
     interrupted: &AtomicBool,
 ) -> anyhow::Result<Option<RunEnd>> {
@@ -150,20 +184,26 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
 }
 
 fn tell_start(options: &CaptureOptions, status: &LoopStatus) {
-    say(format!(
-        "capturing knob {} with {} at {} Hz for {} s, core {}",
-        options.knob, options.sweep, options.rate_hz, options.duration_s, status.core
-    ));
+    say(format!("capturing {}, core {}", in_words(options), status.core));
     if status.realtime & realtime::FULL != realtime::FULL {
         remark("without full real-time permission: ticks may be late, and the capture is marked so");
     }
+}
+
+/// What is captured, and how.
+fn in_words(options: &CaptureOptions) -> String {
+    let amplitude = options.amplitude.map_or_else(String::new, |amplitude| {
+        format!(" of {amplitude:.3} {}", if options.torque { "mNm" } else { "rad" })
+    });
+    let CaptureOptions { knob, sweep, rate_hz, duration_s, .. } = options;
+    format!("knob {knob} with {sweep}{amplitude} at {rate_hz} Hz for {duration_s} s")
 }
 
 /// Where the archive goes: a name that sorts by time and says which knob.
 fn archive_path(options: &CaptureOptions) -> anyhow::Result<PathBuf> {
     std::fs::create_dir_all(&options.out)
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", options.out.display()))?;
-    let knob = std::path::Path::new(&options.knob).file_stem().map_or_else(String::new, |stem| {
+    let knob = Path::new(&options.knob).file_stem().map_or_else(String::new, |stem| {
         stem.to_string_lossy().chars().map(|letter| if letter.is_alphanumeric() { letter } else { '-' }).collect()
     });
     let knob = if knob.parse::<u32>().is_ok() { format!("knob-{knob}") } else { knob };

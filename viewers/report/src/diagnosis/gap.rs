@@ -1,6 +1,6 @@
 //! How large the gap is, before and after.
 
-use identification::diagnosis::{Diagnosis, Row, Verdict};
+use identification::diagnosis::{Diagnosis, ForwardFromCommand, Row, Verdict};
 use maud::{Markup, html};
 
 use super::{Numbering, floors};
@@ -25,10 +25,30 @@ pub(super) fn section(found: &Diagnosis, heldout: &[Row], numbers: &mut Numberin
                  capture more than noise acted there. Judge by the millinewton-metres, not by the multiples of the noise."
             }
         }
+        (from_command(found))
         @if heldout.len() < FEWEST_ROWS {
             p.note { "Too few rows of sliding motion in the held-out capture for a plot." }
         } @else {
             (excerpt(found, heldout).numbered(numbers.next()))
+        }
+    }
+}
+
+/// How the motion that follows from the command comes closer with each effect.
+fn from_command(found: &Diagnosis) -> Markup {
+    let Some(forward) = &found.forward_from_command else { return html! {} };
+    let motor = &forward.motor;
+    html! {
+        p.note {
+            "Motion from the command, started anew every " (three(forward.window_s)) " s: the first model errs by "
+            @for (index, error) in forward.angle_rms_rad.iter().enumerate() {
+                @if index > 0 {
+                    ", with " @if let Some(step) = found.steps.get(index - 1) { code { (step.effect) } } " by "
+                }
+                (three(*error)) " rad"
+            }
+            " RMS. The rig's motor has an inertia of " (three(motor.inertia)) " mNm s²/rad by calibration; of the command its friction \
+             takes " (three(motor.coulomb_mnm)) " mNm and " (three(motor.viscous)) " mNm s/rad, as the training capture shows."
         }
     }
 }
@@ -66,7 +86,10 @@ fn table(found: &Diagnosis) -> Markup {
                     (row("the same, of the measured torque", "%", [percent_before, percent_after], false))
                     (row("RMS left of the training capture", "mNm", [found.train_rms_before, found.train_rms_after], false))
                     @if let Some(forward) = found.forward_angle_rms_rad {
-                        (row("RMS error of the held-out angle predicted from the torque over 0.1 s", "rad", forward, false))
+                        (row("RMS error of the held-out angle predicted from the measured torque over 0.1 s", "rad", forward, false))
+                    }
+                    @if let Some(forward) = found.forward_from_command.as_ref().and_then(ForwardFromCommand::before_and_after_rad) {
+                        (row("the same, predicted from the torque commanded from the motor", "rad", forward, false))
                     }
                     tr {
                         th scope="row" { "RMS that noise alone leaves of the held-out capture" }

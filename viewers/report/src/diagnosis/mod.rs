@@ -148,7 +148,8 @@ fn next_experiment(found: &Diagnosis) -> Markup {
             "To tell " code { (one) } " from " code { (other) } ": "
             code { "--sweep " (next.excitation) " --amplitude " (format!("{:.3}", next.amplitude_rad)) }
             ", that is " (three(next.amplitude_rad)) " rad. There the two predict torques that differ by "
-            (three(next.difference_rms_mnm)) " mNm RMS, " (three(next.difference_over_noise)) " times the noise."
+            (three(next.difference_rms_mnm)) " mNm RMS, " (three(next.difference_over_noise)) " times the noise: a capture of 8 s is \
+             worth " (three(next.expected_evidence)) " nats."
         }
     }
 }

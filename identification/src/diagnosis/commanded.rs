@@ -1,0 +1,100 @@
+//! Motion predicted from the torque commanded from the rig's motor: what the torque sensor reads takes no part in it.
+
+use dynamics::simulate::{RigMotor, forward_windows_from_command};
+use dynamics::{Model, Motion};
+
+use super::FORWARD_WINDOW_S;
+use super::capture::Capture;
+use super::findings::ForwardFromCommand;
+
+/// Speed below which the motor's friction is not read off, as a share of the RMS speed.
+const SLOW: f64 = 0.1;
+/// A command stands for a sample at most this many periods later; then samples were lost.
+const STALE: f64 = 1.5;
+
+/// The column of commands of each capture, mNm, a value for each of its samples; NaN where it is unknown.
+#[derive(Clone, Copy, Debug)]
+pub struct CommandedTorque<'a> {
+    /// Of the training capture.
+    pub train: &'a [f64],
+    /// Time of the training capture's samples, s.
+    pub train_t_s: &'a [f64],
+    /// Of the held-out capture; the training capture's where there is none.
+    pub heldout: &'a [f64],
+    /// Time of the held-out capture's samples, s.
+    pub heldout_t_s: &'a [f64],
+}
+
+/// Errors of the held-out motion predicted from the command, with each model of `chain`; else why there are none.
+pub(crate) fn forward(
+    chain: &[Model],
+    [train, heldout]: [&Capture; 2],
+    commanded: Option<&CommandedTorque<'_>>,
+    motor_inertia: Option<f64>,
+) -> Result<ForwardFromCommand, &'static str> {
+    let commanded = commanded.ok_or("a capture has no column of commanded torque")?;
+    let inertia = motor_inertia.ok_or("nothing is known of the rig's motor without a calibration")?;
+    let of_train = on_grid(commanded.train_t_s, commanded.train, train.motions(), train.rate_hz);
+    let motor = motor(inertia, train, &of_train).ok_or("the training capture does not tell the motor's friction")?;
+    let commands = on_grid(commanded.heldout_t_s, commanded.heldout, heldout.motions(), heldout.rate_hz);
+    let mut angle_rms_rad = Vec::new();
+    for model in chain {
+        let errors = forward_windows_from_command(model, &motor, heldout.motions(), &commands, FORWARD_WINDOW_S);
+        match errors {
+            Ok(errors) if errors.angle_rms_rad.is_finite() && !errors.windows.is_empty() => {
+                angle_rms_rad.push(errors.angle_rms_rad);
+            }
+            _ => return Err("a model cannot be simulated forward"),
+        }
+    }
+    Ok(ForwardFromCommand { angle_rms_rad, window_s: FORWARD_WINDOW_S, motor })
+}
+
+/// The command that holds at each motion, mNm.
+fn on_grid(t_s: &[f64], commanded_mnm: &[f64], motions: &[Motion], rate_hz: f64) -> Vec<f64> {
+    let mut index = 0;
+    let each = motions.iter().map(|motion| {
+        // A grid point may lie a rounding before its sample.
+        while t_s.get(index + 1).is_some_and(|next_s| next_s - motion.time_s < 0.25 / rate_hz) {
+            index += 1;
+        }
+        let is_stale = t_s.get(index).is_none_or(|time_s| (motion.time_s - time_s).abs() > STALE / rate_hz);
+        if is_stale { f64::NAN } else { commanded_mnm.get(index).copied().unwrap_or(f64::NAN) }
+    });
+    each.collect()
+}
+
+/// The motor's friction by least squares: what of the command neither turns the motor nor reaches the torque sensor.
+fn motor(inertia: f64, capture: &Capture, commands_mnm: &[f64]) -> Option<RigMotor> {
+    let torque_mnm = capture.torque_mnm(0.0);
+    let motions = capture.motions();
+    let squares: f64 = motions.iter().map(|motion| motion.velocity_rad_s.powi(2)).sum();
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    let slow_rad_s = SLOW * (squares / motions.len() as f64).sqrt();
+    // Normal equations of C·sgn(ω) + B·ω.
+    let (mut count, mut speeds, mut speed_squares, mut signed, mut weighted) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (index, motion) in motions.iter().enumerate() {
+        let speed = motion.velocity_rad_s.abs();
+        // A command is held for a period: at a sample the mean of the one that ends and the one that begins acts.
+        let command = 0.5 * (commands_mnm[index.saturating_sub(1)] + commands_mnm[index]);
+        let lost = command - torque_mnm[index] - inertia * motion.acceleration_rad_s2;
+        if speed <= slow_rad_s || !lost.is_finite() {
+            continue;
+        }
+        let lost = lost * motion.velocity_rad_s.signum();
+        count += 1.0;
+        speeds += speed;
+        speed_squares += speed * speed;
+        signed += lost;
+        weighted += lost * speed;
+    }
+    let determinant = count * speed_squares - speeds * speeds;
+    let coulomb_mnm = (signed * speed_squares - weighted * speeds) / determinant;
+    let viscous = (weighted * count - signed * speeds) / determinant;
+    // Friction that drives is a small one that the noise hides.
+    (coulomb_mnm.is_finite() && viscous.is_finite()).then(|| RigMotor {
+        inertia,
+        coulomb_mnm: coulomb_mnm.max(0.0),
+        viscous: viscous.max(0.0),
+    })
+}

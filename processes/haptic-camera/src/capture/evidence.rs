@@ -1,0 +1,146 @@
+//! The captures that a diagnosis rests on, and how further ones join them.
+
+use dynamics::effects;
+use identification::Samples;
+use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, diagnose};
+
+use crate::command_line::CaptureOptions;
+use crate::diagnose::{progress_bar, show_progress};
+use crate::load::LoadedCapture;
+use crate::outcome::say;
+
+/// Rest put between two captures that are made into one, s: longer than any gap that is filled in.
+const PAUSE_S: f64 = 1.0;
+
+/// Diagnoses all captures so far, two at least; `before` is what the ones before the last told.
+///
+/// The second capture is held out; the first and the further ones are fitted together: what tells rivals apart then also
+/// tells their parameters, and the sweep goes on telling the rest. Effects that depend on the time of a capture do not
+/// go on over several: for these the last capture is held out instead.
+pub(super) fn diagnosed(
+    options: &CaptureOptions,
+    mut fitted: Vec<&LoadedCapture>,
+    before: Option<&Diagnosis>,
+) -> anyhow::Result<Diagnosis> {
+    let held_out = if before.is_some_and(depends_on_time) {
+        let last = fitted.split_off(fitted.len() - 1);
+        fitted.truncate(1);
+        last
+    } else {
+        vec![fitted.remove(1)]
+    };
+    let (train, heldout) = (Joined::of(&fitted), Joined::of(&held_out));
+    let bar = progress_bar();
+    let progress = |progress| show_progress(&bar, progress);
+    let asked = DiagnoseOptions {
+        calibration: fitted[0].calibration.clone(),
+        commanded: train.commanded_torque_mnm.as_deref().zip(heldout.commanded_torque_mnm.as_deref()).map(
+            |(of_train, of_heldout)| CommandedTorque {
+                train: of_train,
+                train_t_s: train.samples().t_s,
+                heldout: of_heldout,
+                heldout_t_s: heldout.samples().t_s,
+            },
+        ),
+        reach_rad: options.reach,
+        progress: Some(&progress),
+        ..DiagnoseOptions::default()
+    };
+    let found = diagnose(&train.samples(), Some(&heldout.samples()), &asked);
+    bar.finish_and_clear();
+    let found = found?;
+    say(format!("\n{}", found.summary));
+    Ok(found)
+}
+
+/// Whether a name or a rival is an effect of the time since a capture began.
+fn depends_on_time(found: &Diagnosis) -> bool {
+    let of_time = [effects::friction_drift::KIND.name, effects::mains_hum::KIND.name];
+    let names = found.steps.iter().flat_map(|step| step.ties.iter().chain([&step.effect]));
+    names.into_iter().any(|name| of_time.contains(name))
+}
+
+/// Columns of captures one after the other.
+///
+/// Between two captures lies a gap, as if samples had been lost: what spans it is left out of every comparison.
+struct Joined {
+    t_s: Vec<f64>,
+    angle_rad: Vec<f64>,
+    velocity_rad_s: Option<Vec<f64>>,
+    acceleration_rad_s2: Option<Vec<f64>>,
+    torque_mnm: Vec<f64>,
+    /// Torque commanded from the motor, mNm; none unless every capture has it.
+    commanded_torque_mnm: Option<Vec<f64>>,
+}
+
+impl Joined {
+    /// Puts captures one after the other. A column that one of them lacks is left out.
+    fn of(captures: &[&LoadedCapture]) -> Self {
+        let mut t_s: Vec<f64> = Vec::new();
+        for one in captures {
+            let first = one.capture.t_s.first().copied().unwrap_or(0.0);
+            let start = t_s.last().map_or(first, |last| last + PAUSE_S);
+            t_s.extend(one.capture.t_s.iter().map(|time| time - first + start));
+        }
+        let all = |column: fn(&LoadedCapture) -> Option<&[f64]>| -> Option<Vec<f64>> {
+            let columns: Option<Vec<&[f64]>> = captures.iter().map(|one| column(one)).collect();
+            Some(columns?.concat())
+        };
+        Self {
+            t_s,
+            angle_rad: all(|one| Some(&one.capture.angle_rad)).unwrap_or_default(),
+            velocity_rad_s: all(|one| one.capture.velocity_rad_s.as_deref()),
+            acceleration_rad_s2: all(|one| one.capture.acceleration_rad_s2.as_deref()),
+            torque_mnm: all(|one| Some(&one.capture.torque_mnm)).unwrap_or_default(),
+            commanded_torque_mnm: all(|one| one.capture.commanded_torque_mnm.as_deref()),
+        }
+    }
+
+    /// The columns that a diagnosis takes.
+    fn samples(&self) -> Samples<'_> {
+        Samples {
+            t_s: &self.t_s,
+            angle_rad: &self.angle_rad,
+            velocity_rad_s: self.velocity_rad_s.as_deref(),
+            acceleration_rad_s2: self.acceleration_rad_s2.as_deref(),
+            torque_mnm: &self.torque_mnm,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use archive::Capture;
+
+    use super::Joined;
+    use crate::load::LoadedCapture;
+
+    fn loaded(samples: usize, accelerated: bool) -> LoadedCapture {
+        #[allow(clippy::cast_precision_loss, reason = "a few samples")]
+        let angle: Vec<f64> = (0..samples).map(|index| index as f64).collect();
+        let capture = Capture {
+            acceleration_rad_s2: accelerated.then(|| vec![0.5; samples]),
+            ..Capture::from_columns(100.0, angle, vec![1.0; samples])
+        };
+        LoadedCapture { capture, calibration: None, truth: None }
+    }
+
+    #[test]
+    fn captures_follow_each_other_with_a_gap_in_between() {
+        let (one, other) = (loaded(3, true), loaded(4, true));
+        let joined = Joined::of(&[&one, &other]);
+        let samples = joined.samples();
+        assert_eq!(samples.angle_rad, [0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(samples.acceleration_rad_s2.map(<[f64]>::len), Some(7));
+        let steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(steps.iter().all(|step| *step > 0.0) && steps[2] > 0.5, "{steps:?}");
+    }
+
+    #[test]
+    fn a_column_that_one_capture_lacks_is_left_out() {
+        let (one, other) = (loaded(3, true), loaded(4, false));
+        let joined = Joined::of(&[&one, &other]);
+        assert!(joined.samples().acceleration_rad_s2.is_none());
+        assert!(joined.commanded_torque_mnm.is_none());
+    }
+}

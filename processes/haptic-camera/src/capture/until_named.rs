@@ -1,0 +1,184 @@
+//! Capture after capture until one name is left: the rig runs the experiments that a diagnosis asks for.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use dynamics::Model;
+use identification::diagnosis::Diagnosis;
+use report::DiagnosisPage;
+
+use super::evidence::diagnosed;
+use super::next::{Experiment, Next, next};
+use super::{archive_path, finish, take};
+use crate::command_line::CaptureOptions;
+use crate::diagnosis_text;
+use crate::fit::{to_output, write, write_json};
+use crate::load::LoadedCapture;
+use crate::outcome::{Outcome, remark, say};
+use crate::recording;
+
+/// The motion that is held out, unless it is the sweep asked for …
+const HELD_OUT: &str = "multisine";
+/// … and what is then held out.
+const HELD_OUT_OF_MULTISINE: &str = "stepped-amplitude";
+
+/// Exit status of a diagnosis that was stopped: failed.
+const STOPPED: i32 = 1;
+
+/// A finished capture and the motion that it was made with.
+struct Taken {
+    experiment: Experiment,
+    loaded: LoadedCapture,
+    path: PathBuf,
+}
+
+/// Turns the knob until its missing effects have names that nothing rivals, or the budget is spent.
+///
+/// # Errors
+/// Whatever keeps a run from being made, and one sentence on why no diagnosis would be worth anything.
+pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
+    if let Some(reach) = options.reach {
+        anyhow::ensure!(reach.is_finite() && reach > 0.0, "a --reach of {reach} rad is none; give an angle above zero");
+    }
+    // While the rig rests and a diagnosis is under way there is nothing to end in order.
+    let at_rest = Arc::new(AtomicBool::new(false));
+    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGINT, STOPPED, Arc::clone(&at_rest))?;
+    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGTERM, STOPPED, Arc::clone(&at_rest))?;
+    let held_out = if options.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
+    let first = [
+        Experiment { sweep: options.sweep.clone(), amplitude_rad: options.amplitude },
+        Experiment { sweep: held_out.to_owned(), amplitude_rad: options.amplitude },
+    ];
+    let mut taken: Vec<Taken> = Vec::new();
+    let mut worst = Outcome::Done;
+    for experiment in first {
+        let Some((one, outcome)) = one_more(options, experiment, taken.len(), interrupted)? else {
+            return Ok(Outcome::Failed);
+        };
+        taken.push(one);
+        if outcome == Outcome::Failed || interrupted.load(Ordering::Acquire) {
+            remark("no diagnosis: it takes two captures from start to end");
+            return Ok(outcome);
+        }
+        worst = worse(worst, outcome);
+    }
+    let mut before: Option<Diagnosis> = None;
+    loop {
+        at_rest.store(true, Ordering::Release);
+        let found = diagnosed(options, taken.iter().map(|one| &one.loaded).collect(), before.as_ref());
+        at_rest.store(false, Ordering::Release);
+        let found = match (found, before.take()) {
+            (Ok(found), _) => found,
+            (Err(error), Some(before)) => {
+                remark(format!("the last capture cannot be diagnosed beside the others: {error:#}"));
+                conclude(options, &taken[..taken.len() - 1], &before)?;
+                return Ok(Outcome::Failed);
+            }
+            (Err(error), None) => return Err(error),
+        };
+        let made: Vec<Experiment> = taken.iter().map(|one| one.experiment.clone()).collect();
+        let next = match next(&found, &made, options.duration_s, options.budget) {
+            _ if interrupted.load(Ordering::Acquire) => None,
+            Next::Experiment(experiment, [one, other]) => {
+                say(format!("\ncapture {}: to tell {one} from {other}", taken.len() + 1));
+                Some(experiment)
+            }
+            end => {
+                tell_end(&end, &taken, diagnosis_text::is_floor_doubtful(&found));
+                None
+            }
+        };
+        let Some(experiment) = next else {
+            conclude(options, &taken, &found)?;
+            return Ok(worst);
+        };
+        let more = one_more(options, experiment, taken.len(), interrupted)?;
+        match more {
+            Some((one, outcome)) if outcome != Outcome::Failed && !interrupted.load(Ordering::Acquire) => {
+                taken.push(one);
+                before = Some(found);
+                worst = worse(worst, outcome);
+            }
+            // What was found before stands; the cut capture is kept, and is no evidence.
+            cut => {
+                remark("the last experiment did not run to its end: the diagnosis rests on those before it");
+                conclude(options, &taken, &found)?;
+                return Ok(cut.map_or(Outcome::Failed, |(_, outcome)| worse(worst, outcome)));
+            }
+        }
+    }
+}
+
+/// Makes one capture more; `None` when there is no archive.
+fn one_more(
+    options: &CaptureOptions,
+    experiment: Experiment,
+    index: usize,
+    interrupted: &AtomicBool,
+) -> anyhow::Result<Option<(Taken, Outcome)>> {
+    let options = CaptureOptions {
+        sweep: experiment.sweep.clone(),
+        amplitude: experiment.amplitude_rad,
+        // Another run has other noise.
+        seed: options.seed.wrapping_add(index as u64),
+        ..options.clone()
+    };
+    let path = archive_path(&options)?;
+    let Some(end) = take(&options, &path, interrupted)? else { return Ok(None) };
+    let read = finish::read_back(&path, &end)?;
+    Ok(read.map(|(loaded, outcome)| (Taken { experiment, loaded, path }, outcome)))
+}
+
+fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
+    let captures = taken.len();
+    match end {
+        Next::Settled if floor_is_doubtful => remark(format!(
+            "no rivals are left after {captures} captures, but the noise floor is in doubt, and with it the verdict"
+        )),
+        Next::Settled => say(format!("settled after {captures} captures")),
+        Next::BudgetSpent => remark(format!("rivals are left and the budget is spent after {captures} captures")),
+        Next::Undecidable => remark(
+            "rivals are left that no experiment within reach tells apart; if the knob may be turned further, say so with --reach",
+        ),
+        Next::Experiment(..) => {}
+    }
+}
+
+/// Tells the diagnosis and writes it beside the first capture.
+fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> anyhow::Result<()> {
+    let Some([first, held_out]) = taken.first_chunk() else { return Ok(()) };
+    if !to_output(options.json.as_deref()) {
+        say("");
+        diagnosis_text::lines(found).iter().for_each(say);
+    }
+    let beside = |extension: &str| {
+        let stem = first.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        first.path.with_file_name(format!("{stem}-diagnosis.{extension}"))
+    };
+    let files: Vec<String> = taken.iter().map(|one| one.path.display().to_string()).collect();
+    let model = Model {
+        name: first.loaded.title(),
+        description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
+        effects: found.model.effects.clone(),
+    };
+    write(&beside("toml"), &model.to_toml())?;
+    say(format!("model    {}", beside("toml").display()));
+    let page = DiagnosisPage { found, train: first.loaded.facts(), heldout: Some(held_out.loaded.facts()) };
+    let report = options.report.clone().unwrap_or_else(|| beside("html"));
+    write(&report, &report::diagnosis_page(&page))?;
+    say(format!("report   {}", report.display()));
+    if let Some(path) = &options.recording {
+        recording::write(path, found, &first.loaded.title(), Some(&held_out.loaded.title()))?;
+        say(format!("recording  {}", path.display()));
+    }
+    write_json(options.json.as_deref(), found)
+}
+
+fn worse(one: Outcome, other: Outcome) -> Outcome {
+    match (one, other) {
+        (Outcome::Failed, _) | (_, Outcome::Failed) => Outcome::Failed,
+        (Outcome::DataLost, _) | (_, Outcome::DataLost) => Outcome::DataLost,
+        _ => one,
+    }
+}

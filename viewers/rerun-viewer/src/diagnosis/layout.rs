@@ -1,0 +1,84 @@
+//! How the views of a diagnosis lie.
+
+use rerun::RecordingStream;
+use rerun::blueprint::components::{LinkAxis, PanelState};
+use rerun::blueprint::{
+    BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Tabs, TextDocumentView,
+    TimePanel, TimeSeriesView, Vertical,
+};
+use rerun::external::re_sdk_types::blueprint::archetypes::TimeAxis;
+
+use super::charts::{FORWARD, GAP, map_entity, step_entity};
+use super::input::{CaptureRows, DiagnosisInput};
+use crate::drawing::TIMELINE;
+use crate::entities::SUMMARY;
+use crate::layout_properties::{self, Properties};
+
+/// Sends the layout and makes it the active one.
+///
+/// # Errors
+/// When rerun refuses a part of it.
+pub fn send(recording: &RecordingStream, input: &DiagnosisInput) -> anyhow::Result<()> {
+    let mut properties = Properties::default();
+    let tabs = [overview(&mut properties, input), maps(input), effects(input)];
+    let blueprint = Blueprint::new(Tabs::new(tabs))
+        .with_auto_views(false)
+        .with_auto_layout(false)
+        .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
+        .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
+        .with_time_panel(TimePanel::new().with_state(PanelState::Collapsed).with_timeline(TIMELINE));
+    layout_properties::send(recording, &blueprint, &properties)
+}
+
+/// Torque and residual of both captures, and the words.
+fn overview(properties: &mut Properties, input: &DiagnosisInput) -> ContainerLike {
+    let plots = input.captures.iter().flat_map(|capture| {
+        [
+            series(properties, capture, "torque", "torque: measured and predicted, mNm"),
+            series(properties, capture, "residual", "measured minus predicted, mNm"),
+        ]
+    });
+    let plots: Vec<ContainerLike> = plots.collect();
+    let text = TextDocumentView::new("diagnosis").with_origin(SUMMARY);
+    Horizontal::new([Vertical::new(plots).into(), text.into()])
+        .with_column_shares([5.0, 3.0])
+        .with_name("Diagnosis")
+        .into()
+}
+
+fn series(properties: &mut Properties, capture: &CaptureRows, quantity: &str, what: &str) -> ContainerLike {
+    let title = format!("{} capture, {what}", capture.role);
+    let view: ContainerLike = TimeSeriesView::new(title).with_origin(format!("{}/{quantity}", capture.role)).into();
+    // Each capture has its own clock.
+    properties.of_view(&view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::Independent));
+    view
+}
+
+/// The residual over each coordinate, before and after.
+fn maps(input: &DiagnosisInput) -> ContainerLike {
+    let views = input.diagnosis.locations.iter().map(|location| {
+        let mark = if location.significant { "" } else { ", not significant" };
+        let title = format!(
+            "{}, {}: {:.0} %{mark}; mean residual before and after, mNm",
+            location.coordinate, location.unit, location.explained_percent
+        );
+        ContainerLike::from(BarChartView::new(title).with_origin(map_entity(&location.coordinate)))
+    });
+    Grid::new(views.collect::<Vec<_>>()).with_grid_columns(3).with_name("Maps").into()
+}
+
+/// The gap step by step, and each effect beside its rivals.
+fn effects(input: &DiagnosisInput) -> ContainerLike {
+    let chart = |title: String, origin: &str| ContainerLike::from(BarChartView::new(title).with_origin(origin));
+    let mut views = vec![chart("left of the held-out capture, mNm RMS".to_owned(), GAP)];
+    if input.diagnosis.forward_from_command.is_some() {
+        views.push(chart("error of the motion from the command, rad RMS".to_owned(), FORWARD));
+    }
+    for (index, step) in input.diagnosis.steps.iter().enumerate() {
+        let entity = step_entity(index, step);
+        let title = |what: &str| format!("{} and its rivals: {what}", step.effect);
+        views.push(chart(title("left of the held-out capture, mNm RMS"), &format!("{entity}/heldout_rms_mnm")));
+        views.push(chart(title("evidence, nats"), &format!("{entity}/evidence_nats")));
+    }
+    Grid::new(views).with_grid_columns(2).with_name("Effects").into()
+}

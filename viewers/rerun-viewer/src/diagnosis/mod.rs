@@ -1,0 +1,45 @@
+//! A diagnosis as a rerun file: torque measured and predicted, the residual's maps, effects beside their rivals.
+//!
+//! What is drawn is read from the JSON that `haptic-camera diagnose --recording` writes: the diagnosis with its captures'
+//! rows.
+
+mod charts;
+mod input;
+mod layout;
+mod series;
+mod text;
+
+use std::path::Path;
+
+use anyhow::{Context as _, anyhow};
+use rerun::{RecordingStreamBuilder, TextDocument};
+
+pub use input::{DiagnosisInput, InputError};
+
+use crate::entities::SUMMARY;
+
+/// Name under which rerun keeps the layout.
+const APPLICATION: &str = "haptic-camera-diagnosis";
+
+/// Draws the diagnosis in `json` into a rerun file.
+///
+/// # Errors
+/// One sentence on what is wrong with the JSON, or why the file cannot be written.
+pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
+    let text = std::fs::read_to_string(json).with_context(|| format!("{} cannot be read", json.display()))?;
+    let input = DiagnosisInput::from_json(&text).with_context(|| format!("{} is no diagnosis", json.display()))?;
+    let recording = RecordingStreamBuilder::new(APPLICATION).save(out).map_err(|error| {
+        let error = anyhow::Error::from(error);
+        anyhow!("{} cannot be written ({}); name another place", out.display(), error.root_cause())
+    })?;
+    recording.set_log_tick_enabled(false);
+    recording.set_log_time_enabled(false);
+    layout::send(&recording, &input)?;
+    recording.log_static(SUMMARY, &TextDocument::from_markdown(text::markdown(&input)))?;
+    for capture in &input.captures {
+        series::draw(&recording, capture)?;
+    }
+    charts::draw(&recording, &input)?;
+    recording.flush_blocking().context("the recording could not be finished")?;
+    Ok(())
+}

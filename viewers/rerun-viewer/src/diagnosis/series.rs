@@ -1,0 +1,91 @@
+//! Torque and residual over time.
+
+use rerun::components::AggregationPolicy;
+use rerun::{RecordingStream, Scalars, SeriesLines, TimeColumn};
+
+use super::input::{CaptureRows, Row};
+use crate::drawing::TIMELINE;
+use crate::palette::{MEASURED, MODEL, NEUTRAL, Rgb};
+
+/// A series of a capture: its name, its colour, and its value in a row.
+pub type Series = (&'static str, Rgb, fn(&Row) -> f64);
+
+/// Measured torque and what the first and the final model predict, mNm.
+pub const TORQUES: [Series; 3] = [
+    ("predicted_before_mnm", NEUTRAL, |row| row.torque_mnm - row.residual_before_mnm),
+    ("predicted_after_mnm", MODEL, |row| row.torque_mnm - row.residual_after_mnm),
+    ("measured_mnm", MEASURED, |row| row.torque_mnm),
+];
+
+/// What the first and the final model leave, mNm.
+pub const RESIDUALS: [Series; 2] =
+    [("before_mnm", NEUTRAL, |row| row.residual_before_mnm), ("after_mnm", MODEL, |row| row.residual_after_mnm)];
+
+/// The motion of the rows.
+pub const MOTIONS: [Series; 2] =
+    [("angle_rad", MEASURED, |row| row.angle_rad), ("velocity_rad_s", MEASURED, |row| row.velocity_rad_s)];
+
+/// Longest time between two rows that belong together, in usual ones: where the knob may stick there are none.
+const GAP: f64 = 5.0;
+
+/// Draws the series of a capture, each `<role>/<quantity>/<series>`.
+///
+/// # Errors
+/// When rerun refuses one.
+pub fn draw(recording: &RecordingStream, capture: &CaptureRows) -> anyhow::Result<()> {
+    let quantities: [(&str, &[Series]); 3] = [("torque", &TORQUES), ("residual", &RESIDUALS), ("motion", &MOTIONS)];
+    let rows = parted(&capture.rows);
+    for (quantity, series) in quantities {
+        for (name, color, of) in series {
+            let entity = format!("{}/{quantity}/{name}", capture.role);
+            let style = SeriesLines::new()
+                .with_names([*name])
+                .with_colors([color.opaque()])
+                .with_widths([1.2])
+                .with_aggregation_policy(AggregationPolicy::MinMax);
+            recording.log_static(entity.as_str(), &style)?;
+            let times = TimeColumn::new_duration_secs(TIMELINE, rows.iter().map(|(t_s, _)| *t_s));
+            let values = Scalars::new(rows.iter().map(|(_, row)| row.as_ref().map_or(f64::NAN, of)));
+            recording.send_columns(entity.as_str(), [times], values.columns_of_unit_batches()?)?;
+        }
+    }
+    Ok(())
+}
+
+/// The rows by their time, with nothing in between where some are left out: a line must not bridge a rest.
+fn parted(rows: &[Row]) -> Vec<(f64, Option<Row>)> {
+    let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1].t_s - pair[0].t_s).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual_s = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let mut parted: Vec<(f64, Option<Row>)> = Vec::with_capacity(rows.len());
+    for row in rows {
+        if let Some((before_s, _)) = parted.last()
+            && row.t_s - before_s > GAP * usual_s
+        {
+            parted.push((before_s + usual_s, None));
+        }
+        parted.push((row.t_s, Some(*row)));
+    }
+    parted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Row, parted};
+
+    #[test]
+    fn a_line_does_not_bridge_a_rest() {
+        let row = |t_s| Row {
+            t_s,
+            angle_rad: 0.0,
+            velocity_rad_s: 0.0,
+            torque_mnm: 1.0,
+            residual_before_mnm: 0.0,
+            residual_after_mnm: 0.0,
+        };
+        let rows = [0.0, 0.1, 0.2, 1.5, 1.6, 1.7].map(row);
+        let missing: Vec<bool> = parted(&rows).iter().map(|(_, row)| row.is_none()).collect();
+        assert_eq!(missing, [false, false, false, true, false, false, false]);
+        assert!(parted(&[]).is_empty());
+    }
+}

@@ -1,0 +1,70 @@
+//! The diagnosis in words, beside the plots.
+
+use std::fmt::Write as _;
+
+use super::input::DiagnosisInput;
+use crate::summary::three_digits;
+
+/// The diagnosis as Markdown.
+pub fn markdown(input: &DiagnosisInput) -> String {
+    let found = &input.diagnosis;
+    let mut text = format!("# {}\n", found.summary);
+    for capture in &input.captures {
+        let _ = writeln!(text, "\n{}: {}", capture.role, capture.source);
+    }
+    if !found.steps.is_empty() {
+        text.push_str("\n| added | before, mNm | after, mNm | placebo, mNm |\n|---|---|---|---|\n");
+    }
+    for step in &found.steps {
+        let [before, after, placebo] =
+            [step.heldout_rms_before, step.heldout_rms_after, step.placebo_rms].map(three_digits);
+        let _ = writeln!(text, "| {} | {before} | {after} | {placebo} |", step.effect);
+    }
+    let _ = writeln!(
+        text,
+        "\nThe last model leaves {} mNm of the held-out capture; noise alone leaves {} mNm.",
+        three_digits(found.heldout_rms_after),
+        three_digits(found.noise_floor_rms)
+    );
+    for step in &found.steps {
+        let _ =
+            writeln!(text, "\n## {}\n\n| parameter | value | 95 % interval | unit |\n|---|---|---|---|", step.effect);
+        for (name, value) in &step.parameters {
+            let interval = value.ci95.map_or_else(
+                || "–".to_owned(),
+                |[low, high]| format!("{} … {}", three_digits(low), three_digits(high)),
+            );
+            let _ = writeln!(text, "| {name} | {} | {interval} | {} |", three_digits(value.value), value.unit);
+        }
+        if !step.ties.is_empty() {
+            let _ = writeln!(text, "\n**A tie** with {}.", step.ties.join(" and "));
+        }
+        text.push_str("\n| rival | left, mNm | evidence, nats | |\n|---|---|---|---|\n");
+        let of_itself = (step.effect.as_str(), step.heldout_rms_after, step.evidence, "");
+        let rivals = step.rivals.iter().map(|rival| {
+            (
+                rival.effect.as_str(),
+                rival.heldout_rms_after,
+                rival.evidence,
+                rival.disqualified.as_deref().unwrap_or(""),
+            )
+        });
+        for (name, rms, evidence, why) in [of_itself].into_iter().chain(rivals) {
+            let _ = writeln!(text, "| {name} | {} | {} | {why} |", three_digits(rms), three_digits(evidence));
+        }
+    }
+    if let Some([before, after]) = found.forward_angle_rms_rad {
+        let _ = writeln!(text, "\nMotion predicted from the measured torque: {before:.2e} rad, then {after:.2e} rad.");
+    }
+    if let Some(forward) = &found.forward_from_command {
+        let errors: Vec<String> = forward.angle_rms_rad.iter().map(|error| format!("{error:.2e}")).collect();
+        let _ = writeln!(text, "\nMotion predicted from the command, effect by effect: {} rad.", errors.join(", "));
+    }
+    if let Some(next) = &found.next_experiment {
+        let _ = writeln!(text, "\n**Next:** {}.", next.reason);
+    }
+    for note in &found.notes {
+        let _ = writeln!(text, "\n- {note}");
+    }
+    text
+}
