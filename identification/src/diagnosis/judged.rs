@@ -61,6 +61,11 @@ impl Judged {
         }
     }
 
+    /// Name of the effect that the structure has more than the one before.
+    pub(crate) fn newest(&self) -> &'static str {
+        self.structure.effects.last().map_or("", |effect| effect.kind().name)
+    }
+
     /// RMS left of the held-out capture, in floors.
     pub(crate) fn heldout_over_floor(&self) -> f64 {
         self.heldout_rms_mnm / self.heldout_floor_mnm

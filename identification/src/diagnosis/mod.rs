@@ -3,6 +3,7 @@
 mod both_cores;
 mod capture;
 mod commanded;
+mod error;
 mod experiment;
 mod findings;
 mod hypotheses;
@@ -14,12 +15,17 @@ mod normal;
 mod periodogram;
 mod placebo;
 mod rows;
+mod search;
 mod separable;
 mod structure;
 mod twist;
+mod verdict;
 mod workflow;
+mod worth;
 
 pub use commanded::CommandedTorque;
+pub use error::DiagnosisError;
 pub use findings::{Diagnosis, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
 pub use locate::Location;
-pub use workflow::{DiagnoseOptions, DiagnosisError, FORWARD_WINDOW_S, Progress, diagnose};
+pub use verdict::FORWARD_WINDOW_S;
+pub use workflow::{DiagnoseOptions, Progress, diagnose};

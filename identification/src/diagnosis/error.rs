@@ -1,0 +1,53 @@
+//! Why captures cannot be diagnosed.
+
+use crate::FitError;
+
+/// Why captures cannot be diagnosed.
+#[derive(Debug, thiserror::Error)]
+pub enum DiagnosisError {
+    /// One of the captures cannot be fitted.
+    #[error("the {which} capture: {reason}")]
+    Capture {
+        /// Which one.
+        which: &'static str,
+        /// What is wrong with it.
+        reason: FitError,
+    },
+    /// The captures are the same.
+    #[error(
+        "the held-out capture is the training capture; give one of another motion, or none to hold out stretches of \
+         the training capture"
+    )]
+    SameCapture,
+    /// The sample rates differ.
+    #[error(
+        "the training capture has {train_hz:.1} samples per second and the held-out one {heldout_hz:.1}; capture both \
+         at one rate"
+    )]
+    DifferentRates {
+        /// Of the training capture, Hz.
+        train_hz: f64,
+        /// Of the held-out capture, Hz.
+        heldout_hz: f64,
+    },
+    /// The columns differ by a power of ten or another unit.
+    #[error(
+        "the model of the training capture predicts the held-out torque only when multiplied by {factor:.3}; check that \
+         both captures are of one knob and in the same units (rad, mNm)"
+    )]
+    DifferentUnits {
+        /// What the prediction would have to be multiplied by.
+        factor: f64,
+    },
+    /// The torque hardly rises above the noise.
+    #[error(
+        "the {which} capture's torque is {over_floor:.1} times its noise, too quiet to tell anything; turn the knob \
+         faster or further"
+    )]
+    TooQuiet {
+        /// Which one.
+        which: &'static str,
+        /// RMS of the torque in noise floors.
+        over_floor: f64,
+    },
+}

@@ -1,0 +1,270 @@
+//! Effect after effect is tried, added and, if others make it superfluous, taken out again.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use dynamics::{Effect, EffectKind, Part, effects};
+
+use super::both_cores::on_both_cores;
+use super::capture::Capture;
+use super::error::DiagnosisError;
+use super::findings::Partial;
+use super::hypotheses;
+use super::judged::Judged;
+use super::nonlinear::Nonlinear;
+use super::separable::Separable;
+use super::structure::Structure;
+use super::verdict::LEFT;
+use super::workflow::{DiagnoseOptions, Progress};
+use super::worth::{EVIDENCE, explains_the_gap, worthwhile};
+use crate::{FitError, FitOptions, Samples, fit};
+
+/// Most effects that are added.
+const MOST_EFFECTS: usize = 4;
+/// Effects that are tried together with a coupling where none alone is worth it.
+const HIDING: usize = 3;
+
+pub(crate) struct Search<'a> {
+    pub(crate) train: &'a Capture,
+    pub(crate) heldout: &'a Capture,
+    pub(crate) options: &'a DiagnoseOptions<'a>,
+}
+
+/// Everything that was found on the way.
+pub(crate) struct Found {
+    /// The model without further effects, and then with each more.
+    pub(crate) chain: Vec<Judged>,
+    /// The effects that were added.
+    pub(crate) added: Vec<&'static str>,
+    /// The rivals of each.
+    pub(crate) rivals: Vec<Vec<Judged>>,
+    /// What explained part of the rest and was not added.
+    pub(crate) partial: Vec<Partial>,
+}
+
+impl Search<'_> {
+    /// Inertia, friction and detents, or the model given, fitted to the training capture.
+    pub(crate) fn base(&self, samples: &Samples<'_>) -> Result<Judged, DiagnosisError> {
+        let effects: Vec<Effect> = match &self.options.model {
+            Some(model) => model.effects.clone(),
+            None => {
+                let options = FitOptions { calibration: self.options.calibration.clone(), ..FitOptions::default() };
+                match fit(samples, &options) {
+                    Ok(fit) => fit.effects().to_vec(),
+                    // Too slow or too coarse to look for detents; in a narrow band the rest can still be told.
+                    Err(FitError::HardlyMoving { .. }) => {
+                        [&effects::inertia::KIND, &effects::friction::KIND].map(|kind| Effect::new(kind, &[])).to_vec()
+                    }
+                    Err(reason) => return Err(DiagnosisError::Capture { which: "training", reason }),
+                }
+            }
+        };
+        let fitted: Vec<Effect> =
+            effects.into_iter().filter(|effect| !matches!(effect.kind().part, Part::Stick(_))).collect();
+        Ok(self.settled(Structure::new(&fitted)))
+    }
+
+    /// A structure fitted from where it stands.
+    fn settled(&self, structure: Structure) -> Judged {
+        if structure.is_coupled() {
+            let mut fit = Nonlinear::new(structure, self.train);
+            fit.refine(2);
+            return Judged::nonlinear(&fit, self.train, self.heldout);
+        }
+        let mut fit = Separable::new(structure, self.train);
+        fit.refine(10);
+        Judged::separable(&fit, self.heldout)
+    }
+
+    pub(crate) fn check(&self, base: &Judged) -> Result<(), DiagnosisError> {
+        for (which, capture, residual) in
+            [("training", self.train, &base.train_residual), ("held-out", self.heldout, &base.heldout_residual)]
+        {
+            let target = capture.target(base.structure.delay_s());
+            let square = crate::least_squares::dot(&target, &target);
+            let over_floor = (square / capture.weight).sqrt() / capture.floor_mnm(0.0);
+            if over_floor < 2.0 {
+                return Err(DiagnosisError::TooQuiet { which, over_floor });
+            }
+            let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
+            let factor = crate::least_squares::dot(&target, &predicted)
+                / crate::least_squares::dot(&predicted, &predicted).max(f64::MIN_POSITIVE);
+            if which == "held-out" && !(0.1..10.0).contains(&factor) {
+                return Err(DiagnosisError::DifferentUnits { factor });
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds effect after effect as long as one is worth it.
+    pub(crate) fn explain(&self, first: Judged) -> Found {
+        let mut found = Found { chain: vec![first], added: Vec::new(), rivals: Vec::new(), partial: Vec::new() };
+        while found.rivals.len() < MOST_EFFECTS {
+            let Some(current) = found.chain.last().cloned() else { break };
+            if explains_the_gap(&current, &found.chain[0]) {
+                // Nothing more could be worth a name.
+                break;
+            }
+            let mut tried = self.try_all(&current, &found.chain[0]);
+            tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+            let worth = |rival: &Judged| {
+                self.disqualified(rival).is_none() && worthwhile(&current, rival, &found.chain[0], self.heldout)
+            };
+            let Some(best) = tried.iter().position(worth) else {
+                found.partial = self.partial(&current, &tried);
+                if self.add_pair(&mut found, &current, &tried) {
+                    continue;
+                }
+                break;
+            };
+            let chosen = tried.remove(best);
+            if let Some(with_detents) = self.as_detent(&chosen) {
+                // The first torque that repeats with the angle is the detents, which the model's base lacked.
+                found.chain.pop();
+                found.chain.push(with_detents);
+                continue;
+            }
+            self.add(&mut found, chosen, tried);
+        }
+        found
+    }
+
+    fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) {
+        let effect = chosen.newest();
+        self.say(Progress::Added { effect, heldout_over_floor: chosen.heldout_over_floor() });
+        found.added.push(effect);
+        found.chain.push(chosen);
+        found.rivals.push(rivals);
+    }
+
+    /// Adds two effects at once where neither alone is worth it and much is left: one may hide the other.
+    fn add_pair(&self, found: &mut Found, current: &Judged, tried: &[Judged]) -> bool {
+        if current.train_over_floor() < LEFT || current.structure.is_coupled() || found.rivals.len() + 2 > MOST_EFFECTS
+        {
+            return false;
+        }
+        let firsts: Vec<&Judged> = tried
+            .iter()
+            .filter(|judged| !judged.structure.is_coupled() && judged.evidence > current.evidence + EVIDENCE)
+            .take(HIDING)
+            .collect();
+        let couplings: Vec<&'static EffectKind> = hypotheses::candidates(&current.structure)
+            .into_iter()
+            .filter(|kind| matches!(kind.part, Part::Coupling(_)))
+            .collect();
+        let pairs: Vec<(&Judged, &'static EffectKind)> =
+            firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
+        let mut both = on_both_cores(&pairs, |(first, kind)| {
+            let judged = hypotheses::coupled(kind, &first.structure, self.train, self.heldout)?;
+            Some(((*first).clone(), judged))
+        });
+        both.retain(|(_, judged)| {
+            self.disqualified(judged).is_none() && worthwhile(current, judged, &found.chain[0], self.heldout)
+        });
+        both.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
+        let mut both = both.into_iter();
+        let Some((first, second)) = both.next() else { return false };
+        found.partial.clear();
+        for (judged, rivals) in [(first, tried.to_vec()), (second, both.map(|(_, judged)| judged).collect())] {
+            self.add(found, judged, rivals);
+        }
+        true
+    }
+
+    fn say(&self, progress: Progress) {
+        if let Some(progress_to) = self.options.progress {
+            progress_to(progress);
+        }
+    }
+
+    /// The best fit with each effect of the catalogue more, on both cores.
+    fn try_all(&self, current: &Judged, first: &Judged) -> Vec<Judged> {
+        let kinds = hypotheses::candidates(&current.structure);
+        if current.structure.is_coupled() {
+            return hypotheses::beside_coupling(&kinds, &current.structure, self.train, self.heldout);
+        }
+        let (mut coupled, separable): (Vec<&'static EffectKind>, Vec<&'static EffectKind>) =
+            kinds.iter().partition(|kind| matches!(kind.part, Part::Coupling(_)));
+        coupled.sort_by_key(|kind| kind.parameters.len());
+        let base = Separable::new(current.structure.clone(), self.train);
+        let of = kinds.len();
+        let done = AtomicUsize::new(0);
+        let say = |kind: &EffectKind| {
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            self.say(Progress::Tried { effect: kind.name, done, of });
+        };
+        let mut tried = on_both_cores(&separable, |kind| {
+            let judged = hypotheses::separable(kind, &base, self.heldout);
+            say(kind);
+            judged
+        });
+        let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
+        let closes =
+            |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();
+        if open(current) && !tried.iter().any(closes) {
+            for kind in coupled {
+                let judged = hypotheses::coupled(kind, &current.structure, self.train, self.heldout);
+                say(kind);
+                let closed = judged.as_ref().is_some_and(closes);
+                tried.extend(judged);
+                if closed {
+                    // The next coupling has more freedom and costs more.
+                    break;
+                }
+            }
+        }
+        tried
+    }
+
+    /// Why the last effect cannot be the one, if so.
+    pub(crate) fn disqualified(&self, judged: &Judged) -> Option<String> {
+        Nonlinear::on_bound(&judged.structure, self.train)
+            .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
+    }
+
+    /// The same with the last effect taken for detents, if it is a periodic torque and there are none yet.
+    fn as_detent(&self, judged: &Judged) -> Option<Judged> {
+        let effect = judged.structure.effects.last()?;
+        let is_periodic = effect.kind().name == effects::cogging::KIND.name;
+        if !is_periodic || judged.structure.position(effects::detent::KIND.name).is_some() {
+            return None;
+        }
+        let [amplitude, per_turn, phase] = *effect.values() else { return None };
+        let detent = Effect::new(&effects::detent::KIND, &[amplitude, 1.0 / per_turn, phase]);
+        let base = judged.structure.without(judged.structure.effects.len() - 1);
+        Some(self.settled(base.with(detent, 2)))
+    }
+
+    /// What explains some of the rest without being worth a name.
+    fn partial(&self, current: &Judged, tried: &[Judged]) -> Vec<Partial> {
+        let gap = current.excess();
+        let each = tried
+            .iter()
+            .filter(|judged| judged.evidence - current.evidence > EVIDENCE)
+            .map(|judged| Partial { effect: judged.newest(), explains_percent: 100.0 * (gap - judged.excess()) / gap });
+        each.filter(|partial| partial.explains_percent > 5.0).collect()
+    }
+
+    /// Takes out again what other effects have made superfluous.
+    pub(crate) fn eliminate(&self, found: &mut Found) {
+        let mut step = 0;
+        while step < found.added.len() && found.added.len() > 1 {
+            let Some(last) = found.chain.last() else { return };
+            let Some(index) = last.structure.position(found.added[step]) else { return };
+            let without = self.settled(last.structure.without(index));
+            if worthwhile(&without, last, &found.chain[0], self.heldout) {
+                step += 1;
+                continue;
+            }
+            // The chain is made anew without it.
+            let removed = found.added.remove(step);
+            found.chain.remove(step + 1);
+            found.rivals.remove(step);
+            for later in &mut found.chain[step + 1..] {
+                if let Some(index) = later.structure.position(removed) {
+                    *later = self.settled(later.structure.without(index));
+                }
+            }
+            step = 0;
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! What was found, in figures and words.
+
+use dynamics::simulate;
+
+use super::commanded;
+use super::findings::{Diagnosis, Partial, Rival, Step, Verdict};
+use super::judged::Judged;
+use super::locate::locate;
+use super::search::{Found, Search};
+use super::structure::Structure;
+use super::worth::{UNEXPLAINED, worthwhile};
+use super::{experiment, intervals, placebo, rows};
+
+/// RMS in floors above which something is left, if it goes with something …
+pub(crate) const LEFT: f64 = 1.3;
+/// … and above which it need not: noise in motion is not two and a half times as strong as the sensors' own.
+const CERTAINLY_LEFT: f64 = 1.6;
+/// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
+const TIE: f64 = 3.0;
+/// Share of the gap's mean square that effects must explain to be named although something else is left.
+const MOST_OF_IT: f64 = 0.7;
+/// Time over which motion is predicted from torque before it is started anew, s.
+pub const FORWARD_WINDOW_S: f64 = 0.1;
+
+impl Search<'_> {
+    pub(crate) fn report(&self, found: &Found, heldout_is_own: bool) -> Diagnosis {
+        let (first, last) = (&found.chain[0], found.chain.last().unwrap_or(&found.chain[0]));
+        // Where nothing was found, one capture that is not explained is enough to say that something is left; where
+        // something was, either may contain what the other was too short to teach.
+        let each = [last.heldout_over_floor(), last.train_over_floor()];
+        let left = if found.added.is_empty() { each[0].max(each[1]) } else { each[0].min(each[1]) };
+        let unexplained = (last.excess().max(0.0) / first.excess().max(f64::MIN_POSITIVE)).sqrt();
+        let where_after = locate(&last.train_residual, &last.structure, self.train);
+        // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
+        let shaped = where_after.iter().any(|location| location.significant);
+        let verdict = if left > LEFT && unexplained > UNEXPLAINED && (shaped || left > CERTAINLY_LEFT) {
+            Verdict::OutsideLibrary
+        } else if found.rivals.is_empty() {
+            Verdict::None
+        } else {
+            Verdict::Effects
+        };
+        let values = intervals::of(&last.structure, self.train);
+        let steps: Vec<Step> = found
+            .rivals
+            .iter()
+            .enumerate()
+            .map(|(index, rivals)| {
+                let pair = [&found.chain[index], &found.chain[index + 1]];
+                self.step(found.added[index], pair, rivals, last, &values)
+            })
+            .collect();
+        let mut partial = found.partial.clone();
+        let mut effects = self.strongest_first(&last.structure, &steps);
+        if verdict == Verdict::OutsideLibrary {
+            let gap = first.excess();
+            let added = found.chain.windows(2).zip(&found.added).map(|(pair, effect)| Partial {
+                effect,
+                explains_percent: 100.0 * (pair[0].excess() - pair[1].excess()) / gap,
+            });
+            partial.splice(0..0, added);
+            if last.excess() > (1.0 - MOST_OF_IT) * gap {
+                effects.clear();
+            }
+        }
+        let next_experiment =
+            steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
+                let tied = rivals.iter().find(|rival| step.ties.contains(&rival.newest()))?;
+                experiment::next(
+                    [step.effect, tied.newest()],
+                    [&chosen.structure, &tied.structure],
+                    self.train,
+                    self.options.reach_rad,
+                )
+            });
+        let mut diagnosis = Diagnosis {
+            verdict,
+            effects,
+            summary: String::new(),
+            train_rms_before: first.train_rms_mnm,
+            train_rms_after: last.train_rms_mnm,
+            heldout_rms_before: first.heldout_rms_mnm,
+            heldout_rms_after: last.heldout_rms_mnm,
+            noise_floor_rms: last.heldout_floor_mnm,
+            forward_angle_rms_rad: self.forward_angle_rms_rad(&first.structure, &last.structure),
+            forward_from_command: None,
+            heldout_relative_error_percent: [first, last].map(|judged| self.relative_error_percent(judged)),
+            steps,
+            partial,
+            locations: locate(&first.train_residual, &first.structure, self.train),
+            where_after,
+            next_experiment,
+            heldout_is_own,
+            band_hz: self.train.band.edge_hz,
+            notes: Vec::new(),
+            model: last.structure.model(),
+            chain: found.chain.iter().map(|judged| judged.structure.model()).collect(),
+            rows: rows::of(first, last, [self.train, self.heldout]),
+        };
+        diagnosis.summary = diagnosis.in_one_sentence();
+        let motor_inertia = self.options.calibration.as_ref().map(|known| known.motor_inertia);
+        let commanded = self.options.commanded.as_ref();
+        match commanded::forward(&diagnosis.chain, [self.train, self.heldout], commanded, motor_inertia) {
+            Ok(forward) => diagnosis.forward_from_command = Some(forward),
+            Err(reason) => diagnosis.notes.push(format!("motion is not predicted from the command: {reason}")),
+        }
+        if heldout_is_own {
+            diagnosis.notes.push(
+                "no held-out capture was given: stretches of the training capture were held out, which is weaker \
+                 evidence than another motion"
+                    .to_owned(),
+            );
+        }
+        diagnosis
+    }
+
+    /// Error of the held-out motion predicted from the torque, with the first and with the final model.
+    fn forward_angle_rms_rad(&self, first: &Structure, last: &Structure) -> Option<[f64; 2]> {
+        let predicted = |structure: &Structure| {
+            let readings_mnm = self.heldout.torque_mnm(structure.skew_s);
+            let (model, motions) = (structure.model(), self.heldout.motions());
+            let errors = simulate::forward_windows(&model, 0.0, motions, &readings_mnm, FORWARD_WINDOW_S).ok()?;
+            errors.angle_rms_rad.is_finite().then_some(errors.angle_rms_rad)
+        };
+        Some([predicted(first)?, predicted(last)?])
+    }
+
+    fn relative_error_percent(&self, judged: &Judged) -> f64 {
+        let target = self.heldout.target(judged.structure.delay_s());
+        let square = |values: &[f64]| crate::least_squares::dot(values, values);
+        100.0 * (square(&judged.heldout_residual) / square(&target)).sqrt()
+    }
+
+    fn step(
+        &self,
+        effect: &'static str,
+        [before, after]: [&Judged; 2],
+        rivals: &[Judged],
+        last: &Judged,
+        values: &[std::collections::BTreeMap<&'static str, super::findings::Value>],
+    ) -> Step {
+        let best = rivals.iter().map(|rival| rival.evidence).fold(after.evidence, f64::max);
+        let total: f64 = rivals.iter().chain([after]).map(|rival| (rival.evidence - best).exp()).sum();
+        let rival = |judged: &Judged| Rival {
+            effect: judged.newest(),
+            heldout_rms_after: judged.heldout_rms_mnm,
+            evidence: judged.evidence - before.evidence,
+            probability: (judged.evidence - best).exp() / total,
+            disqualified: self.disqualified(judged),
+        };
+        let tied = |judged: &&Judged| {
+            self.disqualified(judged).is_none()
+                && (after.evidence - judged.evidence < TIE || after.steadily_better_than(judged) < 2.0)
+                && worthwhile(before, judged, before, self.heldout)
+        };
+        Step {
+            effect,
+            parameters: last.structure.position(effect).map(|index| values[index].clone()).unwrap_or_default(),
+            train_rms_before: before.train_rms_mnm,
+            train_rms_after: after.train_rms_mnm,
+            heldout_rms_before: before.heldout_rms_mnm,
+            heldout_rms_after: after.heldout_rms_mnm,
+            evidence: after.evidence - before.evidence,
+            steadiness: after.steadily_better_than(before),
+            placebo_rms: placebo::rms_mnm(effect, before, &after.structure, self.train, self.heldout),
+            ties: rivals.iter().filter(tied).map(Judged::newest).collect(),
+            rivals: rivals.iter().map(rival).collect(),
+        }
+    }
+
+    /// The effects that were added, by the torque that each makes in the final model.
+    fn strongest_first(&self, structure: &Structure, steps: &[Step]) -> Vec<&'static str> {
+        let with = structure.model().readings_mnm(self.train.motions());
+        let mut sizes: Vec<(f64, &'static str)> = steps
+            .iter()
+            .filter_map(|step| {
+                let index = structure.position(step.effect)?;
+                let less = structure.without(index);
+                let without = less.model().readings_mnm(self.train.motions());
+                let delayed = self.train.target(structure.delay_s()).into_iter().zip(self.train.target(less.delay_s()));
+                let late: f64 = delayed.map(|(with, without)| (with - without).powi(2)).sum();
+                let difference: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
+                let rows = self.train.frame.rows(&difference);
+                Some((crate::least_squares::dot(&rows, &rows) + late, step.effect))
+            })
+            .collect();
+        sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sizes.into_iter().map(|(_, effect)| effect).collect()
+    }
+}
