@@ -27,6 +27,10 @@ const SKEW_SAMPLES: f64 = 0.5;
 const REST_S: f64 = 0.08;
 /// Parts of the rows' spectrum over which medians are taken, in cycles per row; the band ends at two fifths.
 const REST_PARTS: [f64; 5] = [0.0, 0.08, 0.18, 0.3, 0.5];
+/// Rows of a stretch whose loudness is taken, and fewest stretches to tell the quietest by.
+const STRETCH_ROWS: usize = 60;
+const STRETCH_WEIGHT: f64 = 60.0;
+const FEWEST_STRETCHES: usize = 10;
 /// Fewest rows at rest from which the noise in the band is believed.
 const REST_ROWS: usize = 40;
 
@@ -148,6 +152,20 @@ impl Capture {
         let Some(coupling) = structure.model().coupling() else { return self.floor_mnm(structure.inertia()) };
         let of_cap = self.floor_mnm((1.0 - coupling.inner_share) * structure.inertia());
         of_cap.hypot(self.driven_noise_mnm(structure))
+    }
+
+    /// RMS of a residual in the quietest tenth of its stretches, mNm: where a model is wrong, it is so by different
+    /// amounts in different stretches, and noise is in all.
+    pub(crate) fn quiet_rms_mnm(&self, residual: &[f64]) -> f64 {
+        let weights: Vec<f64> = self.frame.mask.iter().step_by(self.frame.step).map(|mask| mask * mask).collect();
+        let mut squares: Vec<f64> = residual
+            .chunks(STRETCH_ROWS)
+            .zip(weights.chunks(STRETCH_ROWS))
+            .map(|(rows, weights)| (dot(rows, rows), weights.iter().sum::<f64>()))
+            .filter(|(_, weight)| 2.0 * weight > STRETCH_WEIGHT)
+            .map(|(square, weight)| square / weight)
+            .collect();
+        if squares.len() < FEWEST_STRETCHES { f64::INFINITY } else { quantile(&mut squares, 0.1).sqrt() }
     }
 
     /// RMS in the rows of what the angle's noise makes of a simulation that the angle drives, mNm: the simulation with

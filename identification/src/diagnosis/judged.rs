@@ -9,6 +9,8 @@ use crate::least_squares::dot;
 
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;
+/// How much louder than the quietest tenth of a residual's stretches noise alone may be.
+const QUIET: f64 = 1.25;
 /// Change of the logarithm of a stretch's mean square above which two structures differ there …
 const FELT: f64 = 0.02;
 /// … and fewest such stretches from which anything is concluded.
@@ -50,8 +52,11 @@ impl Judged {
         #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
         let cost = 0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln();
         Self {
-            train_floor_mnm: train.floor_beside_mnm(&structure),
-            heldout_floor_mnm: heldout.floor_beside_mnm(&structure),
+            // Where a servo pushes against a knob that sticks, rests are louder than the sensors; noise is everywhere.
+            train_floor_mnm: train.floor_beside_mnm(&structure).min(QUIET * train.quiet_rms_mnm(&train_residual)),
+            heldout_floor_mnm: heldout
+                .floor_beside_mnm(&structure)
+                .min(QUIET * heldout.quiet_rms_mnm(&heldout_residual)),
             structure,
             train_residual,
             heldout_residual,
@@ -78,13 +83,24 @@ impl Judged {
 
     /// Mean square above the floor, of both captures together, mNm².
     pub(crate) fn excess(&self) -> f64 {
-        self.excess_above(1.0)
+        self.excess_above(self.floors_mnm())
     }
 
-    /// Mean square above a share of the floor, of both captures together, mNm².
-    pub(crate) fn excess_above(&self, share: f64) -> f64 {
-        let above = |rms: f64, floor: f64| rms * rms - (share * floor).powi(2);
-        0.5 * (above(self.train_rms_mnm, self.train_floor_mnm) + above(self.heldout_rms_mnm, self.heldout_floor_mnm))
+    /// Mean square above given floors of the training and the held-out capture, mNm².
+    pub(crate) fn excess_above(&self, floors_mnm: [f64; 2]) -> f64 {
+        let above = |rms: f64, floor: f64| rms * rms - floor * floor;
+        0.5 * (above(self.train_rms_mnm, floors_mnm[0]) + above(self.heldout_rms_mnm, floors_mnm[1]))
+    }
+
+    /// Mean square above the floor that is known beside `later`, which left less, mNm².
+    pub(crate) fn excess_beside(&self, later: &Self) -> f64 {
+        let (own, other) = (self.floors_mnm(), later.floors_mnm());
+        self.excess_above([own[0].min(other[0]), own[1].min(other[1])])
+    }
+
+    /// Floors of the training and the held-out capture, mNm.
+    pub(crate) fn floors_mnm(&self) -> [f64; 2] {
+        [self.train_floor_mnm, self.heldout_floor_mnm]
     }
 
     /// By how many standard errors this explains stretch after stretch of both captures better than `other`, among the

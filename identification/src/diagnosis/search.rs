@@ -237,10 +237,10 @@ impl Search<'_> {
     /// What explains some of the rest without being worth a name.
     fn partial(&self, current: &Judged, tried: &[Judged]) -> Vec<Partial> {
         let gap = current.excess();
-        let each = tried
-            .iter()
-            .filter(|judged| judged.evidence - current.evidence > EVIDENCE)
-            .map(|judged| Partial { effect: judged.newest(), explains_percent: 100.0 * (gap - judged.excess()) / gap });
+        let each = tried.iter().filter(|judged| judged.evidence - current.evidence > EVIDENCE).map(|judged| Partial {
+            effect: judged.newest(),
+            explains_percent: 100.0 * (gap - judged.excess_beside(current)) / gap,
+        });
         each.filter(|partial| partial.explains_percent > 5.0).collect()
     }
 

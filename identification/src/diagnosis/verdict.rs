@@ -29,7 +29,7 @@ impl Search<'_> {
         // something was, either may contain what the other was too short to teach.
         let each = [last.heldout_over_floor(), last.train_over_floor()];
         let left = if found.added.is_empty() { each[0].max(each[1]) } else { each[0].min(each[1]) };
-        let unexplained = (last.excess().max(0.0) / first.excess().max(f64::MIN_POSITIVE)).sqrt();
+        let unexplained = (last.excess().max(0.0) / first.excess_beside(last).max(f64::MIN_POSITIVE)).sqrt();
         let where_after = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
         let shaped = where_after.iter().any(|location| location.significant);
@@ -53,10 +53,10 @@ impl Search<'_> {
         let mut partial = found.partial.clone();
         let mut effects = self.strongest_first(&last.structure, &steps);
         if verdict == Verdict::OutsideLibrary {
-            let gap = first.excess();
+            let gap = first.excess_beside(last);
             let added = found.chain.windows(2).zip(&found.added).map(|(pair, effect)| Partial {
                 effect,
-                explains_percent: 100.0 * (pair[0].excess() - pair[1].excess()) / gap,
+                explains_percent: 100.0 * (pair[0].excess_beside(last) - pair[1].excess_beside(last)) / gap,
             });
             partial.splice(0..0, added);
             if last.excess() > (1.0 - MOST_OF_IT) * gap {
