@@ -49,7 +49,7 @@ pub(crate) fn decimate(input: &[f64], taps: &[f64], step: usize, output: &mut [f
 
 /// Values by their place modulo `STEP`, `length` of each.
 #[inline(always)]
-pub(super) fn sort_by_phase<const STEP: usize>(input: &[f64], length: usize, sorted: &mut [f64]) {
+fn sort_by_phase<const STEP: usize>(input: &[f64], length: usize, sorted: &mut [f64]) {
     let (whole, rest) = input.as_chunks::<STEP>();
     let count = whole.len().min(length);
     for (phase, sorted) in sorted.chunks_exact_mut(length).enumerate() {

@@ -1,46 +1,54 @@
 //! Columns' inner products within short stretches.
 
-use super::filters::sort_by_phase;
 use super::widest;
+
+/// Groups that are summed side by side: their sums stay in registers, and the rows of a dozen columns in the first-level
+/// cache.
+const SIDE_BY_SIDE: usize = 32;
 
 /// Inner products of every pair of columns, the pairs of the lower triangle row by row, over each `group` rows.
 ///
 /// With the rows sorted by their place within the group, neighbouring groups are summed side by side.
 pub(crate) fn grouped_products(columns: &[&[f64]], group: usize) -> Vec<Vec<f64>> {
-    let groups = columns.first().map_or(0, |column| column.len()).div_ceil(group);
-    let mut sorted = vec![0.0; columns.len() * groups * group];
+    let rows = columns.first().map_or(0, |column| column.len());
+    let groups = rows.div_ceil(group);
+    let mut sorted = vec![[0.0; SIDE_BY_SIDE]; columns.len() * group];
     let mut products = vec![vec![0.0; groups]; columns.len() * (columns.len() + 1) / 2];
-    if groups == 0 {
-        return products;
-    }
     widest(
         #[inline(always)]
         || {
-            for (column, sorted) in columns.iter().zip(sorted.chunks_exact_mut(groups * group)) {
-                match group {
-                    // The group of the least bandwidth of a long capture: whole vectors are sorted at once.
-                    8 => sort_by_phase::<8>(column, groups, sorted),
-                    _ => {
-                        for (phase, sorted) in sorted.chunks_exact_mut(groups).enumerate() {
-                            let values = column.iter().skip(phase).step_by(group);
-                            sorted.iter_mut().zip(values).for_each(|(slot, value)| *slot = *value);
-                        }
-                    }
+            for start in (0..groups).step_by(SIDE_BY_SIDE) {
+                let block = start * group..((start + SIDE_BY_SIDE) * group).min(rows);
+                for (column, sorted) in columns.iter().zip(sorted.chunks_exact_mut(group)) {
+                    sort(&column[block.clone()], group, sorted);
                 }
-            }
-            let mut pairs = products.iter_mut();
-            for (row, left) in sorted.chunks_exact(groups * group).enumerate() {
-                for (right, products) in sorted.chunks_exact(groups * group).take(row + 1).zip(&mut pairs) {
-                    for (left, right) in left.chunks_exact(groups).zip(right.chunks_exact(groups)) {
-                        for ((slot, left), right) in products.iter_mut().zip(left).zip(right) {
-                            *slot += left * right;
+                let mut pairs = products.iter_mut();
+                for (row, left) in sorted.chunks_exact(group).enumerate() {
+                    for (right, products) in sorted.chunks_exact(group).take(row + 1).zip(&mut pairs) {
+                        let mut sums = [0.0; SIDE_BY_SIDE];
+                        for (left, right) in left.iter().zip(right) {
+                            for place in 0..SIDE_BY_SIDE {
+                                sums[place] += left[place] * right[place];
+                            }
                         }
+                        products[start..].iter_mut().zip(&sums).for_each(|(slot, sum)| *slot = *sum);
                     }
                 }
             }
         },
     );
     products
+}
+
+/// Values by their place within the group; zero where there are none.
+#[inline(always)]
+fn sort(values: &[f64], group: usize, sorted: &mut [[f64; SIDE_BY_SIDE]]) {
+    if values.len() < SIDE_BY_SIDE * group {
+        sorted.fill([0.0; SIDE_BY_SIDE]);
+    }
+    for (place, values) in values.chunks(group).enumerate() {
+        sorted.iter_mut().zip(values).for_each(|(slots, value)| slots[place] = *value);
+    }
 }
 
 /// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
@@ -74,7 +82,7 @@ mod tests {
     #[test]
     fn products_by_groups_are_those_of_the_rows_in_them() {
         for group in [1, 3, 8] {
-            let columns: [Vec<f64>; 2] = [0.7, 1.9].map(|rate| (0..29).map(|n| (rate * f64::from(n)).sin()).collect());
+            let columns: [Vec<f64>; 2] = [0.7, 1.9].map(|rate| (0..290).map(|n| (rate * f64::from(n)).sin()).collect());
             let [a, b] = &columns;
             let found = grouped_products(&[a, b], group);
             for (pair, (left, right)) in [(a, a), (b, a), (b, b)].into_iter().enumerate() {
