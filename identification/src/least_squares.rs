@@ -223,8 +223,8 @@ impl LeastSquares {
         let mut middle = DMatrix::zeros(count, count);
         vector::products(&smooth, 0, &mut middle);
         let active: Vec<usize> = (0..count).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
-        let leverage = Leverage::of(columns, bandwidth);
-        let factor = &self.inverse * leverage.correction(&active);
+        let leverage = Leverage::of(columns, &active, bandwidth);
+        let factor = &self.inverse * leverage.correction();
         let mut robust = RobustCovariance {
             matrix: &factor * middle * factor.transpose() * kernel_scale(width),
             degrees_of_freedom: f64::INFINITY,

@@ -16,79 +16,86 @@ use std::ops::Deref;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::long_run::{PARZEN_SQUARES, boxed, kernel_scale};
+use crate::long_run::{PARZEN_SQUARES, kernel_scale};
+use crate::vector;
 
 /// Places at which half of the kernel is told apart: products of columns vary slowly.
 const PLACES_PER_HALF: usize = 4;
 /// Least share of a variance that is taken for left: of less, nothing can be said.
 const LEAST_LEFT: f64 = 0.1;
 
-/// Inner products of the columns within each window of the kernel.
+/// What the fitted columns, made one in length, do within the windows of the kernel.
+///
+/// A window's inner products are a matrix A. All that is asked for are sums over the windows of products of two of its
+/// elements, so these are taken once for all pairs.
 pub(crate) struct Leverage {
+    /// Number of columns, fitted or not.
     columns: usize,
-    /// Every pair's products, summed over the triangle at each place; the pairs of the lower triangle row by row.
-    windows: Vec<Vec<f64>>,
-    /// The same over all rows.
+    /// Those that were fitted.
+    active: Vec<usize>,
+    /// Their lengths.
+    lengths: Vec<f64>,
+    /// Their inner products over all rows.
     gram: DMatrix<f64>,
+    /// ΣA over the windows, the pairs of the lower triangle row by row.
+    sums: DVector<f64>,
+    /// ΣA·A' of any two pairs.
+    squares: DMatrix<f64>,
     /// Half the kernel's width in places.
     width: usize,
 }
 
 impl Leverage {
-    /// Looks at `columns` through a kernel of `bandwidth` rows.
+    /// Looks at the `active` ones of `columns` through a kernel of `bandwidth` rows.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of rows")]
-    pub(crate) fn of<C: Deref<Target = [f64]>>(columns: &[C], bandwidth: f64) -> Self {
+    pub(crate) fn of<C: Deref<Target = [f64]>>(columns: &[C], active: &[usize], bandwidth: f64) -> Self {
         let half = (0.5 * bandwidth).round().max(1.0) as usize;
         let group = half.div_ceil(PLACES_PER_HALF).max(1);
         let width = half.div_ceil(group);
-        let mut gram = DMatrix::zeros(columns.len(), columns.len());
-        let mut windows = Vec::new();
-        for (row, left) in columns.iter().enumerate() {
-            for (column, right) in columns[..=row].iter().enumerate() {
-                let parts = left.chunks(group).zip(right.chunks(group));
-                let places: Vec<f64> =
-                    parts.map(|(left, right)| left.iter().zip(right).map(|(a, b)| a * b).sum()).collect();
-                gram[(row, column)] = places.iter().sum();
-                gram[(column, row)] = gram[(row, column)];
-                windows.push(boxed(&boxed(&places, width), width));
-            }
-        }
-        Self { columns: columns.len(), windows, gram, width }
+        let fitted: Vec<&[f64]> = active.iter().map(|index| &*columns[*index]).collect();
+        let places = vector::grouped_products(&fitted, group);
+        let totals: Vec<f64> = places.iter().map(|places| vector::sum(places)).collect();
+        let lengths: Vec<f64> = (0..active.len()).map(|index| totals[pair(index, index)].sqrt()).collect();
+        let gram = DMatrix::from_fn(active.len(), active.len(), |row, column| {
+            totals[pair(row, column)] / (lengths[row] * lengths[column])
+        });
+        let windows: Vec<Vec<f64>> = places.iter().map(|places| vector::short_triangle(places, width)).collect();
+        let scales: Vec<f64> = (0..active.len())
+            .flat_map(|row| (0..=row).map(move |column| (row, column)))
+            .map(|(row, column)| 1.0 / (lengths[row] * lengths[column]))
+            .collect();
+        let mut squares = DMatrix::zeros(windows.len(), windows.len());
+        vector::products(&windows, 0, &mut squares);
+        squares = squares.map_with_location(|row, column, value| value * scales[row] * scales[column]);
+        let sums =
+            DVector::from_iterator(windows.len(), windows.iter().zip(&scales).map(|(a, scale)| scale * vector::sum(a)));
+        Self { columns: columns.len(), active: active.to_vec(), lengths, gram, sums, squares, width }
     }
 
     /// The matrix K that makes K·M·Kᵀ of the scores' long-run covariance M what it would be of errors in place of
-    /// residuals; `active` are the columns that were fitted.
-    pub(crate) fn correction(&self, active: &[usize]) -> DMatrix<f64> {
+    /// residuals.
+    pub(crate) fn correction(&self) -> DMatrix<f64> {
         let mut correction = DMatrix::identity(self.columns, self.columns);
-        let part = DMatrix::from_fn(active.len(), active.len(), |row, column| {
-            self.gram[(active[row], active[column])] / (self.scale(active[row]) * self.scale(active[column]))
-        });
-        let Some(factor) = Cholesky::new(part) else { return correction };
+        let count = self.active.len();
+        let Some(factor) = Cholesky::new(self.gram.clone()) else { return correction };
         let root = factor.l();
         let Some(whitening) = root.clone().try_inverse() else { return correction };
-        let mut lost = DMatrix::zeros(active.len(), active.len());
-        let mut window = DMatrix::zeros(active.len(), active.len());
-        let mut halfway = lost.clone();
-        for place in 0..self.windows.first().map_or(0, Vec::len) {
-            for (row, at) in active.iter().enumerate() {
-                for (column, other) in active.iter().enumerate().take(row + 1) {
-                    let value = self.product(place, *at, *other) / (self.scale(*at) * self.scale(*other));
-                    window[(row, column)] = value;
-                    window[(column, row)] = value;
-                }
-            }
-            // (W'ΦW)² is R⁻¹·A·(R·Rᵀ)⁻¹·A·R⁻ᵀ for the window A and the root R; the outer factors wait until the end.
-            whitening.mul_to(&window, &mut halfway);
-            lost.gemm_tr(1.0, &halfway, &halfway, 1.0);
-        }
+        // (W'ΦW)² is R⁻¹·A·(R·Rᵀ)⁻¹·A·R⁻ᵀ for the window A and the root R.
+        let inverse = factor.inverse();
+        let lost = DMatrix::from_fn(count, count, |row, column| {
+            let products = |(left, right): (usize, usize)| {
+                inverse[(left, right)] * self.squares[(pair(row, left), pair(right, column))]
+            };
+            (0..count).flat_map(|left| (0..count).map(move |right| (left, right))).map(products).sum::<f64>()
+        });
         let lost = &whitening * lost * whitening.transpose() * kernel_scale(self.width);
-        let left = (DMatrix::identity(active.len(), active.len()) - lost).symmetric_eigen();
+        let left = (DMatrix::identity(count, count) - lost).symmetric_eigen();
         let powers = DMatrix::from_diagonal(&left.eigenvalues.map(|share| share.max(LEAST_LEFT).powf(-0.5)));
         let enlarged = &left.eigenvectors * powers * left.eigenvectors.transpose();
         let inner = root * enlarged * whitening;
-        for (row, at) in active.iter().enumerate() {
-            for (column, other) in active.iter().enumerate() {
-                correction[(*at, *other)] = inner[(row, column)] * self.scale(*at) / self.scale(*other);
+        for (row, at) in self.active.iter().enumerate() {
+            for (column, other) in self.active.iter().enumerate() {
+                correction[(*at, *other)] = inner[(row, column)] * self.lengths[row] / self.lengths[column];
             }
         }
         correction
@@ -101,30 +108,24 @@ impl Leverage {
     /// forward half of the time has half of the windows to tell its friction by.
     #[allow(clippy::cast_precision_loss, reason = "a number of places")]
     pub(crate) fn degrees_of_freedom(&self, direction: &DVector<f64>) -> f64 {
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for place in 0..self.windows.first().map_or(0, Vec::len) {
-            let mut size = 0.0;
-            let mut pair = 0;
-            for row in 0..self.columns {
-                for column in 0..=row {
-                    let twice = if row == column { 1.0 } else { 2.0 };
-                    size += twice * direction[row] * direction[column] * self.windows[pair][place];
-                    pair += 1;
-                }
+        let along: Vec<f64> =
+            self.active.iter().zip(&self.lengths).map(|(index, length)| direction[*index] * length).collect();
+        let mut shares = DVector::zeros(self.sums.len());
+        for row in 0..along.len() {
+            for column in 0..=row {
+                let twice = if row == column { 1.0 } else { 2.0 };
+                shares[pair(row, column)] = twice * along[row] * along[column];
             }
-            sum += size;
-            squares += size * size;
         }
+        let sum = self.sums.dot(&shares);
+        let squares = shares.dot(&(&self.squares * &shares));
         let alike = PARZEN_SQUARES * 2.0 * self.width as f64;
         if squares > 0.0 { (sum * sum / (alike * squares)).max(1.0) } else { f64::INFINITY }
     }
+}
 
-    fn product(&self, place: usize, row: usize, column: usize) -> f64 {
-        let (row, column) = (row.max(column), row.min(column));
-        self.windows[row * (row + 1) / 2 + column][place]
-    }
-
-    fn scale(&self, column: usize) -> f64 {
-        self.gram[(column, column)].sqrt()
-    }
+/// Place of a pair in the lower triangle, counted row by row.
+fn pair(row: usize, column: usize) -> usize {
+    let (row, column) = (row.max(column), row.min(column));
+    row * (row + 1) / 2 + column
 }

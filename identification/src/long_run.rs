@@ -50,20 +50,6 @@ pub(crate) fn kernel_scale(width: usize) -> f64 {
     3.0 / (width * (2.0 * width * width + 1.0))
 }
 
-/// Sums of `width` neighbours at every place that any of the values reaches.
-pub(crate) fn boxed(values: &[f64], width: usize) -> Vec<f64> {
-    let mut sum = 0.0;
-    let fresh = values.iter().copied().chain(std::iter::repeat_n(0.0, width - 1));
-    let stale = std::iter::repeat_n(0.0, width).chain(values.iter().copied());
-    fresh
-        .zip(stale)
-        .map(|(fresh, stale)| {
-            sum += fresh - stale;
-            sum
-        })
-        .collect()
-}
-
 /// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
 fn triangles(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
     const NOTHING: [f64; TOGETHER] = [0.0; TOGETHER];

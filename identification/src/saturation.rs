@@ -14,6 +14,8 @@ const BEYOND_WITHIN: usize = 3;
 const SHORTEST_FROZEN: usize = 20;
 /// An encoder froze if the angle jumps afterwards by this many times its largest step nearby.
 const JUMP: f64 = 10.0;
+/// … and by more than one step of its own, which is all that a coarse encoder can do: this many.
+const MORE_THAN_A_STEP: f64 = 1.5;
 /// Steps on either side of a run that tell how fast the knob was.
 const NEARBY: usize = 10;
 
@@ -89,6 +91,7 @@ pub(crate) fn frozen(angle_rad: &[f64], torque_mnm: &[f64]) -> Vec<Range<usize>>
     }
     let steps: Vec<f64> = angle_rad.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let typical = rms(&steps);
+    let resolution = vector::smallest_step(angle_rad);
     let largest = |range: Range<usize>| steps[range].iter().map(|step| step.abs()).fold(0.0, f64::max);
     runs.retain(|run| {
         let torque = &torque_mnm[run.clone()];
@@ -99,7 +102,7 @@ pub(crate) fn frozen(angle_rad: &[f64], torque_mnm: &[f64]) -> Vec<Range<usize>>
         let before = run.start.saturating_sub(NEARBY + 1)..run.start.saturating_sub(1);
         let after = run.end.min(steps.len())..(run.end + NEARBY).min(steps.len());
         let out = steps.get(run.end - 1).map_or(0.0, |step| step.abs());
-        out > JUMP * largest(before).max(largest(after)).max(typical / JUMP)
+        out > MORE_THAN_A_STEP * resolution && out > JUMP * largest(before).max(largest(after)).max(typical / JUMP)
     });
     runs
 }
@@ -128,4 +131,23 @@ fn runs_of_equal(values: &[f64]) -> Vec<Range<usize>> {
         }
     }
     runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::frozen;
+
+    #[test]
+    fn a_coarse_encoder_that_goes_on_by_one_step_is_not_frozen() {
+        let turning = |n: u32| (f64::from(n) * 1e-3).sin();
+        let torque: Vec<f64> = (0..10_000).map(|n| f64::from(n % 7)).collect();
+        for step_rad in [1e-4, 1e-2, 1e-1] {
+            let coarse: Vec<f64> = (0..10_000).map(|n| (turning(n) / step_rad).round() * step_rad).collect();
+            assert!(frozen(&coarse, &torque).is_empty(), "steps of {step_rad} rad");
+        }
+        let stuck: Vec<f64> = (0..10_000)
+            .map(|n| (turning(if (3000..3100).contains(&n) { 3000 } else { n }) / 1e-4).round() * 1e-4)
+            .collect();
+        assert_eq!(frozen(&stuck, &torque).len(), 1);
+    }
 }

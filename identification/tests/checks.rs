@@ -6,7 +6,7 @@ mod common;
 
 use common::{Capture, RATE_HZ, run};
 use dynamics::{Direction, Drive, Model, Motion, knobs};
-use identification::checks::{Breakaway, CountError, breakaways, count_detents};
+use identification::checks::{Breakaway, CountError, FreeTravel, breakaways, count_detents, free_travel};
 
 #[test]
 fn detents_counted_over_a_slow_turn_give_the_knobs_period() {
@@ -86,5 +86,35 @@ fn a_creep_under_the_servo_shows_it_too_even_of_a_knob_that_would_run_away() {
         let knob = knobs::paper_knob(number).unwrap();
         let creep = run(&knob, "slow-turn", Drive::Position, Some(0.1), 15.0, 1);
         assert_thresholds(number, &creep, 1);
+    }
+}
+
+fn free_ways(number: u32, amplitude_rad: f64, seed: u64) -> Vec<FreeTravel> {
+    let knob = knobs::paper_knob(number).unwrap();
+    let creep = run(&knob, "slow-turn", Drive::Position, Some(amplitude_rad), 15.0, seed);
+    free_travel(&creep.samples(), Some(creep.rig())).unwrap()
+}
+
+#[test]
+fn a_creep_shows_the_lost_motion_of_knob_5() {
+    let half_gap_rad = knobs::paper_knob(5).unwrap().parameter("backlash_half_gap").unwrap();
+    for (amplitude_rad, seed) in [(0.05, 1), (0.1, 2), (0.2, 3), (0.4, 4)] {
+        let found = free_ways(5, amplitude_rad, seed);
+        let ways: Vec<f64> = found.iter().map(FreeTravel::travel_rad).collect();
+        println!("knob 5, ± {amplitude_rad} rad: {ways:.4?} rad, half the gap is {half_gap_rad}");
+        assert!(found.len() >= 2, "{found:?}");
+        // It starts in the middle of the gap.
+        assert!((ways[0] / half_gap_rad - 1.0).abs() < 0.05, "{found:?}");
+        assert!(ways.iter().all(|way| *way < 2.2 * half_gap_rad), "{found:?}");
+    }
+}
+
+#[test]
+fn no_lost_motion_is_seen_where_there_is_none() {
+    for number in 1..=4 {
+        for (amplitude_rad, seed) in [(0.05, 1), (0.1, 2), (0.4, 3), (6.5, 4)] {
+            let found = free_ways(number, amplitude_rad, seed);
+            assert!(found.is_empty(), "knob {number}, ± {amplitude_rad} rad: {found:?}");
+        }
     }
 }

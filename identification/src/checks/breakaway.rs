@@ -46,14 +46,9 @@ pub struct Breakaway {
 )]
 pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<Vec<Breakaway>, FitError> {
     samples.check()?;
-    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let rate_hz = 1.0 / median(&mut steps);
+    let rate_hz = rate_hz(samples);
     let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
-    let stiffness = known.map_or(f64::INFINITY, |known| known.torque_sensor_stiffness_mnm_rad);
-    let twist = |torque: f64| if stiffness > 0.0 { torque / stiffness } else { 0.0 };
-    // The knob itself rests while the sensor twists under the rising torque.
-    let knob_rad: Vec<f64> =
-        samples.angle_rad.iter().zip(samples.torque_mnm).map(|(angle, torque)| angle - twist(*torque)).collect();
+    let knob_rad = knob_angles(samples, known);
     let away_rad = known.map(|known| AWAY_STEPS * known.angle_step_rad).filter(|away| *away > 0.0).unwrap_or(AWAY_RAD);
     let (rest, soon) = ((REST_S * rate_hz) as usize, (SOON_S * rate_hz) as usize);
     let read = ((READ_S * rate_hz) as usize).max(3).min(rest);
@@ -86,4 +81,17 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
         start = index;
     }
     Ok(found)
+}
+
+/// Sample rate, Hz.
+pub(super) fn rate_hz(samples: &Samples<'_>) -> f64 {
+    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    1.0 / median(&mut steps)
+}
+
+/// Angles of the knob itself, which rests while the sensor twists under the rising torque, rad.
+pub(super) fn knob_angles(samples: &Samples<'_>, known: Option<&Calibration>) -> Vec<f64> {
+    let stiffness = known.map_or(f64::INFINITY, |known| known.torque_sensor_stiffness_mnm_rad);
+    let twist = |torque: f64| if stiffness > 0.0 { torque / stiffness } else { 0.0 };
+    samples.angle_rad.iter().zip(samples.torque_mnm).map(|(angle, torque)| angle - twist(*torque)).collect()
 }

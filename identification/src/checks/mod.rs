@@ -1,4 +1,4 @@
-//! What a capture tells without a fit: detents counted, breakaways read off.
+//! What a capture tells without a fit: detents counted, breakaways read off, lost motion seen.
 //!
 //! Nothing here shares a step with [`fit`](crate::fit()) but the samples themselves, so that agreement
 //! means something. The paper does the same by hand: its periods agreed with detents counted over 360°
@@ -6,8 +6,10 @@
 
 mod breakaway;
 mod detents;
+mod free_travel;
 mod profile;
 mod series;
 
 pub use breakaway::{Breakaway, breakaways};
 pub use detents::{CountError, DetentCount, count_detents};
+pub use free_travel::{FreeTravel, free_travel};

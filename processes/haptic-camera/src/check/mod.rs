@@ -4,7 +4,7 @@ mod breakaway;
 mod table;
 
 use dynamics::Model;
-use identification::checks::{DetentCount, breakaways, count_detents};
+use identification::checks::{DetentCount, FreeTravel, breakaways, count_detents, free_travel};
 use serde::Serialize;
 
 use crate::command_line::CheckOptions;
@@ -25,6 +25,11 @@ struct Shown {
     /// Torque at which the knob broke away in the negative direction, a magnitude.
     static_negative: Option<Threshold>,
     static_positive: Option<Threshold>,
+    /// Stretches in which the knob turned freely until it met what is behind its lost motion.
+    free_travel: Vec<FreeTravel>,
+    /// Why no breakaway is told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_static: Option<String>,
 }
 
 /// A quantity by its check and by the model.
@@ -56,10 +61,11 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
         let loaded = LoadedCapture::load(path)?;
         captures.push(look(&loaded, model.as_ref())?);
     }
+    withhold_breakaways(&mut captures);
     let check = Check { agreement: agreement(&captures, model.as_ref()), captures };
     if !to_output(options.json.as_deref()) {
         if check.agreement.is_empty() {
-            say("neither detents nor breakaways to be seen");
+            say("neither detents nor breakaways to be told");
         } else {
             say(table::table(&check.agreement));
         }
@@ -79,8 +85,30 @@ fn look(loaded: &LoadedCapture, model: Option<&Model>) -> anyhow::Result<Shown> 
     };
     let seen = breakaways(&samples, loaded.calibration.as_ref())?;
     let [static_negative, static_positive] = Threshold::of(&seen, model);
+    let free_travel = free_travel(&samples, loaded.calibration.as_ref())?;
     let capture = loaded.title();
-    Ok(Shown { capture, detents, no_detents, static_negative, static_positive })
+    Ok(Shown { capture, detents, no_detents, static_negative, static_positive, free_travel, no_static: None })
+}
+
+/// Takes back all breakaways of a knob that one of its captures shows to have lost motion: where its cap sets out through
+/// the gap looks like a breakaway, and what bears the torque beyond it rests at an angle that the encoder does not see.
+fn withhold_breakaways(captures: &mut [Shown]) {
+    let ways: Vec<f64> = captures.iter().flat_map(|shown| &shown.free_travel).map(FreeTravel::travel_rad).collect();
+    if ways.is_empty() {
+        return;
+    }
+    let longest_rad = ways.iter().copied().fold(0.0, f64::max);
+    let times = if ways.len() == 1 { "once".to_owned() } else { format!("{} times", ways.len()) };
+    let reason = format!(
+        "static_negative and static_positive cannot be told: the knob turned freely, {times} and for up to {:.2}° ({longest_rad:.3} rad), \
+         before it met any torque, and where it sets out through such lost motion looks like a breakaway; \
+         take the lost motion out, or `diagnose` it",
+        longest_rad.to_degrees()
+    );
+    for shown in captures {
+        (shown.static_negative, shown.static_positive) = (None, None);
+        shown.no_static = Some(reason.clone());
+    }
 }
 
 impl Shown {
@@ -99,6 +127,7 @@ impl Shown {
                 words.push(format!("broke away {times} in the {direction} direction"));
             }
         }
+        words.extend(self.no_static.clone());
         words.join("; ")
     }
 }
