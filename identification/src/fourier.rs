@@ -19,8 +19,8 @@ pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
 /// all values.
 #[allow(clippy::cast_precision_loss, reason = "a number of values")]
 pub(crate) fn through(values: &[f64], response: impl Fn(usize) -> Complex<f64>) -> Vec<f64> {
-    let mut planner = RealFftPlanner::new();
-    let (forward, back) = (planner.plan_fft_forward(values.len()), planner.plan_fft_inverse(values.len()));
+    let forward = forward(values.len());
+    let back = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(values.len()));
     let (mut input, mut lines) = (values.to_vec(), forward.make_output_vec());
     let mut output = back.make_output_vec();
     if forward.process(&mut input, &mut lines).is_err() {

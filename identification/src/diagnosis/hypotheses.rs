@@ -18,8 +18,6 @@ const REFINED: usize = 2;
 const ROUNDS: usize = 6;
 /// Share of the band in which starts of a coupling are compared: there stiffness shows and ringing does not.
 const SLOW: f64 = 0.25;
-/// Index of the whole band among those that a fit of everything goes through.
-const FULL_BAND: usize = 2;
 /// Ratios by which a shaft's values are changed at first and at last.
 const COARSEST: f64 = 1.5;
 const FINEST: f64 = 1.02;
@@ -93,7 +91,7 @@ pub(crate) fn coupled(
     let unskewed = Structure { skew_s: 0.0, ..base.clone() };
     if let Some(start) = twisted(&effects, &hypothesis, &unskewed, train) {
         let mut fit = Nonlinear::new(start, train);
-        fit.refine(FULL_BAND);
+        fit.refine();
         return Some(Judged::nonlinear(&fit, train, heldout));
     }
     let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = on_both_cores(&effects, |effect| {
@@ -115,7 +113,7 @@ pub(crate) fn coupled(
     slow.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best: Option<Judged> = None;
     for (_, mut fit) in slow {
-        fit.refine(FULL_BAND);
+        fit.refine();
         let judged = Judged::nonlinear(&fit, train, heldout);
         let closed = judged.train_over_floor() < CLOSED;
         if best.as_ref().is_none_or(|best| judged.train_rms_mnm < best.train_rms_mnm) {
@@ -195,7 +193,7 @@ pub(crate) fn beside_coupling(
     promising.sort_by(|a, b| b.0.total_cmp(&a.0));
     let fits = promising.into_iter().take(PROMISING).map(|(_, structure)| {
         let mut fit = Nonlinear::new(structure, train);
-        fit.refine(FULL_BAND);
+        fit.refine();
         Judged::nonlinear(&fit, train, heldout)
     });
     fits.collect()

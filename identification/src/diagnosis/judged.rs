@@ -92,9 +92,9 @@ impl Judged {
         0.5 * (above(self.train_rms_mnm, floors_mnm[0]) + above(self.heldout_rms_mnm, floors_mnm[1]))
     }
 
-    /// Mean square above the floor that is known beside `later`, which left less, mNm².
-    pub(crate) fn excess_beside(&self, later: &Self) -> f64 {
-        let (own, other) = (self.floors_mnm(), later.floors_mnm());
+    /// Mean square above the lower of this one's floors and another's, mNm².
+    pub(crate) fn excess_beside(&self, other: &Self) -> f64 {
+        let (own, other) = (self.floors_mnm(), other.floors_mnm());
         self.excess_above([own[0].min(other[0]), own[1].min(other[1])])
     }
 

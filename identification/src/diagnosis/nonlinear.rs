@@ -12,8 +12,11 @@ use super::structure::{Searched, Structure};
 use crate::filter::Fir;
 use crate::least_squares::dot;
 
-/// Edges of the bands that are fitted one after the other, as shares of the comparison's, and steps in each.
-const BANDS: [(f64, usize); 3] = [(0.075, 6), (0.25, 8), (1.0, 14)];
+/// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in
+/// each.
+const SLOW_BANDS: [(f64, usize); 2] = [(0.075, 6), (0.25, 8)];
+/// Steps in the whole band.
+const ROUNDS: usize = 14;
 /// Relative change of a value for its derivative.
 const DIFFERENCE: f64 = 1e-4;
 /// An improvement of the sum of squares below this share ends a band.
@@ -98,18 +101,16 @@ impl<'a> Nonlinear<'a> {
         dot(&slow, &slow)
     }
 
-    /// Fits all values, band by band from the one at index `first` on.
-    pub(crate) fn refine(&mut self, first: usize) {
-        for (share, rounds) in &BANDS[first..] {
-            self.refine_in(*share, *rounds);
+    /// Fits all values on slow motion only, band by band.
+    pub(crate) fn refine_slow(&mut self) {
+        for (share, rounds) in SLOW_BANDS {
+            self.refine_in(share, rounds);
         }
     }
 
-    /// Fits all values on slow motion only, band by band.
-    pub(crate) fn refine_slow(&mut self) {
-        for (share, rounds) in &BANDS[..BANDS.len() - 1] {
-            self.refine_in(*share, *rounds);
-        }
+    /// Fits all values in the whole band.
+    pub(crate) fn refine(&mut self) {
+        self.refine_in(1.0, ROUNDS);
     }
 
     fn refine_in(&mut self, share: f64, rounds: usize) {

@@ -67,7 +67,7 @@ impl Search<'_> {
     fn settled(&self, structure: Structure) -> Judged {
         if structure.is_coupled() {
             let mut fit = Nonlinear::new(structure, self.train);
-            fit.refine(2);
+            fit.refine();
             return Judged::nonlinear(&fit, self.train, self.heldout);
         }
         let mut fit = Separable::new(structure, self.train);
