@@ -209,6 +209,7 @@ impl Capture {
             excitation_toml: String::new(),
             calibration_toml: String::new(),
             simulated_knob_toml: None,
+            rendered_model_toml: None,
             notes: Vec::new(),
         });
         run.rate_hz = self.rate_hz;
@@ -246,7 +247,7 @@ fn is_described_by_run(name: &str, run: &RunDescription) -> bool {
         attachment::RUN | attachment::CHANNELS => true,
         attachment::EXCITATION => !run.excitation_toml.is_empty(),
         attachment::CALIBRATION => !run.calibration_toml.is_empty(),
-        attachment::MODEL => run.simulated_knob_toml.is_some(),
+        attachment::MODEL => run.rendered_model_toml.is_some() || run.simulated_knob_toml.is_some(),
         _ => false,
     }
 }

@@ -47,7 +47,8 @@ pub(crate) fn attachments(
         (attachment::EXCITATION, "application/toml", description.excitation_toml.clone().into_bytes()),
         (attachment::CALIBRATION, "application/toml", description.calibration_toml.clone().into_bytes()),
     ];
-    if let Some(model) = &description.simulated_knob_toml {
+    // What a capture of a rendering is to be compared with is the model that was rendered.
+    if let Some(model) = description.rendered_model_toml.as_ref().or(description.simulated_knob_toml.as_ref()) {
         all.push((attachment::MODEL, "application/toml", model.clone().into_bytes()));
     }
     Ok(all)
@@ -84,6 +85,7 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         excitation_toml,
         calibration_toml: _,
         simulated_knob_toml: _,
+        rendered_model_toml: _,
         notes,
     } = description;
     let mut metadata = BTreeMap::from([

@@ -79,6 +79,7 @@ pub fn doc_example_description() -> shared_types::RunDescription {
         excitation_toml: String::new(),
         calibration_toml: String::new(),
         simulated_knob_toml: None,
+        rendered_model_toml: None,
         notes: Vec::new(),
     }
 }

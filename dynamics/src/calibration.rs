@@ -32,6 +32,28 @@ pub struct Calibration {
     pub torque_step_mnm: f64,
     /// Step of the acceleration channel, rad/s².
     pub acceleration_step_rad_s2: f64,
+    /// The motor's own friction; `None` where it was never measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motor_friction: Option<MotorFriction>,
+}
+
+/// Friction of the motor, its brushes and bearings: what a command must overcome before anything reaches the sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotorFriction {
+    /// Coulomb friction, the same in both directions, mNm.
+    pub coulomb_mnm: f64,
+    /// Viscous friction, mNm·s/rad.
+    pub viscous: f64,
+}
+
+impl MotorFriction {
+    /// The torque that keeps the motor turning at this velocity, mNm; none at rest.
+    #[must_use]
+    pub fn torque_mnm(&self, velocity_rad_s: f64) -> f64 {
+        let direction = if velocity_rad_s == 0.0 { 0.0 } else { velocity_rad_s.signum() };
+        direction * self.coulomb_mnm + self.viscous * velocity_rad_s
+    }
 }
 
 /// A calibration that cannot be read.

@@ -39,7 +39,7 @@ mod shift;
 pub mod simulate;
 
 pub use bristles::Bristles;
-pub use calibration::{Calibration, CalibrationError};
+pub use calibration::{Calibration, CalibrationError, MotorFriction};
 pub use coupling::Coupling;
 pub use effect::{
     Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,

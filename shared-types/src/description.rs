@@ -46,6 +46,10 @@ pub struct RunDescription {
     pub calibration_toml: String,
     /// The model that the simulated rig turns, as TOML; `None` on real hardware.
     pub simulated_knob_toml: Option<String>,
+    /// The model that was rendered, as TOML; `None` where the rig turned a knob. Then a hand turned the gripper, and the
+    /// torque sensor read what the rig put into it.
+    #[serde(default)]
+    pub rendered_model_toml: Option<String>,
     /// Further facts about the run, such as the seed of the simulated rig.
     pub notes: Vec<(String, String)>,
 }

@@ -45,7 +45,8 @@ wire_message! {
         pub state: u32,
         /// Cause of the fault, 0 for none: 1 torque, 2 speed, 3 angle, 4 following error, 5 sensor, 6 apparatus.
         pub fault: u32,
-        /// Bits: 1 the torque command was clipped at the motor's limit.
+        /// Bits: 1 the torque command was clipped at the motor's limit; of a rendering: 2 another model begins to be
+        /// felt, 4 the virtual knob sticks, 8 the passivity guard took energy back.
         pub flags: u32,
     }
 }
@@ -61,6 +62,12 @@ wire_message! {
 impl Sample {
     /// Bit of [`Sample::flags`]: the torque command was clipped at the motor's limit.
     pub const TORQUE_CLIPPED: u32 = 1;
+    /// Bit of [`Sample::flags`]: another model begins to be felt in this tick.
+    pub const MODEL_TAKEN: u32 = 2;
+    /// Bit of [`Sample::flags`]: the virtual knob sticks.
+    pub const STUCK: u32 = 4;
+    /// Bit of [`Sample::flags`]: the passivity guard took energy back.
+    pub const GUARDED: u32 = 8;
 
     /// Time since the start of the run, s.
     #[must_use]

@@ -36,6 +36,7 @@ mod bristles;
 mod contact;
 mod description;
 mod drive;
+mod hand;
 mod inner;
 mod knob;
 mod noise;
@@ -46,6 +47,7 @@ mod sensors;
 mod shaft;
 mod watchdog;
 
+pub use hand::{Grip, Hand, Intention};
 pub use parameters::{ParameterError, RigParameters};
 pub use plant::Truth;
 pub use rig::SimulatedRig;

@@ -55,14 +55,15 @@ pub(super) struct Plant {
 }
 
 impl Plant {
-    pub(super) fn new(parameters: &RigParameters, model: Model) -> Self {
+    /// `hand_inertia` turns with the gripper beside the knob's, mNm·s²/rad.
+    pub(super) fn new(parameters: &RigParameters, model: Model, hand_inertia: f64) -> Self {
         let knob = Knob::new(parameters, model);
         Self {
             substep_s: parameters.substep_s(),
             coulomb_mnm: parameters.motor_coulomb_mnm,
             viscous: parameters.motor_viscous,
             drive: Drive::new(parameters),
-            shaft: Shaft::new(parameters, knob.cap_inertia()),
+            shaft: Shaft::new(parameters, knob.cap_inertia() + hand_inertia),
             motor_contact: Contact::Stuck,
             knob,
             steps: 0,

@@ -6,7 +6,7 @@ use super::description::describe;
 use super::plant::{Plant, Truth};
 use super::sensors::Sensors;
 use super::watchdog::Watchdog;
-use super::{ParameterError, RigParameters};
+use super::{Hand, ParameterError, RigParameters};
 use crate::{Apparatus, ApparatusError, Measurement, RigDescription};
 
 /// A rig with a knob on it that exists as numbers; see the [module](crate::simulated).
@@ -19,6 +19,9 @@ pub struct SimulatedRig {
     sensors: Sensors,
     watchdog: Watchdog,
     hand_torque_mnm: f64,
+    hand: Option<Hand>,
+    /// Torque of the hand over the last substep, mNm.
+    applied_by_hand_mnm: f64,
     /// Caller's time at which the plant's time is zero, ns; set by the first reading.
     origin_ns: Option<u64>,
     skipped: u64,
@@ -32,7 +35,22 @@ impl SimulatedRig {
     /// torque or later than 0.1 s.
     #[allow(clippy::needless_pass_by_value, reason = "a rig is built from its parameters once")]
     pub fn new(parameters: RigParameters, knob: Model, seed: u64) -> Result<Self, ParameterError> {
+        Self::held(parameters, knob, None, seed)
+    }
+
+    /// The same rig with a hand on its gripper, beside whatever knob is mounted.
+    ///
+    /// # Errors
+    /// [`ParameterError`] as [`SimulatedRig::new`], and for a grip with an impedance below zero.
+    #[allow(clippy::needless_pass_by_value, reason = "a rig is built from its parameters once")]
+    pub fn held(
+        parameters: RigParameters,
+        knob: Model,
+        hand: Option<Hand>,
+        seed: u64,
+    ) -> Result<Self, ParameterError> {
         parameters.validate()?;
+        let hand_inertia = hand.as_ref().map_or(Ok(0.0), |hand| hand.grip.validated())?;
         let substep_s = parameters.substep_s();
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "both are positive; `as` saturates")]
         let substeps = |duration_s: f64| (duration_s / substep_s).round() as u64;
@@ -42,8 +60,10 @@ impl SimulatedRig {
             catch_up_limit: substeps(parameters.catch_up_limit_s),
             sensors: Sensors::new(&parameters, &knob, seed)?,
             watchdog: Watchdog::new(substeps(parameters.watchdog_s)),
-            plant: Plant::new(&parameters, knob),
+            plant: Plant::new(&parameters, knob, hand_inertia),
             hand_torque_mnm: 0.0,
+            hand,
+            applied_by_hand_mnm: 0.0,
             origin_ns: None,
             skipped: 0,
         })
@@ -58,6 +78,12 @@ impl SimulatedRig {
     /// Lets a hand turn the knob with this torque from now on, mNm.
     pub fn set_hand_torque(&mut self, torque_mnm: f64) {
         self.hand_torque_mnm = torque_mnm;
+    }
+
+    /// Torque of the hand on the gripper over the last substep, mNm, the inertia of its fingers apart.
+    #[must_use]
+    pub fn hand_torque_mnm(&self) -> f64 {
+        self.applied_by_hand_mnm
     }
 
     /// Times at which the amplifier's watchdog ran out.
@@ -84,7 +110,12 @@ impl SimulatedRig {
             due = self.catch_up_limit;
         }
         for _ in 0..due {
-            self.plant.step(self.watchdog.torque_mnm(), self.hand_torque_mnm);
+            let truth = self.plant.truth();
+            let held_mnm = self.hand.as_ref().map_or(0.0, |hand| {
+                hand.torque_mnm(truth.time_s, truth.knob_angle_rad, truth.knob_velocity_rad_s)
+            });
+            self.applied_by_hand_mnm = self.hand_torque_mnm + held_mnm;
+            self.plant.step(self.watchdog.torque_mnm(), self.applied_by_hand_mnm);
             self.sensors.step(&self.plant.truth());
             self.watchdog.pass(1);
         }

@@ -55,8 +55,12 @@ pub fn archive(arguments: &[String], path: &Path, stop: &AtomicBool) -> anyhow::
     reason = "ticks of a run of minutes"
 )]
 fn samples_of(plan: Plan, stop: &AtomicBool) -> anyhow::Result<(Vec<Sample>, Option<Fault>)> {
-    let Plan { mut apparatus, rig, control, .. } = plan;
-    let mut state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
+    let Plan { mut apparatus, rig, control, rendering, .. } = plan;
+    let state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
+    let mut state = match rendering {
+        Some(rendering) => state.with_renderer(rendering.renderer),
+        None => state,
+    };
     apparatus.enable()?;
     state.arm();
     let start = (ARMED_S * control.rate_hz) as u64;

@@ -435,6 +435,7 @@ fn description(run_id: u64) -> RunDescription {
         excitation_toml: String::new(),
         calibration_toml: String::new(),
         simulated_knob_toml: None,
+        rendered_model_toml: None,
         notes: Vec::new(),
     }
 }

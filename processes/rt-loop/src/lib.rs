@@ -9,6 +9,7 @@
 //! - [`control`]: the control step, a pure function of state, measurement and tick.
 //! - [`realtime`]: permission, clock and the loop itself.
 //! - [`publisher`]: the other thread; ring to shared memory, status, commands.
+//! - [`stability`]: what can be rendered on a rig without shaking.
 //! - [`plan`]: what the process was asked to do, checked against the rig.
 //!
 //! It reads nothing but control requests, publishes samples, status and the run's description, and
@@ -19,3 +20,4 @@ pub mod plan;
 pub mod publisher;
 pub mod realtime;
 pub mod rig_lock;
+pub mod stability;

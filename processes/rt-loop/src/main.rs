@@ -38,6 +38,10 @@ fn run(options: &Options) -> anyhow::Result<()> {
     let _lock = RigLock::take()?;
     let control =
         ControlState::new(plan.control, &plan.rig.calibration).context("the rate is too low for the filters")?;
+    let control = match &plan.rendering {
+        Some(rendering) => control.with_renderer(rendering.renderer.clone()),
+        None => control,
+    };
     let description = plan.description()?;
     let (tick_loop, port) = TickLoop::new(plan.apparatus, control, plan.control.rate_hz);
     let shared = Arc::clone(&port.shared);

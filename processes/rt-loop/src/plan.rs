@@ -6,12 +6,14 @@ use clap::Parser;
 use dynamics::excitation::ExcitationError;
 use dynamics::knobs::Fixture;
 use dynamics::{Calibration, Drive, Excitation, Model, ModelError, knobs};
-use hal::simulated::{RigParameters, SimulatedRig};
+use hal::simulated::{Grip, Hand, Intention, RigParameters, SimulatedRig};
 use hal::{Apparatus, RigDescription};
 use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
 use shared_types::{ClockMapping, RunDescription};
 
+use crate::control::rendering::{RenderGains, RenderedModel, Renderer, Unrenderable};
 use crate::control::{ControlPlan, ServoGains};
+use crate::stability::{BoundExceeded, Bounds};
 
 /// Slowest rate at which the servo's velocity filter still does its work, Hz.
 const SLOWEST_RATE_HZ: f64 = 2_000.0;
@@ -38,6 +40,19 @@ pub struct Options {
     /// Command a torque instead of an angle.
     #[arg(long)]
     pub torque: bool,
+    /// Feel like this model instead of following a sweep: a model file, or 1 to 5 for the paper's knobs.
+    #[arg(long, value_name = "MODEL.toml")]
+    pub render: Option<String>,
+    /// What the hand on the simulated rig wants while a model is rendered: a sweep's name, an angle column recorded in a
+    /// CSV file, or `none` to let the gripper go.
+    #[arg(long, default_value = "none", requires = "render", value_name = "SWEEP|FILE.csv|none")]
+    pub hand: String,
+    /// Torque that the hand on the simulated rig applies instead, mNm.
+    #[arg(long, requires = "render", allow_negative_numbers = true, value_name = "MNM")]
+    pub hand_torque: Option<f64>,
+    /// Times by which the hand on the simulated rig is stiffer and more damped than a usual pinch grip.
+    #[arg(long, requires = "render", default_value_t = 1.0, value_name = "FACTOR")]
+    pub grip: f64,
     /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it].
     #[arg(long)]
     pub amplitude: Option<f64>,
@@ -102,6 +117,21 @@ pub enum PlanError {
         /// Fastest rate, Hz.
         fastest: f64,
     },
+    /// A hand that cannot be had.
+    #[error("the hand cannot be had: {0}")]
+    Hand(String),
+    /// A model that cannot be rendered.
+    #[error(transparent)]
+    Unrenderable(#[from] Unrenderable),
+    /// A model that this rig cannot render.
+    #[error(transparent)]
+    Unsafe(#[from] BoundExceeded),
+    /// A rig whose own friction is not known.
+    #[error(
+        "the calibration has no motor_friction, so that the rig's own friction would be felt with the model's; run \
+         `haptic-camera calibrate friction` first"
+    )]
+    Uncalibrated,
     /// A duration that is no length of a run.
     #[error("a run of {0} s cannot be done; give a duration above 0 and up to a day (86400 s)")]
     Duration(f64),
@@ -113,6 +143,16 @@ pub enum PlanError {
         /// The last one permitted.
         last: usize,
     },
+}
+
+/// A model ready to be rendered.
+pub struct Rendering {
+    /// The model as it was asked for.
+    pub model: Model,
+    /// The renderer with it.
+    pub renderer: Renderer,
+    /// What was changed or left out so that it can be rendered, in sentences.
+    pub remarks: Vec<String>,
 }
 
 /// A run ready to be done.
@@ -127,6 +167,8 @@ pub struct Plan {
     pub knob: String,
     /// The model that the simulated rig turns.
     pub simulated_knob: Model,
+    /// What is rendered instead of a sweep followed.
+    pub rendering: Option<Rendering>,
     /// Core for the real-time thread.
     pub core: usize,
 }
@@ -149,6 +191,7 @@ impl Plan {
             excitation_toml: toml::to_string(&self.control.excitation)?,
             calibration_toml: self.rig.calibration.to_toml(),
             simulated_knob_toml: Some(self.simulated_knob.to_toml()),
+            rendered_model_toml: self.rendering.as_ref().map(|rendering| rendering.model.to_toml()),
             notes: self.rig.notes.clone(),
         })
     }
@@ -174,8 +217,13 @@ impl Plan {
         if let Some(amplitude) = options.amplitude {
             excitation = excitation.with_amplitude(amplitude)?;
         }
-        let knob = mounted_knob(&options.knob)?;
-        let apparatus = SimulatedRig::new(RigParameters::default(), knob.clone(), options.seed)
+        let knob = match options.render {
+            // Whatever is rendered, nothing but a hand is on the gripper.
+            Some(_) => Fixture::None.model()?,
+            None => mounted_knob(&options.knob)?,
+        };
+        let hand = options.render.is_some().then(|| hand(options)).transpose()?.flatten();
+        let apparatus = SimulatedRig::held(RigParameters::default(), knob.clone(), hand, options.seed)
             .map_err(|error| PlanError::Unmountable(error.to_string()))?;
         let mut rig = apparatus.description().clone();
         if let Some(path) = &options.calibration {
@@ -201,11 +249,13 @@ impl Plan {
             rate_hz: options.rate_hz,
             planned_ticks,
         };
+        let rendering = options.render.as_deref().map(|name| rendering(name, &rig, options.rate_hz)).transpose()?;
         Ok(Self {
             apparatus: Box::new(apparatus),
             rig,
             control,
-            knob: options.knob.clone(),
+            knob: options.render.clone().unwrap_or_else(|| options.knob.clone()),
+            rendering,
             simulated_knob: knob,
             core,
         })
@@ -244,6 +294,93 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
         }
         None => Ok(known),
     }
+}
+
+/// The model called `name`, made ready to be rendered on the rig.
+fn rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
+    let model = mounted_knob(name)?;
+    if rig.calibration.motor_friction.is_none() {
+        return Err(PlanError::Uncalibrated);
+    }
+    let gains = RenderGains::default();
+    let bounds = Bounds::of(&gains, &rig.calibration, &rig.limits, rate_hz);
+    let remarks = bounds.check(&model)?;
+    let rendered = RenderedModel::new(&model, &rig.calibration)?;
+    let renderer = Renderer::new(Box::new(rendered), gains, &rig.calibration, rate_hz).ok_or(PlanError::Rate {
+        asked: rate_hz,
+        rig: rig.name.clone(),
+        slowest: SLOWEST_RATE_HZ,
+        fastest: rig.limits.rate_hz,
+    })?;
+    Ok(Rendering { model, renderer, remarks })
+}
+
+/// Time after which the hand begins to move, s: the run begins some tenths of a second after the amplifier was switched on.
+const HAND_BEGINS_S: f64 = 0.5;
+
+/// The hand on the simulated rig; `None` when nobody holds the gripper.
+fn hand(options: &Options) -> Result<Option<Hand>, PlanError> {
+    let unusable = |reason: String| PlanError::Hand(reason);
+    if !(options.grip.is_finite() && options.grip > 0.0) {
+        return Err(unusable(format!("a grip of {} must be more than zero, and finite", options.grip)));
+    }
+    let usual = Grip::default();
+    let grip = Grip {
+        damping: options.grip * usual.damping,
+        stiffness_mnm_rad: options.grip * usual.stiffness_mnm_rad,
+        ..usual
+    };
+    let intention = match (options.hand_torque, options.hand.as_str()) {
+        (Some(torque_mnm), _) if torque_mnm.is_finite() => Intention::Torque(torque_mnm),
+        (Some(torque_mnm), _) => return Err(unusable(format!("a torque of {torque_mnm} mNm is no torque"))),
+        (None, "none") => return Ok(None),
+        (None, file) if Path::new(file).extension().is_some_and(|extension| extension == "csv") => {
+            recorded_motion(Path::new(file)).map_err(unusable)?
+        }
+        (None, sweep) => {
+            let motion = Excitation::named(sweep, Drive::Position)?;
+            Intention::Motion(match options.amplitude {
+                Some(amplitude) => motion.with_amplitude(amplitude)?,
+                None => motion,
+            })
+        }
+    };
+    Ok(Some(Hand { grip, intention, begins_s: HAND_BEGINS_S }))
+}
+
+/// Reads the columns `t_s` and `angle_rad` of a CSV file of evenly spaced rows.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+fn recorded_motion(path: &Path) -> Result<Intention, String> {
+    let told = |what: String| format!("{}: {what}", path.display());
+    let text = std::fs::read_to_string(path).map_err(|error| told(error.to_string()))?;
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
+    let column = |name: &str| {
+        header.iter().position(|found| *found == name).ok_or_else(|| told(format!("has no column {name}")))
+    };
+    let (time, angle) = (column("t_s")?, column("angle_rad")?);
+    let mut rows = Vec::new();
+    for (number, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let value = |index: usize| cells.get(index).and_then(|cell| cell.trim().parse::<f64>().ok());
+        match (value(time), value(angle)) {
+            (Some(time_s), Some(angle_rad)) if time_s.is_finite() && angle_rad.is_finite() => {
+                rows.push((time_s, angle_rad));
+            }
+            _ => return Err(told(format!("row {} has no t_s and angle_rad", number + 2))),
+        }
+    }
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Err(told("has no rows".to_owned())) };
+    let duration_s = last.0 - first.0;
+    if rows.len() < 2 || duration_s <= 0.0 {
+        return Err(told("needs at least two rows with rising t_s".to_owned()));
+    }
+    let rate_hz = (rows.len() - 1) as f64 / duration_s;
+    let uneven = rows.windows(2).any(|pair| ((pair[1].0 - pair[0].0) * rate_hz - 1.0).abs() > 0.5);
+    if uneven {
+        return Err(told("its t_s is not evenly spaced; resample it".to_owned()));
+    }
+    Ok(Intention::Recorded { angle_rad: rows.into_iter().map(|(_, angle_rad)| angle_rad).collect(), rate_hz })
 }
 
 fn mounted_knob(name: &str) -> Result<Model, ModelError> {

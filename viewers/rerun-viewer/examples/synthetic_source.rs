@@ -133,6 +133,7 @@ fn description(run_id: u64, planned_ticks: u64) -> RunDescription {
         excitation_toml: String::new(),
         calibration_toml: String::new(),
         simulated_knob_toml: None,
+        rendered_model_toml: None,
         notes: Vec::new(),
     }
 }

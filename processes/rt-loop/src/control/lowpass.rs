@@ -28,6 +28,11 @@ impl<const SECTIONS: usize> ButterworthLowPass<SECTIONS> {
         Some(Self { sections })
     }
 
+    /// Forgets what it was given.
+    pub(super) fn forget(&mut self) {
+        self.sections.iter_mut().for_each(biquad::Biquad::reset_state);
+    }
+
     pub(super) fn run(&mut self, input: f64) -> f64 {
         self.sections.iter_mut().fold(input, |value, section| section.run(value))
     }

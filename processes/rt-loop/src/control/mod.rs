@@ -4,8 +4,10 @@
 //! same torques bit for bit.
 
 mod lowpass;
+pub mod rendering;
 mod servo;
 mod step;
 
 pub use servo::ServoGains;
+pub(crate) use servo::notch;
 pub use step::{ControlPlan, ControlState, Reading, Request, StepOutput};

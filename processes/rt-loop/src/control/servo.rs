@@ -147,7 +147,7 @@ impl Servo {
 /// A notch (s² + 2·depth·ω·s + ω²)/(s² + 2·width·ω·s + ω²) by the bilinear transform, its frequency kept.
 ///
 /// `None` when the frequency is not below half the rate: then there is nothing to keep out.
-fn notch(frequency_hz: f64, depth: f64, width: f64, rate_hz: f64) -> Option<Coefficients<f64>> {
+pub(crate) fn notch(frequency_hz: f64, depth: f64, width: f64, rate_hz: f64) -> Option<Coefficients<f64>> {
     if !(frequency_hz > 0.0 && frequency_hz < 0.5 * rate_hz) {
         return None;
     }
@@ -184,6 +184,7 @@ mod tests {
             angle_step_rad: 0.0,
             torque_step_mnm: 0.0,
             acceleration_step_rad_s2: 0.0,
+            motor_friction: None,
         }
     }
 

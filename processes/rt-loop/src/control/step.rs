@@ -5,6 +5,7 @@ use hal::{ApparatusError, Limits, Measurement};
 use shared_types::{Fault, LoopState, Sample};
 
 use super::lowpass::ButterworthLowPass;
+use super::rendering::{Felt, RenderedModel, Renderer};
 use super::servo::{Servo, ServoGains};
 
 /// Edge of the published velocity's filter, Hz: the paper's 10th-order Butterworth.
@@ -62,10 +63,19 @@ pub struct StepOutput {
     pub sample: Option<Sample>,
 }
 
+/// What the motor is to do, and what is recorded of it.
+struct Driven {
+    torque_mnm: f64,
+    commanded_angle_rad: f64,
+    flags: u32,
+}
+
 /// Everything that one step passes to the next.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ControlState {
     plan: ControlPlan,
+    /// Feels like a model instead of following the excitation.
+    renderer: Option<Renderer>,
     state: LoopState,
     fault: Option<Fault>,
     /// Ticks since the state was entered; within a run, the scheduled tick.
@@ -90,6 +100,7 @@ impl ControlState {
     pub fn new(plan: ControlPlan, calibration: &Calibration) -> Option<Self> {
         Some(Self {
             plan,
+            renderer: None,
             state: LoopState::Idle,
             fault: None,
             tick: 0,
@@ -104,6 +115,35 @@ impl ControlState {
             release_torque_mnm: 0.0,
             last_torque_mnm: 0.0,
         })
+    }
+
+    /// The same, rendering a model instead of following the excitation.
+    #[must_use]
+    pub fn with_renderer(self, renderer: Renderer) -> Self {
+        Self { renderer: Some(renderer), ..self }
+    }
+
+    /// Takes a model that is to be felt from now on; `Err` gives it back while the one before still waits, or when
+    /// nothing is rendered.
+    ///
+    /// # Errors
+    /// The model, when it is not taken.
+    pub fn take_model(&mut self, model: Box<RenderedModel>) -> Result<(), Box<RenderedModel>> {
+        match &mut self.renderer {
+            Some(renderer) => renderer.take(model),
+            None => Err(model),
+        }
+    }
+
+    /// A model that is no longer rendered, to be freed outside the real-time thread.
+    pub fn retired_model(&mut self) -> Option<Box<RenderedModel>> {
+        self.renderer.as_mut().and_then(Renderer::retired)
+    }
+
+    /// What is rendered, if anything.
+    #[must_use]
+    pub fn renderer(&self) -> Option<&Renderer> {
+        self.renderer.as_ref()
     }
 
     /// The state the loop is in.
@@ -131,6 +171,11 @@ impl ControlState {
         match (request, self.state) {
             (Request::Start, LoopState::Armed) => {
                 self.next_seq = 0;
+                if self.renderer.is_some() {
+                    // A rendering follows from its samples alone: nothing from before the run has a part in it.
+                    self.previous_angle_rad = None;
+                    self.velocity_filter.forget();
+                }
                 self.enter(LoopState::Running);
                 true
             }
@@ -167,6 +212,8 @@ impl ControlState {
                 let rise = (self.seconds(self.tick) / ARMING_S).min(1.0);
                 let hold = Setpoint { value: self.start_angle_rad, ..Setpoint::default() };
                 let torque = match self.plan.excitation.drive {
+                    // Free, until the run begins where the hand holds it.
+                    _ if self.renderer.is_some() => 0.0,
                     Drive::Position => rise * self.follow(&hold, &measurement, reading.elapsed_ticks),
                     Drive::Torque => 0.0,
                 };
@@ -189,19 +236,12 @@ impl ControlState {
     }
 
     fn run(&mut self, measurement: &Measurement, reading: &Reading) -> StepOutput {
-        let setpoint = self.plan.excitation.at(self.seconds(self.tick));
-        let (torque, commanded_angle_rad) = match self.plan.excitation.drive {
-            Drive::Position => {
-                let absolute = Setpoint { value: self.start_angle_rad + setpoint.value, ..setpoint };
-                (self.follow(&absolute, measurement, reading.elapsed_ticks), absolute.value)
-            }
-            Drive::Torque => (setpoint.value, f64::NAN),
-        };
+        let Driven { torque_mnm: torque, commanded_angle_rad, flags } = self.driven(measurement, reading.elapsed_ticks);
         if let Some(fault) = self.exceeded(measurement, commanded_angle_rad) {
             return self.fail(fault, measurement);
         }
         let clipped = self.clip(torque);
-        let flags = if clipped == torque { 0 } else { Sample::TORQUE_CLIPPED };
+        let flags = if clipped == torque { flags } else { flags | Sample::TORQUE_CLIPPED };
         let sample = self.sample(measurement, clipped, commanded_angle_rad, flags);
         self.last_torque_mnm = clipped;
         self.next_seq += 1;
@@ -211,6 +251,40 @@ impl ControlState {
             self.enter(LoopState::Stopping);
         }
         StepOutput { torque_mnm: clipped, sample: Some(sample) }
+    }
+
+    /// What the motor is to do in this tick of a run.
+    fn driven(&mut self, measurement: &Measurement, elapsed_ticks: u64) -> Driven {
+        let (time_s, step_s) = (self.seconds(self.tick), self.seconds(1));
+        if let Some(renderer) = &mut self.renderer {
+            if self.tick == 0 {
+                renderer.begin(measurement.angle_rad);
+            }
+            let rendered = renderer.step(&Felt {
+                measurement,
+                velocity_rad_s: self.difference_rad_s,
+                elapsed_ticks,
+                time_s,
+                step_s,
+            });
+            return Driven {
+                torque_mnm: rendered.torque_mnm,
+                commanded_angle_rad: rendered.angle_rad,
+                flags: rendered.flags(),
+            };
+        }
+        let setpoint = self.plan.excitation.at(time_s);
+        match self.plan.excitation.drive {
+            Drive::Position => {
+                let absolute = Setpoint { value: self.start_angle_rad + setpoint.value, ..setpoint };
+                Driven {
+                    torque_mnm: self.follow(&absolute, measurement, elapsed_ticks),
+                    commanded_angle_rad: absolute.value,
+                    flags: 0,
+                }
+            }
+            Drive::Torque => Driven { torque_mnm: setpoint.value, commanded_angle_rad: f64::NAN, flags: 0 },
+        }
     }
 
     fn follow(&mut self, setpoint: &Setpoint, measurement: &Measurement, elapsed_ticks: u64) -> f64 {

@@ -1,0 +1,66 @@
+//! The guard: what the loop gives out beyond what the model gives is counted, and taken back.
+
+/// Observer and controller of B. Hannaford and J.-H. Ryu, *Time-domain passivity control of haptic interfaces*, IEEE
+/// Trans. Robotics and Automation 18, 2002.
+///
+/// A command is constant over a tick, so that torque times the way gone until the next reading is exact (J.-H. Ryu, Y. S. Kim
+/// and B. Hannaford, *Sampled- and continuous-time passivity and stability of virtual environments*, IEEE Trans. Robotics
+/// 20, 2004). From what the rotor puts in is taken off what the model itself keeps or gives: the virtual body's kinetic
+/// energy and the work of its detents and springs. The rest can only be dissipated; where it becomes negative the loop
+/// made energy, and the rotor is damped until it is gone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PassivityObserver {
+    /// Energy put in that was neither kept by the model nor given out again, mNm·rad.
+    balance: f64,
+    /// Least of it so far, mNm·rad.
+    least: f64,
+    /// What was commanded for the present tick to feel like the model, mNm.
+    rendered_mnm: f64,
+    /// Kinetic energy of the virtual body beyond the rotor's, mNm·rad.
+    kinetic: f64,
+    slack: f64,
+    most_damping: f64,
+}
+
+/// What a tick did.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tick {
+    /// Torque commanded to feel like the model, the compensation of the rig's friction apart, mNm.
+    pub(super) rendered_mnm: f64,
+    /// Kinetic energy of the virtual body beyond the rotor's at its end, mNm·rad.
+    pub(super) kinetic: f64,
+    /// Work of the virtual body against detents and springs, mNm·rad.
+    pub(super) work: f64,
+}
+
+impl PassivityObserver {
+    /// An observer that permits `slack`, mNm·rad, to come out and damps with at most `most_damping`, mNm·s/rad.
+    pub(super) fn new(slack: f64, most_damping: f64) -> Self {
+        Self { balance: 0.0, least: 0.0, rendered_mnm: 0.0, kinetic: 0.0, slack, most_damping }
+    }
+
+    /// Torque on the rotor that takes back what came out too much, mNm, after the rotor went on by `way_rad`.
+    pub(super) fn correction_mnm(&mut self, way_rad: f64, step_s: f64) -> f64 {
+        // What was dissipated long ago is no excuse for what comes out now.
+        self.balance = (self.balance - self.rendered_mnm * way_rad).min(self.slack);
+        self.least = self.least.min(self.balance);
+        let missing = -(self.balance + self.slack);
+        if missing <= 0.0 || way_rad == 0.0 {
+            return 0.0;
+        }
+        let damping = (missing * step_s / (way_rad * way_rad)).min(self.most_damping);
+        -damping * way_rad / step_s
+    }
+
+    /// Notes what is done until the next reading.
+    pub(super) fn note(&mut self, tick: &Tick) {
+        self.balance -= tick.work + tick.kinetic - self.kinetic;
+        self.kinetic = tick.kinetic;
+        self.rendered_mnm = tick.rendered_mnm;
+    }
+
+    /// Most energy that came out beyond what the model gives, mNm·rad.
+    pub(super) fn given_out(&self) -> f64 {
+        (-self.least).max(0.0)
+    }
+}

@@ -1,0 +1,115 @@
+//! A model that can be rendered.
+
+use dynamics::{Calibration, Direction, Model, Motion, Part, StickLimits};
+
+/// A model as the renderer takes it: on the rig's side of the torque sensor, and never driven by its friction.
+#[derive(Clone, Debug)]
+pub struct RenderedModel {
+    model: Model,
+    /// Inertia on the rig's side of the torque sensor, rotor included, mNm·s²/rad.
+    inertia: f64,
+}
+
+/// Why a model cannot be rendered at all, whatever the rig.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unrenderable {
+    /// An effect that has no place in the virtual body.
+    #[error(
+        "the effect '{effect}' cannot be rendered; leave it out of the model, or put what it does into torque, inertia and friction"
+    )]
+    Effect {
+        /// Its name.
+        effect: &'static str,
+    },
+    /// An inertia that the gripper alone already has.
+    #[error(
+        "an inertia of {inertia} mNm·s²/rad cannot be rendered: gripper and rotor have {least} already; the least that \
+         would do is inertia = {least}"
+    )]
+    Inertia {
+        /// The model's, mNm·s²/rad.
+        inertia: f64,
+        /// The least that would do, mNm·s²/rad.
+        least: f64,
+    },
+}
+
+impl RenderedModel {
+    /// `model` on a rig with this calibration.
+    ///
+    /// What a model says of the torque sensor's reading (delay, offset, hum) is not felt and left out.
+    ///
+    /// # Errors
+    /// [`Unrenderable`].
+    pub fn new(model: &Model, calibration: &Calibration) -> Result<Self, Unrenderable> {
+        let unrenderable = model
+            .effects
+            .iter()
+            .find(|effect| matches!(effect.kind().part, Part::Coupling(_) | Part::Bristles(_)));
+        if let Some(effect) = unrenderable {
+            return Err(Unrenderable::Effect { effect: effect.kind().name });
+        }
+        let least = calibration.gripper_inertia + calibration.motor_inertia;
+        if model.inertia() < least {
+            return Err(Unrenderable::Inertia { inertia: model.inertia(), least });
+        }
+        let mut model = model.clone();
+        model.effects.retain(|effect| !matches!(effect.kind().part, Part::Reading(_) | Part::ReadingDelay(_)));
+        Ok(Self { inertia: model.inertia() - calibration.gripper_inertia, model })
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    pub(super) fn forces(&self) -> Forces<'_> {
+        Forces { from: self, to: self, share: 0.0 }
+    }
+}
+
+/// What a body feels: one model, or two while one gives way to the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Forces<'a> {
+    pub(super) from: &'a RenderedModel,
+    pub(super) to: &'a RenderedModel,
+    /// Share of the second, from 0 to 1.
+    pub(super) share: f64,
+}
+
+impl Forces<'_> {
+    fn mixed(&self, of: impl Fn(&RenderedModel) -> f64) -> f64 {
+        let from = of(self.from);
+        if self.share == 0.0 { from } else { from + self.share * (of(self.to) - from) }
+    }
+
+    /// Inertia on the rig's side of the torque sensor, mNm·s²/rad.
+    pub(super) fn inertia(&self) -> f64 {
+        self.mixed(|rendered| rendered.inertia)
+    }
+
+    /// Torque of detents, springs and the like, mNm.
+    pub(super) fn free_mnm(&self, motion: &Motion) -> f64 {
+        self.mixed(|rendered| rendered.model.free_torque_mnm(motion))
+    }
+
+    /// Friction while sliding in `direction`, mNm, with its sign.
+    ///
+    /// A fitted law may have a negative viscous coefficient and drive beyond some speed; rendered friction never drives.
+    pub(super) fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
+        let sign = direction.sign();
+        self.mixed(|rendered| sign * (sign * rendered.model.friction_mnm(motion, direction)).max(0.0))
+    }
+
+    /// What the body bears at rest.
+    pub(super) fn stick_limits(&self, motion: &Motion) -> StickLimits {
+        let (from, to) = (self.from.model.stick_limits(motion), self.to.model.stick_limits(motion));
+        let between = |from: f64, to: f64| from + self.share * (to - from);
+        StickLimits {
+            negative_mnm: between(from.negative_mnm, to.negative_mnm),
+            positive_mnm: between(from.positive_mnm, to.positive_mnm),
+            velocity_rad_s: between(from.velocity_rad_s, to.velocity_rad_s),
+        }
+    }
+}

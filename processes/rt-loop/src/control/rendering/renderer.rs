@@ -1,0 +1,179 @@
+//! The rendering step: measurement in, torque for the motor out.
+
+use biquad::{Biquad as _, DirectForm2Transposed};
+use dynamics::{Calibration, MotorFriction};
+use hal::Measurement;
+use shared_types::Sample;
+
+use super::super::lowpass::ButterworthLowPass;
+use super::super::servo::notch;
+use super::cross_fade::CrossFade;
+use super::passivity::{PassivityObserver, Tick};
+use super::rendered_model::RenderedModel;
+use super::virtual_body::VirtualBody;
+
+/// What holds the virtual body to the rotor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderGains {
+    /// Stiffness of the coupling, mNm/rad.
+    pub stiffness_mnm_rad: f64,
+    /// Damping of the coupling, mNm·s/rad.
+    pub damping: f64,
+    /// Time by which the body is ahead of the rotor, s: the torque that it feels reaches the shaft as much later.
+    ///
+    /// Without it a spring would be felt after its angle, and give out energy at every swing: the condition b > K·T/2 of
+    /// Colgate and Schenkel.
+    pub lead_s: f64,
+    /// Edge below which the hand's torque is taken from the torque sensor, Hz.
+    pub slow_edge_hz: f64,
+    /// Frequency of the notch, Hz.
+    pub notch_hz: f64,
+    /// Damping ratio of the notch's zeros, at the resonance of rotor and gripper: its depth.
+    pub notch_depth: f64,
+    /// Damping ratio of the notch's poles: its width.
+    pub notch_width: f64,
+    /// Energy that the coupling may give out before the guard takes it back, mNm·rad.
+    pub slack: f64,
+}
+
+impl Default for RenderGains {
+    fn default() -> Self {
+        Self { stiffness_mnm_rad: 4_000.0, damping: 30.0, lead_s: 103e-6, slow_edge_hz: 400.0, notch_hz: 2000.0, notch_depth: 0.1, notch_width: 1.0, slack: 1e9 }
+    }
+}
+
+/// What a tick begins with.
+#[derive(Clone, Copy, Debug)]
+pub struct Felt<'a> {
+    /// The sensors.
+    pub measurement: &'a Measurement,
+    /// Way of the encoder since the last tick over the time since then, rad/s.
+    pub velocity_rad_s: f64,
+    /// Ticks since the last step: one, or more after a stall.
+    pub elapsed_ticks: u64,
+    /// Time since the start, s.
+    pub time_s: f64,
+    /// Length of a tick, s.
+    pub step_s: f64,
+}
+
+/// What a rendering step gives.
+#[derive(Clone, Copy, Debug)]
+pub struct Rendered {
+    /// Torque for the motor, mNm, not yet clipped to its limit.
+    pub torque_mnm: f64,
+    /// Angle of the virtual body at the reading, rad.
+    pub angle_rad: f64,
+    /// Whether the virtual body is at rest.
+    pub stuck: bool,
+    /// Whether another model begins to be felt.
+    pub begins_another: bool,
+    /// Whether the guard took energy back.
+    pub guarded: bool,
+}
+
+impl Rendered {
+    /// Its bits of [`Sample::flags`].
+    #[must_use]
+    pub fn flags(&self) -> u32 {
+        let bit = |set: bool, bit: u32| if set { bit } else { 0 };
+        bit(self.begins_another, Sample::MODEL_TAKEN) | bit(self.stuck, Sample::STUCK) | bit(self.guarded, Sample::GUARDED)
+    }
+}
+
+/// The renderer with its state.
+#[derive(Clone, Debug)]
+pub struct Renderer {
+    gains: RenderGains,
+    motor_inertia: f64,
+    friction: MotorFriction,
+    torque_zero_mnm: f64,
+    notch: Option<DirectForm2Transposed<f64>>,
+    slow: ButterworthLowPass<1>,
+    fade: CrossFade,
+    body: VirtualBody,
+    observer: PassivityObserver,
+    previous_angle_rad: Option<f64>,
+}
+
+impl Renderer {
+    /// A renderer at rest at `angle_rad`; `None` when the rate is too low for its filters.
+    #[must_use]
+    pub fn new(model: Box<RenderedModel>, gains: RenderGains, calibration: &Calibration, rate_hz: f64) -> Option<Self> {
+        Some(Self {
+            gains,
+            motor_inertia: calibration.motor_inertia,
+            friction: calibration.motor_friction.unwrap_or_default(),
+            torque_zero_mnm: calibration.torque_zero_mnm,
+            notch: notch(gains.notch_hz, gains.notch_depth, gains.notch_width, rate_hz).map(DirectForm2Transposed::new),
+            slow: ButterworthLowPass::new(gains.slow_edge_hz, rate_hz)?,
+            fade: CrossFade::new(model),
+            body: VirtualBody::at_rest(0.0),
+            observer: PassivityObserver::new(gains.slack, gains.damping),
+            previous_angle_rad: None,
+        })
+    }
+
+    /// Begins at this angle, at rest.
+    pub fn begin(&mut self, angle_rad: f64) {
+        self.body = VirtualBody::at_rest(angle_rad);
+    }
+
+    /// Takes a model that is to be felt from now on; `Err` gives it back while the one before still waits.
+    ///
+    /// # Errors
+    /// The model, when too many came at once.
+    pub fn take(&mut self, model: Box<RenderedModel>) -> Result<(), Box<RenderedModel>> {
+        self.fade.take(model)
+    }
+
+    /// A model that is no longer needed, to be freed elsewhere.
+    pub fn retired(&mut self) -> Option<Box<RenderedModel>> {
+        self.fade.retired()
+    }
+
+    /// Most energy that the coupling gave out so far, mNm·rad.
+    #[must_use]
+    pub fn given_out(&self) -> f64 {
+        self.observer.given_out()
+    }
+
+    /// After a stall a body that slides goes on with the rotor, which nobody held meanwhile: the coupling would make up for
+    /// the whole way at once. One that sticks stays where it is.
+    #[allow(clippy::cast_precision_loss, reason = "a stall is a small number of ticks")]
+    fn catch_up(&mut self, elapsed_ticks: u64, velocity_rad_s: f64, step_s: f64) {
+        if elapsed_ticks > 1 && !self.body.is_stuck() {
+            let way_rad = velocity_rad_s * step_s * (elapsed_ticks - 1) as f64;
+            self.body.angle_rad += way_rad;
+        }
+    }
+
+    /// One tick.
+    pub fn step(&mut self, felt: &Felt<'_>) -> Rendered {
+        let Felt { measurement, velocity_rad_s, elapsed_ticks, time_s, step_s } = *felt;
+        self.catch_up(elapsed_ticks, velocity_rad_s, step_s);
+        let begins_another = self.fade.advance(step_s);
+        let start = self.body;
+        let way_rad = measurement.angle_rad - self.previous_angle_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
+        let correction_mnm = self.observer.correction_mnm(way_rad, step_s);
+        // The sensor reads what the rig puts into the gripper; the hand puts in the opposite.
+        let slow_mnm = self.slow.run(self.torque_zero_mnm - measurement.torque_mnm);
+        let ahead_rad = measurement.angle_rad + self.gains.lead_s * velocity_rad_s - start.angle_rad;
+        let spring_mnm = self.gains.stiffness_mnm_rad * ahead_rad
+            + self.gains.damping * (velocity_rad_s - start.velocity_rad_s);
+        let coupling_mnm = self.notch.as_mut().map_or(spring_mnm, |notch| notch.run(spring_mnm));
+        let forces = self.fade.forces();
+        let work = self.body.advance(&forces, slow_mnm + coupling_mnm, time_s, step_s);
+        let acceleration_rad_s2 = (self.body.velocity_rad_s - start.velocity_rad_s) / step_s;
+        let rendered_mnm = self.motor_inertia * acceleration_rad_s2 - slow_mnm - coupling_mnm;
+        let kinetic = 0.5 * (forces.inertia() - self.motor_inertia) * self.body.velocity_rad_s.powi(2);
+        self.observer.note(&Tick { rendered_mnm: rendered_mnm + correction_mnm, kinetic, work });
+        Rendered {
+            torque_mnm: rendered_mnm + correction_mnm + self.friction.torque_mnm(self.body.velocity_rad_s),
+            angle_rad: start.angle_rad,
+            stuck: self.body.is_stuck(),
+            begins_another,
+            guarded: correction_mnm != 0.0,
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The body that has what the model has.
+
+use dynamics::{Direction, Motion};
+
+use super::rendered_model::Forces;
+
+/// What the body's friction does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Contact {
+    /// At rest, exactly.
+    Stuck,
+    /// Torn loose, not yet faster than the stick velocity: it cannot stick again before it was.
+    BreakingAway(Direction),
+    /// Sliding.
+    Sliding(Direction),
+}
+
+/// Least speed over which the slope of friction is taken, rad/s.
+const SLOW_RAD_S: f64 = 1e-3;
+
+/// Inertia under the model's torques, with Karnopp's friction: a speed below the stick velocity ends at rest, and rest
+/// ends only when the load passes the stick limits (D. Karnopp, *Computer simulation of stick-slip friction in mechanical
+/// dynamic systems*, J. Dyn. Sys. Meas. Control 107, 1985).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VirtualBody {
+    /// Angle, rad.
+    pub(super) angle_rad: f64,
+    /// Velocity, rad/s; exactly zero at rest.
+    pub(super) velocity_rad_s: f64,
+    contact: Contact,
+}
+
+impl VirtualBody {
+    /// A body at rest.
+    pub(super) fn at_rest(angle_rad: f64) -> Self {
+        Self { angle_rad, velocity_rad_s: 0.0, contact: Contact::Stuck }
+    }
+
+    /// Whether friction holds it.
+    pub(super) fn is_stuck(&self) -> bool {
+        self.contact == Contact::Stuck
+    }
+
+    /// One tick from `time_s` on under `drive_mnm` from outside; gives its work against detents and springs, mNm·rad.
+    ///
+    /// Torques of the angle are taken in the middle of the way that the present velocity leads, friction at its end by
+    /// its slope, so that neither stiff detents nor strong damping gain energy from the step.
+    pub(super) fn advance(&mut self, forces: &Forces<'_>, drive_mnm: f64, time_s: f64, step_s: f64) -> f64 {
+        let middle = Motion {
+            time_s: time_s + 0.5 * step_s,
+            angle_rad: self.angle_rad + 0.5 * step_s * self.velocity_rad_s,
+            velocity_rad_s: self.velocity_rad_s,
+            acceleration_rad_s2: 0.0,
+        };
+        let free_mnm = forces.free_mnm(&middle);
+        let load_mnm = drive_mnm - free_mnm;
+        let limits = forces.stick_limits(&Motion { velocity_rad_s: 0.0, ..middle });
+        let held = (-limits.negative_mnm..=limits.positive_mnm).contains(&load_mnm);
+        let mobility = step_s / forces.inertia();
+        if self.contact == Contact::Stuck {
+            if held {
+                return 0.0;
+            }
+            self.contact = Contact::BreakingAway(Direction::of(load_mnm));
+        }
+        let (Contact::BreakingAway(direction) | Contact::Sliding(direction)) = self.contact else { return 0.0 };
+        let start_rad_s = self.velocity_rad_s;
+        let coming_to_rest = matches!(self.contact, Contact::Sliding(_))
+            && held
+            && start_rad_s.abs() < limits.velocity_rad_s;
+        let end_rad_s = if coming_to_rest {
+            let braking_mnm = match direction {
+                Direction::Negative => -limits.negative_mnm,
+                Direction::Positive => limits.positive_mnm,
+            };
+            start_rad_s + mobility * (load_mnm - braking_mnm)
+        } else {
+            let at = |velocity_rad_s: f64| forces.friction_mnm(&Motion { velocity_rad_s, ..middle }, direction);
+            let speed_rad_s = direction.sign() * start_rad_s.abs().max(SLOW_RAD_S);
+            let slope = ((at(speed_rad_s) - at(0.0)) / speed_rad_s).max(0.0);
+            let friction_mnm = at(start_rad_s);
+            (start_rad_s + mobility * (load_mnm - friction_mnm + slope * start_rad_s)) / (1.0 + mobility * slope)
+        };
+        if end_rad_s * direction.sign() <= 0.0 {
+            self.contact = Contact::Stuck;
+            self.velocity_rad_s = 0.0;
+        } else {
+            if end_rad_s.abs() >= limits.velocity_rad_s {
+                self.contact = Contact::Sliding(direction);
+            }
+            self.velocity_rad_s = end_rad_s;
+        }
+        let way_rad = 0.5 * step_s * (start_rad_s + self.velocity_rad_s);
+        self.angle_rad += way_rad;
+        free_mnm * way_rad
+    }
+}

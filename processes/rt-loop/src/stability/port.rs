@@ -1,0 +1,164 @@
+//! What a hand feels of the loop, frequency by frequency.
+
+use dynamics::Calibration;
+use num_complex::Complex64;
+
+use crate::control::rendering::RenderGains;
+use crate::control::notch;
+
+/// What the virtual body is, as far as small motions go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LinearModel {
+    /// It slides: inertia of the model with rotor and gripper, mNm·s²/rad, damping, mNm·s/rad, and stiffness, mNm/rad.
+    Sliding {
+        /// Inertia, mNm·s²/rad.
+        inertia: f64,
+        /// Damping, mNm·s/rad.
+        damping: f64,
+        /// Stiffness, mNm/rad.
+        stiffness_mnm_rad: f64,
+    },
+    /// It sticks.
+    Stuck,
+}
+
+/// The rig with its loop, seen from the gripper.
+///
+/// The loop is linear and sampled; a hand moves slowly beside its rate, so that what is folded back from beyond half the
+/// rate is left out, as J. E. Colgate and G. G. Schenkel do where they compare with the continuous system (*Passivity of a
+/// class of sampled-data systems*, J. Robotic Systems 14, 1997).
+#[derive(Clone, Copy, Debug)]
+pub struct Port {
+    gains: RenderGains,
+    motor_inertia: f64,
+    gripper_inertia: f64,
+    viscous: f64,
+    stiffness_mnm_rad: f64,
+    torque_delay_s: f64,
+    resonance_hz: f64,
+    rate_hz: f64,
+}
+
+/// Time that the current takes after a command, s: an amplifier of 3 kHz.
+pub(super) const ACTUATOR_DELAY_S: f64 = 53e-6;
+/// Damping of the torque sensor, as a share of the critical: a metal spring hardly damps.
+const SENSOR_DAMPING_RATIO: f64 = 0.01;
+
+impl Port {
+    /// The rig with this calibration under these gains.
+    #[must_use]
+    pub fn new(gains: RenderGains, calibration: &Calibration, rate_hz: f64) -> Self {
+        Self {
+            gains,
+            motor_inertia: calibration.motor_inertia,
+            gripper_inertia: calibration.gripper_inertia,
+            viscous: calibration.motor_friction.unwrap_or_default().viscous,
+            stiffness_mnm_rad: calibration.torque_sensor_stiffness_mnm_rad,
+            torque_delay_s: calibration.torque_delay_s.max(0.0),
+            resonance_hz: gains.notch_hz,
+            rate_hz,
+        }
+    }
+
+    /// Torque of a hand over the velocity of the gripper at the angular frequency `omega`, mNm·s/rad.
+    #[must_use]
+    pub fn impedance(&self, omega: f64, model: &LinearModel) -> Complex64 {
+        let step_s = self.rate_hz.recip();
+        let s = Complex64::new(0.0, omega);
+        let z = (s * step_s).exp();
+        let hold = (1.0 - z.inv()) / (s * step_s) * (-s * ACTUATOR_DELAY_S).exp();
+        let second_order = |edge_hz: f64| {
+            let x = s / (std::f64::consts::TAU * edge_hz);
+            (1.0 + std::f64::consts::SQRT_2 * x + x * x).inv()
+        };
+        let slow = second_order(self.gains.slow_edge_hz) * (-s * self.torque_delay_s).exp();
+        let notch = notch(self.resonance_hz, self.gains.notch_depth, self.gains.notch_width, self.rate_hz)
+            .map_or(Complex64::ONE, |c| (c.b0 + c.b1 / z + c.b2 / (z * z)) / (1.0 + c.a1 / z + c.a2 / (z * z)));
+        let RenderGains { stiffness_mnm_rad, damping, lead_s, .. } = self.gains;
+        // Torque of the coupling per angle of the rotor and per velocity of the body.
+        let of_rotor = notch * (stiffness_mnm_rad + (damping + stiffness_mnm_rad * lead_s) * (1.0 - z.inv()) / step_s);
+        // Angle of the body per its velocity: the trapezium that the body is integrated with.
+        let angle_per_velocity = 0.5 * step_s * (z + 1.0) / (z - 1.0);
+        let of_body = notch * (stiffness_mnm_rad * angle_per_velocity + damping);
+        // The body: inertia·(z − 1)/T·ω = drive − torques of the model.
+        let body = match *model {
+            LinearModel::Stuck => None,
+            LinearModel::Sliding { inertia, damping, stiffness_mnm_rad } => Some(
+                (inertia - self.gripper_inertia) * (z - 1.0) / step_s
+                    + damping * z
+                    + stiffness_mnm_rad * (angle_per_velocity + 0.5 * step_s),
+            ),
+        };
+        // drive = −slow·Ts + of_rotor·θ − of_body·ω_body; the command is J·(z − 1)/T·ω_body − drive.
+        let (drive_of_sensor, drive_of_rotor, body_of_sensor, body_of_rotor) = match body {
+            None => (-slow, of_rotor, Complex64::ZERO, Complex64::ZERO),
+            Some(body) => {
+                let total = body + of_body;
+                let (by_sensor, by_rotor) = (-slow / total, of_rotor / total);
+                (-slow - of_body * by_sensor, of_rotor - of_body * by_rotor, by_sensor, by_rotor)
+            }
+        };
+        let forward = self.motor_inertia * (z - 1.0) / step_s;
+        let command_of_sensor = hold * (forward * body_of_sensor - drive_of_sensor);
+        let command_of_rotor = hold * (forward * body_of_rotor - drive_of_rotor);
+        // Rotor: (J·s² + b·s)·θ = command − Ts, so that Ts = rotor·θ.
+        let rotor = (command_of_rotor - self.motor_inertia * s * s - self.viscous * s) / (1.0 - command_of_sensor);
+        let inertia = self.motor_inertia * self.gripper_inertia / (self.motor_inertia + self.gripper_inertia).max(1e-12);
+        let sensor = self.stiffness_mnm_rad
+            + s * 2.0 * SENSOR_DAMPING_RATIO * (self.stiffness_mnm_rad * inertia.max(1e-6)).sqrt();
+        // Ts = sensor·(θ − θg) = rotor·θ.
+        let sensor_of_gripper = rotor * sensor / (sensor - rotor);
+        (self.gripper_inertia * s * s - sensor_of_gripper) / s
+    }
+
+    /// Whether no hand of the class can make it swing: zero exclusion over its impedances.
+    ///
+    /// A swing that neither grows nor dies needs a hand with impedance + loop = 0. Where the loop's real part is not
+    /// negative no passive hand has that; where it is, the loop's imaginary part must lie beyond what spring and inertia
+    /// of such a hand can cancel.
+    #[must_use]
+    pub fn is_safe(&self, model: &LinearModel, hands: &Hands) -> bool {
+        self.first_unsafe_hz(model, hands).is_none()
+    }
+
+    /// The lowest frequency at which a hand of the class could make it swing, Hz.
+    #[must_use]
+    pub fn first_unsafe_hz(&self, model: &LinearModel, hands: &Hands) -> Option<f64> {
+        frequencies_hz(self.rate_hz).find(|frequency_hz| {
+            let omega = std::f64::consts::TAU * frequency_hz;
+            let impedance = self.impedance(omega, model);
+            // The softest grip that cancels what is mass-like, and what it dissipates at least.
+            let stiffness_mnm_rad = (omega * impedance.im).max(0.0);
+            impedance.re + stiffness_mnm_rad / hands.relaxation_per_s < 0.0
+                && stiffness_mnm_rad <= hands.stiffness_mnm_rad
+                && -impedance.im <= hands.inertia * omega
+        })
+    }
+}
+
+/// From 0.1 Hz to half the rate, forty to a decade and denser than any resonance of the loop is wide.
+fn frequencies_hz(rate_hz: f64) -> impl Iterator<Item = f64> {
+    let decades = (0.5 * rate_hz / 0.1).log10();
+    let steps = 80.0 * decades;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred")]
+    let last = steps as u32;
+    (0..last).map(|step| 0.1 * 10_f64.powf(f64::from(step) / 80.0))
+}
+
+/// A class of hands: every passive second-order grip within these limits, and no hand at all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hands {
+    /// Stiffest grip, mNm/rad.
+    pub stiffness_mnm_rad: f64,
+    /// Heaviest, mNm·s²/rad.
+    pub inertia: f64,
+    /// Most stiffness per damping, 1/s: a stiff grip is a firm one, and damps in proportion.
+    pub relaxation_per_s: f64,
+}
+
+impl Default for Hands {
+    /// Ten times as stiff and as heavy as a usual pinch grip, with at least a fifth of the damping that goes with its stiffness.
+    fn default() -> Self {
+        Self { stiffness_mnm_rad: 6_400.0, inertia: 0.05, relaxation_per_s: 1_000.0 }
+    }
+}
