@@ -77,6 +77,20 @@ impl Calibration {
         toml::to_string(self).unwrap_or_default()
     }
 
+    /// The same rig as the hand on its gripper sees it, for whom the torque sensor reads minus what the rendered knob takes.
+    ///
+    /// With this and the torque's sign turned, a capture of a rendering is analysed as one of a knob: the gripper turns with the
+    /// rendered knob and not beside it, and the gripper is ahead of the encoder by torque over stiffness.
+    #[must_use]
+    pub fn seen_from_the_hand(&self) -> Self {
+        Self {
+            gripper_inertia: -self.gripper_inertia,
+            torque_zero_mnm: -self.torque_zero_mnm,
+            torque_sensor_stiffness_mnm_rad: -self.torque_sensor_stiffness_mnm_rad,
+            ..self.clone()
+        }
+    }
+
     /// Gravity in the acceleration signal at an angle, rad/s².
     #[must_use]
     pub fn gravity_rad_s2(&self, angle_rad: f64) -> f64 {

@@ -11,7 +11,7 @@ use hal::{Apparatus, RigDescription};
 use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
 use shared_types::{ClockMapping, RunDescription};
 
-use crate::control::rendering::{RenderGains, RenderedModel, Renderer, Unrenderable};
+use crate::control::rendering::{self, RenderGains, RenderedModel, Renderer, Unrenderable};
 use crate::control::{ControlPlan, ServoGains};
 use crate::stability::{BoundExceeded, Bounds};
 
@@ -249,7 +249,8 @@ impl Plan {
             rate_hz: options.rate_hz,
             planned_ticks,
         };
-        let rendering = options.render.as_deref().map(|name| rendering(name, &rig, options.rate_hz)).transpose()?;
+        let rendering = options.render.as_deref()
+            .map(|name| make_rendering(name, &rig, options.rate_hz)).transpose()?;
         Ok(Self {
             apparatus: Box::new(apparatus),
             rig,
@@ -297,21 +298,22 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
 }
 
 /// The model called `name`, made ready to be rendered on the rig.
-fn rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
+fn make_rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
     let model = mounted_knob(name)?;
     if rig.calibration.motor_friction.is_none() {
         return Err(PlanError::Uncalibrated);
     }
-    let gains = RenderGains::default();
-    let bounds = Bounds::of(&gains, &rig.calibration, &rig.limits, rate_hz);
-    let remarks = bounds.check(&model)?;
-    let rendered = RenderedModel::new(&model, &rig.calibration)?;
-    let renderer = Renderer::new(Box::new(rendered), gains, &rig.calibration, rate_hz).ok_or(PlanError::Rate {
+    let too_slow = || PlanError::Rate {
         asked: rate_hz,
         rig: rig.name.clone(),
-        slowest: SLOWEST_RATE_HZ,
+        slowest: rendering::SLOWEST_RATE_HZ,
         fastest: rig.limits.rate_hz,
-    })?;
+    };
+    let gains = RenderGains::at_rate(rate_hz).ok_or_else(too_slow)?;
+    let rendered = RenderedModel::new(&model, &rig.calibration)?;
+    let remarks = Bounds::of(&gains, &rig.calibration, &rig.limits, rate_hz).check(&model)?;
+    let renderer =
+        Renderer::new(Box::new(rendered), gains, &rig.calibration, rate_hz).ok_or_else(too_slow)?;
     Ok(Rendering { model, renderer, remarks })
 }
 
