@@ -31,12 +31,17 @@ pub mod effects;
 pub mod excitation;
 mod hypothesis;
 mod inner_body;
+mod interned;
 pub mod knobs;
 mod model;
 mod motion;
 mod prediction;
+mod role;
 mod shift;
 pub mod simulate;
+mod stiffness;
+mod toml_file;
+mod torque_table;
 
 pub use bristles::Bristles;
 pub use calibration::{Calibration, CalibrationError};
@@ -47,6 +52,9 @@ pub use effect::{
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, Scene, Search};
 pub use inner_body::InnerBody;
-pub use model::{Model, ModelError};
+pub use model::Model;
 pub use motion::Motion;
+pub use role::Role;
 pub use shift::shifted;
+pub use toml_file::ModelError;
+pub use torque_table::{TorqueTable, TorqueTableError};
