@@ -43,6 +43,11 @@ pub struct ParameterKind {
     pub minimum: Minimum,
 }
 
+/// A unit as it follows a number in a sentence: not at all where it is 1.
+pub(crate) fn spaced_unit(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
 /// A parameter's lower bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Minimum {

@@ -25,6 +25,7 @@
 
 mod bristles;
 mod calibration;
+mod composition;
 mod coupling;
 mod effect;
 pub mod effects;
@@ -45,7 +46,9 @@ mod torque_table;
 
 pub use bristles::Bristles;
 pub use calibration::{Calibration, CalibrationError};
+pub use composition::{Composition, CompositionError, CompositionNote, Source, composition_notes};
 pub use coupling::Coupling;
+pub(crate) use effect::spaced_unit;
 pub use effect::{
     Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,
 };

@@ -46,7 +46,7 @@ pub enum ModelError {
         known: String,
     },
     /// A value outside its range.
-    #[error("{origin}: {parameter} is {value} {unit}, but it must be {requirement}")]
+    #[error("{origin}: {parameter} is {value}{}, but it must be {requirement}", crate::spaced_unit(unit))]
     OutOfRange {
         /// File or source of the text.
         origin: String,

@@ -6,6 +6,9 @@ use crate::drawing;
 
 const DRAWINGS: u64 = 300;
 
+/// Angles, torques and period, and what is said of them.
+type Refused<'points> = (&'points [f64], &'points [f64], Option<f64>, &'points str);
+
 /// Points with the first repeated after a period.
 fn closed(angle_rad: &[f64], torque_mnm: &[f64], period_rad: f64) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = angle_rad.iter().copied().zip(torque_mnm.iter().copied()).collect();
@@ -95,7 +98,7 @@ fn equal_tables_are_kept_once() {
 
 #[test]
 fn what_is_no_periodic_function_is_refused_with_the_number_that_was_exceeded() {
-    let cases: [(&[f64], &[f64], Option<f64>, &str); 9] = [
+    let cases: [Refused; 9] = [
         (&[0.0, 0.1, 0.2], &[0.0, 4.0, 1.0], None, "a jump of 1.000000 mNm where 0.004000 mNm is allowed"),
         (&[0.0, 0.1, 0.2], &[0.0, 4.0, 1.0], Some(0.2), "a jump of 1.000000 mNm where 0.004000 mNm is allowed"),
         (&[0.0, 0.1, 0.2], &[0.0, 4.0, 1.0], Some(0.15), "period_rad is 0.15, but its points lie over 0.2 rad"),

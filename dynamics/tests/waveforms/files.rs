@@ -67,7 +67,7 @@ fn a_wrong_waveform_gets_one_sentence_that_says_what_would_do() {
             "[[effects]]\neffect = \"detent-sawtooth\"\nsawtooth_amplitude = 1\nsawtooth_period = 0.1\n\
              sawtooth_phase = 0\nsawtooth_rising_share = 1\n"
                 .to_owned(),
-            "sawtooth_rising_share is 1 1, but it must be more than zero and less than one",
+            "sawtooth_rising_share is 1, but it must be more than zero and less than one",
         ),
     ];
     for (text, expected) in cases {
