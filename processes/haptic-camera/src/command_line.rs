@@ -56,8 +56,8 @@ pub enum Command {
     /// Compose a model of one knob's inertia, another's friction and a third one's detents
     #[command(after_help = "Examples:\n  \
         haptic-camera compose --inertia 2 --friction 1 --detents 3 --out mix.toml\n  \
-        haptic-camera compose --inertia 2 --friction 4 --detents drawn.csv --set table_scale=1.5 --out drawn.toml\n\n\
-        Inertia is what resists acceleration; friction what resists turning, its stick and what modulates it; detents\n\
+        haptic-camera compose --inertia 2 --friction 4 --detents drawn.csv --set table_scale=1.5 --out new.toml\n\n\
+        Inertia is what resists acceleration; friction what resists turning, its stick and what modulates it; detents \
         are the torques that repeat along the angle, of every waveform. All else is taken one by one, by --extra.")]
     Compose(ComposeOptions),
     /// Open the live view of the running capture, or look at a finished one

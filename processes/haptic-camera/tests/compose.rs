@@ -1,5 +1,6 @@
 //! `compose` as an operator uses it.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::cast_precision_loss, reason = "a number of samples")]
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -148,4 +149,47 @@ fn wrong_usage_is_told_in_one_line_that_says_what_would_do() {
     assert!(error.contains("open.csv: the table does not repeat") && status == 1, "{error}");
     assert!(error.contains("a jump of 1.000000 mNm where 0.005000 mNm is allowed"), "{error}");
     assert!(!folder.path().join("new.toml").exists());
+}
+
+#[test]
+fn the_rig_turns_a_composed_knob_with_drawn_detents() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("drawn.csv"), DRAWN).unwrap();
+    composed(folder.path(), "--inertia 3 --friction 3 --detents drawn.csv --out drawn.toml");
+    let arguments = "capture --knob drawn.toml --offline --no-viewer --sweep slow-turn --duration-s 4 --out captures";
+    let output = haptic_camera(folder.path(), arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let files = std::fs::read_dir(folder.path().join("captures")).unwrap().flatten().map(|entry| entry.path());
+    let archive = files.into_iter().find(|path| path.extension().is_some_and(|extension| extension == "mcap")).unwrap();
+    let capture = archive::Capture::load(&archive).unwrap();
+    // Half of the mean difference between angles a quarter of a period before and after the drawn zeros: friction,
+    // zero offset and noise drop out. Within 1 % of the period around the peaks.
+    let at_phase = |phase: f64| {
+        let near = |angle: &f64| ((angle / 0.2 - phase).rem_euclid(1.0) - 0.5).abs() > 0.49;
+        let torques: Vec<f64> = capture
+            .angle_rad
+            .iter()
+            .zip(&capture.torque_mnm)
+            .skip(10_000)
+            .filter(|(angle, _)| near(angle))
+            .map(|(_, torque)| *torque)
+            .collect();
+        assert!(torques.len() > 100, "the knob must pass phase {phase}");
+        torques.iter().sum::<f64>() / torques.len() as f64
+    };
+    let peak_mnm = 0.5 * (at_phase(0.25) - at_phase(0.75));
+    assert!((peak_mnm - 6.0).abs() < 0.2, "{peak_mnm} mNm for the 6 mNm drawn");
+}
+
+#[test]
+fn a_drawn_table_is_nothing_that_a_diagnosis_can_start_from() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("drawn.csv"), DRAWN).unwrap();
+    composed(folder.path(), "--inertia 3 --friction 3 --detents drawn.csv --out drawn.toml");
+    std::fs::write(folder.path().join("capture.csv"), "t_s,angle_rad,torque_mnm\n0,0,0\n0.001,0,0\n0.002,0,0\n")
+        .unwrap();
+    let output = haptic_camera(folder.path(), "diagnose capture.csv --model drawn.toml");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(error.contains("drawn.toml has a torque-table, which is drawn and cannot be fitted"), "{error}");
+    assert_eq!(output.status.code(), Some(1));
 }
