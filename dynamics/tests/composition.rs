@@ -176,16 +176,19 @@ fn what_does_not_fit_gets_one_sentence_that_says_what_would() {
     }
 }
 
-fn model_of(effects: &[(&str, &[f64])]) -> Model {
-    let effect = |(name, values): &(&str, &[f64])| Effect::new(effects::by_name(name).unwrap(), values);
+/// An effect by name and values.
+type Named<'test> = (&'test str, &'test [f64]);
+
+fn model_of(effects: &[Named]) -> Model {
+    let effect = |(name, values): &Named| Effect::new(effects::by_name(name).unwrap(), values);
     Model { name: String::new(), description: String::new(), effects: effects.iter().map(effect).collect() }
 }
 
 #[test]
 fn parts_that_do_not_add_up_as_expected_are_told() {
-    let inertia: (&str, &[f64]) = ("inertia", &[0.1]);
-    let friction: (&str, &[f64]) = ("friction", &[5.0, 6.0, 0.1, 0.1]);
-    let cases: [(&[(&str, &[f64])], &[&str]); 9] = [
+    let inertia: Named = ("inertia", &[0.1]);
+    let friction: Named = ("friction", &[5.0, 6.0, 0.1, 0.1]);
+    let cases: [(&[Named], &[&str]); 9] = [
         (&[inertia, friction, ("karnopp-stick", &[7.0, 7.0, 0.01])], &[]),
         (
             &[inertia, friction, ("karnopp-stick", &[4.0, 7.0, 0.01])],
