@@ -116,6 +116,22 @@ fn a_part_brings_everything_that_belongs_to_it_and_says_where_it_is_from() {
 }
 
 #[test]
+fn the_documentation_says_of_every_effect_what_it_belongs_to() {
+    let rows: Vec<&str> = include_str!("../../docs/replay.md").lines().filter(|line| line.starts_with("| ")).collect();
+    for kind in effects::ALL {
+        let begins = match kind.role {
+            Role::Inertia => "| inertia",
+            Role::Friction => "| friction",
+            Role::Detents => "| detents",
+            Role::Other => "| all else",
+        };
+        let mentioned = format!("`{}`", kind.name);
+        let rows: Vec<_> = rows.iter().filter(|row| row.contains(&mentioned)).collect();
+        assert!(rows.len() == 1 && rows[0].starts_with(begins), "{} belongs to {}", kind.name, kind.role);
+    }
+}
+
+#[test]
 fn single_effects_and_single_values_come_from_anywhere() {
     let mut composition = Composition::default();
     composition.take(Role::Inertia, &shipped(5)).unwrap();
