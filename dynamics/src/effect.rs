@@ -211,6 +211,12 @@ impl Effect {
         Self { origin: Some(crate::interned::text(origin)), ..self }
     }
 
+    /// The same effect without that note, for values that were fitted since.
+    #[must_use]
+    pub fn without_origin(self) -> Self {
+        Self { origin: None, ..self }
+    }
+
     /// What effect this is.
     #[must_use]
     pub fn kind(&self) -> &'static EffectKind {

@@ -47,7 +47,7 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
         let model = Model {
             name: train.title(),
             description: format!("diagnosed from {}: {}", options.train.display(), found.summary),
-            effects: found.model.effects.clone(),
+            effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
         };
         write(path, &model.to_toml())?;
     }
