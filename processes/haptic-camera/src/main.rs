@@ -22,6 +22,7 @@ mod repeatability;
 mod rig_run;
 mod rig_test;
 mod simulate;
+mod verify;
 mod view;
 
 use std::process::ExitCode;

@@ -116,6 +116,12 @@ impl Bounds {
     }
 }
 
+/// Speed from which a model's friction would drive the knob instead of braking it, rad/s; `None` where it never does.
+#[must_use]
+pub fn driving_speed_rad_s(model: &Model) -> Option<f64> {
+    Demands::of(model).drives_from_rad_s
+}
+
 /// What a model demands of a rig.
 struct Demands {
     stiffness_mnm_rad: f64,
@@ -142,20 +148,16 @@ impl Demands {
     #[allow(clippy::cast_possible_truncation, reason = "some ten thousand steps")]
     fn of(model: &Model) -> Self {
         let steps = (LOOKED_AT_RAD / LOOKED_AT_STEP_RAD) as i32;
-        let (mut free_mnm, mut held_mnm, mut stiffness_mnm_rad) = (0.0_f64, 0.0_f64, 0.0_f64);
-        let mut before_mnm = None::<f64>;
+        let (mut free_mnm, mut held_mnm) = (0.0_f64, 0.0_f64);
         for step in -steps..=steps {
             let motion = Motion { angle_rad: f64::from(step) * LOOKED_AT_STEP_RAD, ..Motion::default() };
             let torque_mnm = model.free_torque_mnm(&motion);
-            let rise = before_mnm.map_or(0.0, |before_mnm| (torque_mnm - before_mnm).abs() / LOOKED_AT_STEP_RAD);
-            stiffness_mnm_rad = stiffness_mnm_rad.max(rise);
-            before_mnm = Some(torque_mnm);
             free_mnm = free_mnm.max(torque_mnm.abs());
             let limits = model.stick_limits(&motion);
             held_mnm = held_mnm.max(limits.negative_mnm).max(limits.positive_mnm);
         }
         let mut demands = Self {
-            stiffness_mnm_rad,
+            stiffness_mnm_rad: model.steepest_stiffness_mnm_rad(),
             least_damping: f64::INFINITY,
             largest_damping: 0.0,
             coulomb_mnm: f64::INFINITY,
