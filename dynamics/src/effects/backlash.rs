@@ -2,6 +2,13 @@
 
 use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Scene, Search};
 
+/// Index of the share of inertia behind the gap among the parameters.
+pub const INNER_SHARE: usize = 1;
+/// Index of the contact's stiffness among the parameters.
+pub const STIFFNESS: usize = 2;
+/// Index of the contact's damping among the parameters.
+pub const DAMPING: usize = 3;
+
 /// `backlash`: cap and inner body touch only where their angles differ by more than half a gap; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
     name: "backlash",
@@ -39,9 +46,9 @@ pub static KIND: EffectKind = EffectKind {
     ],
     part: Part::Coupling(|values| Coupling {
         half_gap_rad: values[0],
-        inner_share: values[1],
-        stiffness_mnm_rad: values[2],
-        damping: values[3],
+        inner_share: values[INNER_SHARE],
+        stiffness_mnm_rad: values[STIFFNESS],
+        damping: values[DAMPING],
     }),
     regressors: None,
     hypothesis: Some(Hypothesis {
@@ -53,16 +60,28 @@ pub static KIND: EffectKind = EffectKind {
                 logarithmic: true,
                 same_as: None,
             },
-            Search { parameter: 1, range: |_| Some((0.02, 0.98)), starts: |_| 2, logarithmic: false, same_as: None },
             Search {
-                parameter: 2,
+                parameter: INNER_SHARE,
+                range: |_| Some((0.02, 0.98)),
+                starts: |_| 2,
+                logarithmic: false,
+                same_as: None,
+            },
+            Search {
+                parameter: STIFFNESS,
                 // A resonance between the lowest that shows and the highest that the samples resolve.
                 range: |scene| scene.resonant_stiffnesses(20.0, 0.4 / scene.sample_s),
                 starts: |_| 2,
                 logarithmic: true,
                 same_as: None,
             },
-            Search { parameter: 3, range: Scene::coupling_dampings, starts: |_| 1, logarithmic: true, same_as: None },
+            Search {
+                parameter: DAMPING,
+                range: Scene::coupling_dampings,
+                starts: |_| 1,
+                logarithmic: true,
+                same_as: None,
+            },
         ],
         nested: &[],
         per_capture: false,
