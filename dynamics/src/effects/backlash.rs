@@ -4,8 +4,6 @@ use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Scen
 
 /// Index of the share of inertia behind the gap among the parameters.
 pub const INNER_SHARE: usize = 1;
-/// Index of the contact's stiffness among the parameters.
-pub const STIFFNESS: usize = 2;
 /// Index of the contact's damping among the parameters.
 pub const DAMPING: usize = 3;
 
@@ -47,7 +45,7 @@ pub static KIND: EffectKind = EffectKind {
     part: Part::Coupling(|values| Coupling {
         half_gap_rad: values[0],
         inner_share: values[INNER_SHARE],
-        stiffness_mnm_rad: values[STIFFNESS],
+        stiffness_mnm_rad: values[2],
         damping: values[DAMPING],
     }),
     regressors: None,
@@ -68,7 +66,7 @@ pub static KIND: EffectKind = EffectKind {
                 same_as: None,
             },
             Search {
-                parameter: STIFFNESS,
+                parameter: 2,
                 // A resonance between the lowest that shows and the highest that the samples resolve.
                 range: |scene| scene.resonant_stiffnesses(20.0, 0.4 / scene.sample_s),
                 starts: |_| 2,

@@ -223,13 +223,27 @@ pub(crate) fn beside_coupling(
     let fits = promising.into_iter().take(PROMISING).map(|(_, structure)| {
         let mut fit = Nonlinear::new(structure, train);
         fit.refine();
-        // Beside another torque another limit may be right.
-        if base.sticks() && fit.squares() < (1.0 - WORTHWHILE) * present.squares() {
-            fit = sticking::fitted(&fit, train).unwrap_or(fit);
-        }
-        Judged::nonlinear(&fit, train, heldout)
+        let judged = Judged::nonlinear(&fit, train, heldout);
+        // Where a body breaks away, a torque more changes everything: then the coupling is looked for anew beside it.
+        let gains = base.sticks() && fit.squares() < (1.0 - WORTHWHILE) * present.squares();
+        let anew = if gains { coupled_anew(&judged.structure, [train, heldout]) } else { None };
+        anew.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
     });
-    fits.collect()
+    fits.flatten().collect()
+}
+
+/// The best fit of a coupled structure that was found from the starts of its coupling, the last effect staying last.
+fn coupled_anew(structure: &Structure, captures: [&Capture; 2]) -> Option<Judged> {
+    let of_coupling = |effect: &Effect| matches!(effect.kind().part, Part::Coupling(_) | Part::Stick(_));
+    let kind = structure.effects.iter().find(|effect| matches!(effect.kind().part, Part::Coupling(_)))?.kind();
+    let newest = structure.effects.last()?.kind();
+    let indices = (0..structure.effects.len()).rev().filter(|index| of_coupling(&structure.effects[*index]));
+    let bare = indices.fold(structure.clone(), |bare, index| bare.without(index));
+    let mut judged = coupled(kind, &bare, captures, Effort::Full)?;
+    let index = judged.structure.position(newest.name)?;
+    let (effect, columns) = (judged.structure.effects[index], judged.structure.columns[index]);
+    judged.structure = judged.structure.without(index).with(effect, columns);
+    Some(judged)
 }
 
 /// All combinations of the searched parameters' starts; `None` if the capture cannot show one of them.

@@ -15,48 +15,43 @@ use super::nonlinear::Nonlinear;
 use super::structure::Structure;
 use crate::spectrum::quantile;
 
-/// Shares of the largest torque that are tried as limits.
-const LEVELS: [f64; 2] = [0.7, 2.0];
+/// Shares of the largest torque that are tried as limits, together with everything else …
+const LEVELS: [f64; 2] = [0.3, 1.0];
+/// … and alone where one of them helped.
+const FINE_LEVELS: [f64; 8] = [0.15, 0.2, 0.3, 0.4, 0.55, 0.7, 1.0, 2.0];
 /// Ratios by which the contact's damping is raised.
 const DAMPINGS: [f64; 3] = [1.0, 4.0, 16.0];
 /// Quantile of the torque's magnitude that counts as the largest: single blows are larger.
 const LARGEST: f64 = 0.99;
-/// Shares of the inertia that may be left, and ratios by which the contact's stiffness is raised.
+/// Shares of the inertia that may be left.
 const LIGHTER: [f64; 2] = [1.0, 0.25];
-const STIFFER: [f64; 2] = [1.0, 10.0];
-/// Share of the squares that must go for a limit to be looked at further …
+/// Share of the squares that must go for a limit to be looked at further.
 const HOPELESS: f64 = 0.9;
-/// … and for yet another round, of which there are so many at most.
-const SETTLED: f64 = 0.9;
-const ROUNDS: usize = 2;
 
-/// The fit with the best of the levels, refined from there as long as that helps; `None` where bodies cannot lose
-/// touch, and where no level does better than the fit without.
+/// The fit with the best of the levels, refined from there; `None` where bodies cannot lose touch, and where no level
+/// does better than the fit without.
 pub(crate) fn fitted<'a>(fit: &Nonlinear<'a>, train: &'a Capture) -> Option<Nonlinear<'a>> {
     let mut torques: Vec<f64> = train.torque_mnm(0.0).iter().map(|torque| torque.abs()).collect();
     let largest_mnm = quantile(&mut torques, LARGEST);
-    let mut best: Option<Nonlinear<'a>> = None;
-    for _ in 0..ROUNDS {
-        let present = best.as_ref().unwrap_or(fit);
-        let trials = trials(&present.structure, largest_mnm, train);
-        let mut tried = on_both_cores(&trials, |trial| Some(Nonlinear::new(trial.clone(), train)));
-        tried.sort_by(|a, b| a.squares().total_cmp(&b.squares()));
-        let Some(mut next) = tried.into_iter().next() else { break };
-        if best.is_none() && next.squares() > HOPELESS * fit.squares() {
-            return None;
-        }
-        next.refine_slow();
-        next.refine();
-        if next.squares() > SETTLED * present.squares() {
-            break;
-        }
-        best = Some(next);
+    let mut coarse = best_of(&trials(&fit.structure, largest_mnm, train), train)?;
+    if coarse.squares() > HOPELESS * fit.squares() {
+        return None;
     }
-    best
+    coarse.refine_slow();
+    coarse.refine();
+    let mut fine = best_of(&FINE_LEVELS.map(|share| coarse.structure.sticking(share * largest_mnm)), train)?;
+    fine.refine();
+    Some(if fine.squares() < coarse.squares() { fine } else { coarse })
 }
 
-/// Structures with other limits, a harder contact and less inertia outside: what a structure without stick took for
-/// inertia and softness may be blows.
+/// The structure that leaves least as it stands.
+fn best_of<'a>(trials: &[Structure], train: &'a Capture) -> Option<Nonlinear<'a>> {
+    let tried = on_both_cores(trials, |trial| Some(Nonlinear::new(trial.clone(), train)));
+    tried.into_iter().min_by(|a, b| a.squares().total_cmp(&b.squares()))
+}
+
+/// Structures with other limits, more damping and less inertia outside: what a structure without stick took for inertia
+/// may be blows.
 fn trials(structure: &Structure, largest_mnm: f64, train: &Capture) -> Vec<Structure> {
     let coupling = |effect: &Effect| matches!(effect.kind().part, Part::Coupling(_));
     let (Some(index), Some(inertia)) = (
@@ -69,18 +64,15 @@ fn trials(structure: &Structure, largest_mnm: f64, train: &Capture) -> Vec<Struc
         return Vec::new();
     }
     let mut trials = Vec::new();
-    for damping in DAMPINGS {
-        for [lighter, stiffer] in LIGHTER.into_iter().flat_map(|lighter| STIFFER.map(|stiffer| [lighter, stiffer])) {
-            let mut moved = structure.clone();
-            moved.effects[inertia].values_mut()[0] *= lighter;
-            let values = moved.effects[index].values_mut();
-            values[backlash::INNER_SHARE] /= lighter;
-            values[backlash::STIFFNESS] *= stiffer;
-            values[backlash::DAMPING] *= damping;
-            let moved = within_range(moved, index, train);
-            trials.extend(LEVELS.map(|share| moved.sticking(share * largest_mnm)));
-            trials.push(moved);
-        }
+    for (damping, lighter) in DAMPINGS.into_iter().flat_map(|damping| LIGHTER.map(|lighter| (damping, lighter))) {
+        let mut moved = structure.clone();
+        moved.effects[inertia].values_mut()[0] *= lighter;
+        let values = moved.effects[index].values_mut();
+        values[backlash::INNER_SHARE] /= lighter;
+        values[backlash::DAMPING] *= damping;
+        let moved = within_range(moved, index, train);
+        trials.extend(LEVELS.map(|share| moved.sticking(share * largest_mnm)));
+        trials.push(moved);
     }
     trials
 }
