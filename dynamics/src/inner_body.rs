@@ -121,8 +121,8 @@ impl<'model> InnerBody<'model> {
             acceleration_rad_s2: 0.0,
         };
         let still = at(0.0);
-        let limits = self.knob.stick_limits(&still);
         let level_mnm = [Direction::Negative, Direction::Positive].map(|to| self.knob.friction_mnm(&still, to));
+        let limits = self.knob.stick_limits_above(level_mnm);
         // A body at rest will, if at all, soon turn as the cap does.
         let turning_rad_s = if self.velocity_rad_s == 0.0 { cap_rad_s } else { self.velocity_rad_s };
         let direction = Direction::of(turning_rad_s);

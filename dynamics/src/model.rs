@@ -91,15 +91,20 @@ impl Model {
     /// If it bore less, it would break away into a friction that stops it at once.
     #[must_use]
     pub fn stick_limits(&self, motion: &Motion) -> StickLimits {
+        let still = Motion { velocity_rad_s: 0.0, ..*motion };
+        self.stick_limits_above([Direction::Negative, Direction::Positive].map(|to| self.friction_mnm(&still, to)))
+    }
+
+    /// The same where the friction of a knob that begins to slide negatively and positively is known, mNm.
+    pub(crate) fn stick_limits_above(&self, sliding_mnm: [f64; 2]) -> StickLimits {
         let karnopp = self.effects.iter().find_map(|effect| match effect.kind().part {
             Part::Stick(limits) => Some(limits(effect.values())),
             _ => None,
         });
         let karnopp = karnopp.unwrap_or_default();
-        let still = Motion { velocity_rad_s: 0.0, ..*motion };
         StickLimits {
-            negative_mnm: karnopp.negative_mnm.max(-self.friction_mnm(&still, Direction::Negative)),
-            positive_mnm: karnopp.positive_mnm.max(self.friction_mnm(&still, Direction::Positive)),
+            negative_mnm: karnopp.negative_mnm.max(-sliding_mnm[0]),
+            positive_mnm: karnopp.positive_mnm.max(sliding_mnm[1]),
             velocity_rad_s: karnopp.velocity_rad_s,
         }
     }

@@ -2,6 +2,11 @@
 
 use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
+/// Index of the share of inertia behind the gap among the parameters.
+pub const INNER_SHARE: usize = 1;
+/// Index of the contact's damping among the parameters.
+pub const DAMPING: usize = 3;
+
 /// `backlash`: cap and inner body touch only where their angles differ by more than half a gap; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
     name: "backlash",
@@ -40,9 +45,9 @@ pub static KIND: EffectKind = EffectKind {
     ],
     part: Part::Coupling(|values| Coupling {
         half_gap_rad: values[0],
-        inner_share: values[1],
+        inner_share: values[INNER_SHARE],
         stiffness_mnm_rad: values[2],
-        damping: values[3],
+        damping: values[DAMPING],
     }),
     steepest_mnm_rad: None,
     regressors: None,
@@ -55,7 +60,13 @@ pub static KIND: EffectKind = EffectKind {
                 logarithmic: true,
                 same_as: None,
             },
-            Search { parameter: 1, range: |_| Some((0.02, 0.98)), starts: |_| 2, logarithmic: false, same_as: None },
+            Search {
+                parameter: INNER_SHARE,
+                range: |_| Some((0.02, 0.98)),
+                starts: |_| 2,
+                logarithmic: false,
+                same_as: None,
+            },
             Search {
                 parameter: 2,
                 // A resonance between the lowest that shows and the highest that the samples resolve.
@@ -64,7 +75,13 @@ pub static KIND: EffectKind = EffectKind {
                 logarithmic: true,
                 same_as: None,
             },
-            Search { parameter: 3, range: Scene::coupling_dampings, starts: |_| 1, logarithmic: true, same_as: None },
+            Search {
+                parameter: DAMPING,
+                range: Scene::coupling_dampings,
+                starts: |_| 1,
+                logarithmic: true,
+                same_as: None,
+            },
         ],
         nested: &[],
         per_capture: false,

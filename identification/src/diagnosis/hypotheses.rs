@@ -8,8 +8,10 @@ use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::normal;
 use super::separable::Separable;
+use super::sticking;
 use super::structure::Structure;
 use super::twist;
+use super::worth::WORTHWHILE;
 use crate::least_squares::dot;
 
 /// Starts of a separable hypothesis that are refined.
@@ -27,6 +29,12 @@ const STARTED: usize = 3;
 const HOPELESS: f64 = 0.95;
 /// A gap this close to the floor is closed, in floors.
 pub(crate) const CLOSED: f64 = 1.12;
+/// A fit that leaves more than this may lack a stick limit, in floors.
+const OPEN: f64 = 1.6;
+/// Share by which values and sums of squares may differ of fits that are the same.
+const ALIKE: f64 = 0.01;
+/// A fit that leaves so many times the squares of the best one after a few steps is given up.
+const LOSING: f64 = 2.0;
 /// Effects that are tried in full beside a coupling.
 const PROMISING: usize = 3;
 
@@ -77,12 +85,21 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     smaller.chain([Judged::separable(&best, heldout)]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
-/// The best fit of a structure and a coupling of `kind`.
+/// How far the fit of a coupling goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// Values only.
+    Short,
+    /// What the inner body bears at rest is looked for too, if much is left.
+    Full,
+}
+
+/// The best fit of a structure and a coupling of `kind` to the first capture, judged by both.
 pub(crate) fn coupled(
     kind: &'static EffectKind,
     base: &Structure,
-    train: &Capture,
-    heldout: &Capture,
+    [train, heldout]: [&Capture; 2],
+    effort: Effort,
 ) -> Option<Judged> {
     let hypothesis = kind.hypothesis?;
     let grid = grid(&hypothesis, &train.scene_of(base))?;
@@ -111,19 +128,31 @@ pub(crate) fn coupled(
         (left < HOPELESS * present).then_some((left, fit))
     });
     slow.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Option<Judged> = None;
+    // What other starts led to as well need not be refined twice.
+    slow.dedup_by(|later, sooner| later.0 < (1.0 + ALIKE) * sooner.0 && later.1.is_like(&sooner.1, ALIKE));
+    let mut best: Option<(f64, Nonlinear<'_>)> = None;
     for (_, mut fit) in slow {
-        fit.refine();
-        let judged = Judged::nonlinear(&fit, train, heldout);
-        let closed = judged.train_over_floor() < CLOSED;
-        if best.as_ref().is_none_or(|best| judged.train_rms_mnm < best.train_rms_mnm) {
-            best = Some(judged);
+        // Most starts show soon that they lead nowhere.
+        fit.refine_shortly();
+        if best.as_ref().is_some_and(|(_, best)| fit.squares() > LOSING * best.squares()) {
+            continue;
         }
-        if closed {
+        fit.refine();
+        let over_floor = Judged::nonlinear(&fit, train, heldout).train_over_floor();
+        if best.as_ref().is_none_or(|(_, best)| fit.squares() < best.squares()) {
+            best = Some((over_floor, fit));
+        }
+        if over_floor < CLOSED {
             break;
         }
     }
-    best
+    let (over_floor, fit) = best?;
+    let judged = Judged::nonlinear(&fit, train, heldout);
+    if effort == Effort::Short || over_floor < OPEN {
+        return Some(judged);
+    }
+    let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
+    stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
 /// Where the measured torque tells the twist of a shaft, the best values for it, found without simulation by going
@@ -194,9 +223,27 @@ pub(crate) fn beside_coupling(
     let fits = promising.into_iter().take(PROMISING).map(|(_, structure)| {
         let mut fit = Nonlinear::new(structure, train);
         fit.refine();
-        Judged::nonlinear(&fit, train, heldout)
+        let judged = Judged::nonlinear(&fit, train, heldout);
+        // Where a body breaks away, a torque more changes everything: then the coupling is looked for anew beside it.
+        let gains = base.sticks() && fit.squares() < (1.0 - WORTHWHILE) * present.squares();
+        let anew = if gains { coupled_anew(&judged.structure, [train, heldout]) } else { None };
+        anew.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
     });
-    fits.collect()
+    fits.flatten().collect()
+}
+
+/// The best fit of a coupled structure that was found from the starts of its coupling, the last effect staying last.
+fn coupled_anew(structure: &Structure, captures: [&Capture; 2]) -> Option<Judged> {
+    let of_coupling = |effect: &Effect| matches!(effect.kind().part, Part::Coupling(_) | Part::Stick(_));
+    let kind = structure.effects.iter().find(|effect| matches!(effect.kind().part, Part::Coupling(_)))?.kind();
+    let newest = structure.effects.last()?.kind();
+    let indices = (0..structure.effects.len()).rev().filter(|index| of_coupling(&structure.effects[*index]));
+    let bare = indices.fold(structure.clone(), |bare, index| bare.without(index));
+    let mut judged = coupled(kind, &bare, captures, Effort::Full)?;
+    let index = judged.structure.position(newest.name)?;
+    let (effect, columns) = (judged.structure.effects[index], judged.structure.columns[index]);
+    judged.structure = judged.structure.without(index).with(effect, columns);
+    Some(judged)
 }
 
 /// All combinations of the searched parameters' starts; `None` if the capture cannot show one of them.

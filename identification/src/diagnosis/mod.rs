@@ -17,6 +17,7 @@ mod placebo;
 mod rows;
 mod search;
 mod separable;
+mod sticking;
 mod structure;
 mod twist;
 mod verdict;

@@ -17,6 +17,8 @@ use crate::least_squares::dot;
 const SLOW_BANDS: [(f64, usize); 2] = [(0.075, 6), (0.25, 8)];
 /// Steps in the whole band.
 const ROUNDS: usize = 14;
+/// Steps in the whole band after which it shows whether a start leads anywhere: one set of derivatives.
+const FIRST_ROUNDS: usize = UPDATES + 1;
 /// Relative change of a value for its derivative.
 const DIFFERENCE: f64 = 1e-4;
 /// An improvement of the sum of squares below this share ends a band.
@@ -111,6 +113,18 @@ impl<'a> Nonlinear<'a> {
     /// Fits all values in the whole band.
     pub(crate) fn refine(&mut self) {
         self.refine_in(1.0, ROUNDS);
+    }
+
+    /// Fits all values in the whole band by a few steps only.
+    pub(crate) fn refine_shortly(&mut self) {
+        self.refine_in(1.0, FIRST_ROUNDS);
+    }
+
+    /// Whether the last effect's values agree with those of another fit of the same structure.
+    pub(crate) fn is_like(&self, other: &Self, share: f64) -> bool {
+        let last = |fit: &Self| fit.structure.effects.last().map(|effect| effect.values().to_vec());
+        let alike = |(a, b): (&f64, &f64)| (a - b).abs() <= share * a.abs().max(b.abs());
+        last(self).zip(last(other)).is_some_and(|(own, others)| own.iter().zip(&others).all(alike))
     }
 
     fn refine_in(&mut self, share: f64, rounds: usize) {

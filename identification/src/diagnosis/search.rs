@@ -8,7 +8,7 @@ use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::error::DiagnosisError;
 use super::findings::Partial;
-use super::hypotheses;
+use super::hypotheses::{self, Effort};
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::separable::Separable;
@@ -58,8 +58,10 @@ impl Search<'_> {
                 }
             }
         };
+        // What a resting knob bears shows in an inner body only: the cap's rests are left out.
+        let coupled = effects.iter().any(|effect| matches!(effect.kind().part, Part::Coupling(_)));
         let fitted: Vec<Effect> =
-            effects.into_iter().filter(|effect| !matches!(effect.kind().part, Part::Stick(_))).collect();
+            effects.into_iter().filter(|effect| coupled || !matches!(effect.kind().part, Part::Stick(_))).collect();
         Ok(self.settled(Structure::new(&fitted)))
     }
 
@@ -154,7 +156,7 @@ impl Search<'_> {
         let pairs: Vec<(&Judged, &'static EffectKind)> =
             firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
         let mut both = on_both_cores(&pairs, |(first, kind)| {
-            let judged = hypotheses::coupled(kind, &first.structure, self.train, self.heldout)?;
+            let judged = hypotheses::coupled(kind, &first.structure, [self.train, self.heldout], Effort::Short)?;
             Some(((*first).clone(), judged))
         });
         both.retain(|(_, judged)| {
@@ -202,7 +204,7 @@ impl Search<'_> {
             |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();
         if open(current) && !tried.iter().any(closes) {
             for kind in coupled {
-                let judged = hypotheses::coupled(kind, &current.structure, self.train, self.heldout);
+                let judged = hypotheses::coupled(kind, &current.structure, [self.train, self.heldout], Effort::Full);
                 say(kind);
                 let closed = judged.as_ref().is_some_and(closes);
                 tried.extend(judged);

@@ -138,7 +138,9 @@ impl Structure {
                 |hypothesis| hypothesis.searched.iter().filter(|search| search.same_as.is_none()).count(),
             )
         };
-        self.effects.iter().zip(self.widths()).map(|(effect, width)| width + searched(effect)).sum()
+        // One limit for both directions is tried.
+        let limits = usize::from(self.is_coupled() && self.sticks());
+        limits + self.effects.iter().zip(self.widths()).map(|(effect, width)| width + searched(effect)).sum::<usize>()
     }
 
     /// Writes fitted coefficients into the effects' values.

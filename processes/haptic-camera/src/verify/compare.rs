@@ -110,17 +110,22 @@ pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshol
 }
 
 /// RMS of rendered minus intended torque over the fit's rows, and of the intended torque, mNm.
+///
+/// A row is a mean over samples, some of them left out where the knob may stick: rendered minus fitted torque is the fit's
+/// residual there, to which comes what the fitted model differs from the intended one for the row's motion.
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 pub(super) fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
+    let fitted = fit.model(&model.name);
     let mut sums = [0.0; 2];
     for point in &fit.points {
-        let intended_mnm = model.torque_mnm(&Motion {
+        let motion = Motion {
             time_s: point.t_s,
             angle_rad: point.angle_rad,
             velocity_rad_s: point.velocity_rad_s,
             acceleration_rad_s2: point.acceleration_rad_s2,
-        });
-        sums[0] += (point.torque_mnm - intended_mnm).powi(2);
+        };
+        let intended_mnm = model.torque_mnm(&motion);
+        sums[0] += (point.residual_mnm + fitted.torque_mnm(&motion) - intended_mnm).powi(2);
         sums[1] += intended_mnm * intended_mnm;
     }
     sums.map(|sum| (sum / fit.points.len().max(1) as f64).sqrt())
