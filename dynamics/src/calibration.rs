@@ -47,15 +47,6 @@ pub struct MotorFriction {
     pub viscous: f64,
 }
 
-impl MotorFriction {
-    /// The torque that keeps the motor turning at this velocity, mNm; none at rest.
-    #[must_use]
-    pub fn torque_mnm(&self, velocity_rad_s: f64) -> f64 {
-        let direction = if velocity_rad_s == 0.0 { 0.0 } else { velocity_rad_s.signum() };
-        direction * self.coulomb_mnm + self.viscous * velocity_rad_s
-    }
-}
-
 /// A calibration that cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("the calibration cannot be read: {0}")]

@@ -313,7 +313,7 @@ fn make_rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rend
     let rendered = RenderedModel::new(&model, &rig.calibration)?;
     let remarks = Bounds::of(&gains, &rig.calibration, &rig.limits, rate_hz).check(&model)?;
     let renderer =
-        Renderer::new(Box::new(rendered), gains, &rig.calibration, rate_hz).ok_or_else(too_slow)?;
+        Renderer::new(Box::new(rendered), gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
     Ok(Rendering { model, renderer, remarks })
 }
 

@@ -52,14 +52,17 @@ impl Bounds {
         }
     }
 
-    /// Largest inertia at this damping, mNm·s²/rad.
+    /// Largest inertia at this damping, mNm·s²/rad: one that no hand of the class makes swing, and that the motor can give the
+    /// accelerations of a hand.
     #[must_use]
     pub fn largest_inertia(&self, damping: f64) -> f64 {
-        self.largest(self.least_inertia, 1e2, |inertia| LinearModel::Sliding {
+        let of_motor = self.largest_torque_mnm / FASTEST_RAD_S2;
+        let safe = self.largest(self.least_inertia, 10.0, |inertia| LinearModel::Sliding {
             inertia,
             damping,
             stiffness_mnm_rad: 0.0,
-        })
+        });
+        safe.min(of_motor)
     }
 
     /// Largest rise of friction with speed at this inertia, mNm·s/rad.
@@ -141,6 +144,8 @@ const LOOKED_AT_RAD: f64 = std::f64::consts::TAU;
 const LOOKED_AT_STEP_RAD: f64 = 2e-4;
 /// Fastest that a hand turns a knob, rad/s.
 const FASTEST_RAD_S: f64 = 40.0;
+/// Largest acceleration that a hand gives a knob, rad/s²: 0.25 rad at 10 Hz, the fastest voluntary motion of fingers.
+const FASTEST_RAD_S2: f64 = 1_000.0;
 /// Speeds looked at, each way.
 const SPEEDS: u32 = 400;
 

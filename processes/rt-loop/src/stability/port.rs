@@ -129,7 +129,8 @@ impl Port {
             let impedance = self.impedance(omega, model);
             // The softest grip that cancels what is mass-like, and what it dissipates at least.
             let stiffness_mnm_rad = (omega * impedance.im).max(0.0);
-            impedance.re + stiffness_mnm_rad / hands.relaxation_per_s < 0.0
+            let damping = stiffness_mnm_rad / hands.relaxation_per_s..=hands.damping;
+            damping.contains(&-impedance.re)
                 && stiffness_mnm_rad <= hands.stiffness_mnm_rad
                 && -impedance.im <= hands.inertia * omega
         })
@@ -154,11 +155,13 @@ pub struct Hands {
     pub inertia: f64,
     /// Most stiffness per damping, 1/s: a stiff grip is a firm one, and damps in proportion.
     pub relaxation_per_s: f64,
+    /// Largest damping, mNm·s/rad.
+    pub damping: f64,
 }
 
 impl Default for Hands {
-    /// Ten times as stiff as a usual pinch grip with at least a fifth of the damping that goes with it, and four times as heavy: a knob cap may be on the gripper.
+    /// Ten times as stiff as a usual pinch grip with at least a fifth of the damping that goes with it, thirty times as damped and four times as heavy: a knob cap may be on the gripper.
     fn default() -> Self {
-        Self { stiffness_mnm_rad: 6_400.0, inertia: 0.02, relaxation_per_s: 1_000.0 }
+        Self { stiffness_mnm_rad: 6_400.0, inertia: 0.02, relaxation_per_s: 1_000.0, damping: 100.0 }
     }
 }

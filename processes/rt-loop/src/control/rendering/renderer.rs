@@ -1,7 +1,7 @@
 //! The rendering step: measurement in, torque for the motor out.
 
 use biquad::{Biquad as _, Coefficients, DirectForm2Transposed};
-use dynamics::{Calibration, MotorFriction};
+use dynamics::Calibration;
 use hal::Measurement;
 use shared_types::Sample;
 
@@ -130,7 +130,12 @@ impl Rendered {
 pub struct Renderer {
     gains: RenderGains,
     motor_inertia: f64,
-    friction: MotorFriction,
+    motor_torque_mnm: f64,
+    /// The motor's own Coulomb friction, which the knob is not to have, mNm.
+    ///
+    /// Its viscous friction is left in: it is little beside a knob's, and it is all that damps a detent without friction, whose
+    /// delay gives out energy at every swing (the b of Colgate and Schenkel's b > K·T/2).
+    coulomb_mnm: f64,
     torque_zero_mnm: f64,
     notch: Option<DirectForm2Transposed<f64>>,
     slow: DirectForm2Transposed<f64>,
@@ -141,13 +146,20 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer at rest; `None` when the rate is too low for its filters.
+    /// A renderer at rest, for a motor of at most `motor_torque_mnm`; `None` when the rate is too low for its filters.
     #[must_use]
-    pub fn new(model: Box<RenderedModel>, gains: RenderGains, calibration: &Calibration, rate_hz: f64) -> Option<Self> {
+    pub fn new(
+        model: Box<RenderedModel>,
+        gains: RenderGains,
+        calibration: &Calibration,
+        motor_torque_mnm: f64,
+        rate_hz: f64,
+    ) -> Option<Self> {
         Some(Self {
             gains,
             motor_inertia: calibration.motor_inertia,
-            friction: calibration.motor_friction.unwrap_or_default(),
+            motor_torque_mnm,
+            coulomb_mnm: calibration.motor_friction.unwrap_or_default().coulomb_mnm,
             torque_zero_mnm: calibration.torque_zero_mnm,
             notch: notch(gains.notch_hz, gains.notch_depth, gains.notch_width, rate_hz).map(DirectForm2Transposed::new),
             slow: DirectForm2Transposed::new(slow_part(gains.slow_edge_hz, gains.slow_damping, rate_hz)?),
@@ -206,20 +218,27 @@ impl Renderer {
         let spring_mnm = self.gains.stiffness_mnm_rad * ahead_rad
             + self.gains.damping * (velocity_rad_s - start.velocity_rad_s);
         let coupling_mnm = self.notch.as_mut().map_or(spring_mnm, |notch| notch.run(spring_mnm));
+        // The body feels no more than the motor can pass on: otherwise a clipped command would give out energy.
+        let drive_mnm = (slow_mnm + coupling_mnm).clamp(-self.motor_torque_mnm, self.motor_torque_mnm);
         let forces = self.fade.forces();
-        let work = self.body.advance(&forces, slow_mnm + coupling_mnm, time_s, step_s);
+        let work = self.body.advance(&forces, drive_mnm, time_s, step_s);
         let acceleration_rad_s2 = (self.body.velocity_rad_s - start.velocity_rad_s) / step_s;
-        let rendered_mnm = self.motor_inertia * acceleration_rad_s2 - slow_mnm - coupling_mnm;
+        let rendered_mnm = self.motor_inertia * acceleration_rad_s2 - drive_mnm;
         let kinetic = 0.5 * (forces.inertia() - self.motor_inertia) * self.body.velocity_rad_s.powi(2);
         self.observer.note(&Tick { rendered_mnm: rendered_mnm + correction_mnm, kinetic, work });
         Rendered {
-            torque_mnm: rendered_mnm + correction_mnm + self.friction.torque_mnm(self.body.velocity_rad_s),
+            torque_mnm: rendered_mnm + correction_mnm + self.coulomb_mnm * direction(self.body.velocity_rad_s),
             angle_rad: start.angle_rad,
             stuck: self.body.is_stuck(),
             begins_another,
             guarded: correction_mnm != 0.0,
         }
     }
+}
+
+/// −1, 0 or +1.
+fn direction(velocity_rad_s: f64) -> f64 {
+    if velocity_rad_s == 0.0 { 0.0 } else { velocity_rad_s.signum() }
 }
 
 /// The slow part of a torque: (2·ζ·x + 1)/(x² + 2·ζ·x + 1) of x = s/(2π·edge), by the bilinear transform.

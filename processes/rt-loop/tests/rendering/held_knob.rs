@@ -1,0 +1,73 @@
+//! A rendered knob in a simulated hand, tick by tick, with the plant's truth beside it.
+
+use dynamics::{Model, Motion, knobs::Fixture};
+use hal::Apparatus as _;
+use hal::simulated::{Hand, RigParameters, SimulatedRig};
+use rt_loop::control::rendering::{Felt, RenderGains, RenderedModel, Rendered, Renderer};
+
+/// Torque of the simulated motor, mNm: commands are clipped to it, as the loop does.
+const MOTOR_MNM: f64 = 360.8;
+
+/// A knob that is only rendered.
+pub struct HeldKnob {
+    pub rig: SimulatedRig,
+    pub renderer: Renderer,
+    pub rate_hz: f64,
+    tick: u64,
+    previous_rad: Option<f64>,
+    /// Work of the hand on the gripper so far, mNm·rad, by the plant's truth.
+    pub work_of_hand: f64,
+    /// The command before, mNm.
+    pub torque_mnm: f64,
+}
+
+impl HeldKnob {
+    /// A rig at rest that renders `model` under `gains`, in `hand`.
+    pub fn new(model: &Model, gains: RenderGains, hand: Option<Hand>, rate_hz: f64, seed: u64) -> Self {
+        let nothing = Fixture::None.model().unwrap();
+        let mut rig = SimulatedRig::held(RigParameters::default(), nothing, hand, seed).unwrap();
+        rig.enable().unwrap();
+        let calibration = rig.description().calibration.clone();
+        let rendered = RenderedModel::new(model, &calibration).unwrap();
+        let renderer = Renderer::new(Box::new(rendered), gains, &calibration, MOTOR_MNM, rate_hz).unwrap();
+        Self { rig, renderer, rate_hz, tick: 0, previous_rad: None, work_of_hand: 0.0, torque_mnm: 0.0 }
+    }
+
+    /// Time of the next tick, s.
+    #[allow(clippy::cast_precision_loss, reason = "ticks of seconds")]
+    pub fn time_s(&self) -> f64 {
+        self.tick as f64 / self.rate_hz
+    }
+
+    /// One tick.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nanoseconds of seconds")]
+    pub fn step(&mut self) -> Rendered {
+        let measurement = self.rig.read((self.time_s() * 1e9).round() as u64).unwrap();
+        let truth = self.rig.truth();
+        self.work_of_hand += self.rig.hand_torque_mnm() * truth.knob_velocity_rad_s / self.rate_hz;
+        let previous_rad = self.previous_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
+        let rendered = self.renderer.step(&Felt {
+            measurement: &measurement,
+            velocity_rad_s: (measurement.angle_rad - previous_rad) * self.rate_hz,
+            elapsed_ticks: 1,
+            time_s: self.time_s(),
+            step_s: self.rate_hz.recip(),
+        });
+        self.torque_mnm = rendered.torque_mnm.clamp(-MOTOR_MNM, MOTOR_MNM);
+        self.rig.write_torque(self.torque_mnm).unwrap();
+        self.tick += 1;
+        rendered
+    }
+}
+
+/// What detents and springs of a model hold at an angle beyond what they hold at zero, mNm·rad.
+#[allow(clippy::cast_possible_truncation, reason = "a small number of steps")]
+pub fn held_by_springs(model: &Model, angle_rad: f64) -> f64 {
+    let steps = (angle_rad.abs() / 1e-4).ceil().max(1.0) as i32;
+    let step_rad = angle_rad / f64::from(steps);
+    let at = |index: i32| {
+        let motion = Motion { angle_rad: (f64::from(index) + 0.5) * step_rad, ..Motion::default() };
+        model.free_torque_mnm(&motion)
+    };
+    (0..steps).map(at).sum::<f64>() * step_rad
+}

@@ -1,0 +1,9 @@
+//! A rendered knob in a simulated hand.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, missing_docs, reason = "a test may stop at a failure")]
+
+mod held_knob;
+mod passivity;
+mod random_knob;
+mod swaps;
+mod sticking;

@@ -1,0 +1,64 @@
+//! Random knobs and hands, inside the bounds or not.
+
+use dynamics::{Effect, Model, effects};
+use hal::simulated::{Grip, Hand, Intention};
+
+/// A generator of numbers that are the same for the same seed: splitmix64 (S. Vigna, public domain).
+pub struct Numbers(pub u64);
+
+impl Numbers {
+    /// The next one from 0 to 1.
+    #[allow(clippy::cast_precision_loss, reason = "53 bits")]
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// The next one between two bounds, evenly over their logarithms.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+}
+
+/// A knob whose inertia, friction, stick and detents are drawn over decades; each but the inertia may be missing.
+pub fn random_knob(numbers: &mut Numbers, largest_inertia: f64) -> Model {
+    let mut knob = Model { name: "random".to_owned(), description: String::new(), effects: Vec::new() };
+    knob.effects.push(Effect::new(&effects::inertia::KIND, &[numbers.between(0.02, largest_inertia)]));
+    if numbers.unit() < 0.8 {
+        let [coulomb, viscous] = [numbers.between(0.1, 60.0), numbers.between(1e-3, 5.0)];
+        knob.effects.push(Effect::new(&effects::friction::KIND, &[coulomb, coulomb, viscous, viscous]));
+        if numbers.unit() < 0.5 {
+            let borne = coulomb * (1.0 + 2.0 * numbers.unit());
+            knob.effects.push(Effect::new(&effects::karnopp_stick::KIND, &[borne, borne, numbers.between(0.003, 0.05)]));
+        }
+    }
+    if numbers.unit() < 0.7 {
+        let [amplitude, period] = [numbers.between(0.2, 80.0), numbers.between(0.01, 0.2)];
+        knob.effects.push(Effect::new(&effects::detent::KIND, &[amplitude, period, 6.283 * numbers.unit()]));
+    }
+    knob
+}
+
+/// A hand of the class, or none: it moves about for `moves_s` and then wants to be where it is.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "some samples")]
+pub fn random_hand(numbers: &mut Numbers, moves_s: f64, lasts_s: f64) -> Hand {
+    const RATE_HZ: f64 = 1_000.0;
+    let grip = if numbers.unit() < 0.1 {
+        // It has let go.
+        Grip { inertia: 0.0, damping: 0.0, stiffness_mnm_rad: 0.0 }
+    } else {
+        let stiffness_mnm_rad = numbers.between(20.0, 6_400.0);
+        let damping = stiffness_mnm_rad / numbers.between(50.0, 1_000.0);
+        Grip { inertia: 0.02 * numbers.unit(), damping, stiffness_mnm_rad }
+    };
+    let tones: Vec<[f64; 3]> =
+        (0..4).map(|_| [numbers.between(0.01, 0.3), numbers.between(0.5, 8.0), 6.283 * numbers.unit()]).collect();
+    let at = |time_s: f64| -> f64 {
+        tones.iter().map(|[size, hz, phase]| size * ((6.283 * hz * time_s + phase).sin() - phase.sin())).sum()
+    };
+    let angle_rad = (0..(lasts_s * RATE_HZ) as usize).map(|index| at((index as f64 / RATE_HZ).min(moves_s))).collect();
+    Hand { grip, intention: Intention::Recorded { angle_rad, rate_hz: RATE_HZ }, begins_s: 0.05 }
+}
