@@ -77,6 +77,22 @@ impl Calibration {
         toml::to_string(self).unwrap_or_default()
     }
 
+    /// The calibration of a rig that renders, for who looks at it as at a knob that a hand turns.
+    ///
+    /// There the hand turns the gripper, and the torque sensor reads what the rig puts into it: the torque that the
+    /// knob takes is the opposite of the reading, and to be negated beside this calibration. Its zero is negated with
+    /// it; the gripper's inertia is between hand and sensor and adds to the torque where it was taken off before;
+    /// and the gripper is still behind the encoder by the reading over the stiffness, so that the stiffness changes sign.
+    #[must_use]
+    pub fn seen_from_the_hand(&self) -> Self {
+        Self {
+            gripper_inertia: -self.gripper_inertia,
+            torque_zero_mnm: -self.torque_zero_mnm,
+            torque_sensor_stiffness_mnm_rad: -self.torque_sensor_stiffness_mnm_rad,
+            ..self.clone()
+        }
+    }
+
     /// Gravity in the acceleration signal at an angle, rad/s².
     #[must_use]
     pub fn gravity_rad_s2(&self, angle_rad: f64) -> f64 {

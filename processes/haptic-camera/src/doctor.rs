@@ -7,7 +7,7 @@ use nix::sys::resource::{Resource, getrlimit};
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::rig;
 
-use crate::capture::program_path;
+use crate::supervision::program_path;
 use crate::outcome::{Outcome, say};
 
 /// The programs that a capture starts.

@@ -2,7 +2,7 @@
 
 use anyhow::Context as _;
 
-use crate::capture::program_path;
+use crate::supervision::program_path;
 use crate::command_line::ViewOptions;
 use crate::outcome::Outcome;
 
