@@ -77,12 +77,10 @@ impl Calibration {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// The calibration of a rig that renders, for who looks at it as at a knob that a hand turns.
+    /// The same rig as the hand on its gripper sees it, for whom the torque sensor reads minus what the rendered knob takes.
     ///
-    /// There the hand turns the gripper, and the torque sensor reads what the rig puts into it: the torque that the
-    /// knob takes is the opposite of the reading, and to be negated beside this calibration. Its zero is negated with
-    /// it; the gripper's inertia is between hand and sensor and adds to the torque where it was taken off before;
-    /// and the gripper is still behind the encoder by the reading over the stiffness, so that the stiffness changes sign.
+    /// With this and the torque's sign turned, a capture of a rendering is analysed as one of a knob: the gripper turns with the
+    /// rendered knob and not beside it, and the gripper is ahead of the encoder by torque over stiffness.
     #[must_use]
     pub fn seen_from_the_hand(&self) -> Self {
         Self {

@@ -1,6 +1,6 @@
 //! What an effect is: a kind, known to the whole program, and its parameter values on one knob.
 
-use crate::{Bristles, Coupling, Hypothesis, Motion};
+use crate::{Bristles, Coupling, Hypothesis, Motion, Role, TorqueTable};
 
 /// Most parameters that one effect has.
 pub const MAX_PARAMETERS: usize = 24;
@@ -14,10 +14,14 @@ pub struct EffectKind {
     pub description: &'static str,
     /// Where the law comes from.
     pub source: &'static str,
+    /// What it belongs to when a knob is composed of parts of others.
+    pub role: Role,
     /// The parameters in the order of an effect's values.
     pub parameters: &'static [ParameterKind],
     /// The part it plays in the equation of motion.
     pub part: Part,
+    /// Steepest slope |dτ/dθ| over all angles, mNm/rad; `None` for an effect that is no torque of the angle.
+    pub steepest_mnm_rad: Option<fn(&Effect) -> f64>,
     /// The part it plays in a fit of torque to motion; `None` if it has none there.
     pub regressors: Option<Regressors>,
     /// How to look for it in a capture whose model lacks it; `None` if that is never done.
@@ -39,6 +43,11 @@ pub struct ParameterKind {
     pub minimum: Minimum,
 }
 
+/// A unit as it follows a number in a sentence: not at all where it is 1.
+pub(crate) fn spaced_unit(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
 /// A parameter's lower bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Minimum {
@@ -48,6 +57,8 @@ pub enum Minimum {
     Zero,
     /// More than zero.
     AboveZero,
+    /// More than zero and less than one.
+    ShareOfOne,
 }
 
 impl Minimum {
@@ -59,7 +70,19 @@ impl Minimum {
                 Self::None => true,
                 Self::Zero => value >= 0.0,
                 Self::AboveZero => value > 0.0,
+                Self::ShareOfOne => value > 0.0 && value < 1.0,
             }
+    }
+
+    /// What a value must be, for a sentence.
+    #[must_use]
+    pub fn requirement(self) -> &'static str {
+        match self {
+            Self::None => "a finite number",
+            Self::Zero => "zero or more, and finite",
+            Self::AboveZero => "more than zero, and finite",
+            Self::ShareOfOne => "more than zero and less than one",
+        }
     }
 }
 
@@ -109,6 +132,8 @@ pub enum Part {
     Inertia(fn(&[f64]) -> f64),
     /// A torque that depends on angle, velocity and time but not on the direction of sliding, mNm.
     Torque(fn(&[f64], &Motion) -> f64),
+    /// A torque of the angle, rad, that a drawn table holds, mNm.
+    TorqueTable(fn(&TorqueTable, &[f64], f64) -> f64),
     /// The torque of friction while sliding in the given direction, mNm: positive when sliding positively.
     Friction(fn(&[f64], &Motion, Direction) -> f64),
     /// What holds the knob at rest.
@@ -145,15 +170,21 @@ pub struct Regressors {
 }
 
 /// An effect with its values on one knob.
+///
+/// It is copied freely, also in the real-time loop, which must neither allocate nor free memory: a drawn table and a
+/// note on the origin are therefore kept for as long as the program runs, each of them once.
 #[derive(Clone, Copy, Debug)]
 pub struct Effect {
     kind: &'static EffectKind,
     values: [f64; MAX_PARAMETERS],
+    table: Option<&'static TorqueTable>,
+    origin: Option<&'static str>,
 }
 
+/// Equal in what they do, wherever they come from.
 impl PartialEq for Effect {
     fn eq(&self, other: &Self) -> bool {
-        self.kind.name == other.kind.name && self.values() == other.values()
+        self.kind.name == other.kind.name && self.values() == other.values() && self.table == other.table
     }
 }
 
@@ -165,13 +196,43 @@ impl Effect {
         for (slot, value) in stored.iter_mut().zip(values) {
             *slot = *value;
         }
-        Self { kind, values: stored }
+        Self { kind, values: stored, table: None, origin: None }
+    }
+
+    /// The same effect with a drawn table, for a kind whose part is [`Part::TorqueTable`].
+    #[must_use]
+    pub fn with_table(self, table: &'static TorqueTable) -> Self {
+        Self { table: Some(table), ..self }
+    }
+
+    /// The same effect with a note on where it comes from.
+    #[must_use]
+    pub fn with_origin(self, origin: &str) -> Self {
+        Self { origin: Some(crate::interned::text(origin)), ..self }
+    }
+
+    /// The same effect without that note, for values that were fitted since.
+    #[must_use]
+    pub fn without_origin(self) -> Self {
+        Self { origin: None, ..self }
     }
 
     /// What effect this is.
     #[must_use]
     pub fn kind(&self) -> &'static EffectKind {
         self.kind
+    }
+
+    /// The drawn table, if it has one.
+    #[must_use]
+    pub fn table(&self) -> Option<&'static TorqueTable> {
+        self.table
+    }
+
+    /// Where a composed model has it from, as its file says.
+    #[must_use]
+    pub fn origin(&self) -> Option<&'static str> {
+        self.origin
     }
 
     /// The values in the order of the kind's parameters.
@@ -188,5 +249,15 @@ impl Effect {
     /// The parameters with their values.
     pub fn parameters(&self) -> impl Iterator<Item = (&'static ParameterKind, f64)> + '_ {
         self.kind.parameters.iter().zip(self.values().iter().copied())
+    }
+
+    /// Its torque that depends on neither acceleration nor the direction of sliding, mNm; zero where it has none.
+    #[must_use]
+    pub fn free_torque_mnm(&self, motion: &Motion) -> f64 {
+        match (self.kind.part, self.table) {
+            (Part::Torque(torque), _) => torque(self.values(), motion),
+            (Part::TorqueTable(torque), Some(table)) => torque(table, self.values(), motion.angle_rad),
+            _ => 0.0,
+        }
     }
 }

@@ -25,28 +25,39 @@
 
 mod bristles;
 mod calibration;
+mod composition;
 mod coupling;
 mod effect;
 pub mod effects;
 pub mod excitation;
 mod hypothesis;
 mod inner_body;
+mod interned;
 pub mod knobs;
 mod model;
 mod motion;
 mod prediction;
+mod role;
 mod shift;
 pub mod simulate;
+mod stiffness;
+mod toml_file;
+mod torque_table;
 
 pub use bristles::Bristles;
 pub use calibration::{Calibration, CalibrationError, MotorFriction};
+pub use composition::{Composition, CompositionError, CompositionNote, Source, composition_notes};
 pub use coupling::Coupling;
+pub(crate) use effect::spaced_unit;
 pub use effect::{
     Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,
 };
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, Scene, Search};
 pub use inner_body::InnerBody;
-pub use model::{Model, ModelError};
+pub use model::Model;
 pub use motion::Motion;
+pub use role::Role;
 pub use shift::shifted;
+pub use toml_file::ModelError;
+pub use torque_table::{TorqueTable, TorqueTableError};

@@ -1,9 +1,6 @@
-//! A model: a named list of effects, kept as TOML.
+//! A model: a named list of effects.
 
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-
-use crate::{Direction, Effect, Motion, ParameterKind, Part, StickLimits, effects};
+use crate::{Direction, Effect, Motion, ParameterKind, Part, StickLimits};
 
 /// A knob as numbers: the list of its effects.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,143 +13,7 @@ pub struct Model {
     pub effects: Vec<Effect>,
 }
 
-/// Why a model could not be had from a file.
-#[derive(Debug, thiserror::Error)]
-pub enum ModelError {
-    /// The file cannot be read.
-    #[error("the model file {} cannot be read ({reason}); check the path", path.display())]
-    Unreadable {
-        /// Path as given.
-        path: PathBuf,
-        /// The system's word for it.
-        reason: std::io::Error,
-    },
-    /// The text is not TOML, or not of a model's form.
-    #[error("{origin} is not a model file: {reason}")]
-    Malformed {
-        /// File or source of the text.
-        origin: String,
-        /// What the parser says, with the line.
-        reason: String,
-    },
-    /// An effect that this version does not know.
-    #[error("{origin} names the effect '{name}', which is unknown; known effects are {known}")]
-    UnknownEffect {
-        /// File or source of the text.
-        origin: String,
-        /// The name found.
-        name: String,
-        /// The names that would do.
-        known: String,
-    },
-    /// A parameter that the effect does not have, or lacks.
-    #[error("{origin}: the effect '{effect}' {problem}; its parameters are {known}")]
-    WrongParameters {
-        /// File or source of the text.
-        origin: String,
-        /// The effect.
-        effect: &'static str,
-        /// What is wrong.
-        problem: String,
-        /// The names that would do.
-        known: String,
-    },
-    /// A value outside its range.
-    #[error("{origin}: {parameter} is {value} {unit}, but it must be {requirement}")]
-    OutOfRange {
-        /// File or source of the text.
-        origin: String,
-        /// The parameter.
-        parameter: &'static str,
-        /// The value found.
-        value: f64,
-        /// The parameter's unit.
-        unit: &'static str,
-        /// What it must be.
-        requirement: &'static str,
-    },
-    /// The same effect twice.
-    #[error("{origin} lists the effect '{effect}' twice; keep one of them")]
-    Repeated {
-        /// File or source of the text.
-        origin: String,
-        /// The effect.
-        effect: &'static str,
-    },
-    /// A number of a knob that is not among the shipped ones.
-    #[error("there is no shipped knob {number}; choose 1 to 5 or give a model file")]
-    UnknownKnob {
-        /// The number asked for.
-        number: u32,
-    },
-}
-
 impl Model {
-    /// Reads a model from TOML; `origin` names the text in error messages.
-    ///
-    /// # Errors
-    /// [`ModelError`], for text that is not a model, unknown effects or parameters, and values out of range.
-    pub fn from_toml(text: &str, origin: &str) -> Result<Self, ModelError> {
-        let malformed = |reason: String| ModelError::Malformed { origin: origin.to_owned(), reason };
-        let table: toml::Table =
-            text.parse().map_err(|error: toml::de::Error| malformed(error.to_string().trim().replace('\n', " ")))?;
-        let text_field = |key: &str| match table.get(key) {
-            None => Ok(String::new()),
-            Some(toml::Value::String(text)) => Ok(text.clone()),
-            Some(_) => Err(malformed(format!("'{key}' must be text"))),
-        };
-        if let Some(key) = table.keys().find(|key| !["name", "description", "effects"].contains(&key.as_str())) {
-            return Err(malformed(format!("'{key}' is not part of a model; it has name, description and [[effects]]")));
-        }
-        let entries = match table.get("effects") {
-            Some(toml::Value::Array(entries)) if !entries.is_empty() => entries,
-            _ => return Err(malformed("it has no [[effects]]".to_owned())),
-        };
-        let mut model =
-            Self { name: text_field("name")?, description: text_field("description")?, effects: Vec::new() };
-        for entry in entries {
-            let entry = entry.as_table().ok_or_else(|| malformed("'effects' must be [[effects]] tables".to_owned()))?;
-            let effect = parse_effect(entry, origin)?;
-            if model.effect(effect.kind().name).is_some() {
-                return Err(ModelError::Repeated { origin: origin.to_owned(), effect: effect.kind().name });
-            }
-            model.effects.push(effect);
-        }
-        Ok(model)
-    }
-
-    /// Reads a model file.
-    ///
-    /// # Errors
-    /// [`ModelError`], as [`Model::from_toml`] and for a file that cannot be read.
-    pub fn load(path: &Path) -> Result<Self, ModelError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|reason| ModelError::Unreadable { path: path.to_owned(), reason })?;
-        Self::from_toml(&text, &path.display().to_string())
-    }
-
-    /// The model as TOML with a comment on every parameter.
-    #[must_use]
-    pub fn to_toml(&self) -> String {
-        let mut text = format!("name = {}\n", toml::Value::from(self.name.as_str()));
-        if !self.description.is_empty() {
-            let _ = writeln!(text, "description = {}", toml::Value::from(self.description.as_str()));
-        }
-        for effect in &self.effects {
-            let _ =
-                writeln!(text, "\n# {}\n[[effects]]\neffect = \"{}\"", effect.kind().description, effect.kind().name);
-            for (parameter, value) in effect.parameters() {
-                let value = toml::Value::from(value);
-                let _ = writeln!(
-                    text,
-                    "{} = {value}  # {}, {}: {}",
-                    parameter.name, parameter.symbol, parameter.unit, parameter.description
-                );
-            }
-        }
-        text
-    }
-
     /// The effect called `name`, if the model has it.
     #[must_use]
     pub fn effect(&self, name: &str) -> Option<&Effect> {
@@ -197,14 +58,7 @@ impl Model {
     /// Torque that depends on neither acceleration nor the direction of sliding (detents), mNm.
     #[must_use]
     pub fn free_torque_mnm(&self, motion: &Motion) -> f64 {
-        self.effects
-            .iter()
-            .map(
-                |effect| {
-                    if let Part::Torque(torque) = effect.kind().part { torque(effect.values(), motion) } else { 0.0 }
-                },
-            )
-            .sum()
+        self.effects.iter().map(|effect| effect.free_torque_mnm(motion)).sum()
     }
 
     /// Torque of friction while sliding in `direction`, mNm.
@@ -249,56 +103,4 @@ impl Model {
             velocity_rad_s: karnopp.velocity_rad_s,
         }
     }
-}
-
-fn parse_effect(entry: &toml::Table, origin: &str) -> Result<Effect, ModelError> {
-    let name = entry.get("effect").and_then(toml::Value::as_str).ok_or_else(|| ModelError::Malformed {
-        origin: origin.to_owned(),
-        reason: "an [[effects]] table lacks its effect = \"name\"".to_owned(),
-    })?;
-    let kind = effects::by_name(name).ok_or_else(|| ModelError::UnknownEffect {
-        origin: origin.to_owned(),
-        name: name.to_owned(),
-        known: names(effects::ALL.iter().map(|kind| kind.name)),
-    })?;
-    let wrong = |problem: String| ModelError::WrongParameters {
-        origin: origin.to_owned(),
-        effect: kind.name,
-        problem,
-        known: names(kind.parameters.iter().map(|parameter| parameter.name)),
-    };
-    for key in entry.keys().filter(|key| *key != "effect") {
-        if !kind.parameters.iter().any(|parameter| parameter.name == key) {
-            return Err(wrong(format!("has no parameter '{key}'")));
-        }
-    }
-    let mut effect = Effect::new(kind, &[]);
-    for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
-        let value = match entry.get(parameter.name) {
-            Some(toml::Value::Float(value)) => *value,
-            #[allow(clippy::cast_precision_loss, reason = "a whole number in a model file is small")]
-            Some(toml::Value::Integer(value)) => *value as f64,
-            Some(_) => return Err(wrong(format!("needs a number for '{}'", parameter.name))),
-            None => return Err(wrong(format!("lacks '{}'", parameter.name))),
-        };
-        if !parameter.minimum.permits(value) {
-            return Err(ModelError::OutOfRange {
-                origin: origin.to_owned(),
-                parameter: parameter.name,
-                value,
-                unit: parameter.unit,
-                requirement: match parameter.minimum {
-                    crate::Minimum::None => "a finite number",
-                    crate::Minimum::Zero => "zero or more, and finite",
-                    crate::Minimum::AboveZero => "more than zero, and finite",
-                },
-            });
-        }
-        *slot = value;
-    }
-    Ok(effect)
-}
-
-fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names.collect::<Vec<_>>().join(", ")
 }

@@ -254,7 +254,7 @@ impl KnobMotion {
 }
 
 fn compliant(calibration: &Calibration) -> bool {
-    calibration.torque_sensor_stiffness_mnm_rad.is_finite() && calibration.torque_sensor_stiffness_mnm_rad > 0.0
+    calibration.torque_sensor_stiffness_mnm_rad.is_finite() && calibration.torque_sensor_stiffness_mnm_rad != 0.0
 }
 
 /// Samples on each side that [`gradient`] looks at.

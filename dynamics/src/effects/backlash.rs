@@ -1,12 +1,13 @@
 //! Lost motion between the cap and the inner body.
 
-use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Scene, Search};
+use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
 /// `backlash`: cap and inner body touch only where their angles differ by more than half a gap; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
     name: "backlash",
     description: "lost motion between the sensor and the inner part that carries friction and detents",
     source: "contact of Kelvin and Voigt with a dead zone",
+    role: Role::Other,
     parameters: &[
         ParameterKind {
             name: "backlash_half_gap",
@@ -43,6 +44,7 @@ pub static KIND: EffectKind = EffectKind {
         stiffness_mnm_rad: values[2],
         damping: values[3],
     }),
+    steepest_mnm_rad: None,
     regressors: None,
     hypothesis: Some(Hypothesis {
         searched: &[

@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Scene, Search};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Scene, Search};
 
 /// `cogging`: τ = H·sin(n·θ + η), its period unrelated to the detents'.
 pub static KIND: EffectKind = EffectKind {
     name: "cogging",
     description: "a sinusoid of the angle whose period has nothing to do with the detents",
     source: "poles and slots of a motor, or a second wheel",
+    role: Role::Detents,
     parameters: &[
         ParameterKind {
             name: "cogging_torque",
@@ -33,6 +34,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::Torque(|values, motion| values[0] * (values[1] * motion.angle_rad + values[2]).sin()),
+    steepest_mnm_rad: Some(|effect| (effect.values()[0] * effect.values()[1]).abs()),
     regressors: Some(Regressors {
         columns: 2,
         searched: &[1],

@@ -2,13 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, Regressors};
+use crate::{EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `detent`: τ = A·sin(θ/P + S). The spatial period, from one detent to the next, is 2πP.
 pub static KIND: EffectKind = EffectKind {
     name: "detent",
     description: "a sinusoidal torque of the angle",
     source: "Swindells and MacLean 2007, equation 1, bottom row",
+    role: Role::Detents,
     parameters: &[
         ParameterKind {
             name: "detent_amplitude",
@@ -33,6 +34,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::Torque(|values, motion| values[0] * (motion.angle_rad / values[1] + values[2]).sin()),
+    steepest_mnm_rad: Some(|effect| (effect.values()[0] / effect.values()[1]).abs()),
     regressors: Some(Regressors {
         columns: 2,
         searched: &[1],

@@ -1,6 +1,8 @@
 //! Detents that are no sine.
 
-use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Search};
+use std::f64::consts::{PI, TAU};
+
+use crate::{Effect, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Search};
 
 /// Highest harmonic: a sawtooth needs about as many before what is left hides in a sensor's noise.
 const HIGHEST: usize = 12;
@@ -53,12 +55,14 @@ pub static KIND: EffectKind = EffectKind {
     name: "detent-harmonics",
     description: "detents of the same period whose torque is no sine",
     source: "Fourier series of a periodic torque",
+    role: Role::Detents,
     parameters: &PARAMETERS,
     part: Part::Torque(|values, motion| {
         let mut columns = [0.0; COLUMNS];
         columns_at(values, motion, &mut columns);
         columns.iter().zip(&values[1..]).map(|(column, value)| column * value).sum()
     }),
+    steepest_mnm_rad: Some(|effect| steepest_mnm_rad(effect, [0.0; 2])),
     regressors: Some(Regressors {
         columns: COLUMNS,
         searched: &[0],
@@ -87,4 +91,30 @@ fn columns_at(values: &[f64], motion: &Motion, row: &mut [f64]) {
         (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
         (pair[0], pair[1]) = (s, c);
     }
+}
+
+/// Angles over one period at which the slope of a sum of harmonics is looked at.
+const SCANNED: usize = 4096;
+
+/// Steepest slope of the harmonics together with a first harmonic of the same period, mNm/rad; `first_mnm` holds that
+/// one's sine and cosine.
+///
+/// No less than the true value and at most 0.005 % more: a trigonometric polynomial of degree n is nowhere larger than
+/// the largest of its values at N even angles over cos(πn/N). Source: H. Ehlich and K. Zeller, *Schwankung von
+/// Polynomen zwischen Gitterpunkten*, Math. Zeitschrift 86 (1964) 41–44.
+#[allow(clippy::cast_precision_loss, reason = "small whole numbers")]
+pub(crate) fn steepest_mnm_rad(effect: &Effect, first_mnm: [f64; 2]) -> f64 {
+    let (period_rad, harmonics_mnm) = (effect.values()[0], &effect.values()[1..]);
+    let slope = |index: usize| {
+        let (sine, cosine) = (TAU * index as f64 / SCANNED as f64).sin_cos();
+        let (mut s, mut c) = (sine, cosine);
+        let mut sum = first_mnm[0] * c - first_mnm[1] * s;
+        for (order, pair) in (2..=HIGHEST).zip(harmonics_mnm.chunks_exact(2)) {
+            (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
+            sum += order as f64 * (pair[0] * c - pair[1] * s);
+        }
+        sum.abs()
+    };
+    let largest = (0..SCANNED).map(slope).fold(0.0, f64::max);
+    largest / (PI * HIGHEST as f64 / SCANNED as f64).cos() / period_rad
 }

@@ -1,12 +1,13 @@
 //! A stiff contact beyond an angle.
 
-use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Scene, Search};
+use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Scene, Search};
 
 /// `end-stop`: beyond either end τ = K·depth + D·θ̇, the contact pushing back only.
 pub static KIND: EffectKind = EffectKind {
     name: "end-stop",
     description: "stiff contact beyond an angle, on one side or both",
     source: "penalty contact of Kelvin and Voigt",
+    role: Role::Other,
     parameters: &[
         ParameterKind {
             name: "stop_lower",
@@ -51,6 +52,7 @@ pub static KIND: EffectKind = EffectKind {
         // The fit's columns lack this bound: it holds for as long as a damper of D takes to let go, D/K.
         if columns[0] < 0.0 { torque_mnm.min(0.0) } else { torque_mnm.max(0.0) }
     }),
+    steepest_mnm_rad: Some(|effect| effect.values()[2].max(effect.values()[3])),
     regressors: Some(Regressors {
         columns: 3,
         searched: &[0, 1],

@@ -1,6 +1,6 @@
 //! Coulomb and viscous friction, each direction of turning with its own.
 
-use crate::{Direction, EffectKind, Minimum, ParameterKind, Part, Regressors};
+use crate::{Direction, EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `friction`: τ = −C₋ + B₋·θ̇ when turning negatively, C₊ + B₊·θ̇ when turning positively.
 ///
@@ -10,6 +10,7 @@ pub static KIND: EffectKind = EffectKind {
     name: "friction",
     description: "a constant torque against the motion and one in proportion to speed, for each direction",
     source: "Swindells and MacLean 2007, equation 1, middle row",
+    role: Role::Friction,
     parameters: &[
         ParameterKind {
             name: "coulomb_negative",
@@ -44,6 +45,7 @@ pub static KIND: EffectKind = EffectKind {
         Direction::Negative => -values[0] + values[2] * motion.velocity_rad_s,
         Direction::Positive => values[1] + values[3] * motion.velocity_rad_s,
     }),
+    steepest_mnm_rad: None,
     regressors: Some(Regressors {
         columns: 4,
         searched: &[],

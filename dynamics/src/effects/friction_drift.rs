@@ -1,12 +1,13 @@
 //! Friction that changes with time.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Search};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Search};
 
 /// `friction-drift`: all friction times 1 + d·exp(−t/T), as when grease warms.
 pub static KIND: EffectKind = EffectKind {
     name: "friction-drift",
     description: "friction changes with the time since the start of the capture and settles",
     source: "first-order warming of a lubricant",
+    role: Role::Friction,
     parameters: &[
         ParameterKind {
             name: "drift_excess",
@@ -24,6 +25,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::FrictionFactor(|values, motion| values[0] * (-motion.time_s / values[1]).exp()),
+    steepest_mnm_rad: None,
     regressors: Some(Regressors {
         columns: 1,
         searched: &[1],

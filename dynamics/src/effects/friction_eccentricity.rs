@@ -1,12 +1,13 @@
 //! Coulomb friction that varies over a turn.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `friction-eccentricity`: Coulomb friction times 1 + e·cos(θ + ε), as when a shaft runs out of true.
 pub static KIND: EffectKind = EffectKind {
     name: "friction-eccentricity",
     description: "Coulomb friction varies with the angle, once per turn",
     source: "a bearing whose preload varies with the run-out of its shaft",
+    role: Role::Friction,
     parameters: &[
         ParameterKind {
             name: "eccentricity_depth",
@@ -24,6 +25,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::CoulombFactor(|values, motion| values[0] * (motion.angle_rad + values[1]).cos()),
+    steepest_mnm_rad: None,
     regressors: Some(Regressors {
         columns: 2,
         searched: &[],

@@ -1,12 +1,13 @@
 //! Inertia: torque in proportion to acceleration.
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, Regressors};
+use crate::{EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `inertia`: τ = M·θ̈.
 pub static KIND: EffectKind = EffectKind {
     name: "inertia",
     description: "torque in proportion to acceleration",
     source: "Swindells and MacLean 2007, equation 1, top row",
+    role: Role::Inertia,
     parameters: &[ParameterKind {
         name: "inertia",
         unit: "mNm s²/rad",
@@ -15,6 +16,7 @@ pub static KIND: EffectKind = EffectKind {
         minimum: Minimum::Zero,
     }],
     part: Part::Inertia(|values| values[0]),
+    steepest_mnm_rad: None,
     regressors: Some(Regressors {
         columns: 1,
         searched: &[],

@@ -1,6 +1,6 @@
 //! Stick: a knob at rest bears more torque than it needs to keep sliding.
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, StickLimits};
+use crate::{EffectKind, Minimum, ParameterKind, Part, Role, StickLimits};
 
 /// `karnopp-stick`: below the speed Δv the knob comes to rest and then holds up to D₋ or D₊.
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "at rest the knob holds until a threshold torque is passed",
     source: "D. Karnopp, Computer simulation of stick-slip friction in mechanical dynamic systems, \
              ASME J. Dyn. Syst. Meas. Control 107 (1985) 100–103",
+    role: Role::Friction,
     parameters: &[
         ParameterKind {
             name: "static_negative",
@@ -36,6 +37,7 @@ pub static KIND: EffectKind = EffectKind {
         positive_mnm: values[1],
         velocity_rad_s: values[2],
     }),
+    steepest_mnm_rad: None,
     // A resting knob's torque is whatever holds it: no function of the motion, so nothing to regress on.
     regressors: None,
     hypothesis: None,

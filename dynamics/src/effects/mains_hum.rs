@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Search};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Search};
 
 /// `mains-hum`: the reading is the torque plus U·sin(2πft + υ), f near 50 or 60 Hz.
 pub static KIND: EffectKind = EffectKind {
     name: "mains-hum",
     description: "a 50 or 60 Hz sinusoid on the torque sensor",
     source: "pick-up from the mains; frequencies of the European and American grids",
+    role: Role::Other,
     parameters: &[
         ParameterKind {
             name: "hum_torque",
@@ -33,6 +34,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::Reading(|values, motion| values[0] * (TAU * values[1] * motion.time_s + values[2]).sin()),
+    steepest_mnm_rad: None,
     regressors: Some(Regressors {
         columns: 2,
         searched: &[1],

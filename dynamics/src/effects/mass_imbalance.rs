@@ -1,12 +1,13 @@
 //! Gravity on an off-centre mass.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `mass-imbalance`: τ = G·sin(θ + γ), once per turn.
 pub static KIND: EffectKind = EffectKind {
     name: "mass-imbalance",
     description: "gravity on a mass off the axis: a sinusoid of the angle, once per turn",
     source: "statics: m·g·r·sin of the angle from the vertical",
+    role: Role::Other,
     parameters: &[
         ParameterKind {
             name: "imbalance_torque",
@@ -24,6 +25,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::Torque(|values, motion| values[0] * (motion.angle_rad + values[1]).sin()),
+    steepest_mnm_rad: Some(|effect| effect.values()[0].abs()),
     regressors: Some(Regressors {
         columns: 2,
         searched: &[],

@@ -4,6 +4,8 @@ pub mod backlash;
 pub mod cogging;
 pub mod detent;
 pub mod detent_harmonics;
+pub mod detent_sawtooth;
+pub mod detent_triangle;
 pub mod end_stop;
 pub mod friction;
 pub mod friction_drift;
@@ -19,20 +21,26 @@ pub mod sensor_delay;
 pub mod shaft_compliance;
 pub mod stribeck;
 pub mod torque_offset;
+pub mod torque_ramp;
+pub mod torque_table;
 
 use crate::EffectKind;
 
 /// Every effect, in the order in which a model lists them: first those that every fit looks for.
-pub static ALL: [&EffectKind; 19] = [
+pub static ALL: [&EffectKind; 23] = [
     &inertia::KIND,
     &friction::KIND,
     &karnopp_stick::KIND,
     &detent::KIND,
     &detent_harmonics::KIND,
+    &detent_triangle::KIND,
+    &detent_sawtooth::KIND,
+    &torque_table::KIND,
     &cogging::KIND,
     &mass_imbalance::KIND,
     &return_spring::KIND,
     &end_stop::KIND,
+    &torque_ramp::KIND,
     &quadratic_drag::KIND,
     &stribeck::KIND,
     &friction_eccentricity::KIND,

@@ -1,12 +1,13 @@
 //! Friction whose contacts bend before they slip.
 
-use crate::{Bristles, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Search};
+use crate::{Bristles, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Search};
 
 /// `presliding-hysteresis`: Coulomb friction builds up over an angle z₀ after every reversal; see [`crate::Bristles`].
 pub static KIND: EffectKind = EffectKind {
     name: "presliding-hysteresis",
     description: "friction behaves like bristles that bend before they slip",
     source: "P. Dahl, A solid friction model, Aerospace Corp. TOR-158 (1968)",
+    role: Role::Friction,
     parameters: &[
         ParameterKind {
             name: "bristle_deflection",
@@ -24,6 +25,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::Bristles(|values| Bristles { deflection_rad: values[0], damping: values[1] }),
+    steepest_mnm_rad: None,
     regressors: None,
     hypothesis: Some(Hypothesis {
         searched: &[Search {

@@ -1,12 +1,13 @@
 //! Drag of a fluid that is thrown about.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `quadratic-drag`: τ = Q·θ̇·|θ̇|.
 pub static KIND: EffectKind = EffectKind {
     name: "quadratic-drag",
     description: "torque in proportion to speed times its magnitude",
     source: "drag at high Reynolds number",
+    role: Role::Friction,
     parameters: &[ParameterKind {
         name: "drag_coefficient",
         unit: "mNm s²/rad²",
@@ -15,6 +16,7 @@ pub static KIND: EffectKind = EffectKind {
         minimum: Minimum::Zero,
     }],
     part: Part::Torque(|values, motion| values[0] * motion.velocity_rad_s * motion.velocity_rad_s.abs()),
+    steepest_mnm_rad: None,
     regressors: Some(Regressors {
         columns: 1,
         searched: &[],

@@ -1,12 +1,13 @@
 //! A spring that pulls towards an angle.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `return-spring`: τ = K·(θ − θ₀).
 pub static KIND: EffectKind = EffectKind {
     name: "return-spring",
     description: "torque in proportion to the distance from a centre",
     source: "Hooke",
+    role: Role::Other,
     parameters: &[
         ParameterKind {
             name: "spring_stiffness",
@@ -24,6 +25,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::Torque(|values, motion| values[0] * (motion.angle_rad - values[1])),
+    steepest_mnm_rad: Some(|effect| effect.values()[0]),
     regressors: Some(Regressors {
         columns: 2,
         searched: &[],

@@ -1,6 +1,6 @@
 //! A torque reading that is late.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Scene, Search};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
 /// `sensor-delay`: what the sensor reads is the torque of a fixed time ago; where the angle is the late one, the time is
 /// negative.
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     name: "sensor-delay",
     description: "the torque reading lags the motion by a fixed time",
     source: "filters and conversion of a sensor channel",
+    role: Role::Other,
     parameters: &[ParameterKind {
         name: "sensor_delay",
         unit: "s",
@@ -16,6 +17,7 @@ pub static KIND: EffectKind = EffectKind {
         minimum: Minimum::None,
     }],
     part: Part::ReadingDelay(|values| values[0]),
+    steepest_mnm_rad: None,
     regressors: None,
     hypothesis: Some(Hypothesis {
         searched: &[Search {

@@ -1,12 +1,13 @@
 //! A shaft that twists between sensor and knob.
 
-use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Scene, Search};
+use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
 /// `shaft-compliance`: the knob turns on a torsional spring and damper; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
     name: "shaft-compliance",
     description: "a torsional spring between the sensor and the knob, which therefore resonates",
     source: "two inertias on a shaft",
+    role: Role::Other,
     parameters: &[
         ParameterKind {
             name: "shaft_stiffness",
@@ -29,6 +30,7 @@ pub static KIND: EffectKind = EffectKind {
         stiffness_mnm_rad: values[0],
         damping: values[1],
     }),
+    steepest_mnm_rad: None,
     regressors: None,
     hypothesis: Some(Hypothesis {
         searched: &[

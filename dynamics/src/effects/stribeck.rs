@@ -1,12 +1,13 @@
 //! Friction that rises towards zero speed.
 
-use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Search};
+use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Search};
 
 /// `stribeck`: sliding friction is larger by F·exp(−(|θ̇|/v)^δ).
 pub static KIND: EffectKind = EffectKind {
     name: "stribeck",
     description: "friction rises towards zero speed by an amount that decays with a characteristic speed",
     source: "B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083–1138",
+    role: Role::Friction,
     parameters: &[
         ParameterKind {
             name: "stribeck_torque",
@@ -31,6 +32,7 @@ pub static KIND: EffectKind = EffectKind {
         },
     ],
     part: Part::Friction(|values, motion, direction| direction.sign() * values[0] * decay(values, motion)),
+    steepest_mnm_rad: None,
     regressors: Some(Regressors {
         columns: 1,
         searched: &[1, 2],

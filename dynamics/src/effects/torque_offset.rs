@@ -1,6 +1,6 @@
 //! A torque sensor that reads a constant too much.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors};
+use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `torque-offset`: the reading is the torque plus O.
 ///
@@ -9,6 +9,7 @@ pub static KIND: EffectKind = EffectKind {
     name: "torque-offset",
     description: "the torque sensor reads a constant too much",
     source: "zero drift of a strain-gauge bridge",
+    role: Role::Other,
     parameters: &[ParameterKind {
         name: "torque_offset",
         unit: "mNm",
@@ -17,6 +18,7 @@ pub static KIND: EffectKind = EffectKind {
         minimum: Minimum::None,
     }],
     part: Part::Reading(|values, _| values[0]),
+    steepest_mnm_rad: None,
     regressors: Some(Regressors {
         columns: 1,
         searched: &[],

@@ -52,6 +52,24 @@ fn cases() -> Vec<Case> {
             &[0.1, 2.0, 0.0, 0.0, 1.5],
             Knob { place: |x, _| 2.0 * (2.0 * x / 0.1).sin() + 1.5 * (3.0 * x / 0.1).cos(), ..knob() },
         ),
+        (
+            "detent-triangle",
+            &[5.0, 0.1, 0.4],
+            Knob { place: |x, _| 5.0 * std::f64::consts::FRAC_2_PI * (x / 0.1 + 0.4).sin().asin(), ..knob() },
+        ),
+        (
+            "detent-sawtooth",
+            &[5.0, 0.1, 0.4, 0.75],
+            Knob {
+                place: |x, _| {
+                    // Turns since the start of the rise, which takes three quarters.
+                    let turns = ((x / 0.1 + 0.4) / std::f64::consts::TAU + 0.375).rem_euclid(1.0);
+                    if turns < 0.75 { 5.0 * (turns / 0.375 - 1.0) } else { 5.0 * (7.0 - 8.0 * turns) }
+                },
+                ..knob()
+            },
+        ),
+        ("torque-ramp", &[6.0, -0.05, 0.1], Knob { place: |x, _| 60.0 * (x.clamp(-0.05, 0.05) + 0.05), ..knob() }),
         ("cogging", &[3.0, 7.0, 0.4], Knob { place: |x, _| 3.0 * (7.0 * x + 0.4).sin(), ..knob() }),
         ("mass-imbalance", &[3.0, 0.5], Knob { place: |x, _| 3.0 * (x + 0.5).sin(), ..knob() }),
         ("return-spring", &[6.0, 0.2], Knob { place: |x, _| 6.0 * (x - 0.2), ..knob() }),

@@ -13,6 +13,7 @@ mod shaft;
 mod stick;
 mod two_bodies;
 mod watchdog;
+mod waveforms;
 
 use dynamics::{Effect, Model, effects};
 use hal::simulated::{RigParameters, SimulatedRig};

@@ -176,7 +176,10 @@ impl<'a> Separable<'a> {
                 (value + step).clamp(-most, most)
             }
             Searched::Parameter { range: (least, largest), .. } => {
-                let most = (0.25 * (largest - least)).min(0.7 * value.abs().max(1e-3 * (largest - least)));
+                let width = largest - least;
+                // What may have either sign has no scale of its own: near zero a share of it would be no step at all.
+                let signed = least < 0.0 && largest > 0.0;
+                let most = if signed { 0.25 * width } else { (0.25 * width).min(0.7 * value.abs().max(1e-3 * width)) };
                 (value + step.clamp(-most, most)).clamp(least, largest)
             }
         }
@@ -205,4 +208,44 @@ fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
             old != new || bristles && of_friction
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use dynamics::{Effect, effects};
+
+    use super::super::capture::Stretches;
+    use super::*;
+    use crate::Samples;
+
+    #[test]
+    fn a_delay_is_found_from_a_start_without_any() {
+        const DELAY_S: f64 = -0.008;
+        const INERTIA: f64 = 2.0;
+        let tones = [(1.1, 0.7), (2.3, 0.2), (3.7, 0.08)].map(|(hz, size)| (std::f64::consts::TAU * hz, size));
+        let sum = |term: &dyn Fn(f64, f64) -> f64| tones.iter().map(|(omega, size)| term(*omega, *size)).sum::<f64>();
+        let t_s: Vec<f64> = (0..4000).map(|index| f64::from(index) / 1000.0).collect();
+        let each = |of: &dyn Fn(f64) -> f64| t_s.iter().map(|t| of(*t)).collect::<Vec<f64>>();
+        let acceleration = |t: f64| sum(&|omega, size| -size * omega * omega * (omega * t).sin());
+        let angle_rad = each(&|t| sum(&|omega, size| size * (omega * t).sin()));
+        let velocity_rad_s = each(&|t| sum(&|omega, size| size * omega * (omega * t).cos()));
+        let acceleration_rad_s2 = each(&acceleration);
+        let torque_mnm = each(&|t| INERTIA * acceleration(t - DELAY_S));
+        let samples = Samples {
+            t_s: &t_s,
+            angle_rad: &angle_rad,
+            velocity_rad_s: Some(&velocity_rad_s),
+            acceleration_rad_s2: Some(&acceleration_rad_s2),
+            torque_mnm: &torque_mnm,
+        };
+        let Ok(capture) = Capture::of(&samples, None, 12.5, Stretches::All) else {
+            panic!("the capture can be prepared")
+        };
+        let none = [Effect::new(&effects::inertia::KIND, &[1.0]), Effect::new(&effects::sensor_delay::KIND, &[0.0])];
+        let mut fit = Separable::new(Structure::new(&none), &capture);
+        fit.refine(6);
+        let found_s = fit.structure.delay_s();
+        assert!((found_s - DELAY_S).abs() < 1e-4, "found {found_s} s for {DELAY_S} s");
+        assert!((fit.structure.inertia() - INERTIA).abs() < 1e-2);
+    }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::capture::Budget;
-use crate::tune::Setting;
+use crate::compose::{Assignment, Extra};
 
 /// Captures how a mechanical knob feels, as numbers.
 #[derive(Debug, Parser)]
@@ -62,6 +62,13 @@ pub enum Command {
     /// Simulate a model along a capture's motion or torque
     #[command(after_help = "Example:\n  haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
     Simulate(SimulateOptions),
+    /// Compose a model of one knob's inertia, another's friction and a third one's detents
+    #[command(after_help = "Examples:\n  \
+        haptic-camera compose --inertia 2 --friction 1 --detents 3 --out mix.toml\n  \
+        haptic-camera compose --inertia 2 --friction 4 --detents drawn.csv --set table_scale=1.5 --out new.toml\n\n\
+        Inertia is what resists acceleration; friction what resists turning, its stick and what modulates it; detents \
+        are the torques that repeat along the angle, of every waveform. All else is taken one by one, by --extra.")]
+    Compose(ComposeOptions),
     /// Open the live view of the running capture, or look at a finished one
     View(ViewOptions),
     /// Make a whole archive of one that was cut short or damaged
@@ -203,7 +210,7 @@ pub struct TuneOptions {
     pub model: Option<String>,
     /// Parameters to set, by their names in a model file; with neither these nor a model, the present model is told
     #[arg(value_name = "NAME=VALUE")]
-    pub settings: Vec<Setting>,
+    pub settings: Vec<Assignment<f64>>,
 }
 
 /// Options of `fit`.
@@ -381,6 +388,39 @@ pub enum SimulationDrive {
     Motion,
     /// The torque: the model's motion is simulated forward.
     Torque,
+}
+
+/// Options of `compose`.
+#[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("parts").args(["inertia", "friction", "detents", "extra"]).required(true).multiple(true)))]
+pub struct ComposeOptions {
+    /// The knob whose inertia it has: 1 to 5 for the paper's, or a model file
+    #[arg(long, value_name = "1…5|FILE.toml")]
+    pub inertia: Option<String>,
+    /// The knob whose friction it has, with stick and all that modulates friction
+    #[arg(long, value_name = "1…5|FILE.toml")]
+    pub friction: Option<String>,
+    /// The knob whose detents it has, or a table with the header angle_rad,torque_mnm over one period
+    #[arg(long, value_name = "1…5|FILE.toml|FILE.csv")]
+    pub detents: Option<String>,
+    /// One more effect of another knob, as in 5:backlash or springy.toml:return-spring; may be repeated
+    #[arg(long, value_name = "KNOB:EFFECT")]
+    pub extra: Vec<Extra>,
+    /// A value for a parameter, as in detent_amplitude=1.5; may be repeated
+    #[arg(long, value_name = "NAME=NUMBER")]
+    pub set: Vec<Assignment<f64>>,
+    /// A parameter's value from another knob, as in detent_amplitude=4; may be repeated
+    #[arg(long, value_name = "NAME=KNOB")]
+    pub from: Vec<Assignment<String>>,
+    /// What the model is called [default: as its file]
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Where the model goes; a model that was composed before is replaced
+    #[arg(long, value_name = "MODEL.toml")]
+    pub out: PathBuf,
+    /// Write over whatever lies there
+    #[arg(long)]
+    pub overwrite: bool,
 }
 
 /// Options of `view`.

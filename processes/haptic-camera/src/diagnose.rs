@@ -1,5 +1,8 @@
 //! `diagnose`: what a model lacks.
 
+use std::path::Path;
+
+use anyhow::bail;
 use dynamics::Model;
 use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Progress, diagnose};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,7 +22,7 @@ use crate::recording;
 pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
     let train = LoadedCapture::load(&options.train)?;
     let heldout = options.heldout.as_deref().map(LoadedCapture::load).transpose()?;
-    let model = options.model.as_deref().map(Model::load).transpose()?;
+    let model = options.model.as_deref().map(starting_model).transpose()?;
     let bar = progress_bar();
     let progress = |progress: Progress| show_progress(&bar, progress);
     let samples = heldout.as_ref().map(LoadedCapture::samples);
@@ -44,7 +47,7 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
         let model = Model {
             name: train.title(),
             description: format!("diagnosed from {}: {}", options.train.display(), found.summary),
-            effects: found.model.effects.clone(),
+            effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
         };
         write(path, &model.to_toml())?;
     }
@@ -57,6 +60,19 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
         recording::write(path, &found, &train.title(), heldout.as_ref().map(LoadedCapture::title).as_deref())?;
     }
     Ok(Outcome::Done)
+}
+
+/// The model to start from.
+fn starting_model(path: &Path) -> anyhow::Result<Model> {
+    let model = Model::load(path)?;
+    match model.effects.iter().find(|effect| effect.table().is_some()) {
+        None => Ok(model),
+        Some(drawn) => bail!(
+            "{} has a {}, which is drawn and cannot be fitted; take it out, its shape will show in what is left",
+            path.display(),
+            drawn.kind().name
+        ),
+    }
 }
 
 pub fn progress_bar() -> ProgressBar {

@@ -6,6 +6,7 @@ mod calibrate;
 mod capture;
 mod check;
 mod command_line;
+mod compose;
 mod diagnose;
 mod diagnosis_text;
 mod doctor;
@@ -24,6 +25,7 @@ mod rig_test;
 mod simulate;
 mod supervision;
 mod tune;
+mod verify;
 mod view;
 
 use std::process::ExitCode;
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
         Command::RigTest(options) => rig_test::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Compose(options) => compose::run(&options),
         Command::View(options) => view::run(&options),
         Command::Recover(options) => recover::run(&options),
         Command::Doctor => doctor::run(),

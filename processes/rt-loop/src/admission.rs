@@ -40,8 +40,8 @@ impl Admission {
         if bytes > MODEL_MAX_BYTES {
             return Err(PlanError::TooLong { bytes });
         }
-        let remarks = self.bounds.check(model)?;
         let rendered = RenderedModel::new(model, &self.calibration)?;
+        let remarks = self.bounds.check(model)?;
         Ok(Admitted { rendered: Box::new(rendered), remarks })
     }
 }

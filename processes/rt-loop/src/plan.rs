@@ -12,7 +12,7 @@ use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
 use shared_types::{ClockMapping, MODEL_MAX_BYTES, RunDescription};
 
 use crate::admission::{Admission, Admitted};
-use crate::control::rendering::{RenderGains, Renderer, Unrenderable};
+use crate::control::rendering::{self, RenderGains, Renderer, Unrenderable};
 use crate::control::{ControlPlan, ServoGains};
 use crate::stability::BoundExceeded;
 
@@ -260,7 +260,8 @@ impl Plan {
             rate_hz: options.rate_hz,
             planned_ticks,
         };
-        let rendering = options.render.as_deref().map(|name| rendering(name, &rig, options.rate_hz)).transpose()?;
+        let rendering = options.render.as_deref()
+            .map(|name| make_rendering(name, &rig, options.rate_hz)).transpose()?;
         Ok(Self {
             apparatus: Box::new(apparatus),
             rig,
@@ -308,20 +309,21 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
 }
 
 /// The model called `name`, made ready to be rendered on the rig.
-fn rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
+fn make_rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
     let model = mounted_knob(name)?;
     if rig.calibration.motor_friction.is_none() {
         return Err(PlanError::Uncalibrated);
     }
-    let gains = RenderGains::default();
-    let admission = Admission::new(&gains, &rig.calibration, &rig.limits, rate_hz);
-    let Admitted { rendered, remarks } = admission.admit(&model)?;
-    let renderer = Renderer::new(rendered, gains, &rig.calibration, rate_hz).ok_or(PlanError::Rate {
+    let too_slow = || PlanError::Rate {
         asked: rate_hz,
         rig: rig.name.clone(),
-        slowest: SLOWEST_RATE_HZ,
+        slowest: rendering::SLOWEST_RATE_HZ,
         fastest: rig.limits.rate_hz,
-    })?;
+    };
+    let gains = RenderGains::at_rate(rate_hz).ok_or_else(too_slow)?;
+    let admission = Admission::new(&gains, &rig.calibration, &rig.limits, rate_hz);
+    let Admitted { rendered, remarks } = admission.admit(&model)?;
+    let renderer = Renderer::new(rendered, gains, &rig.calibration, rate_hz).ok_or_else(too_slow)?;
     Ok(Rendering { model, renderer, remarks, admission })
 }
 

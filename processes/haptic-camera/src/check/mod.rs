@@ -11,7 +11,7 @@ use crate::command_line::CheckOptions;
 use crate::fit::{to_output, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
-use breakaway::Threshold;
+pub use breakaway::Threshold;
 
 /// What one capture shows.
 #[derive(Debug, Serialize)]

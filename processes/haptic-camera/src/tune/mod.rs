@@ -2,7 +2,7 @@
 
 mod changes;
 mod exchange;
-mod setting;
+mod settings;
 
 use std::path::Path;
 
@@ -12,7 +12,6 @@ use dynamics::{Model, knobs};
 use crate::command_line::TuneOptions;
 use crate::outcome::{Outcome, remark, say};
 use exchange::LoopModels;
-pub(crate) use setting::Setting;
 
 /// Sends the running replay another model, or tells the present one.
 ///
@@ -25,9 +24,7 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
         Some(name) => chosen(name)?,
         None => present.clone(),
     };
-    for setting in &options.settings {
-        setting.apply(&mut wanted)?;
-    }
+    settings::apply(&options.settings, &mut wanted)?;
     if options.model.is_none() && options.settings.is_empty() {
         say(&present.name);
         present.parameters().for_each(|(parameter, value)| say(changes::told(parameter, value)));

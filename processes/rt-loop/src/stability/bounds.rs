@@ -25,20 +25,14 @@ pub struct BoundExceeded {
 }
 
 /// What can be rendered without any hand of the class being able to make it swing, and within the motor's torque.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Bounds {
+    port: Port,
+    hands: Hands,
     /// Least inertia: rotor and gripper, mNm·s²/rad.
     pub least_inertia: f64,
-    /// Largest inertia, mNm·s²/rad.
-    pub largest_inertia: f64,
-    /// Largest rise of friction with speed, mNm·s/rad.
-    pub largest_damping: f64,
-    /// Steepest rise of torque with angle, mNm/rad.
-    pub largest_stiffness_mnm_rad: f64,
     /// Largest torque, mNm.
     pub largest_torque_mnm: f64,
-    /// Frequency below which a knob at rest, or the lightest, takes energy in whatever moves it, Hz.
-    pub passive_to_hz: f64,
 }
 
 /// Share of the motor's torque that may be the model's: the rest holds against noise and the hand.
@@ -50,25 +44,45 @@ impl Bounds {
     /// The bounds of a rig under these gains.
     #[must_use]
     pub fn of(gains: &RenderGains, calibration: &Calibration, limits: &Limits, rate_hz: f64) -> Self {
-        let port = Port::new(*gains, calibration, rate_hz);
-        let least_inertia = calibration.motor_inertia + calibration.gripper_inertia;
-        let hands = Hands::default();
-        let sliding = |inertia: f64, damping: f64, stiffness_mnm_rad: f64| LinearModel::Sliding {
+        Self {
+            port: Port::new(*gains, calibration, rate_hz),
+            hands: Hands::default(),
+            least_inertia: calibration.motor_inertia + calibration.gripper_inertia,
+            largest_torque_mnm: MODEL_SHARE * limits.motor_torque_mnm,
+        }
+    }
+
+    /// Largest inertia at this damping, mNm·s²/rad.
+    #[must_use]
+    pub fn largest_inertia(&self, damping: f64) -> f64 {
+        self.largest(self.least_inertia, 1e2, |inertia| LinearModel::Sliding {
             inertia,
             damping,
-            stiffness_mnm_rad,
-        };
-        let largest = |from: f64, to: f64, of: &dyn Fn(f64) -> LinearModel| {
-            SAFETY * largest_safe(from, to, |value| port.is_safe(&of(value), &hands))
-        };
-        Self {
-            least_inertia,
-            largest_inertia: largest(least_inertia, 1e3, &|inertia| sliding(inertia, 0.0, 0.0)),
-            largest_damping: largest(1e-3, 1e4, &|damping| sliding(least_inertia, damping, 0.0)),
-            largest_stiffness_mnm_rad: largest(1e-1, 1e6, &|stiffness| sliding(least_inertia, 0.0, stiffness)),
-            largest_torque_mnm: MODEL_SHARE * limits.motor_torque_mnm,
-            passive_to_hz: 0.0,
+            stiffness_mnm_rad: 0.0,
+        })
+    }
+
+    /// Largest rise of friction with speed at this inertia, mNm·s/rad.
+    #[must_use]
+    pub fn largest_damping(&self, inertia: f64) -> f64 {
+        self.largest(1e-3, 1e3, |damping| LinearModel::Sliding { inertia, damping, stiffness_mnm_rad: 0.0 })
+    }
+
+    /// Steepest rise of torque with angle at this inertia and damping, mNm/rad.
+    #[must_use]
+    pub fn largest_stiffness_mnm_rad(&self, inertia: f64, damping: f64) -> f64 {
+        self.largest(1.0, 1e5, |stiffness_mnm_rad| LinearModel::Sliding { inertia, damping, stiffness_mnm_rad })
+    }
+
+    /// The largest value up to which every one on the way is safe, on a ladder of 2 % steps, less the margin.
+    fn largest(&self, from: f64, to: f64, of: impl Fn(f64) -> LinearModel) -> f64 {
+        let mut safe = 0.0;
+        let mut value = from;
+        while value <= to && self.port.is_safe(&of(value), &self.hands) {
+            safe = value;
+            value *= 1.02;
         }
+        SAFETY * safe
     }
 
     /// Checks a model against the bounds; gives what will be felt otherwise than the model says, in sentences.
@@ -77,35 +91,24 @@ impl Bounds {
     /// [`BoundExceeded`] for the first bound that the model passes.
     pub fn check(&self, model: &Model) -> Result<Vec<String>, BoundExceeded> {
         let demands = Demands::of(model);
-        let at_most = |what, value: f64, bound, unit, remedy| {
-            if value <= bound {
+        let inertia = model.inertia();
+        let at_most = |what, value: f64, bound: f64, unit, remedy| {
+            if value.is_finite() && value <= bound {
                 Ok(())
             } else {
                 Err(BoundExceeded { what, value, bound, unit, relation: "at most", remedy })
             }
         };
-        at_most("the inertia", model.inertia(), self.largest_inertia, "mNm·s²/rad", "lower `inertia`")?;
-        at_most(
-            "the steepest rise of torque over angle",
-            demands.stiffness_mnm_rad,
-            self.largest_stiffness_mnm_rad,
-            "mNm/rad",
-            "lower the amplitude or widen the period",
-        )?;
-        at_most(
-            "the steepest rise of friction over speed",
-            demands.damping,
-            self.largest_damping,
-            "mNm·s/rad",
-            "lower the viscous friction",
-        )?;
-        at_most(
-            "the largest torque",
-            demands.torque_mnm,
-            self.largest_torque_mnm,
-            "mNm",
-            "lower the amplitude, the static or the Coulomb friction",
-        )?;
+        let bound = self.largest_inertia(demands.least_damping);
+        at_most("the inertia", inertia, bound, "mNm·s²/rad", "lower `inertia`")?;
+        let bound = self.largest_damping(inertia);
+        let remedy = "lower the viscous friction";
+        at_most("the steepest rise of friction over speed", demands.largest_damping, bound, "mNm·s/rad", remedy)?;
+        let bound = self.largest_stiffness_mnm_rad(inertia, demands.least_damping + demands.coulomb_damping(inertia));
+        let remedy = "lower the amplitude, widen the period or add friction";
+        at_most("the steepest rise of torque over angle", demands.stiffness_mnm_rad, bound, "mNm/rad", remedy)?;
+        let remedy = "lower the amplitude, the static or the Coulomb friction";
+        at_most("the largest torque", demands.torque_mnm, self.largest_torque_mnm, "mNm", remedy)?;
         let drives = demands.drives_from_rad_s.map(|speed_rad_s| {
             format!("friction would drive the knob from {speed_rad_s:.1} rad/s on; it is held at zero there")
         });
@@ -113,21 +116,20 @@ impl Bounds {
     }
 }
 
-/// The largest value up to which every one on the way is safe, on a ladder of 2 % steps.
-fn largest_safe(from: f64, to: f64, is_safe: impl Fn(f64) -> bool) -> f64 {
-    let mut safe = 0.0;
-    let mut value = from;
-    while value <= to && is_safe(value) {
-        safe = value;
-        value *= 1.02;
-    }
-    safe
+/// Speed from which a model's friction would drive the knob instead of braking it, rad/s; `None` where it never does.
+#[must_use]
+pub fn driving_speed_rad_s(model: &Model) -> Option<f64> {
+    Demands::of(model).drives_from_rad_s
 }
 
 /// What a model demands of a rig.
 struct Demands {
     stiffness_mnm_rad: f64,
-    damping: f64,
+    least_damping: f64,
+    largest_damping: f64,
+    /// Least Coulomb friction of either direction, mNm.
+    coulomb_mnm: f64,
+    free_mnm: f64,
     torque_mnm: f64,
     /// Speed from which friction would drive instead of brake, rad/s.
     drives_from_rad_s: Option<f64>,
@@ -137,42 +139,75 @@ struct Demands {
 const LOOKED_AT_RAD: f64 = std::f64::consts::TAU;
 /// Step of looking, rad: a thirtieth of the finest detent that a finger counts.
 const LOOKED_AT_STEP_RAD: f64 = 2e-4;
-/// Fastest a hand turns a knob, rad/s.
+/// Fastest that a hand turns a knob, rad/s.
 const FASTEST_RAD_S: f64 = 40.0;
+/// Speeds looked at, each way.
+const SPEEDS: u32 = 400;
 
 impl Demands {
     #[allow(clippy::cast_possible_truncation, reason = "some ten thousand steps")]
     fn of(model: &Model) -> Self {
         let steps = (LOOKED_AT_RAD / LOOKED_AT_STEP_RAD) as i32;
-        let at = |step: i32| Motion { angle_rad: f64::from(step) * LOOKED_AT_STEP_RAD, ..Motion::default() };
-        let (mut stiffness_mnm_rad, mut free_mnm, mut held_mnm) = (0.0_f64, 0.0_f64, 0.0_f64);
-        let mut before_mnm = model.free_torque_mnm(&at(-steps));
-        for step in -steps + 1..=steps {
-            let motion = at(step);
+        let (mut free_mnm, mut held_mnm) = (0.0_f64, 0.0_f64);
+        for step in -steps..=steps {
+            let motion = Motion { angle_rad: f64::from(step) * LOOKED_AT_STEP_RAD, ..Motion::default() };
             let torque_mnm = model.free_torque_mnm(&motion);
-            stiffness_mnm_rad = stiffness_mnm_rad.max((torque_mnm - before_mnm).abs() / LOOKED_AT_STEP_RAD);
-            before_mnm = torque_mnm;
             free_mnm = free_mnm.max(torque_mnm.abs());
             let limits = model.stick_limits(&motion);
             held_mnm = held_mnm.max(limits.negative_mnm).max(limits.positive_mnm);
         }
-        let (mut damping, mut sliding_mnm, mut drives_from_rad_s) = (0.0_f64, 0.0_f64, None::<f64>);
-        for direction in [Direction::Negative, Direction::Positive] {
-            let friction_mnm = |speed_rad_s: f64| {
-                let motion = Motion { velocity_rad_s: direction.sign() * speed_rad_s, ..Motion::default() };
-                direction.sign() * model.friction_mnm(&motion, direction)
-            };
-            let speeds = (1..=400).map(|step| FASTEST_RAD_S * f64::from(step) / 400.0);
-            for speed_rad_s in speeds {
-                let braking_mnm = friction_mnm(speed_rad_s);
-                let slope = (braking_mnm - friction_mnm(speed_rad_s - FASTEST_RAD_S / 400.0)) / (FASTEST_RAD_S / 400.0);
-                damping = damping.max(slope);
-                sliding_mnm = sliding_mnm.max(braking_mnm);
-                if braking_mnm < 0.0 {
-                    drives_from_rad_s = Some(drives_from_rad_s.map_or(speed_rad_s, |known| known.min(speed_rad_s)));
-                }
+        let mut demands = Self {
+            stiffness_mnm_rad: model.steepest_stiffness_mnm_rad(),
+            least_damping: f64::INFINITY,
+            largest_damping: 0.0,
+            coulomb_mnm: f64::INFINITY,
+            free_mnm,
+            torque_mnm: 0.0,
+            drives_from_rad_s: None,
+        };
+        let sliding_mnm = [Direction::Negative, Direction::Positive].map(|to| demands.look_at_friction(model, to));
+        demands.least_damping = demands.least_damping.max(0.0);
+        demands.torque_mnm = free_mnm + held_mnm.max(sliding_mnm[0]).max(sliding_mnm[1]);
+        demands
+    }
+
+    /// Takes in friction in one direction; gives the largest, mNm.
+    fn look_at_friction(&mut self, model: &Model, direction: Direction) -> f64 {
+        let braking_mnm = |speed_rad_s: f64| {
+            let motion = Motion { velocity_rad_s: direction.sign() * speed_rad_s, ..Motion::default() };
+            direction.sign() * model.friction_mnm(&motion, direction)
+        };
+        let step_rad_s = FASTEST_RAD_S / f64::from(SPEEDS);
+        let mut before_mnm = braking_mnm(0.0);
+        let mut largest_mnm = before_mnm;
+        self.coulomb_mnm = self.coulomb_mnm.min(before_mnm.max(0.0));
+        for step in 1..=SPEEDS {
+            let speed_rad_s = f64::from(step) * step_rad_s;
+            let now_mnm = braking_mnm(speed_rad_s);
+            if now_mnm < 0.0 {
+                self.drives_from_rad_s =
+                    Some(self.drives_from_rad_s.map_or(speed_rad_s, |known| known.min(speed_rad_s)));
+                break;
             }
+            let slope = (now_mnm - before_mnm) / step_rad_s;
+            self.least_damping = self.least_damping.min(slope);
+            self.largest_damping = self.largest_damping.max(slope);
+            largest_mnm = largest_mnm.max(now_mnm);
+            before_mnm = now_mnm;
         }
-        Self { stiffness_mnm_rad, damping, torque_mnm: free_mnm + held_mnm.max(sliding_mnm), drives_from_rad_s }
+        largest_mnm
+    }
+
+    /// What Coulomb friction takes from a swing as wide as a well of the torque, as a damping, mNm·s/rad: its describing
+    /// function, the way in which Coulomb friction enters the bounds of N. Diolaiti, G. Niemeyer, F. Barbagli and J. K. Salisbury,
+    /// *Stability of haptic rendering: discretization, quantization, time delay, and Coulomb effects*, IEEE Trans.
+    /// Robotics 22, 2006.
+    fn coulomb_damping(&self, inertia: f64) -> f64 {
+        if self.stiffness_mnm_rad == 0.0 {
+            return 0.0;
+        }
+        let swing_rad = std::f64::consts::PI * self.free_mnm / self.stiffness_mnm_rad;
+        let omega = (self.stiffness_mnm_rad / inertia).sqrt();
+        4.0 * self.coulomb_mnm / (std::f64::consts::PI * swing_rad * omega)
     }
 }

@@ -3,5 +3,5 @@
 mod bounds;
 mod port;
 
-pub use bounds::{BoundExceeded, Bounds};
+pub use bounds::{BoundExceeded, Bounds, driving_speed_rad_s};
 pub use port::{Hands, LinearModel, Port};

@@ -1,9 +1,10 @@
 //! What a hand feels of the loop, frequency by frequency.
 
+use biquad::Coefficients;
 use dynamics::Calibration;
 use num_complex::Complex64;
 
-use crate::control::rendering::RenderGains;
+use crate::control::rendering::{RenderGains, slow_part};
 use crate::control::notch;
 
 /// What the virtual body is, as far as small motions go.
@@ -67,13 +68,12 @@ impl Port {
         let s = Complex64::new(0.0, omega);
         let z = (s * step_s).exp();
         let hold = (1.0 - z.inv()) / (s * step_s) * (-s * ACTUATOR_DELAY_S).exp();
-        let second_order = |edge_hz: f64| {
-            let x = s / (std::f64::consts::TAU * edge_hz);
-            (1.0 + std::f64::consts::SQRT_2 * x + x * x).inv()
+        let of_z = |c: Option<Coefficients<f64>>| {
+            c.map_or(Complex64::ONE, |c| (c.b0 + c.b1 / z + c.b2 / (z * z)) / (1.0 + c.a1 / z + c.a2 / (z * z)))
         };
-        let slow = second_order(self.gains.slow_edge_hz) * (-s * self.torque_delay_s).exp();
-        let notch = notch(self.resonance_hz, self.gains.notch_depth, self.gains.notch_width, self.rate_hz)
-            .map_or(Complex64::ONE, |c| (c.b0 + c.b1 / z + c.b2 / (z * z)) / (1.0 + c.a1 / z + c.a2 / (z * z)));
+        let slow = of_z(slow_part(self.gains.slow_edge_hz, self.gains.slow_damping, self.rate_hz))
+            * (-s * self.torque_delay_s).exp();
+        let notch = of_z(notch(self.resonance_hz, self.gains.notch_depth, self.gains.notch_width, self.rate_hz));
         let RenderGains { stiffness_mnm_rad, damping, lead_s, .. } = self.gains;
         // Torque of the coupling per angle of the rotor and per velocity of the body.
         let of_rotor = notch * (stiffness_mnm_rad + (damping + stiffness_mnm_rad * lead_s) * (1.0 - z.inv()) / step_s);
@@ -157,8 +157,8 @@ pub struct Hands {
 }
 
 impl Default for Hands {
-    /// Ten times as stiff and as heavy as a usual pinch grip, with at least a fifth of the damping that goes with its stiffness.
+    /// Ten times as stiff as a usual pinch grip with at least a fifth of the damping that goes with it, and four times as heavy: a knob cap may be on the gripper.
     fn default() -> Self {
-        Self { stiffness_mnm_rad: 6_400.0, inertia: 0.05, relaxation_per_s: 1_000.0 }
+        Self { stiffness_mnm_rad: 6_400.0, inertia: 0.02, relaxation_per_s: 1_000.0 }
     }
 }

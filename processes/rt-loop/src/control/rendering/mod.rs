@@ -27,4 +27,5 @@ mod renderer;
 mod virtual_body;
 
 pub use rendered_model::{RenderedModel, Unrenderable};
-pub use renderer::{Felt, RenderGains, Rendered, Renderer};
+pub(crate) use renderer::slow_part;
+pub use renderer::{Felt, RenderGains, Rendered, Renderer, SLOWEST_RATE_HZ};

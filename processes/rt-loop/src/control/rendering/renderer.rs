@@ -1,11 +1,10 @@
 //! The rendering step: measurement in, torque for the motor out.
 
-use biquad::{Biquad as _, DirectForm2Transposed};
+use biquad::{Biquad as _, Coefficients, DirectForm2Transposed};
 use dynamics::{Calibration, MotorFriction};
 use hal::Measurement;
 use shared_types::Sample;
 
-use super::super::lowpass::ButterworthLowPass;
 use super::super::servo::notch;
 use super::cross_fade::CrossFade;
 use super::passivity::{PassivityObserver, Tick};
@@ -26,6 +25,8 @@ pub struct RenderGains {
     pub lead_s: f64,
     /// Edge below which the hand's torque is taken from the torque sensor, Hz.
     pub slow_edge_hz: f64,
+    /// Damping ratio of that filter.
+    pub slow_damping: f64,
     /// Frequency of the notch, Hz.
     pub notch_hz: f64,
     /// Damping ratio of the notch's zeros, at the resonance of rotor and gripper: its depth.
@@ -36,11 +37,54 @@ pub struct RenderGains {
     pub slack: f64,
 }
 
-impl Default for RenderGains {
-    fn default() -> Self {
-        Self { stiffness_mnm_rad: 4_000.0, damping: 30.0, lead_s: 103e-6, slow_edge_hz: 400.0, notch_hz: 2000.0, notch_depth: 0.1, notch_width: 1.0, slack: 1e9 }
+/// Slowest rate at which a model is rendered, Hz: the slower of the rates of Swindells and MacLean.
+pub const SLOWEST_RATE_HZ: f64 = 5_000.0;
+/// Rate from which on the stiffer gains are safe, Hz.
+const FAST_RATE_HZ: f64 = 10_000.0;
+
+impl RenderGains {
+    /// The gains at a sample rate; `None` below [`SLOWEST_RATE_HZ`].
+    ///
+    /// Chosen from a hundred thousand drawn at random, among those under which no hand of the class can make a knob
+    /// swing, at rest or with any inertia from that of rotor and gripper alone to 0.6 mNm·s²/rad (zero exclusion,
+    /// [`Port`](crate::stability::Port)), as those that carry most of a slow load. The lead balances what remains of a spring's
+    /// delay with what an inertia gets too much of it.
+    #[must_use]
+    pub fn at_rate(rate_hz: f64) -> Option<Self> {
+        let lead_s = 0.4 / rate_hz;
+        if rate_hz >= FAST_RATE_HZ {
+            Some(Self {
+                stiffness_mnm_rad: 7_000.0,
+                damping: 68.0,
+                lead_s,
+                slow_edge_hz: 50.0,
+                slow_damping: 4.0,
+                notch_hz: 1_100.0,
+                notch_depth: 0.1,
+                notch_width: 0.8,
+                slack: SLACK,
+            })
+        } else if rate_hz >= SLOWEST_RATE_HZ {
+            Some(Self {
+                stiffness_mnm_rad: 3_000.0,
+                damping: 50.0,
+                lead_s,
+                slow_edge_hz: 30.0,
+                slow_damping: 3.0,
+                notch_hz: 1_050.0,
+                notch_depth: 0.07,
+                notch_width: 2.9,
+                slack: SLACK,
+            })
+        } else {
+            None
+        }
     }
 }
+
+/// What the guard lets out, mNm·rad: what the coupling's spring holds at 120 mNm, more than noise and steps of the sensors
+/// make of it.
+const SLACK: f64 = 1.0;
 
 /// What a tick begins with.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +133,7 @@ pub struct Renderer {
     friction: MotorFriction,
     torque_zero_mnm: f64,
     notch: Option<DirectForm2Transposed<f64>>,
-    slow: ButterworthLowPass<1>,
+    slow: DirectForm2Transposed<f64>,
     fade: CrossFade,
     body: VirtualBody,
     observer: PassivityObserver,
@@ -97,7 +141,7 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer at rest at `angle_rad`; `None` when the rate is too low for its filters.
+    /// A renderer at rest; `None` when the rate is too low for its filters.
     #[must_use]
     pub fn new(model: Box<RenderedModel>, gains: RenderGains, calibration: &Calibration, rate_hz: f64) -> Option<Self> {
         Some(Self {
@@ -106,7 +150,7 @@ impl Renderer {
             friction: calibration.motor_friction.unwrap_or_default(),
             torque_zero_mnm: calibration.torque_zero_mnm,
             notch: notch(gains.notch_hz, gains.notch_depth, gains.notch_width, rate_hz).map(DirectForm2Transposed::new),
-            slow: ButterworthLowPass::new(gains.slow_edge_hz, rate_hz)?,
+            slow: DirectForm2Transposed::new(slow_part(gains.slow_edge_hz, gains.slow_damping, rate_hz)?),
             fade: CrossFade::new(model),
             body: VirtualBody::at_rest(0.0),
             observer: PassivityObserver::new(gains.slack, gains.damping),
@@ -176,4 +220,24 @@ impl Renderer {
             guarded: correction_mnm != 0.0,
         }
     }
+}
+
+/// The slow part of a torque: (2·ζ·x + 1)/(x² + 2·ζ·x + 1) of x = s/(2π·edge), by the bilinear transform.
+///
+/// What it leaves out begins with the second power of the frequency: a delay of what it passes, however small, would be felt as
+/// negative damping that grows with inertia.
+pub(crate) fn slow_part(edge_hz: f64, damping_ratio: f64, rate_hz: f64) -> Option<Coefficients<f64>> {
+    if !(edge_hz > 0.0 && edge_hz < 0.5 * rate_hz) {
+        return None;
+    }
+    let k = (std::f64::consts::PI * edge_hz / rate_hz).tan();
+    let (damped, square) = (2.0 * damping_ratio * k, k * k);
+    let scale = (1.0 + damped + square).recip();
+    Some(Coefficients {
+        b0: scale * (damped + square),
+        b1: scale * 2.0 * square,
+        b2: scale * (square - damped),
+        a1: scale * (2.0 * square - 2.0),
+        a2: scale * (1.0 - damped + square),
+    })
 }

@@ -1,0 +1,28 @@
+//! A torque drawn as a table over the angle.
+
+use crate::{EffectKind, Minimum, ParameterKind, Part, Role, TorqueTable};
+
+/// `torque-table`: τ = k·table(θ), the table repeating along the angle ([`TorqueTable`]).
+///
+/// In a model file the table itself stands beside the parameter: `angle_rad`, `torque_mnm` and, unless the last point
+/// repeats the first, `period_rad`. A file that leaves the scale out has the table as drawn.
+pub static KIND: EffectKind = EffectKind {
+    name: "torque-table",
+    description: "a torque drawn over the angle, repeating",
+    source: "drawn by hand, or read off a knob; between the points a monotone cubic of Fritsch and Butland",
+    role: Role::Detents,
+    parameters: &[ParameterKind {
+        name: "table_scale",
+        unit: "1",
+        symbol: "k",
+        description: "factor on the drawn torque",
+        minimum: Minimum::None,
+    }],
+    part: Part::TorqueTable(|table, values, angle_rad| values[0] * table.torque_mnm(angle_rad)),
+    steepest_mnm_rad: Some(|effect| {
+        effect.values()[0].abs() * effect.table().map_or(0.0, TorqueTable::steepest_mnm_rad)
+    }),
+    // A fit's columns are told parameters only, and what is drawn is not to be found.
+    regressors: None,
+    hypothesis: None,
+};

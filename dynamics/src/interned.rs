@@ -1,0 +1,34 @@
+//! What effects refer to, kept once and for as long as the program runs.
+//!
+//! Effects are copied and dropped in the real-time loop, where freeing memory may wait for a lock. So nothing that an
+//! effect refers to is ever freed. Equal contents are kept once: reading a model again and again costs nothing more.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::TorqueTable;
+
+static TEXTS: Mutex<Vec<&'static str>> = Mutex::new(Vec::new());
+static TABLES: Mutex<Vec<&'static TorqueTable>> = Mutex::new(Vec::new());
+
+/// The kept text that equals `wanted`.
+pub(crate) fn text(wanted: &str) -> &'static str {
+    // Whoever panicked while holding the lock left the list as it was.
+    let mut kept = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(found) = kept.iter().find(|text| **text == wanted) {
+        return found;
+    }
+    let new: &'static str = Box::leak(wanted.into());
+    kept.push(new);
+    new
+}
+
+/// The kept table that equals `wanted`.
+pub(crate) fn table(wanted: TorqueTable) -> &'static TorqueTable {
+    let mut kept = TABLES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(found) = kept.iter().find(|table| ***table == wanted) {
+        return found;
+    }
+    let new: &'static TorqueTable = Box::leak(Box::new(wanted));
+    kept.push(new);
+    new
+}

@@ -1,0 +1,143 @@
+//! One `[[effects]]` table of a model file.
+
+use std::fmt::Write as _;
+
+use super::ModelError;
+use crate::{Effect, EffectKind, Part, TorqueTable, effects};
+
+const NAME: &str = "effect";
+const ORIGIN: &str = "origin";
+const ANGLES: &str = "angle_rad";
+const TORQUES: &str = "torque_mnm";
+const PERIOD: &str = "period_rad";
+const TABLE: [&str; 3] = [ANGLES, TORQUES, PERIOD];
+
+/// Appends the effect, with a comment on every parameter.
+pub(super) fn write(effect: &Effect, text: &mut String) {
+    let kind = effect.kind();
+    let _ = writeln!(text, "\n# {}\n[[effects]]\n{NAME} = \"{}\"", kind.description, kind.name);
+    if let Some(origin) = effect.origin() {
+        let _ = writeln!(text, "{ORIGIN} = {}", toml::Value::from(origin));
+    }
+    for (parameter, value) in effect.parameters() {
+        let value = toml::Value::from(value);
+        let _ = writeln!(
+            text,
+            "{} = {value}  # {}, {}: {}",
+            parameter.name, parameter.symbol, parameter.unit, parameter.description
+        );
+    }
+    if let Some(table) = effect.table() {
+        let _ = writeln!(text, "{PERIOD} = {}", toml::Value::from(table.period_rad()));
+        for (name, values) in [(ANGLES, table.angle_rad()), (TORQUES, table.points_mnm())] {
+            let _ = writeln!(text, "{name} = {}", toml::Value::from(values.to_vec()));
+        }
+    }
+}
+
+/// Reads the effect.
+pub(super) fn parse(entry: &toml::Table, origin: &str) -> Result<Effect, ModelError> {
+    let name = entry.get(NAME).and_then(toml::Value::as_str).ok_or_else(|| ModelError::Malformed {
+        origin: origin.to_owned(),
+        reason: "an [[effects]] table lacks its effect = \"name\"".to_owned(),
+    })?;
+    let kind = effects::by_name(name).ok_or_else(|| ModelError::UnknownEffect {
+        origin: origin.to_owned(),
+        name: name.to_owned(),
+        known: names(effects::ALL.iter().map(|kind| kind.name)),
+    })?;
+    let drawn = matches!(kind.part, Part::TorqueTable(_));
+    let reader = Entry { kind, drawn, entry, origin };
+    reader.check_keys()?;
+    let mut effect = Effect::new(kind, &[]);
+    for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
+        let value = match entry.get(parameter.name) {
+            // A table is as drawn unless the file says otherwise.
+            None if drawn => 1.0,
+            None => return Err(reader.wrong(format!("lacks '{}'", parameter.name))),
+            Some(value) => number(value).ok_or_else(|| reader.wrong(not_a_number(parameter.name)))?,
+        };
+        if !parameter.minimum.permits(value) {
+            return Err(ModelError::OutOfRange {
+                origin: origin.to_owned(),
+                parameter: parameter.name,
+                value,
+                unit: parameter.unit,
+                requirement: parameter.minimum.requirement(),
+            });
+        }
+        *slot = value;
+    }
+    if drawn {
+        effect = effect.with_table(reader.table()?);
+    }
+    match entry.get(ORIGIN) {
+        None => Ok(effect),
+        Some(toml::Value::String(text)) => Ok(effect.with_origin(text)),
+        Some(_) => Err(reader.wrong(format!("needs text for '{ORIGIN}'"))),
+    }
+}
+
+struct Entry<'file> {
+    kind: &'static EffectKind,
+    /// Whether a drawn table belongs to it.
+    drawn: bool,
+    entry: &'file toml::Table,
+    origin: &'file str,
+}
+
+impl Entry<'_> {
+    fn check_keys(&self) -> Result<(), ModelError> {
+        let known = |key: &str| {
+            [NAME, ORIGIN].contains(&key)
+                || self.drawn && TABLE.contains(&key)
+                || self.kind.parameters.iter().any(|parameter| parameter.name == key)
+        };
+        match self.entry.keys().find(|key| !known(key)) {
+            Some(key) => Err(self.wrong(format!("has no parameter '{key}'"))),
+            None => Ok(()),
+        }
+    }
+
+    fn table(&self) -> Result<&'static TorqueTable, ModelError> {
+        let period_rad = match self.entry.get(PERIOD) {
+            None => None,
+            Some(value) => Some(number(value).ok_or_else(|| self.wrong(not_a_number(PERIOD)))?),
+        };
+        TorqueTable::kept(&self.column(ANGLES)?, &self.column(TORQUES)?, period_rad)
+            .map_err(|reason| ModelError::Table { origin: self.origin.to_owned(), reason })
+    }
+
+    fn column(&self, key: &str) -> Result<Vec<f64>, ModelError> {
+        let values = self.entry.get(key).ok_or_else(|| self.wrong(format!("lacks '{key}'")))?;
+        let numbers = values.as_array().and_then(|values| values.iter().map(number).collect());
+        numbers.ok_or_else(|| self.wrong(format!("needs a list of numbers for '{key}'")))
+    }
+
+    fn wrong(&self, problem: String) -> ModelError {
+        let table: &[&str] = if self.drawn { &TABLE } else { &[] };
+        ModelError::WrongParameters {
+            origin: self.origin.to_owned(),
+            effect: self.kind.name,
+            problem,
+            known: names(self.kind.parameters.iter().map(|parameter| parameter.name).chain(table.iter().copied())),
+        }
+    }
+}
+
+fn number(value: &toml::Value) -> Option<f64> {
+    match value {
+        toml::Value::Float(value) => Some(*value),
+        #[allow(clippy::cast_precision_loss, reason = "a whole number in a model file is small")]
+        toml::Value::Integer(value) => Some(*value as f64),
+        _ => None,
+    }
+}
+
+fn not_a_number(key: &str) -> String {
+    format!("needs a number for '{key}'")
+}
+
+fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}

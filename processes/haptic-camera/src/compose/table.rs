@@ -1,0 +1,35 @@
+//! The composed model's parameters with where each comes from.
+
+use comfy_table::{CellAlignment, Table, presets};
+use dynamics::{Composition, Effect, Model};
+
+/// Parameters of one effect beyond which zeros are left out: harmonics that are not there.
+const MANY: usize = 8;
+
+/// Effect by effect, every parameter with its value and where that comes from.
+pub fn parts(composition: &Composition, model: &Model) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["effect", "parameter", "value", "unit", "from"]);
+    for effect in &model.effects {
+        let mut name = effect.kind().name;
+        for (parameter, value) in shown(effect) {
+            let from = composition.origin_of(parameter.name).unwrap_or_default();
+            table.add_row([name, parameter.name, &value.to_string(), parameter.unit, from]);
+            name = "";
+        }
+        if let Some(drawn) = effect.table() {
+            let points = format!("{} over {} rad", drawn.angle_rad().len(), drawn.period_rad());
+            table.add_row(["", "points", &points, "", ""]);
+        }
+    }
+    if let Some(values) = table.column_mut(2) {
+        values.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn shown(effect: &Effect) -> impl Iterator<Item = (&'static dynamics::ParameterKind, f64)> + '_ {
+    let many = effect.values().len() > MANY;
+    effect.parameters().filter(move |(_, value)| !many || *value != 0.0)
+}

@@ -1,0 +1,127 @@
+//! Parameter by parameter: intended and rendered.
+
+use dynamics::{Effect, Model, Motion, Part, effects};
+use identification::Fit;
+use serde::Serialize;
+
+use super::{LARGEST_DIFFERENCE_PERCENT, LARGEST_STATIC_DIFFERENCE_PERCENT};
+use crate::check::Threshold;
+use crate::parameter_table::true_value;
+
+/// One parameter of a rendered knob.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verified {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value in the model.
+    pub intended: f64,
+    /// Its value in the rendered knob; `None` where the captures cannot tell it.
+    pub rendered: Option<f64>,
+    /// The 95 % interval of the rendered value.
+    pub ci95: Option<[f64; 2]>,
+    /// 100 · (rendered / intended − 1); of a phase, the part of a period by which it is off.
+    pub difference_percent: Option<f64>,
+    /// Whether the interval holds the intended value or the difference is small enough; `None` where it cannot be told.
+    pub passed: Option<bool>,
+    /// Why it is not told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+impl Verified {
+    fn new(name: &'static str, unit: &'static str, intended: f64, rendered: f64, ci95: Option<[f64; 2]>) -> Self {
+        let difference_percent = if unit == "rad" && name.ends_with("phase") {
+            let turn = std::f64::consts::TAU;
+            100.0 * ((rendered - intended + 0.5 * turn).rem_euclid(turn) / turn - 0.5)
+        } else {
+            100.0 * (rendered / intended - 1.0)
+        };
+        let bears = name.starts_with("static_");
+        let limit = if bears { LARGEST_STATIC_DIFFERENCE_PERCENT } else { LARGEST_DIFFERENCE_PERCENT };
+        let held = ci95.is_some_and(|[low, high]| (low..=high).contains(&intended));
+        Self {
+            name,
+            unit,
+            intended,
+            rendered: Some(rendered),
+            ci95,
+            difference_percent: Some(difference_percent),
+            passed: Some(held || difference_percent.abs() <= limit),
+            reason: None,
+        }
+    }
+
+    fn untold(name: &'static str, unit: &'static str, intended: f64, reason: String) -> Self {
+        Self {
+            name,
+            unit,
+            intended,
+            rendered: None,
+            ci95: None,
+            difference_percent: None,
+            passed: None,
+            reason: Some(reason),
+        }
+    }
+}
+
+/// The effects of a model that a fit takes beside inertia, friction and detents.
+pub(super) fn further_effects(model: &Model) -> Vec<Effect> {
+    let base = [effects::inertia::KIND.name, effects::friction::KIND.name, effects::detent::KIND.name];
+    let fits = |effect: &&Effect| effect.kind().regressors.is_some() && !base.contains(&effect.kind().name);
+    model.effects.iter().filter(fits).copied().collect()
+}
+
+/// Every parameter of the model beside what the fit of the rendered knob and its breakaways tell.
+pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshold>; 2]) -> Vec<Verified> {
+    let mut verified = Vec::new();
+    for effect in &model.effects {
+        for (parameter, value) in effect.parameters() {
+            let (name, unit) = (parameter.name, parameter.unit);
+            let intended = true_value(model, name).unwrap_or(value);
+            if let Part::Stick(_) = effect.kind().part {
+                let threshold = match name {
+                    "static_negative" => thresholds[0].as_ref(),
+                    "static_positive" => thresholds[1].as_ref(),
+                    // The speed at which a knob comes to rest shows in no torque.
+                    _ => continue,
+                };
+                // A knob bears at rest at least the friction with which it slides off.
+                let limits = model.stick_limits(&Motion::default());
+                let borne = if name == "static_negative" { limits.negative_mnm } else { limits.positive_mnm };
+                verified.push(match threshold {
+                    Some(seen) => Verified::new(name, unit, borne, seen.torque_mnm, seen.ci95_mnm),
+                    None => Verified::untold(name, unit, borne, "the knob did not break away in the creep".to_owned()),
+                });
+                continue;
+            }
+            verified.push(match fit.parameters.get(name) {
+                Some(found) => match found.value {
+                    Some(value) => Verified::new(name, unit, intended, value, found.ci95),
+                    None => Verified::untold(name, unit, intended, found.reason.clone().unwrap_or_default()),
+                },
+                None => Verified::untold(name, unit, intended, "a fit does not tell this effect".to_owned()),
+            });
+        }
+    }
+    verified
+}
+
+/// RMS of rendered minus intended torque over the fit's rows, and of the intended torque, mNm.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+pub(super) fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for point in &fit.points {
+        let intended_mnm = model.torque_mnm(&Motion {
+            time_s: point.t_s,
+            angle_rad: point.angle_rad,
+            velocity_rad_s: point.velocity_rad_s,
+            acceleration_rad_s2: point.acceleration_rad_s2,
+        });
+        sums[0] += (point.torque_mnm - intended_mnm).powi(2);
+        sums[1] += intended_mnm * intended_mnm;
+    }
+    sums.map(|sum| (sum / fit.points.len().max(1) as f64).sqrt())
+}

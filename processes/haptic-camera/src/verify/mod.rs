@@ -1,0 +1,75 @@
+//! The proof of a rendering: the rendered knob captured like any other, fitted, diagnosed and compared with its model.
+
+mod compare;
+mod run;
+mod table;
+
+use std::path::PathBuf;
+
+use identification::diagnosis::Verdict;
+use serde::Serialize;
+
+pub use compare::Verified;
+pub use run::{Maker, VerifyOptions, verify};
+pub use table::lines;
+
+/// Largest difference of a parameter that passes if its interval does not hold the intended value, %.
+pub const LARGEST_DIFFERENCE_PERCENT: f64 = 2.0;
+/// The same for what a knob bears at rest, %.
+pub const LARGEST_STATIC_DIFFERENCE_PERCENT: f64 = 5.0;
+/// Largest torque error that passes, as a share of the model's RMS torque, %.
+pub const LARGEST_TORQUE_ERROR_PERCENT: f64 = 5.0;
+
+/// How a rendered knob compares with the model that it was to be.
+#[derive(Debug, Serialize)]
+pub struct Verification {
+    /// The model's name.
+    pub model: String,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// The captures made for it: two sweeps, a creep, and a hold if the knob sticks.
+    pub captures: Vec<PathBuf>,
+    /// The model's parameters, intended and rendered.
+    pub parameters: Vec<Verified>,
+    /// RMS of rendered minus intended torque while the knob slides, mNm.
+    pub torque_error_rms_mnm: f64,
+    /// RMS of the intended torque there, mNm.
+    pub torque_rms_mnm: f64,
+    /// Their ratio, %.
+    pub torque_error_percent: f64,
+    /// The knob held by a torque inside its stick band; `None` where it bears none at rest.
+    pub held_still: Option<HeldStill>,
+    /// What the rendering adds that the model does not have; `None` with the reason in `notes` where that cannot be told.
+    pub added: Option<Added>,
+    /// What a reader of the numbers should know.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+    /// Whether all of it is within what passes.
+    pub passed: bool,
+}
+
+/// How still a sticking knob is held.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct HeldStill {
+    /// The hand's torque, mNm.
+    pub torque_mnm: f64,
+    /// For how long, s.
+    pub duration_s: f64,
+    /// Steps of the encoder between its lowest and its highest reading.
+    pub encoder_steps: f64,
+}
+
+/// The verdict of a diagnosis that starts from the intended model.
+#[derive(Clone, Debug, Serialize)]
+pub struct Added {
+    /// `none`, `effects` or `outside-library`.
+    pub verdict: Verdict,
+    /// Names of effects, strongest first.
+    pub effects: Vec<String>,
+    /// RMS on the capture held out before them, mNm.
+    pub heldout_rms_before: f64,
+    /// RMS after them, mNm.
+    pub heldout_rms_after: f64,
+    /// What the sensors' noise alone would leave, mNm.
+    pub noise_floor_rms: f64,
+}

@@ -1,0 +1,172 @@
+//! The captures of a rendered knob, and what they tell.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use dynamics::{Model, Motion};
+use identification::checks::breakaways;
+use identification::diagnosis::{DiagnoseOptions, diagnose};
+use identification::{Fit, FitOptions};
+use rt_loop::stability::driving_speed_rad_s;
+
+use super::compare::{further_effects, parameters, torque_error_mnm};
+use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Verification};
+use crate::check::Threshold;
+use crate::load::LoadedCapture;
+
+/// Grip of the hand that turns the knob, in usual ones: one that holds a knob firmly.
+const GRIP: f64 = 6.0;
+/// Largest amplitude of the sweeps, rad: the paper's.
+const AMPLITUDE_RAD: f64 = 1.0;
+/// Highest frequency of the sweep, Hz, so that amplitude and speed go together.
+const SWEEP_HZ: f64 = 3.0;
+/// Share of the speed beyond which friction is no longer what the model says that the sweep reaches.
+const SPEED_SHARE: f64 = 0.9;
+/// Length of a sweep, s.
+const SWEEP_S: f64 = 10.0;
+/// Amplitude of the creep, rad, and its length, s.
+const CREEP: (f64, f64) = (0.1, 15.0);
+/// How long the knob is held, s.
+const HOLD_S: f64 = 10.0;
+/// Time after which a hold is looked at, s: the hand's torque has risen.
+const SETTLED_S: f64 = 0.5;
+
+/// What is to be verified.
+#[derive(Clone, Debug)]
+pub struct VerifyOptions {
+    /// The model as the control loop is given it: a file or a number.
+    pub model_argument: String,
+    /// The model.
+    pub model: Model,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// Folder for the captures.
+    pub out: PathBuf,
+    /// Further arguments of the control loop: apparatus, calibration, seed, core.
+    pub further_arguments: Vec<String>,
+}
+
+/// Makes the run that the control loop's arguments ask for and keeps its archive at the path.
+pub type Maker<'a> = dyn FnMut(&[String], &Path) -> anyhow::Result<()> + 'a;
+
+/// Captures the rendered knob and compares it with its model.
+///
+/// # Errors
+/// When a run cannot be made, or a capture cannot be read or fitted.
+pub fn verify(options: &VerifyOptions, make: &mut Maker<'_>) -> anyhow::Result<Verification> {
+    let model = &options.model;
+    let mut captures = Vec::new();
+    let mut capture = |name: &str, arguments: &[String]| -> anyhow::Result<LoadedCapture> {
+        let path = options.out.join(format!("{name}.mcap"));
+        let mut all = vec![format!("--render={}", options.model_argument), format!("--rate-hz={}", options.rate_hz)];
+        all.extend(options.further_arguments.iter().chain(arguments).cloned());
+        make(&all, &path).with_context(|| format!("the capture {} could not be made", path.display()))?;
+        captures.push(path.clone());
+        LoadedCapture::load(&path)
+    };
+    let amplitude_rad = driving_speed_rad_s(model).map_or(AMPLITUDE_RAD, |speed_rad_s| {
+        (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(AMPLITUDE_RAD)
+    });
+    let hand = |sweep: &str, amplitude_rad: f64, duration_s: f64| {
+        [
+            format!("--hand={sweep}"),
+            format!("--amplitude={amplitude_rad}"),
+            format!("--grip={GRIP}"),
+            format!("--duration-s={duration_s}"),
+        ]
+    };
+    let train = capture("sweep", &hand("linear-chirp", amplitude_rad, SWEEP_S))?;
+    let heldout = capture("heldout", &hand("stepped-amplitude", amplitude_rad, SWEEP_S))?;
+    let creep = capture("creep", &hand("slow-turn", CREEP.0, CREEP.1))?;
+
+    let fit = fit(&train, model)?;
+    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
+    let parameters = parameters(model, &fit, &thresholds);
+    let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, &fit);
+    let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
+    let held_still = match holding_torque_mnm(model) {
+        Some(torque_mnm) => {
+            let arguments = [format!("--hand-torque={torque_mnm}"), format!("--duration-s={HOLD_S}")];
+            Some(held_still(torque_mnm, &capture("hold", &arguments)?))
+        }
+        None => None,
+    };
+    let mut notes = fit.notes.clone();
+    let added = match added(model, &train, &heldout) {
+        Ok(added) => Some(added),
+        Err(error) => {
+            notes.push(format!("what the rendering adds cannot be told: {error:#}"));
+            None
+        }
+    };
+    let passed = parameters.iter().all(|parameter| parameter.passed != Some(false))
+        && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
+        && held_still.is_none_or(|held| held.encoder_steps < 1.0);
+    Ok(Verification {
+        model: model.name.clone(),
+        rate_hz: options.rate_hz,
+        captures,
+        parameters,
+        torque_error_rms_mnm,
+        torque_rms_mnm,
+        torque_error_percent,
+        held_still,
+        added,
+        notes,
+        passed,
+    })
+}
+
+fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
+    let options = FitOptions {
+        calibration: train.calibration.clone(),
+        further_effects: further_effects(model),
+        ..FitOptions::default()
+    };
+    identification::fit(&train.samples(), &options).context("the rendered knob cannot be fitted")
+}
+
+/// What the rendering does that the model does not say.
+fn added(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Added> {
+    anyhow::ensure!(
+        model.effects.iter().all(|effect| effect.table().is_none()),
+        "the model has a drawn table, which a diagnosis cannot start from"
+    );
+    let options = DiagnoseOptions {
+        calibration: train.calibration.clone(),
+        model: Some(model.clone()),
+        ..DiagnoseOptions::default()
+    };
+    let found = diagnose(&train.samples(), Some(&heldout.samples()), &options)?;
+    Ok(Added {
+        verdict: found.verdict,
+        effects: found.effects.iter().map(ToString::to_string).collect(),
+        heldout_rms_before: found.heldout_rms_before,
+        heldout_rms_after: found.heldout_rms_after,
+        noise_floor_rms: found.noise_floor_rms,
+    })
+}
+
+/// A torque in the middle of what the knob bears at the angle at which it starts; `None` where it bears none.
+fn holding_torque_mnm(model: &Model) -> Option<f64> {
+    let start = Motion::default();
+    let limits = model.stick_limits(&start);
+    let free_mnm = model.free_torque_mnm(&start);
+    let (least_mnm, most_mnm) = (free_mnm - limits.negative_mnm, free_mnm + limits.positive_mnm);
+    // It must begin at rest without a hand, and bear more than noise.
+    (least_mnm < 0.0 && most_mnm > 0.0).then_some(0.5 * most_mnm)
+}
+
+fn held_still(torque_mnm: f64, hold: &LoadedCapture) -> HeldStill {
+    let capture = &hold.capture;
+    let settled = capture.t_s.iter().zip(&capture.angle_rad).filter(|(t_s, _)| **t_s >= SETTLED_S);
+    let (least_rad, most_rad) = settled.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (_, angle_rad)| {
+        (least.min(*angle_rad), most.max(*angle_rad))
+    });
+    let step_rad = hold.calibration.as_ref().map_or(0.0, |known| known.angle_step_rad);
+    HeldStill {
+        torque_mnm,
+        duration_s: capture.t_s.last().map_or(0.0, |last| last - SETTLED_S),
+        encoder_steps: (most_rad - least_rad) / step_rad,
+    }
+}

@@ -1,0 +1,68 @@
+//! A verification in words, for an 80-column terminal.
+
+use comfy_table::{CellAlignment, Table, presets};
+use identification::diagnosis::Verdict;
+
+use super::{Added, LARGEST_TORQUE_ERROR_PERCENT, Verification, Verified};
+
+/// The verification line by line.
+pub fn lines(verification: &Verification) -> Vec<String> {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["parameter", "intended", "rendered", "95 % interval", "off", ""]);
+    for parameter in &verification.parameters {
+        table.add_row(row(parameter));
+    }
+    for column in [1, 2, 4] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let Verification { torque_error_rms_mnm, torque_rms_mnm, torque_error_percent, .. } = verification;
+    let mut lines = vec![table.to_string()];
+    lines.push(format!(
+        "torque   rendered minus intended {torque_error_rms_mnm:.3} of {torque_rms_mnm:.2} mNm RMS, \
+         {torque_error_percent:.2} % (at most {LARGEST_TORQUE_ERROR_PERCENT} %)"
+    ));
+    if let Some(held) = &verification.held_still {
+        lines.push(format!(
+            "held     under {:.1} mNm for {:.1} s: {:.1} steps of the encoder",
+            held.torque_mnm, held.duration_s, held.encoder_steps
+        ));
+    }
+    if let Some(added) = &verification.added {
+        lines.push(format!("added    {}", in_words(added)));
+    }
+    lines.extend(verification.notes.iter().map(|note| format!("- {note}")));
+    let verdict = if verification.passed { "the rendered knob is the model's" } else { "the rendered knob differs" };
+    lines.push(format!("verdict  {verdict}"));
+    lines
+}
+
+fn row(parameter: &Verified) -> [String; 6] {
+    let number = |value: f64| format!("{value:.4}");
+    [
+        parameter.name.to_owned(),
+        number(parameter.intended),
+        parameter.rendered.map_or_else(|| "-".to_owned(), number),
+        parameter.ci95.map_or_else(String::new, |[low, high]| format!("{low:.4} to {high:.4}")),
+        parameter.difference_percent.map_or_else(String::new, |percent| format!("{percent:+.2} %")),
+        match parameter.passed {
+            Some(true) => String::new(),
+            Some(false) => "✗".to_owned(),
+            None => "not told".to_owned(),
+        },
+    ]
+}
+
+fn in_words(added: &Added) -> String {
+    let Added { heldout_rms_before, heldout_rms_after, noise_floor_rms, .. } = added;
+    match added.verdict {
+        Verdict::None => format!("nothing: {heldout_rms_before:.3} mNm are left on other motion, noise {noise_floor_rms:.3}"),
+        Verdict::Effects => format!(
+            "{}: {heldout_rms_before:.3} to {heldout_rms_after:.3} mNm on other motion, noise {noise_floor_rms:.3}",
+            added.effects.join(", ")
+        ),
+        Verdict::OutsideLibrary => format!("something without a name: {heldout_rms_after:.3} mNm are left on other motion, noise {noise_floor_rms:.3}"),
+    }
+}
