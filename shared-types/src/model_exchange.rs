@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn a_model_change_comes_back_from_its_bytes_and_a_cut_one_does_not() {
-        let change = ModelChange { run_id: 5, tick: 1 << 40, monotonic_time_ns: 3, model_toml: "name = \"θ\"\n".into() };
+        let change =
+            ModelChange { run_id: 5, tick: 1 << 40, monotonic_time_ns: 3, model_toml: "name = \"θ\"\n".into() };
         let body = change.cdr_body();
         assert_eq!(ModelChange::from_cdr_body(&body), Some(change));
         for length in 0..body.len() {

@@ -62,9 +62,10 @@ impl ModelExchange {
         while let Ok(Some(request)) = self.server.receive() {
             let answer = self.answer(request.payload(), state);
             let text = serde_json::to_vec(&answer).unwrap_or_default();
-            let sent = request.loan_slice_uninit(text.len()).map_err(|error| format!("{error:?}")).and_then(|place| {
-                place.write_from_slice(&text).send().map_err(|error| format!("{error:?}"))
-            });
+            let sent = request
+                .loan_slice_uninit(text.len())
+                .map_err(|error| format!("{error:?}"))
+                .and_then(|place| place.write_from_slice(&text).send().map_err(|error| format!("{error:?}")));
             if let Err(reason) = sent {
                 tracing::warn!("a model was sent, but the answer could not be ({reason})");
             }
@@ -87,7 +88,8 @@ impl ModelExchange {
         let refused = |reason: String| ModelAnswer::Refused { reason };
         let Some(admission) = &self.admission else {
             return refused(
-                "nothing is rendered: the run is a capture; start a replay with `haptic-camera replay MODEL`".to_owned(),
+                "nothing is rendered: the run is a capture; start a replay with `haptic-camera replay MODEL`"
+                    .to_owned(),
             );
         };
         if request.is_empty() {
@@ -120,12 +122,13 @@ impl ModelExchange {
 
     /// Publishes that the newest model is felt from `tick` on.
     fn publish(&self, tick: u64, monotonic_time_ns: u64) {
-        let change =
-            ModelChange { run_id: self.run_id, tick, monotonic_time_ns, model_toml: self.newest_toml.clone() };
+        let change = ModelChange { run_id: self.run_id, tick, monotonic_time_ns, model_toml: self.newest_toml.clone() };
         let text = serde_json::to_vec(&change).unwrap_or_default();
-        let sent = self.changes.loan_slice_uninit(text.len()).map_err(|error| format!("{error:?}")).and_then(|place| {
-            place.write_from_slice(&text).send().map_err(|error| format!("{error:?}"))
-        });
+        let sent = self
+            .changes
+            .loan_slice_uninit(text.len())
+            .map_err(|error| format!("{error:?}"))
+            .and_then(|place| place.write_from_slice(&text).send().map_err(|error| format!("{error:?}")));
         if let Err(reason) = sent {
             tracing::error!("the model that is felt from tick {tick} on could not be published ({reason})");
         }

@@ -70,8 +70,7 @@ impl LoopModels {
     fn ask(&self, text: &str) -> anyhow::Result<Option<ModelAnswer>> {
         let unasked = |error: String| anyhow::anyhow!(error).context("the control loop could not be asked");
         let place = self.client.loan_slice_uninit(text.len()).map_err(|error| unasked(format!("{error:?}")))?;
-        let pending =
-            place.write_from_slice(text.as_bytes()).send().map_err(|error| unasked(format!("{error:?}")))?;
+        let pending = place.write_from_slice(text.as_bytes()).send().map_err(|error| unasked(format!("{error:?}")))?;
         if pending.number_of_server_connections() == 0 {
             return Ok(None);
         }

@@ -1,0 +1,109 @@
+//! A rendering follows from its recording: fed through again it gives the same torques.
+#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+mod common;
+
+use common::Bench;
+use hal::Measurement;
+use rt_loop::control::Request;
+use rt_loop::control::rendering::RenderedModel;
+use shared_types::wire::WireMessage as _;
+use shared_types::{LoopState, Sample};
+
+/// Ticks at which models are sent: the second while the first still gives way to it.
+const SENT: [u64; 2] = [9_000, 10_000];
+
+/// The models that are changed over to.
+fn models(bench: &Bench) -> [Box<RenderedModel>; 2] {
+    [bench.tuned("detent", 0, 4.0), bench.tuned("friction", 1, 6.0)]
+}
+
+/// What a recorder would have of a rendering with stalls and two changes of its model.
+fn recorded() -> Vec<Sample> {
+    let mut bench = Bench::new();
+    let mut waiting: Vec<_> = SENT.into_iter().zip(models(&bench)).collect();
+    bench.start();
+    let mut samples = Vec::new();
+    let mut tick = 0;
+    while bench.control.state() == LoopState::Running {
+        // A stall now and then, of 2 to 6 ticks.
+        let elapsed_ticks = if samples.len() % 997 == 500 { 2 + samples.len() as u64 % 5 } else { 1 };
+        let measurement = bench.read(elapsed_ticks);
+        if waiting.first().is_some_and(|(sent, _)| tick >= *sent) {
+            bench.control.take_model(waiting.remove(0).1).unwrap();
+        }
+        let output = bench.step(elapsed_ticks, measurement);
+        bench.write(&output);
+        drop(bench.control.retired_model());
+        let sample: Sample = output.sample.unwrap();
+        tick = sample.tick;
+        samples.push(sample);
+    }
+    samples
+}
+
+#[test]
+fn a_recording_fed_through_again_gives_the_same_torques_bit_for_bit() {
+    let recorded = recorded();
+    let felt: Vec<u64> =
+        recorded.iter().filter(|sample| sample.flags & Sample::MODEL_TAKEN != 0).map(|sample| sample.tick).collect();
+    assert!(
+        felt.len() == 2 && felt[0] >= SENT[0] && felt[1] > SENT[1] + 1_000,
+        "both models, one after the other: {felt:?}"
+    );
+    let stalls = recorded.iter().filter(|sample| sample.missed_ticks > 0).count();
+    assert!(stalls > 20, "{stalls} stalls");
+    assert!(recorded.iter().any(|sample| sample.flags & Sample::STUCK != 0), "it sticks at times");
+    assert!(recorded.iter().any(|sample| sample.flags & Sample::STUCK == 0), "and slides");
+
+    let mut again = Bench::new();
+    let mut models = models(&again).into_iter();
+    let measured = |sample: &Sample| Measurement {
+        angle_rad: sample.angle_rad,
+        torque_mnm: sample.torque_mnm,
+        acceleration_rad_s2: sample.acceleration_rad_s2,
+    };
+    again.step(1, measured(&recorded[0]));
+    assert!(again.control.request(Request::Start));
+    for sample in &recorded {
+        if sample.flags & Sample::MODEL_TAKEN != 0 {
+            again.control.take_model(models.next().unwrap()).unwrap();
+        }
+        let output = again.step(u64::from(sample.missed_ticks) + 1, measured(sample));
+        drop(again.control.retired_model());
+        assert_eq!(output.torque_mnm.to_bits(), sample.commanded_torque_mnm.to_bits(), "tick {}", sample.tick);
+        assert_eq!(output.sample.unwrap().wire_bytes(), sample.wire_bytes(), "tick {}", sample.tick);
+    }
+    assert_ne!(again.control.state(), LoopState::Running, "the run ends where it ended");
+}
+
+#[test]
+fn a_model_gives_way_to_the_next_without_a_step_in_torque() {
+    // The same readings with and without the change: what differs is the change alone, without the sensors' noise.
+    let recorded = recorded();
+    let (mut with, mut without) = (Bench::new(), Bench::new());
+    let model = models(&with).into_iter().next().unwrap();
+    let mut model = Some(model);
+    let first_felt = recorded.iter().position(|sample| sample.flags & Sample::MODEL_TAKEN != 0).unwrap();
+    let peak_mnm = recorded.iter().map(|sample| sample.commanded_torque_mnm.abs()).fold(0.0, f64::max);
+    for bench in [&mut with, &mut without] {
+        let Sample { angle_rad, torque_mnm, acceleration_rad_s2, .. } = recorded[0];
+        bench.step(1, Measurement { angle_rad, torque_mnm, acceleration_rad_s2 });
+        assert!(bench.control.request(Request::Start));
+    }
+    let mut differences_mnm = vec![0.0];
+    for (index, sample) in recorded.iter().enumerate().take(first_felt + 50) {
+        if index == first_felt {
+            with.control.take_model(model.take().unwrap()).unwrap();
+        }
+        let Sample { angle_rad, torque_mnm, acceleration_rad_s2, .. } = *sample;
+        let measurement = Measurement { angle_rad, torque_mnm, acceleration_rad_s2 };
+        let elapsed_ticks = u64::from(sample.missed_ticks) + 1;
+        let [one, other] = [&mut with, &mut without].map(|bench| bench.step(elapsed_ticks, measurement).torque_mnm);
+        differences_mnm.push(one - other);
+    }
+    assert_eq!(differences_mnm[first_felt], 0.0, "alike before the change");
+    let largest_mnm = differences_mnm.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    println!("largest step at the change {largest_mnm:.2e} mNm, peak torque {peak_mnm:.1} mNm");
+    assert!(largest_mnm > 0.0 && largest_mnm < 0.02 * peak_mnm, "{largest_mnm} mNm of {peak_mnm} mNm");
+}
