@@ -13,6 +13,11 @@ use shared_types::{LoopState, Sample};
 /// Ticks at which models are sent: the second while the first still gives way to it.
 const SENT: [u64; 2] = [9_000, 10_000];
 
+/// Longer than one model gives way to the next.
+const FADE_TICKS: u64 = 3_000;
+/// Tick at which a knob that slides changes over to another.
+const CHANGED: u64 = 9_000;
+
 /// The models that are changed over to.
 fn models(bench: &Bench) -> [Box<RenderedModel>; 2] {
     [bench.tuned("detent", 0, 4.0), bench.tuned("friction", 1, 6.0)]
@@ -58,11 +63,6 @@ fn a_recording_fed_through_again_gives_the_same_torques_bit_for_bit() {
 
     let mut again = Bench::new();
     let mut models = models(&again).into_iter();
-    let measured = |sample: &Sample| Measurement {
-        angle_rad: sample.angle_rad,
-        torque_mnm: sample.torque_mnm,
-        acceleration_rad_s2: sample.acceleration_rad_s2,
-    };
     again.step(1, measured(&recorded[0]));
     assert!(again.control.request(Request::Start));
     for sample in &recorded {
@@ -79,31 +79,40 @@ fn a_recording_fed_through_again_gives_the_same_torques_bit_for_bit() {
 
 #[test]
 fn a_model_gives_way_to_the_next_without_a_step_in_torque() {
-    // The same readings with and without the change: what differs is the change alone, without the sensors' noise.
-    let recorded = recorded();
+    // Readings without noise or steps, and knobs that never stick: every step is the change's. Beside it the same
+    // without the change.
+    let reading = |tick: u64| Measurement {
+        angle_rad: 0.5 * (std::f64::consts::TAU * tick as f64 / 10_000.0).sin(),
+        ..Measurement::default()
+    };
     let (mut with, mut without) = (Bench::new(), Bench::new());
-    let model = models(&with).into_iter().next().unwrap();
-    let mut model = Some(model);
-    let first_felt = recorded.iter().position(|sample| sample.flags & Sample::MODEL_TAKEN != 0).unwrap();
-    let peak_mnm = recorded.iter().map(|sample| sample.commanded_torque_mnm.abs()).fold(0.0, f64::max);
     for bench in [&mut with, &mut without] {
-        let Sample { angle_rad, torque_mnm, acceleration_rad_s2, .. } = recorded[0];
-        bench.step(1, Measurement { angle_rad, torque_mnm, acceleration_rad_s2 });
+        bench.step(1, reading(0));
         assert!(bench.control.request(Request::Start));
+        let first = bench.sliding(0.05, 0.5, 1.0);
+        bench.control.take_model(first).unwrap();
     }
-    let mut differences_mnm = vec![0.0];
-    for (index, sample) in recorded.iter().enumerate().take(first_felt + 50) {
-        if index == first_felt {
-            with.control.take_model(model.take().unwrap()).unwrap();
+    let (mut largest_mnm, mut peak_mnm, mut before_mnm) = (0.0_f64, 0.0_f64, 0.0);
+    for tick in 0..CHANGED + FADE_TICKS {
+        if tick == CHANGED {
+            let second = with.sliding(0.1, 2.0, 4.0);
+            with.control.take_model(second).unwrap();
         }
-        let Sample { angle_rad, torque_mnm, acceleration_rad_s2, .. } = *sample;
-        let measurement = Measurement { angle_rad, torque_mnm, acceleration_rad_s2 };
-        let elapsed_ticks = u64::from(sample.missed_ticks) + 1;
-        let [one, other] = [&mut with, &mut without].map(|bench| bench.step(elapsed_ticks, measurement).torque_mnm);
-        differences_mnm.push(one - other);
+        let [one_mnm, other_mnm] = [&mut with, &mut without].map(|bench| bench.step(1, reading(tick)).torque_mnm);
+        let difference_mnm = one_mnm - other_mnm;
+        assert!(tick > CHANGED || difference_mnm == 0.0, "alike up to the change");
+        largest_mnm = largest_mnm.max((difference_mnm - before_mnm).abs());
+        peak_mnm = peak_mnm.max(one_mnm.abs());
+        before_mnm = difference_mnm;
     }
-    assert_eq!(differences_mnm[first_felt], 0.0, "alike before the change");
-    let largest_mnm = differences_mnm.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-    println!("largest step at the change {largest_mnm:.2e} mNm, peak torque {peak_mnm:.1} mNm");
+    println!("largest step while one gives way to the other {largest_mnm:.4} mNm, peak torque {peak_mnm:.1} mNm");
     assert!(largest_mnm > 0.0 && largest_mnm < 0.02 * peak_mnm, "{largest_mnm} mNm of {peak_mnm} mNm");
+}
+
+fn measured(sample: &Sample) -> Measurement {
+    Measurement {
+        angle_rad: sample.angle_rad,
+        torque_mnm: sample.torque_mnm,
+        acceleration_rad_s2: sample.acceleration_rad_s2,
+    }
 }

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test uses some of it")]
 
 use clap::Parser as _;
-use dynamics::{Model, knobs};
+use dynamics::{Effect, Model, effects, knobs};
 use hal::{Apparatus, Measurement};
 use rt_loop::admission::Admission;
 use rt_loop::control::rendering::RenderedModel;
@@ -55,6 +55,17 @@ impl Bench {
 
     pub fn write(&mut self, output: &StepOutput) {
         self.apparatus.write_torque(output.torque_mnm).unwrap();
+    }
+
+    /// A knob that never sticks, ready for the renderer.
+    pub fn sliding(&self, inertia: f64, viscous: f64, detent_amplitude_mnm: f64) -> Box<RenderedModel> {
+        let effects = vec![
+            Effect::new(&effects::inertia::KIND, &[inertia]),
+            Effect::new(&effects::friction::KIND, &[0.0, 0.0, viscous, viscous]),
+            Effect::new(&effects::detent::KIND, &[detent_amplitude_mnm, 0.034, 0.0]),
+        ];
+        let model = Model { name: "sliding".to_owned(), description: String::new(), effects };
+        self.admission.admit(&model).unwrap().rendered
     }
 
     /// Knob 3 with another parameter, ready for the renderer.
