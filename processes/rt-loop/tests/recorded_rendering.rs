@@ -106,7 +106,8 @@ fn a_model_gives_way_to_the_next_without_a_step_in_torque() {
         before_mnm = difference_mnm;
     }
     println!("largest step while one gives way to the other {largest_mnm:.4} mNm, peak torque {peak_mnm:.1} mNm");
-    assert!(largest_mnm > 0.0 && largest_mnm < 0.02 * peak_mnm, "{largest_mnm} mNm of {peak_mnm} mNm");
+    // Changed over at once it would be four times as much as this bar.
+    assert!(largest_mnm > 0.0 && largest_mnm < 0.001 * peak_mnm, "{largest_mnm} mNm of {peak_mnm} mNm");
 }
 
 fn measured(sample: &Sample) -> Measurement {
