@@ -330,12 +330,9 @@ pub fn model_server(node: &RigNode) -> Result<ModelServer, ServiceError> {
         .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
 }
 
-fn model_exchange(
-    node: &RigNode,
-) -> Result<
-    iceoryx2::service::port_factory::request_response::PortFactory<ipc::Service, [u8], (), [u8], ()>,
-    ServiceError,
-> {
+type ModelExchange = iceoryx2::service::port_factory::request_response::PortFactory<ipc::Service, [u8], (), [u8], ()>;
+
+fn model_exchange(node: &RigNode) -> Result<ModelExchange, ServiceError> {
     node.service_builder(&service_name(MODEL_EXCHANGE)?)
         .request_response::<[u8], [u8]>()
         .max_servers(1)

@@ -1,5 +1,6 @@
 //! Replays from start to end, with all processes: a model felt, turned while it runs, and recorded.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+#![allow(clippy::print_stdout, reason = "figures for who asks for them")]
 
 use std::process::Output;
 use std::time::{Duration, Instant};

@@ -128,7 +128,9 @@ pub enum PlanError {
     #[error(transparent)]
     Unsafe(#[from] BoundExceeded),
     /// A model that does not fit what is sent to the loop and published.
-    #[error("the model takes {bytes} bytes as TOML, but at most {MODEL_MAX_BYTES} can be rendered; shorten its description")]
+    #[error(
+        "the model takes {bytes} bytes as TOML, but at most {MODEL_MAX_BYTES} can be rendered; shorten its description"
+    )]
     TooLong {
         /// Its length, bytes of TOML.
         bytes: usize,
@@ -260,8 +262,8 @@ impl Plan {
             rate_hz: options.rate_hz,
             planned_ticks,
         };
-        let rendering = options.render.as_deref()
-            .map(|name| make_rendering(name, &rig, options.rate_hz)).transpose()?;
+        let rendering =
+            options.render.as_deref().map(|name| make_rendering(name, &rig, options.rate_hz)).transpose()?;
         Ok(Self {
             apparatus: Box::new(apparatus),
             rig,

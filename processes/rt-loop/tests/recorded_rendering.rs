@@ -1,5 +1,6 @@
 //! A rendering follows from its recording: fed through again it gives the same torques.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+#![allow(clippy::print_stdout, reason = "figures for who asks for them")]
 
 mod common;
 

@@ -40,7 +40,7 @@ mod tests {
         let mut new = old.clone();
         assert_eq!(lines(&old, &new), ["nothing changes: the model is as it was"]);
         new.effects[0].values_mut()[0] = 0.05;
-        assert_eq!(lines(&old, &new), ["  inertia                0.035 → 0.05 mNm s^2/rad"]);
+        assert_eq!(lines(&old, &new), ["  inertia                0.035 → 0.05 mNm s²/rad"]);
         let gone = new.effects.pop().unwrap();
         let told = lines(&old, &new);
         assert!(told[1..].iter().all(|line| line.contains("→ –")) && told.len() == 1 + gone.values().len(), "{told:?}");
