@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use shared_types::{ClockMapping, RunDescription, Sample};
+use shared_types::{ClockMapping, ModelChange, RunDescription, Sample};
 
 use crate::description::attachment;
 use crate::error::ArchiveError;
@@ -41,6 +41,8 @@ pub struct Capture {
     pub commanded_torque_mnm: Option<Vec<f64>>,
     /// Samples that were taken and are not in the archive.
     pub gaps: Vec<Gap>,
+    /// The models that a replay rendered, in the order in which they began to be felt; empty for a capture of a knob.
+    pub models: Vec<ModelChange>,
     /// The run's description; `None` from a table.
     pub description: Option<RunDescription>,
     /// Metadata records of the archive by name.
@@ -175,6 +177,9 @@ impl Capture {
                 if !is_described_by_run(name, &run) {
                     writer.attach(name, media_type(name), content)?;
                 }
+            }
+            for change in &self.models {
+                writer.model(change)?;
             }
             for row in 0..self.len() {
                 if row > 0 && self.tick[row] <= self.tick[row - 1] {

@@ -5,7 +5,7 @@ use std::io::{Seek, Write};
 
 use serde::{Deserialize, Serialize};
 use shared_types::wire::WireMessage;
-use shared_types::{FitUpdate, LoopStatus, ProcessHealth, Sample};
+use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, Sample};
 
 use crate::schema::{FieldLayout, Layout};
 
@@ -17,6 +17,8 @@ pub(crate) const FIT_TOPIC: &str = "/fit";
 pub(crate) const STATUS_TOPIC: &str = "/status";
 /// Topic of the consumers' health.
 pub(crate) const HEALTH_TOPIC: &str = "/health";
+/// Topic of the models that a replay begins to render.
+pub(crate) const MODELS_TOPIC: &str = "/models";
 
 /// Encoding of the schemas: the message definition language of ROS 2.
 const SCHEMA_ENCODING: &str = "ros2msg";
@@ -36,31 +38,43 @@ pub(crate) struct ChannelDefinition {
 
 impl ChannelDefinition {
     fn of<Payload: WireMessage>(topic: &str) -> Self {
+        Self::with_schema(topic, Payload::SCHEMA_NAME, Payload::schema_text())
+    }
+
+    fn with_schema(topic: &str, name: &str, text: String) -> Self {
         Self {
             topic: topic.to_owned(),
             message_encoding: MESSAGE_ENCODING.to_owned(),
             metadata: BTreeMap::new(),
-            schema_name: Payload::SCHEMA_NAME.to_owned(),
+            schema_name: name.to_owned(),
             schema_encoding: SCHEMA_ENCODING.to_owned(),
-            schema_text: Payload::schema_text(),
+            schema_text: text,
         }
     }
 
     /// The channels of a capture that this program writes.
-    pub(crate) fn all() -> [Self; 4] {
+    pub(crate) fn all() -> [Self; 5] {
         [
             Self::of::<Sample>(SAMPLE_TOPIC),
             Self::of::<FitUpdate>(FIT_TOPIC),
             Self::of::<LoopStatus>(STATUS_TOPIC),
             Self::of::<ProcessHealth>(HEALTH_TOPIC),
+            Self::with_schema(MODELS_TOPIC, ModelChange::SCHEMA_NAME, ModelChange::SCHEMA_TEXT.to_owned()),
         ]
     }
 
     /// True for the channel of the samples.
     pub(crate) fn holds_samples(&self) -> bool {
-        self.topic == SAMPLE_TOPIC
-            && self.schema_encoding == SCHEMA_ENCODING
-            && self.message_encoding == MESSAGE_ENCODING
+        self.is_ours(SAMPLE_TOPIC)
+    }
+
+    /// True for the channel of the rendered models.
+    pub(crate) fn holds_models(&self) -> bool {
+        self.is_ours(MODELS_TOPIC)
+    }
+
+    fn is_ours(&self, topic: &str) -> bool {
+        self.topic == topic && self.schema_encoding == SCHEMA_ENCODING && self.message_encoding == MESSAGE_ENCODING
     }
 
     /// The field `seq` and the message's size, on the channel of the samples.

@@ -1,9 +1,10 @@
 //! Captures on disk: written, read, merged and recovered.
 //!
 //! A capture is an [MCAP](https://mcap.dev/spec) file with the profile `ros2`. Its channels are
-//! `/sample`, `/fit`, `/status` and `/health`; each message is a four-byte CDR header and the bytes
-//! of the payload as they lay in shared memory, and each channel carries the `ros2msg` schema that
-//! says what those bytes are. Any ROS 2, Foxglove or rerun tool opens it. Besides the messages a
+//! `/sample`, `/fit`, `/status`, `/health` and, of a replay, `/models`; each message is a four-byte CDR
+//! header and the bytes of the payload as they lay in shared memory (a model, which is text, as CDR
+//! writes it), and each channel carries the `ros2msg` schema that says what those bytes are. Any
+//! ROS 2, Foxglove or rerun tool opens it. Besides the messages a
 //! capture holds
 //!
 //! - the metadata record `capture`: rig, knob, rate, clock, versions and the unit of every column;

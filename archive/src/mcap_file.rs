@@ -1,6 +1,6 @@
 //! Captures from MCAP archives.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -9,7 +9,7 @@ use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
-use shared_types::{LoopState, RunDescription};
+use shared_types::{LoopState, ModelChange, RunDescription};
 
 use crate::capture::Capture;
 use crate::channels::ChannelDefinition;
@@ -56,6 +56,9 @@ struct Content<'a> {
     schemas: HashMap<u16, (String, String)>,
     /// Where the fields of a sample lie, by channel.
     samples: HashMap<u16, SampleFields>,
+    /// Channels of rendered models.
+    model_channels: HashSet<u16>,
+    models: Vec<ModelChange>,
     rows: Rows,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
@@ -68,6 +71,8 @@ impl<'a> Content<'a> {
             path,
             schemas: HashMap::new(),
             samples: HashMap::new(),
+            model_channels: HashSet::new(),
+            models: Vec::new(),
             rows: Rows::default(),
             metadata: BTreeMap::new(),
             attachments: BTreeMap::new(),
@@ -94,6 +99,12 @@ impl<'a> Content<'a> {
                     let Some(()) = self.rows.push(fields, &data) else {
                         return Err(self.damaged("a sample is shorter than its schema says, or not little-endian CDR"));
                     };
+                } else if self.model_channels.contains(&header.channel_id) {
+                    let body = data.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER);
+                    let Some(change) = body.and_then(ModelChange::from_cdr_body) else {
+                        return Err(self.damaged("a rendered model is not as its schema says"));
+                    };
+                    self.models.push(change);
                 }
             }
             Record::Attachment { header, data, .. } => {
@@ -125,12 +136,24 @@ impl<'a> Content<'a> {
             let layout = Layout::parse(&definition.schema_text)
                 .map_err(|error| ArchiveError::Schema { path: self.path.to_owned(), error })?;
             self.samples.insert(channel.id, SampleFields::find(self.path, &layout)?);
+        } else if definition.holds_models() {
+            self.model_channels.insert(channel.id);
         }
         Ok(())
     }
 
     fn into_capture(self) -> Result<Capture, ArchiveError> {
-        let Self { path, schemas: _, samples, rows, metadata, attachments, past_the_messages: _ } = self;
+        let Self {
+            path,
+            schemas: _,
+            samples,
+            model_channels: _,
+            models,
+            rows,
+            metadata,
+            attachments,
+            past_the_messages: _,
+        } = self;
         if samples.is_empty() {
             return Err(ArchiveError::NoSamples { path: path.to_owned() });
         }
@@ -163,6 +186,7 @@ impl<'a> Content<'a> {
             commanded_angle_rad: present(commanded_angle),
             commanded_torque_mnm: present(commanded_torque),
             gaps,
+            models,
             description,
             metadata,
             attachments,

@@ -5,7 +5,7 @@ use std::io::{Seek, Write};
 
 use mcap::records::MessageHeader;
 use shared_types::wire::{CDR_LITTLE_ENDIAN_HEADER, WireMessage};
-use shared_types::{ClockMapping, FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample};
+use shared_types::{ClockMapping, FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
 
 use crate::channels::ChannelDefinition;
 use crate::description;
@@ -53,9 +53,9 @@ pub struct WriteSummary {
 pub struct CaptureWriter<W: Write + Seek> {
     mcap: mcap::Writer<W>,
     clock: ClockMapping,
-    channels: [u16; 4],
+    channels: [u16; 5],
     /// Log time of each channel's newest message, ns.
-    newest_ns: [u64; 4],
+    newest_ns: [u64; 5],
     ledger: SequenceLedger,
     messages: u64,
     body: Vec<u8>,
@@ -82,7 +82,7 @@ impl<W: Write + Seek> CaptureWriter<W> {
     /// [`ArchiveError::Write`] when `output` refuses.
     pub fn with_options(output: W, run: &RunDescription, options: mcap::WriteOptions) -> Result<Self, ArchiveError> {
         let mut mcap = options.create(output).map_err(|error| ArchiveError::write(&error))?;
-        let mut channels = [0; 4];
+        let mut channels = [0; 5];
         let mut definitions = BTreeMap::new();
         for (id, definition) in channels.iter_mut().zip(ChannelDefinition::all()) {
             *id = definition.register(&mut mcap).map_err(|error| ArchiveError::write(&error))?;
@@ -97,7 +97,7 @@ impl<W: Write + Seek> CaptureWriter<W> {
             mcap,
             clock: run.clock,
             channels,
-            newest_ns: [0; 4],
+            newest_ns: [0; 5],
             ledger: SequenceLedger::default(),
             messages: 0,
             body: CDR_LITTLE_ENDIAN_HEADER.to_vec(),
@@ -142,6 +142,14 @@ impl<W: Write + Seek> CaptureWriter<W> {
         self.message(3, 0, health.monotonic_time_ns, health)
     }
 
+    /// Writes a model that begins to be rendered.
+    ///
+    /// # Errors
+    /// [`ArchiveError::Write`]; the writer is dead then.
+    pub fn model(&mut self, change: &ModelChange) -> Result<(), ArchiveError> {
+        self.body_bytes(4, 0, change.monotonic_time_ns, &change.cdr_body())
+    }
+
     fn message<Payload: WireMessage>(
         &mut self,
         channel: usize,
@@ -149,8 +157,18 @@ impl<W: Write + Seek> CaptureWriter<W> {
         monotonic_time_ns: u64,
         payload: &Payload,
     ) -> Result<(), ArchiveError> {
+        self.body_bytes(channel, sequence, monotonic_time_ns, payload.wire_bytes())
+    }
+
+    fn body_bytes(
+        &mut self,
+        channel: usize,
+        sequence: u32,
+        monotonic_time_ns: u64,
+        body: &[u8],
+    ) -> Result<(), ArchiveError> {
         self.body.truncate(CDR_LITTLE_ENDIAN_HEADER.len());
-        self.body.extend_from_slice(payload.wire_bytes());
+        self.body.extend_from_slice(body);
         // Reports of several processes can cross on their way. Within a channel the archive's times never
         // fall, as its readers expect; the message itself keeps its own.
         let time_ns = self.clock.wall_clock(monotonic_time_ns).max(self.newest_ns[channel]);

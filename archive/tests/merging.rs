@@ -4,10 +4,12 @@
 
 mod common;
 
+use std::io::Cursor;
 use std::path::PathBuf;
 
-use archive::{ArchiveError, Capture, Gap, merge};
-use common::{assert_nothing_invented, chunks_of, recording, samples_in};
+use archive::{ArchiveError, Capture, CaptureWriter, Gap, merge};
+use common::{RUN_ID, assert_nothing_invented, chunks_of, recording, sample, samples_in};
+use shared_types::ModelChange;
 use tempfile::TempDir;
 
 fn parts(directory: &TempDir, contents: &[Vec<u8>]) -> Vec<PathBuf> {
@@ -47,6 +49,33 @@ fn reports_that_two_parts_received_come_once() {
     let merged = merge(&parts, &out, None).unwrap();
     // Status, estimate and health each at samples 100 to 400 and 500 to 600.
     assert_eq!(merged.messages, 700 + 3 * 6);
+}
+
+#[test]
+fn rendered_models_come_once_and_in_order_with_the_ticks_from_which_they_are_felt() {
+    let directory = tempfile::tempdir().unwrap();
+    let model = |tick: u64| ModelChange {
+        run_id: RUN_ID,
+        tick,
+        monotonic_time_ns: sample(0).monotonic_time_ns + tick * 100_000,
+        model_toml: format!("name = \"felt from {tick} on, θ\"\n"),
+    };
+    let part = |seqs: std::ops::Range<u64>, ticks: &[u64]| {
+        let mut writer = CaptureWriter::new(Cursor::new(Vec::new()), &common::description()).unwrap();
+        ticks.iter().for_each(|tick| writer.model(&model(*tick)).unwrap());
+        seqs.for_each(|seq| drop(writer.sample(&sample(seq)).unwrap()));
+        writer.finish().unwrap().1.into_inner()
+    };
+    // A recorder that was started again received the first two once more.
+    let parts = parts(&directory, &[part(0..450, &[0, 300]), part(300..900, &[0, 300, 700])]);
+    let out = directory.path().join("run.mcap");
+    merge(&parts, &out, Some(900)).unwrap();
+    let capture = Capture::load(&out).unwrap();
+    assert_eq!(capture.models, [0, 300, 700].map(model));
+    let again = directory.path().join("again.mcap");
+    capture.write_mcap(&again).unwrap();
+    assert_eq!(Capture::load(&again).unwrap().models, capture.models);
+    assert_eq!(Capture::load(&parts[0]).unwrap().models.len(), 2);
 }
 
 #[test]

@@ -7,7 +7,8 @@
 //! - **Services** ([`services`]) name the iceoryx2 services, their queue depths and history, and
 //!   carry each payload's layout as an attribute: a process built from another definition is
 //!   refused with [`ServiceError::OtherLayout`](services::ServiceError) and never reads garbage.
-//! - **[`RunDescription`]** is what a consumer must know about a run besides its samples.
+//! - **[`RunDescription`]** is what a consumer must know about a run besides its samples, and
+//!   **[`ModelChange`]** tells of each model that a replay begins to render.
 //! - **[`rig`]** says where a rig's shared memory and lock live, so that rigs do not meet.
 //!
 //! ```
@@ -26,6 +27,7 @@ mod command;
 mod description;
 mod fit_update;
 mod health;
+mod model_exchange;
 pub mod rig;
 mod sample;
 pub mod services;
@@ -35,6 +37,7 @@ pub use command::{CommandKind, ControlRequest, ControlResponse};
 pub use description::{ClockMapping, RunDescription};
 pub use fit_update::{Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
+pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange};
 pub use sample::{BlockHeader, Fault, LoopState, Sample};
 pub use status::{LATENESS_BIN_EDGES_NS, LoopStatus, realtime};
 

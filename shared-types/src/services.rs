@@ -22,7 +22,9 @@ use iceoryx2::service::attribute::AttributeVerifier;
 use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError};
 
 use crate::wire::WireMessage;
-use crate::{BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, ProcessHealth, Sample, rig};
+use crate::{
+    BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig,
+};
 
 /// Most samples in one block: 1.6 ms at 20 kHz.
 pub const SAMPLES_PER_BLOCK: usize = 32;
@@ -32,6 +34,11 @@ pub const SAMPLE_HISTORY_BLOCKS: usize = 4096;
 pub const SAMPLE_QUEUE_BLOCKS: usize = 8192;
 /// Longest run description, bytes of JSON.
 pub const DESCRIPTION_MAX_BYTES: usize = 64 * 1024;
+/// Longest [`ModelChange`](crate::ModelChange) or [`ModelAnswer`](crate::ModelAnswer), bytes of JSON: a line break or a
+/// quotation mark of the model takes two.
+pub const MODEL_MESSAGE_MAX_BYTES: usize = 2 * MODEL_MAX_BYTES + 1024;
+/// Models kept for a subscriber that comes later; they follow each other by a quarter of a second at least.
+const MODEL_HISTORY: usize = 32;
 /// Consumers that can follow a rig at once.
 const MAX_CONSUMERS: usize = 6;
 /// Processes that can be attached to a rig at once.
@@ -51,6 +58,15 @@ pub type MessageSubscriber<Payload> = Subscriber<ipc::Service, Payload, ()>;
 pub type ControlClient = Client<ipc::Service, ControlRequest, (), ControlResponse, ()>;
 /// Answers for the control loop.
 pub type ControlServer = Server<ipc::Service, ControlRequest, (), ControlResponse, ()>;
+
+/// Sends texts.
+pub type TextPublisher = Publisher<ipc::Service, [u8], ()>;
+/// Receives texts.
+pub type TextSubscriber = Subscriber<ipc::Service, [u8], ()>;
+/// Sends models to the control loop.
+pub type ModelClient = Client<ipc::Service, [u8], (), [u8], ()>;
+/// Takes models for the control loop.
+pub type ModelServer = Server<ipc::Service, [u8], (), [u8], ()>;
 
 /// Why a port could not be had.
 #[derive(Debug, thiserror::Error)]
@@ -102,6 +118,8 @@ pub const PROCESS_HEALTH: Topic<ProcessHealth> = Topic::new("process-health", 1,
 const SAMPLES: &str = "samples";
 const DESCRIPTION: &str = "run-description";
 const CONTROL: &str = "control";
+const MODELS: &str = "models";
+const MODEL_EXCHANGE: &str = "model-exchange";
 
 impl<Payload> Topic<Payload> {
     const fn new(name: &'static str, history: usize, queue: usize, max_publishers: usize) -> Self {
@@ -215,34 +233,113 @@ fn sample_service(
 ///
 /// # Errors
 /// [`ServiceError`] when shared memory is not to be had.
-pub fn description_publisher(node: &RigNode) -> Result<Publisher<ipc::Service, [u8], ()>, ServiceError> {
-    description_service(node)?
-        .publisher_builder()
-        .initial_max_slice_len(DESCRIPTION_MAX_BYTES)
-        .create()
-        .map_err(|error| unavailable(DESCRIPTION, &error))
+pub fn description_publisher(node: &RigNode) -> Result<TextPublisher, ServiceError> {
+    DESCRIPTIONS.publisher(node)
 }
 
 /// A port that receives the run's description as JSON.
 ///
 /// # Errors
 /// [`ServiceError`] when shared memory is not to be had.
-pub fn description_subscriber(node: &RigNode) -> Result<Subscriber<ipc::Service, [u8], ()>, ServiceError> {
-    description_service(node)?.subscriber_builder().create().map_err(|error| unavailable(DESCRIPTION, &error))
+pub fn description_subscriber(node: &RigNode) -> Result<TextSubscriber, ServiceError> {
+    DESCRIPTIONS.subscriber(node)
 }
 
-fn description_service(
-    node: &RigNode,
-) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, [u8], ()>, ServiceError> {
-    node.service_builder(&service_name(DESCRIPTION)?)
-        .publish_subscribe::<[u8]>()
-        .history_size(1)
-        .subscriber_max_buffer_size(2)
-        .max_publishers(1)
-        .max_subscribers(MAX_CONSUMERS)
+/// The port that sends each model that begins to be felt, a [`ModelChange`](crate::ModelChange) as JSON.
+///
+/// # Errors
+/// [`ServiceError`] when shared memory is not to be had.
+pub fn model_publisher(node: &RigNode) -> Result<TextPublisher, ServiceError> {
+    MODEL_CHANGES.publisher(node)
+}
+
+/// A port that receives each model that begins to be felt, those in the history first.
+///
+/// # Errors
+/// [`ServiceError`] when shared memory is not to be had.
+pub fn model_subscriber(node: &RigNode) -> Result<TextSubscriber, ServiceError> {
+    MODEL_CHANGES.subscriber(node)
+}
+
+/// A service that carries texts of one publisher, the newest of them kept for whoever comes later.
+struct TextTopic {
+    name: &'static str,
+    longest_bytes: usize,
+    history: usize,
+    queue: usize,
+}
+
+const DESCRIPTIONS: TextTopic =
+    TextTopic { name: DESCRIPTION, longest_bytes: DESCRIPTION_MAX_BYTES, history: 1, queue: 2 };
+const MODEL_CHANGES: TextTopic =
+    TextTopic { name: MODELS, longest_bytes: MODEL_MESSAGE_MAX_BYTES, history: MODEL_HISTORY, queue: MODEL_HISTORY };
+
+impl TextTopic {
+    fn publisher(&self, node: &RigNode) -> Result<TextPublisher, ServiceError> {
+        self.service(node)?
+            .publisher_builder()
+            .initial_max_slice_len(self.longest_bytes)
+            .create()
+            .map_err(|error| unavailable(self.name, &error))
+    }
+
+    fn subscriber(&self, node: &RigNode) -> Result<TextSubscriber, ServiceError> {
+        self.service(node)?.subscriber_builder().create().map_err(|error| unavailable(self.name, &error))
+    }
+
+    fn service(
+        &self,
+        node: &RigNode,
+    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, [u8], ()>, ServiceError>
+    {
+        node.service_builder(&service_name(self.name)?)
+            .publish_subscribe::<[u8]>()
+            .history_size(self.history)
+            .subscriber_max_buffer_size(self.queue)
+            .max_publishers(1)
+            .max_subscribers(MAX_CONSUMERS)
+            .max_nodes(MAX_NODES)
+            .open_or_create()
+            .map_err(|error| open_error(self.name, 0, error))
+    }
+}
+
+/// The port through which models are sent to the control loop: their TOML, up to
+/// [`MODEL_MAX_BYTES`], or nothing to ask for the present one.
+///
+/// # Errors
+/// [`ServiceError`] when shared memory is not to be had.
+pub fn model_client(node: &RigNode) -> Result<ModelClient, ServiceError> {
+    model_exchange(node)?
+        .client_builder()
+        .initial_max_slice_len(MODEL_MAX_BYTES)
+        .create()
+        .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
+}
+
+/// The port through which the control loop takes models; its answers are a
+/// [`ModelAnswer`](crate::ModelAnswer) as JSON.
+///
+/// # Errors
+/// [`ServiceError`] when shared memory is not to be had.
+pub fn model_server(node: &RigNode) -> Result<ModelServer, ServiceError> {
+    model_exchange(node)?
+        .server_builder()
+        .initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES)
+        .create()
+        .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
+}
+
+type ModelExchange = iceoryx2::service::port_factory::request_response::PortFactory<ipc::Service, [u8], (), [u8], ()>;
+
+fn model_exchange(node: &RigNode) -> Result<ModelExchange, ServiceError> {
+    node.service_builder(&service_name(MODEL_EXCHANGE)?)
+        .request_response::<[u8], [u8]>()
+        .max_servers(1)
+        .max_clients(4)
         .max_nodes(MAX_NODES)
         .open_or_create()
-        .map_err(|error| open_error(DESCRIPTION, 0, error))
+        .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
 }
 
 /// The port through which the control loop is asked.

@@ -27,6 +27,8 @@ wire_message! {
         pub overruns: u64,
         /// Samples lost because the ring to the publisher was full.
         pub dropped_samples: u64,
+        /// Ticks so far in which the passivity guard of a rendering took energy back.
+        pub guarded_ticks: u64,
         /// Longest lateness so far, ns.
         pub max_lateness_ns: u64,
         /// Ticks by lateness: up to 30 ns, 100 ns, 300 ns, 1 us ... 10 ms, and above.
@@ -35,6 +37,8 @@ wire_message! {
         pub rate_hz: f64,
         /// Knob angle of the newest sample, rad.
         pub angle_rad: f64,
+        /// Torque sensor's reading in the newest sample, mNm.
+        pub torque_mnm: f64,
         /// State of the loop: 0 idle, 1 armed, 2 running, 3 stopping, 4 fault.
         pub state: u32,
         /// Cause of the fault, 0 for none.
@@ -47,6 +51,10 @@ wire_message! {
         pub finished: u32,
         /// Process id of the loop.
         pub process_id: u32,
+        /// Flags of the newest sample.
+        pub flags: u32,
+        /// Always 0.
+        pub reserved: u32,
     }
 }
 

@@ -24,6 +24,15 @@ pub enum Command {
     #[command(after_help = "Examples:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures\n  \
         haptic-camera capture --knob 5 --diagnose --budget 5")]
     Capture(CaptureOptions),
+    /// Make the rig feel like a model, and record what the hand does
+    #[command(after_help = "Examples:\n  haptic-camera replay 3\n  \
+        haptic-camera replay composed.toml --hand multisine --duration-s 10\n\n\
+        While it runs, `haptic-camera tune` turns the model's parameters.")]
+    Replay(ReplayOptions),
+    /// Turn a parameter of the model that a running replay renders, or change over to another model
+    #[command(after_help = "Examples:\n  haptic-camera tune detent_amplitude=8 coulomb_positive=5\n  \
+        haptic-camera tune --model 1\n  haptic-camera tune")]
+    Tune(TuneOptions),
     /// Fit a model to a capture, or one model to several captures of the same knob
     #[command(after_help = "Example:\n  haptic-camera fit captures/20261121-101500-knob-3.mcap --report knob-3.html")]
     Fit(FitOptions),
@@ -69,35 +78,19 @@ pub enum Command {
     Doctor,
 }
 
-/// Options of `capture`.
+/// Options of what runs the control loop under supervision.
 #[derive(Clone, Debug, Args)]
-pub struct CaptureOptions {
+pub struct RunOptions {
     /// The rig: `sim` is the simulated one
     #[arg(long, default_value = "sim")]
     pub apparatus: String,
-    /// The knob on the simulated rig: 1 to 5 for the paper's, a model file, or none or locked for the gripper alone
-    #[arg(long, default_value = "3", value_name = "1…5|FILE.toml|none|locked")]
-    pub knob: String,
     /// The rig's calibration, instead of the one that it comes with
     #[arg(long, value_name = "CALIBRATION.toml")]
     pub calibration: Option<PathBuf>,
-    /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
-    /// torque-ramp, tone or hold
-    #[arg(long, default_value = "linear-chirp")]
-    pub sweep: String,
-    /// Command a torque instead of an angle
-    #[arg(long)]
-    pub torque: bool,
-    /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it]
-    #[arg(long, allow_negative_numbers = true)]
-    pub amplitude: Option<f64>,
     /// Samples per second
     #[arg(long, default_value_t = 10_000.0, allow_negative_numbers = true)]
     pub rate_hz: f64,
-    /// Length of the capture, s
-    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
-    pub duration_s: f64,
-    /// Folder for the archive, the model and the report
+    /// Folder for the archive, and for the model and the report that are made of a capture
     #[arg(long, default_value = "captures", value_name = "DIR")]
     pub out: PathBuf,
     /// Seed of the simulated rig's noise
@@ -115,6 +108,49 @@ pub struct CaptureOptions {
     /// Run the simulated rig as fast as the processor goes, without the real-time processes
     #[arg(long)]
     pub offline: bool,
+}
+
+impl RunOptions {
+    /// The control loop's part of them.
+    #[must_use]
+    pub fn loop_arguments(&self) -> Vec<String> {
+        let mut arguments = vec![
+            format!("--apparatus={}", self.apparatus),
+            format!("--rate-hz={}", self.rate_hz),
+            format!("--seed={}", self.seed),
+        ];
+        if let Some(calibration) = &self.calibration {
+            arguments.push(format!("--calibration={}", calibration.display()));
+        }
+        if let Some(core) = self.core {
+            arguments.push(format!("--core={core}"));
+        }
+        arguments
+    }
+}
+
+/// Options of `capture`.
+#[derive(Clone, Debug, Args)]
+pub struct CaptureOptions {
+    /// The knob on the simulated rig: 1 to 5 for the paper's, a model file, or none or locked for the gripper alone
+    #[arg(long, default_value = "3", value_name = "1…5|FILE.toml|none|locked")]
+    pub knob: String,
+    /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
+    /// torque-ramp, tone or hold
+    #[arg(long, default_value = "linear-chirp")]
+    pub sweep: String,
+    /// Command a torque instead of an angle
+    #[arg(long)]
+    pub torque: bool,
+    /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it]
+    #[arg(long, allow_negative_numbers = true)]
+    pub amplitude: Option<f64>,
+    /// Length of the capture, s
+    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
+    pub duration_s: f64,
+    /// Rig, rate, archive and view
+    #[command(flatten)]
+    pub run: RunOptions,
     /// Diagnose what is captured, and run the experiments that tell rivals apart until one name is left.
     ///
     /// The first capture is the sweep asked for, the second another motion that is held out. While effects are tied,
@@ -138,6 +174,50 @@ pub struct CaptureOptions {
     /// Write the diagnosis as a rerun file
     #[arg(long, requires = "diagnose", value_name = "FILE.rrd")]
     pub recording: Option<PathBuf>,
+}
+
+/// Options of `replay`.
+#[derive(Clone, Debug, Args)]
+pub struct ReplayOptions {
+    /// The model to feel like: a model file, or 1 to 5 for the paper's knobs
+    #[arg(value_name = "1…5|MODEL.toml")]
+    pub model: String,
+    /// What the hand on the simulated rig wants: a sweep's name, the angles recorded in a CSV file, or none to let go
+    #[arg(long, default_value = "none", value_name = "SWEEP|FILE.csv|none")]
+    pub hand: String,
+    /// Torque that the hand on the simulated rig applies instead, mNm
+    #[arg(long, allow_negative_numbers = true, value_name = "MNM")]
+    pub hand_torque: Option<f64>,
+    /// Times by which the hand on the simulated rig is stiffer and more damped than a usual pinch grip
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, value_name = "FACTOR")]
+    pub grip: f64,
+    /// Largest angle to which the hand's sweep goes, rad [default: as the sweep has it]
+    #[arg(long, allow_negative_numbers = true)]
+    pub amplitude: Option<f64>,
+    /// Length, s [default: until Ctrl-C, a day at most; offline 10]
+    #[arg(long, allow_negative_numbers = true)]
+    pub duration_s: Option<f64>,
+    /// Prove the rendering: a hand takes the rendered knob through the capture's sweeps, and what is captured is fitted,
+    /// diagnosed and compared with the model, parameter by parameter
+    #[arg(long, conflicts_with_all = ["hand", "hand_torque", "grip", "amplitude", "duration_s"])]
+    pub verify: bool,
+    /// Write the comparison as JSON; `-` for standard output
+    #[arg(long, requires = "verify", value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Rig, rate, archive and view
+    #[command(flatten)]
+    pub run: RunOptions,
+}
+
+/// Options of `tune`.
+#[derive(Clone, Debug, Args)]
+pub struct TuneOptions {
+    /// Change over to this model: a model file, or 1 to 5 for the paper's knobs
+    #[arg(long, value_name = "1…5|MODEL.toml")]
+    pub model: Option<String>,
+    /// Parameters to set, by their names in a model file; with neither these nor a model, the present model is told
+    #[arg(value_name = "NAME=VALUE")]
+    pub settings: Vec<Assignment<f64>>,
 }
 
 /// Options of `fit`.

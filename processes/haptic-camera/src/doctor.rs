@@ -7,8 +7,8 @@ use nix::sys::resource::{Resource, getrlimit};
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::rig;
 
-use crate::capture::program_path;
 use crate::outcome::{Outcome, say};
+use crate::supervision::program_path;
 
 /// The programs that a capture starts.
 const PROGRAMS: [&str; 4] = ["rt-loop", "recorder", "live-fitter", "rerun-viewer"];

@@ -19,9 +19,12 @@ mod parameter_table;
 mod recording;
 mod recover;
 mod repeatability;
+mod replay;
 mod rig_run;
 mod rig_test;
 mod simulate;
+mod supervision;
+mod tune;
 mod verify;
 mod view;
 
@@ -39,6 +42,8 @@ fn main() -> ExitCode {
         .init();
     let result = match CommandLine::parse().command {
         Command::Capture(options) => capture::run(&options),
+        Command::Replay(options) => replay::run(&options),
+        Command::Tune(options) => tune::run(&options),
         Command::Fit(options) => fit::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),

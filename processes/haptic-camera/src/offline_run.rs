@@ -4,22 +4,28 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context as _;
-use archive::Capture;
+use archive::{CaptureWriter, whole_file};
 use clap::Parser as _;
 use rt_loop::control::{ControlState, Reading, Request};
 use rt_loop::plan::{Options, Plan};
-use shared_types::{Fault, LoopState, Sample};
+use shared_types::{Fault, LoopState, ModelChange, RunDescription, Sample};
+
+use crate::outcome::remark;
 
 /// Time for which the rig is armed before the run begins, s.
 const ARMED_S: f64 = 0.3;
 
 /// How an offline run went.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct OfflineRun {
     /// Samples that were taken.
     pub samples: usize,
     /// Why it ended early, if a limit was passed.
     pub fault: Option<Fault>,
+    /// Name of the model that was rendered, if any.
+    pub rendered: Option<String>,
+    /// Ticks in which the guard of a rendering took energy back.
+    pub guarded_ticks: u64,
 }
 
 /// Makes the run that the control loop's `arguments` ask for, and keeps its archive at `path`.
@@ -30,21 +36,40 @@ pub struct OfflineRun {
 /// What keeps the run from being made, and an archive that cannot be written.
 pub fn archive(arguments: &[String], path: &Path, stop: &AtomicBool) -> anyhow::Result<OfflineRun> {
     let plan = Plan::new(&Options::try_parse_from([&["rt-loop".to_owned()], arguments].concat())?)?;
-    let rate_hz = plan.control.rate_hz;
     let mut description = plan.description()?;
     description.notes.push(("time".to_owned(), "offline: the plant's, not a clock's".to_owned()));
+    let rendered = plan.rendering.as_ref().map(|rendering| rendering.model.name.clone());
+    plan.rendering.iter().flat_map(|rendering| &rendering.remarks).for_each(remark);
     let (samples, fault) = samples_of(plan, stop)?;
-    let column = |of: fn(&Sample) -> f64| samples.iter().map(of).collect::<Vec<f64>>();
-    let capture = Capture {
-        velocity_rad_s: Some(column(|sample| sample.velocity_rad_s)),
-        acceleration_rad_s2: Some(column(|sample| sample.acceleration_rad_s2)),
-        commanded_angle_rad: Some(column(|sample| sample.commanded_angle_rad)),
-        commanded_torque_mnm: Some(column(|sample| sample.commanded_torque_mnm)),
-        description: Some(description),
-        ..Capture::from_columns(rate_hz, column(|sample| sample.angle_rad), column(|sample| sample.torque_mnm))
-    };
-    capture.write_mcap(path)?;
-    Ok(OfflineRun { samples: samples.len(), fault })
+    whole_file::write_whole(path, |place| {
+        let mut writer = CaptureWriter::new(place, &description)?;
+        if let Some(model) = first_model(&description) {
+            writer.model(&model)?;
+        }
+        for sample in &samples {
+            writer.sample(&dated(sample, &description))?;
+        }
+        writer.finish().map(drop)
+    })?;
+    let guarded_ticks = samples.iter().filter(|sample| sample.flags & Sample::GUARDED != 0).count() as u64;
+    Ok(OfflineRun { samples: samples.len(), fault, rendered, guarded_ticks })
+}
+
+/// The model with which a rendering begins.
+fn first_model(run: &RunDescription) -> Option<ModelChange> {
+    let model_toml = run.rendered_model_toml.clone()?;
+    Some(ModelChange { run_id: run.run_id, tick: 0, monotonic_time_ns: run.clock.monotonic_time_ns, model_toml })
+}
+
+/// The sample with the time that its tick would have had.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a run's nanoseconds are positive and fit 64 bits"
+)]
+fn dated(sample: &Sample, run: &RunDescription) -> Sample {
+    let since_start_ns = (sample.time_s(run.rate_hz) * 1e9).round() as u64;
+    Sample { monotonic_time_ns: run.clock.monotonic_time_ns.saturating_add(since_start_ns), ..*sample }
 }
 
 /// Every sample of a run, tick by tick.

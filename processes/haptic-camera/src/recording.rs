@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use identification::diagnosis::{Diagnosis, Row};
 use serde::Serialize;
 
-use crate::capture::program_path;
+use crate::supervision::program_path;
 
 /// What the viewer's program reads.
 #[derive(Serialize)]

@@ -2,9 +2,9 @@
 
 use anyhow::Context as _;
 
-use crate::capture::program_path;
 use crate::command_line::ViewOptions;
 use crate::outcome::Outcome;
+use crate::supervision::program_path;
 
 /// Runs the viewer until the operator ends it.
 ///

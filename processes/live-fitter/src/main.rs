@@ -48,6 +48,11 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
     let mut streams = Streams::attach(arguments.restarts)?;
     let Some(run) = streams.wait_for_run(&stop, POLL_INTERVAL)? else { return Ok(()) };
     let calibration = Calibration::from_toml(&run.calibration_toml)?;
+    // On a rig that renders a hand drives, and the sensor reads what the knob gives instead of what it takes.
+    let (calibration, sign) = match run.rendered_model_toml {
+        Some(_) => (calibration.seen_from_the_hand(), -1.0),
+        None => (calibration, 1.0),
+    };
     let mut fit = LiveFit::new(run.rate_hz, Some(&calibration));
     let mut cadence = Cadence::new();
     while !stop.is_asked() {
@@ -55,7 +60,7 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
             fit.push(&LiveSample {
                 time_s: sample.time_s(run.rate_hz),
                 angle_rad: sample.angle_rad,
-                torque_mnm: sample.torque_mnm,
+                torque_mnm: sign * sample.torque_mnm,
             });
         })?;
         if cadence.is_due(streams.newest()) {

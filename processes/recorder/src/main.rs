@@ -1,8 +1,8 @@
 //! The recorder: writes everything that a run publishes into one MCAP archive.
 //!
 //! **Reads** the samples (those of the last seconds first), the run's description, the control
-//! loop's status, the live fitter's estimates and every consumer's health. **Publishes** its own
-//! health twice a second.
+//! loop's status, the models that a replay renders, the live fitter's estimates and every consumer's
+//! health. **Publishes** its own health twice a second.
 //!
 //! **When it dies**, even by SIGKILL, the control loop does not notice, and what was written up to
 //! half a second before is on the disk. Restarted with the same `--out` it goes on in a new part,

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use archive::SequenceLedger;
 use archive::whole_file::put_in_place;
-use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample};
+use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
 
 use crate::part::Part;
 use crate::parts;
@@ -21,6 +21,7 @@ pub(crate) enum Entry {
     Status(Box<LoopStatus>),
     Fit(Box<FitUpdate>),
     Health(ProcessHealth),
+    Model(Box<ModelChange>),
 }
 
 /// Writes the parts of one archive.
@@ -206,6 +207,7 @@ fn write_entry(part: &mut Part, entry: &Entry) -> anyhow::Result<()> {
         Entry::Status(status) => part.writer.status(status),
         Entry::Fit(update) => part.writer.fit(update),
         Entry::Health(health) => part.writer.health(health),
+        Entry::Model(change) => part.writer.model(change),
     };
     written.with_context(|| part.path.display().to_string())
 }

@@ -6,8 +6,9 @@ use anyhow::Context as _;
 use consumer::{Health, Stop};
 use shared_types::services::{
     self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, MessageSubscriber, PROCESS_HEALTH, RigNode, SampleSubscriber,
+    TextSubscriber,
 };
-use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, RunDescription, rig};
+use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig};
 
 use crate::ending::Ending;
 use crate::recording::{Entry, Recording};
@@ -19,6 +20,7 @@ pub(crate) struct Streams {
     status: MessageSubscriber<LoopStatus>,
     fits: MessageSubscriber<FitUpdate>,
     healths: MessageSubscriber<ProcessHealth>,
+    models: TextSubscriber,
     own_health: MessagePublisher<ProcessHealth>,
     health: Health,
 }
@@ -32,6 +34,7 @@ impl Streams {
             status: LOOP_STATUS.subscriber(&node)?,
             fits: FIT_UPDATES.subscriber(&node)?,
             healths: PROCESS_HEALTH.subscriber(&node)?,
+            models: services::model_subscriber(&node)?,
             own_health: PROCESS_HEALTH.publisher(&node)?,
             health: Health::new(ProcessKind::Recorder, restarts),
             node,
@@ -78,6 +81,13 @@ impl Streams {
         }
         while let Some(health) = self.healths.receive().context("health reports cannot be received")? {
             recording.write(Entry::Health(*health.payload()))?;
+        }
+        while let Some(json) = self.models.receive().context("rendered models cannot be received")? {
+            let change: ModelChange = serde_json::from_slice(json.payload())
+                .context("a rendered model is not understood; use the programs of one build together")?;
+            if change.run_id == recording.run_id() {
+                recording.write(Entry::Model(Box::new(change)))?;
+            }
         }
         recording.flush_if_due()?;
         self.report_health(recording.lost_samples())

@@ -4,18 +4,22 @@
 //! memory locked. Between two ticks it allocates nothing, locks nothing, logs nothing and makes no
 //! system call but its sleep; it never touches iceoryx2, whose `send` opens shared memory when a
 //! subscriber comes or goes. It hands samples to the publisher thread through a wait-free ring and
-//! takes commands from it through another.
+//! takes commands from it through another. A model to be rendered comes boxed through a third, and
+//! goes back through a fourth to be freed.
 //!
 //! - [`control`]: the control step, a pure function of state, measurement and tick.
 //! - [`realtime`]: permission, clock and the loop itself.
-//! - [`publisher`]: the other thread; ring to shared memory, status, commands.
+//! - [`publisher`]: the other thread; ring to shared memory, status, commands, models.
+//! - [`admission`]: what a model must pass before it is rendered.
 //! - [`stability`]: what can be rendered on a rig without shaking.
 //! - [`plan`]: what the process was asked to do, checked against the rig.
 //!
-//! It reads nothing but control requests, publishes samples, status and the run's description, and
-//! when it dies the amplifier's watchdog takes the torque away; consumers see the stream end.
+//! It reads nothing but control requests and models, publishes samples, status, the run's description
+//! and each model that begins to be felt, and when it dies the amplifier's watchdog takes the torque away; consumers see the stream end.
 
+pub mod admission;
 pub mod control;
+mod model_exchange;
 pub mod plan;
 pub mod publisher;
 pub mod realtime;

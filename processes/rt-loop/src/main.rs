@@ -38,11 +38,14 @@ fn run(options: &Options) -> anyhow::Result<()> {
     let _lock = RigLock::take()?;
     let control =
         ControlState::new(plan.control, &plan.rig.calibration).context("the rate is too low for the filters")?;
-    let control = match &plan.rendering {
-        Some(rendering) => control.with_renderer(rendering.renderer.clone()),
-        None => control,
-    };
     let description = plan.description()?;
+    let (control, admission) = match plan.rendering {
+        Some(rendering) => {
+            rendering.remarks.iter().for_each(remark);
+            (control.with_renderer(rendering.renderer), Some(rendering.admission))
+        }
+        None => (control, None),
+    };
     let (tick_loop, port) = TickLoop::new(plan.apparatus, control, plan.control.rate_hz);
     let shared = Arc::clone(&port.shared);
     let (tell_permission, permission) = mpsc::channel();
@@ -63,12 +66,18 @@ fn run(options: &Options) -> anyhow::Result<()> {
         tracing::warn!("running without {refused}: ticks may be late, and the capture says so");
     }
     let description = RunDescription { realtime: permission.granted, ..description };
-    let mut publisher = StreamPublisher::new(port, &description, permission.core)?;
+    let mut publisher = StreamPublisher::new(port, &description, permission.core, admission)?;
     start.send(()).context("the real-time thread ended before it began")?;
     publisher.serve(&stop_signal, || !real_time.is_finished());
     shared.quit();
     let outcome = real_time.join().map_err(|_| anyhow::anyhow!("the real-time thread panicked"))?;
     Ok(outcome?)
+}
+
+/// Tells the operator what will be otherwise than asked.
+#[allow(clippy::print_stderr, reason = "the one place where this process tells a remark")]
+fn remark(sentence: &String) {
+    eprintln!("{sentence}");
 }
 
 /// Set by SIGINT, SIGTERM and the death of the parent process.

@@ -9,11 +9,12 @@ use dynamics::{Calibration, Drive, Excitation, Model, ModelError, knobs};
 use hal::simulated::{Grip, Hand, Intention, RigParameters, SimulatedRig};
 use hal::{Apparatus, RigDescription};
 use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
-use shared_types::{ClockMapping, RunDescription};
+use shared_types::{ClockMapping, MODEL_MAX_BYTES, RunDescription};
 
-use crate::control::rendering::{self, RenderGains, RenderedModel, Renderer, Unrenderable};
+use crate::admission::{Admission, Admitted};
+use crate::control::rendering::{self, RenderGains, Renderer, Unrenderable};
 use crate::control::{ControlPlan, ServoGains};
-use crate::stability::{BoundExceeded, Bounds};
+use crate::stability::BoundExceeded;
 
 /// Slowest rate at which the servo's velocity filter still does its work, Hz.
 const SLOWEST_RATE_HZ: f64 = 2_000.0;
@@ -126,6 +127,14 @@ pub enum PlanError {
     /// A model that this rig cannot render.
     #[error(transparent)]
     Unsafe(#[from] BoundExceeded),
+    /// A model that does not fit what is sent to the loop and published.
+    #[error(
+        "the model takes {bytes} bytes as TOML, but at most {MODEL_MAX_BYTES} can be rendered; shorten its description"
+    )]
+    TooLong {
+        /// Its length, bytes of TOML.
+        bytes: usize,
+    },
     /// A rig whose own friction is not known.
     #[error(
         "the calibration has no motor_friction, so that the rig's own friction would be felt with the model's; run \
@@ -153,6 +162,8 @@ pub struct Rendering {
     pub renderer: Renderer,
     /// What was changed or left out so that it can be rendered, in sentences.
     pub remarks: Vec<String>,
+    /// What further models must pass.
+    pub admission: Admission,
 }
 
 /// A run ready to be done.
@@ -179,6 +190,8 @@ impl Plan {
     /// # Errors
     /// When the excitation has no TOML form.
     pub fn description(&self) -> Result<RunDescription, toml::ser::Error> {
+        let remarks = self.rendering.iter().flat_map(|rendering| &rendering.remarks);
+        let remarks = remarks.map(|remark| ("rendering".to_owned(), remark.clone()));
         Ok(RunDescription {
             run_id: wall_clock_time_ns() ^ (u64::from(std::process::id()) << 32),
             software_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -192,7 +205,7 @@ impl Plan {
             calibration_toml: self.rig.calibration.to_toml(),
             simulated_knob_toml: Some(self.simulated_knob.to_toml()),
             rendered_model_toml: self.rendering.as_ref().map(|rendering| rendering.model.to_toml()),
-            notes: self.rig.notes.clone(),
+            notes: self.rig.notes.iter().cloned().chain(remarks).collect(),
         })
     }
 
@@ -249,8 +262,8 @@ impl Plan {
             rate_hz: options.rate_hz,
             planned_ticks,
         };
-        let rendering = options.render.as_deref()
-            .map(|name| make_rendering(name, &rig, options.rate_hz)).transpose()?;
+        let rendering =
+            options.render.as_deref().map(|name| make_rendering(name, &rig, options.rate_hz)).transpose()?;
         Ok(Self {
             apparatus: Box::new(apparatus),
             rig,
@@ -310,11 +323,11 @@ fn make_rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rend
         fastest: rig.limits.rate_hz,
     };
     let gains = RenderGains::at_rate(rate_hz).ok_or_else(too_slow)?;
-    let rendered = RenderedModel::new(&model, &rig.calibration)?;
-    let remarks = Bounds::of(&gains, &rig.calibration, &rig.limits, rate_hz).check(&model)?;
+    let admission = Admission::new(&gains, &rig.calibration, &rig.limits, rate_hz);
+    let Admitted { rendered, remarks } = admission.admit(&model)?;
     let renderer =
-        Renderer::new(Box::new(rendered), gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
-    Ok(Rendering { model, renderer, remarks })
+        Renderer::new(rendered, gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
+    Ok(Rendering { model, renderer, remarks, admission })
 }
 
 /// Time after which the hand begins to move, s: the run begins some tenths of a second after the amplifier was switched on.

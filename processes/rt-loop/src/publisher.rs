@@ -1,20 +1,25 @@
-//! The publisher thread: ring to shared memory, status, commands.
+//! The publisher thread: ring to shared memory, status, commands, models.
 //!
 //! Runs on any core but the loop's, at ordinary priority. If it stalls, the ring holds four
 //! seconds; nothing it does can hold up the loop.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use iceoryx2::port::update_connections::UpdateConnections as _;
+use rtrb::{Consumer, Producer};
 use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
 use shared_types::services::{
     self, ControlServer, LOOP_STATUS, MessagePublisher, RigNode, SAMPLES_PER_BLOCK, SamplePublisher, ServiceError,
+    TextPublisher,
 };
 use shared_types::{CommandKind, ControlResponse, LoopState, LoopStatus, RunDescription, Sample};
 
+use crate::admission::Admission;
 use crate::control::Request;
-use crate::realtime::LoopPort;
+use crate::model_exchange::ModelExchange;
+use crate::realtime::{LoopPort, SharedState};
 
 /// Pause between two looks at the ring.
 const CYCLE: Duration = Duration::from_millis(1);
@@ -36,9 +41,12 @@ pub enum PublisherError {
 pub struct StreamPublisher {
     samples: SamplePublisher,
     status: MessagePublisher<LoopStatus>,
-    description: iceoryx2::port::publisher::Publisher<iceoryx2::prelude::ipc::Service, [u8], ()>,
+    description: TextPublisher,
     control: ControlServer,
-    port: LoopPort,
+    models: ModelExchange,
+    incoming: Consumer<Sample>,
+    requests: Producer<Request>,
+    shared: Arc<SharedState>,
     current: LoopStatus,
     has_run: bool,
     shutdown: bool,
@@ -47,18 +55,28 @@ pub struct StreamPublisher {
 }
 
 impl StreamPublisher {
-    /// Opens the services and publishes the run's description.
+    /// Opens the services and publishes the run's description. Models that are sent must pass `admission`, where one
+    /// is rendered.
     ///
     /// # Errors
     /// [`PublisherError`] when shared memory is not to be had.
-    pub fn new(port: LoopPort, description: &RunDescription, core: u32) -> Result<Self, PublisherError> {
+    pub fn new(
+        port: LoopPort,
+        description: &RunDescription,
+        core: u32,
+        admission: Option<Admission>,
+    ) -> Result<Self, PublisherError> {
         let node = services::attach("rt-loop")?;
+        let LoopPort { samples, requests, models, shared } = port;
         let publisher = Self {
             samples: services::sample_publisher(&node)?,
             status: LOOP_STATUS.publisher(&node)?,
             description: services::description_publisher(&node)?,
             control: services::control_server(&node)?,
-            port,
+            models: ModelExchange::open(&node, models, description, admission)?,
+            incoming: samples,
+            requests,
+            shared,
             current: LoopStatus {
                 run_id: description.run_id,
                 planned_ticks: description.planned_ticks,
@@ -90,8 +108,9 @@ impl StreamPublisher {
         let mut next_status_ns = 0;
         let mut shown = LoopState::Idle;
         loop {
-            let state = self.port.shared.state();
+            let state = self.shared.state();
             self.publish_samples();
+            self.models.serve(state);
             self.answer_requests();
             if stop_signal.load(Ordering::Acquire) && !self.shutdown {
                 self.begin_shutdown();
@@ -108,6 +127,7 @@ impl StreamPublisher {
                 shown = state;
             }
             if (self.shutdown && at_rest) || !alive() {
+                self.models.close();
                 return;
             }
             std::thread::sleep(CYCLE);
@@ -116,7 +136,7 @@ impl StreamPublisher {
 
     fn publish_samples(&mut self) {
         loop {
-            let waiting = self.port.samples.slots().min(SAMPLES_PER_BLOCK);
+            let waiting = self.incoming.slots().min(SAMPLES_PER_BLOCK);
             if waiting == 0 {
                 return;
             }
@@ -126,7 +146,7 @@ impl StreamPublisher {
             };
             block.user_header_mut().run_id = self.current.run_id;
             let block = block.write_from_fn(|_| {
-                let sample = self.port.samples.pop().unwrap_or_default();
+                let sample = self.incoming.pop().unwrap_or_default();
                 count(&mut self.current, &sample);
                 sample
             });
@@ -138,7 +158,7 @@ impl StreamPublisher {
 
     fn answer_requests(&mut self) {
         while let Ok(Some(request)) = self.control.receive() {
-            let state = self.port.shared.state();
+            let state = self.shared.state();
             let accepted = match CommandKind::from_code(request.kind) {
                 Some(CommandKind::Query) => true,
                 Some(CommandKind::Start) => state == LoopState::Armed && self.ask(Request::Start),
@@ -164,21 +184,22 @@ impl StreamPublisher {
     }
 
     fn ask(&mut self, request: Request) -> bool {
-        self.port.requests.push(request).is_ok()
+        self.requests.push(request).is_ok()
     }
 
     fn publish_status(&mut self, state: LoopState, now_ns: u64) {
         self.current.monotonic_time_ns = now_ns;
         self.current.wall_clock_time_ns = wall_clock_time_ns();
         self.current.state = state.code();
-        self.current.fault = self.port.shared.fault_code();
-        self.current.angle_rad = self.port.shared.angle_rad();
+        self.current.fault = self.shared.fault_code();
+        self.current.angle_rad = self.shared.angle_rad();
         if let Err(error) = self.status.send_copy(self.current) {
             tracing::warn!("the status could not be sent ({error:?})");
         }
         // Consumers that come between two messages get the history now.
         let _ = self.description.update_connections();
         let _ = self.samples.update_connections();
+        self.models.greet();
     }
 }
 
@@ -188,6 +209,8 @@ fn count(status: &mut LoopStatus, sample: &Sample) {
     status.missed_ticks += u64::from(sample.missed_ticks);
     status.overruns += u64::from(sample.missed_ticks > 0);
     status.dropped_samples += u64::from(sample.dropped_samples);
+    status.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
+    (status.torque_mnm, status.flags) = (sample.torque_mnm, sample.flags);
     // After a stall the loop came this much too late for the first tick that it missed.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a period is a small, positive number")]
     let stall_ns = u64::from(sample.missed_ticks) * (1e9 / status.rate_hz) as u64;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::{RunEnd, fault_words};
 use crate::fit;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
+use crate::supervision::RunEnd;
 
 /// Tells how the run went, fits the archive and writes model and report beside it.
 ///
@@ -35,13 +35,8 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> 
 /// # Errors
 /// When the archive cannot be read.
 pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(LoadedCapture, Outcome)>> {
-    tell_run(end);
-    if !archive.exists() {
-        remark(format!(
-            "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
-             `haptic-camera recover`",
-            archive.display()
-        ));
+    end.tell();
+    if !end.left_archive(archive) {
         return Ok(None);
     }
     let loaded = LoadedCapture::load(archive)?;
@@ -50,39 +45,6 @@ pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(
     if missing > 0 {
         remark(format!("{missing} samples are missing in the archive; it says where"));
     }
-    let outcome = if end.loop_died || fault_words(&end.status).is_some() {
-        Outcome::Failed
-    } else if missing > 0 || end.recorder_exit == Some(3) {
-        Outcome::DataLost
-    } else {
-        Outcome::Done
-    };
+    let outcome = end.outcome(missing);
     Ok(Some((loaded, outcome)))
-}
-
-fn tell_run(end: &RunEnd) {
-    let status = &end.status;
-    if let Some(fault) = fault_words(status) {
-        remark(format!("the run ended in a fault after {} samples: {fault}", status.published_samples));
-    } else if end.interrupted {
-        say(format!("stopped by the operator after {} samples", status.published_samples));
-    }
-    say(format!(
-        "samples  {} taken, {} ticks missed in {} stalls, longest lateness {:.3} ms",
-        status.published_samples,
-        status.missed_ticks,
-        status.overruns,
-        ns_to_ms(status.max_lateness_ns)
-    ));
-    if status.dropped_samples > 0 {
-        remark(format!("{} samples were lost before they could be published", status.dropped_samples));
-    }
-    for (kind, restarts) in end.restarts.iter().filter(|(_, restarts)| *restarts > 0) {
-        say(format!("{} died and was restarted {restarts} times", kind.name()));
-    }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "for display")]
-fn ns_to_ms(nanoseconds: u64) -> f64 {
-    nanoseconds as f64 / 1e6
 }

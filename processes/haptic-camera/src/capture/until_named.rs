@@ -10,8 +10,8 @@ use report::DiagnosisPage;
 
 use super::evidence::diagnosed;
 use super::next::{Experiment, Next, next};
-use super::{archive_path, finish, take};
-use crate::command_line::CaptureOptions;
+use super::{finish, supervised};
+use crate::command_line::{CaptureOptions, RunOptions};
 use crate::diagnosis_text;
 use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
@@ -121,13 +121,13 @@ fn one_more(
         sweep: experiment.sweep.clone(),
         amplitude: experiment.amplitude_rad,
         // Another run has other noise.
-        seed: options.seed.wrapping_add(index as u64),
+        run: RunOptions { seed: options.run.seed.wrapping_add(index as u64), ..options.run.clone() },
         ..options.clone()
     };
-    let path = archive_path(&options)?;
-    let Some(end) = take(&options, &path, interrupted)? else { return Ok(None) };
-    let read = finish::read_back(&path, &end)?;
-    Ok(read.map(|(loaded, outcome)| (Taken { experiment, loaded, path }, outcome)))
+    let run = supervised(&options)?;
+    let Some(end) = run.take(interrupted)? else { return Ok(None) };
+    let read = finish::read_back(&run.archive, &end)?;
+    Ok(read.map(|(loaded, outcome)| (Taken { experiment, loaded, path: run.archive }, outcome)))
 }
 
 fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {

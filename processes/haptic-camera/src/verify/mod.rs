@@ -1,17 +1,22 @@
 //! The proof of a rendering: the rendered knob captured like any other, fitted, diagnosed and compared with its model.
 
+mod captures;
 mod compare;
-mod run;
 mod table;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
+use anyhow::Context as _;
+use dynamics::{Model, knobs};
 use identification::diagnosis::Verdict;
 use serde::Serialize;
 
-pub use compare::Verified;
-pub use run::{Maker, VerifyOptions, verify};
-pub use table::lines;
+use crate::command_line::{ReplayOptions, RunOptions};
+use crate::fit::{to_output, write_json};
+use crate::outcome::{Outcome, say};
+use crate::supervision::{Shown, SupervisedRun, archive_path};
+use compare::Verified;
 
 /// Largest difference of a parameter that passes if its interval does not hold the intended value, %.
 pub const LARGEST_DIFFERENCE_PERCENT: f64 = 2.0;
@@ -72,4 +77,44 @@ pub struct Added {
     pub heldout_rms_after: f64,
     /// What the sensors' noise alone would leave, mNm.
     pub noise_floor_rms: f64,
+}
+
+/// Verifies a rendering and tells the result; failed if the rendered knob is not the model's.
+///
+/// # Errors
+/// What keeps a capture from being made, read or fitted.
+pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
+    let model = match options.model.parse::<u32>() {
+        Ok(number) => knobs::paper_knob(number)?,
+        Err(_) => Model::load(Path::new(&options.model))?,
+    };
+    let folder = archive_path(&options.run.out, &options.model, "verify-")?.with_extension("");
+    std::fs::create_dir_all(&folder)
+        .with_context(|| format!("the folder {} cannot be made; choose another with --out", folder.display()))?;
+    // Nobody watches four captures in a row.
+    let run_options = RunOptions { no_viewer: true, native_viewer: false, ..options.run.clone() };
+    let mut make = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<PathBuf> {
+        let archive = folder.join(format!("{name}.mcap"));
+        let task = [format!("--render={}", options.model), format!("--duration-s={duration_s}")];
+        let run = SupervisedRun {
+            in_words: format!("rendering {} for the {name}, {duration_s} s", model.name),
+            task: task.iter().chain(hand).cloned().collect(),
+            options: &run_options,
+            archive: archive.clone(),
+            duration_s: Some(duration_s),
+            shown: Shown::Rendering,
+        };
+        let end = run.take(interrupted)?.context("the control loop could not run")?;
+        anyhow::ensure!(!end.interrupted, "stopped by the operator; the captures so far are in {}", folder.display());
+        if let Some(fault) = end.fault_words() {
+            anyhow::bail!("the {name} ended in a fault: {fault}");
+        }
+        Ok(archive)
+    };
+    let verification = captures::verify(&model, options.run.rate_hz, &mut make)?;
+    if !to_output(options.json.as_deref()) {
+        table::lines(&verification).iter().for_each(say);
+    }
+    write_json(options.json.as_deref(), &verification)?;
+    Ok(if verification.passed { Outcome::Done } else { Outcome::Failed })
 }

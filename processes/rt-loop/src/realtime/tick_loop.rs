@@ -9,6 +9,7 @@ use shared_types::rig::monotonic_time_ns;
 use shared_types::{LoopState, Sample};
 
 use super::clock::wait_until;
+use super::model_rings::{ModelEnds, ModelPort};
 use crate::control::{ControlState, Reading, Request};
 
 /// Seconds of samples that the ring to the publisher holds.
@@ -55,6 +56,7 @@ impl SharedState {
 struct LoopEnds {
     samples: Producer<Sample>,
     requests: Consumer<Request>,
+    models: ModelEnds,
 }
 
 /// The publisher's ends of the rings.
@@ -64,6 +66,8 @@ pub struct LoopPort {
     pub samples: Consumer<Sample>,
     /// Requests to the loop.
     pub requests: Producer<Request>,
+    /// Models to be rendered.
+    pub models: ModelPort,
     /// State of the loop.
     pub shared: Arc<SharedState>,
 }
@@ -91,14 +95,20 @@ impl TickLoop {
         while sample_producer.push(Sample::default()).is_ok() {}
         while sample_consumer.pop().is_ok() {}
         let shared = Arc::new(SharedState::default());
-        let ends = LoopEnds { samples: sample_producer, requests: request_consumer };
-        let port = LoopPort { samples: sample_consumer, requests: request_producer, shared: Arc::clone(&shared) };
+        let (models, model_port) = ModelEnds::new();
+        let ends = LoopEnds { samples: sample_producer, requests: request_consumer, models };
+        let port = LoopPort {
+            samples: sample_consumer,
+            requests: request_producer,
+            models: model_port,
+            shared: Arc::clone(&shared),
+        };
         (Self { apparatus, control, period_ns: 1e9 / rate_hz, ends, shared }, port)
     }
 
     /// Runs until told to quit. The amplifier is on from here and off when this returns.
     ///
-    /// Nothing in here allocates, locks, logs or makes a system call but the sleep in the wait.
+    /// Nothing in here allocates, frees, locks, logs or makes a system call but the sleep in the wait.
     ///
     /// # Errors
     /// The apparatus's error when the amplifier does not come on.
@@ -128,6 +138,7 @@ impl TickLoop {
             while let Ok(request) = self.ends.requests.pop() {
                 self.control.request(request);
             }
+            self.ends.models.offer(&mut self.control);
             let output = self.control.step(&Reading { elapsed_ticks, measurement });
             let stepped_ns = monotonic_time_ns();
             // A refused torque shows as an error of the next read.
@@ -145,11 +156,15 @@ impl TickLoop {
                     dropped_samples,
                     ..sample
                 };
+                if sample.flags & Sample::MODEL_TAKEN != 0 {
+                    self.ends.models.tell_felt(sample.tick, due_ns);
+                }
                 match self.ends.samples.push(sample) {
                     Ok(()) => dropped_samples = 0,
                     Err(_) => dropped_samples += 1,
                 }
             }
+            self.ends.models.give_back(&mut self.control);
             self.show(measurement.map_or(f64::NAN, |measurement| measurement.angle_rad));
             push_ns = saturating_u32(monotonic_time_ns() - stepped_ns);
             tick += 1;

@@ -9,7 +9,7 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use shared_types::ProcessKind;
 
-use crate::command_line::CaptureOptions;
+use crate::command_line::RunOptions;
 use crate::outcome::remark;
 
 /// Pause before a process that died is started again.
@@ -134,7 +134,7 @@ impl Consumer {
         self.short_lives = if self.child.age() < SHORT_LIFE { self.short_lives + 1 } else { 0 };
         if self.short_lives >= SHORT_LIVES {
             self.given_up = true;
-            remark(format!("{} dies again and again and is left out; the capture goes on", self.kind.name()));
+            remark(format!("{} dies again and again and is left out; the run goes on", self.kind.name()));
             return;
         }
         self.restarts += 1;
@@ -170,7 +170,7 @@ pub(crate) struct Consumers {
 
 impl Consumers {
     /// Starts them. Only the recorder is indispensable.
-    pub(crate) fn start(archive: &Path, options: &CaptureOptions) -> anyhow::Result<Self> {
+    pub(crate) fn start(archive: &Path, options: &RunOptions) -> anyhow::Result<Self> {
         let recorder = Consumer::start(ProcessKind::Recorder, vec![format!("--out={}", archive.display())])?;
         let mut wanted = vec![(ProcessKind::LiveFitter, Vec::new())];
         if !options.no_viewer {

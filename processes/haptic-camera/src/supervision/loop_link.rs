@@ -3,10 +3,15 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
+use dynamics::{Calibration, Model};
 use shared_types::services::{
-    self, ControlClient, FIT_UPDATES, LOOP_STATUS, MessageSubscriber, PROCESS_HEALTH, RigNode,
+    self, ControlClient, FIT_UPDATES, LOOP_STATUS, MessageSubscriber, PROCESS_HEALTH, RigNode, TextSubscriber,
 };
-use shared_types::{CommandKind, ControlRequest, FitUpdate, LoopStatus, ProcessHealth, ProcessKind};
+use shared_types::{
+    CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription,
+};
+
+use super::FeltModel;
 
 /// Longest wait for the loop's answer to a request.
 const ANSWER: Duration = Duration::from_secs(2);
@@ -17,10 +22,14 @@ pub(crate) struct LoopLink {
     statuses: MessageSubscriber<LoopStatus>,
     fits: MessageSubscriber<FitUpdate>,
     healths: MessageSubscriber<ProcessHealth>,
+    descriptions: TextSubscriber,
+    model_changes: TextSubscriber,
     loop_process: u32,
     status: LoopStatus,
     fit: Option<FitUpdate>,
     health: Vec<ProcessHealth>,
+    torque_zero_mnm: f64,
+    models: Vec<FeltModel>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
 }
@@ -34,10 +43,14 @@ impl LoopLink {
             statuses: LOOP_STATUS.subscriber(&node)?,
             fits: FIT_UPDATES.subscriber(&node)?,
             healths: PROCESS_HEALTH.subscriber(&node)?,
+            descriptions: services::description_subscriber(&node)?,
+            model_changes: services::model_subscriber(&node)?,
             loop_process,
             status: LoopStatus::default(),
             fit: None,
             health: Vec::new(),
+            torque_zero_mnm: 0.0,
+            models: Vec::new(),
             _node: node,
         })
     }
@@ -56,6 +69,31 @@ impl LoopLink {
             self.health.retain(|known| known.process != health.process);
             self.health.push(*health);
         }
+        while let Ok(Some(json)) = self.descriptions.receive() {
+            let run = serde_json::from_slice::<RunDescription>(json.payload()).ok();
+            if let Some(known) = run.and_then(|run| Calibration::from_toml(&run.calibration_toml).ok()) {
+                self.torque_zero_mnm = known.torque_zero_mnm;
+            }
+        }
+        while let Ok(Some(json)) = self.model_changes.receive() {
+            // A word that is not understood is told by the recorder, which needs it.
+            let change = serde_json::from_slice::<ModelChange>(json.payload()).ok();
+            if let Some(ModelChange { tick, model_toml, .. }) = change
+                && let Ok(model) = Model::from_toml(&model_toml, "the rendered model")
+            {
+                self.models.push(FeltModel { tick, name: model.name });
+            }
+        }
+    }
+
+    /// The models that began to be felt so far.
+    pub(crate) fn models(&self) -> &[FeltModel] {
+        &self.models
+    }
+
+    /// Torque of the hand at the last status, mNm: the opposite of what the sensor reads on a rig that renders.
+    pub(crate) fn hand_torque_mnm(&self) -> f64 {
+        self.torque_zero_mnm - self.status.torque_mnm
     }
 
     /// The loop's last status.

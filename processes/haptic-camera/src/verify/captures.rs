@@ -1,6 +1,6 @@
 //! The captures of a rendered knob, and what they tell.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context as _;
 use dynamics::{Model, Motion};
@@ -31,53 +31,29 @@ const HOLD_S: f64 = 10.0;
 /// Time after which a hold is looked at, s: the hand's torque has risen.
 const SETTLED_S: f64 = 0.5;
 
-/// What is to be verified.
-#[derive(Clone, Debug)]
-pub struct VerifyOptions {
-    /// The model as the control loop is given it: a file or a number.
-    pub model_argument: String,
-    /// The model.
-    pub model: Model,
-    /// Sample rate, Hz.
-    pub rate_hz: f64,
-    /// Folder for the captures.
-    pub out: PathBuf,
-    /// Further arguments of the control loop: apparatus, calibration, seed, core.
-    pub further_arguments: Vec<String>,
-}
-
-/// Makes the run that the control loop's arguments ask for and keeps its archive at the path.
-pub type Maker<'a> = dyn FnMut(&[String], &Path) -> anyhow::Result<()> + 'a;
+/// Makes a capture of the rendered knob: its name, what the hand does, its length in s; gives the archive.
+pub type Maker<'a> = dyn FnMut(&str, &[String], f64) -> anyhow::Result<PathBuf> + 'a;
 
 /// Captures the rendered knob and compares it with its model.
 ///
 /// # Errors
 /// When a run cannot be made, or a capture cannot be read or fitted.
-pub fn verify(options: &VerifyOptions, make: &mut Maker<'_>) -> anyhow::Result<Verification> {
-    let model = &options.model;
+pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Result<Verification> {
     let mut captures = Vec::new();
-    let mut capture = |name: &str, arguments: &[String]| -> anyhow::Result<LoadedCapture> {
-        let path = options.out.join(format!("{name}.mcap"));
-        let mut all = vec![format!("--render={}", options.model_argument), format!("--rate-hz={}", options.rate_hz)];
-        all.extend(options.further_arguments.iter().chain(arguments).cloned());
-        make(&all, &path).with_context(|| format!("the capture {} could not be made", path.display()))?;
+    let mut capture = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<LoadedCapture> {
+        let path = make(name, hand, duration_s)?;
         captures.push(path.clone());
         LoadedCapture::load(&path)
     };
     let amplitude_rad = driving_speed_rad_s(model).map_or(AMPLITUDE_RAD, |speed_rad_s| {
         (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(AMPLITUDE_RAD)
     });
-    let hand = |sweep: &str, amplitude_rad: f64, duration_s: f64| {
-        [
-            format!("--hand={sweep}"),
-            format!("--amplitude={amplitude_rad}"),
-            format!("--grip={GRIP}"),
-            format!("--duration-s={duration_s}"),
-        ]
+    let hand = |sweep: &str, amplitude_rad: f64| {
+        [format!("--hand={sweep}"), format!("--amplitude={amplitude_rad}"), format!("--grip={GRIP}")]
     };
-    let train = capture("sweep", &hand("linear-chirp", amplitude_rad, SWEEP_S))?;
-    let heldout = capture("heldout", &hand("stepped-amplitude", amplitude_rad, SWEEP_S))?;
-    let creep = capture("creep", &hand("slow-turn", CREEP.0, CREEP.1))?;
+    let train = capture("sweep", &hand("linear-chirp", amplitude_rad), SWEEP_S)?;
+    let heldout = capture("heldout", &hand("stepped-amplitude", amplitude_rad), SWEEP_S)?;
+    let creep = capture("creep", &hand("slow-turn", CREEP.0), CREEP.1)?;
 
     let fit = fit(&train, model)?;
     let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
@@ -86,8 +62,7 @@ pub fn verify(options: &VerifyOptions, make: &mut Maker<'_>) -> anyhow::Result<V
     let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
     let held_still = match holding_torque_mnm(model) {
         Some(torque_mnm) => {
-            let arguments = [format!("--hand-torque={torque_mnm}"), format!("--duration-s={HOLD_S}")];
-            Some(held_still(torque_mnm, &capture("hold", &arguments)?))
+            Some(held_still(torque_mnm, &capture("hold", &[format!("--hand-torque={torque_mnm}")], HOLD_S)?))
         }
         None => None,
     };
@@ -104,7 +79,7 @@ pub fn verify(options: &VerifyOptions, make: &mut Maker<'_>) -> anyhow::Result<V
         && held_still.is_none_or(|held| held.encoder_steps < 1.0);
     Ok(Verification {
         model: model.name.clone(),
-        rate_hz: options.rate_hz,
+        rate_hz,
         captures,
         parameters,
         torque_error_rms_mnm,

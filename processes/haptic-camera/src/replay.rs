@@ -1,0 +1,94 @@
+//! `replay`: the rig feels like a model, for as long as the operator wants.
+
+use std::path::Path;
+
+use crate::command_line::ReplayOptions;
+use crate::outcome::{Outcome, remark, say};
+use crate::verify;
+use crate::supervision::{FeltModel, RunEnd, Shown, SupervisedRun, archive_path, listen_for_interrupt};
+
+/// Length of a replay without a clock, which no hand at the rig could end, s.
+const OFFLINE_S: f64 = 10.0;
+/// Length of a replay that the operator ends, s: the longest run of the control loop.
+const OPEN_ENDED_S: f64 = 86_400.0;
+/// Most models that are listed at the end.
+const LISTED_MODELS: usize = 12;
+
+/// Renders a model from start to end and keeps what the hand did.
+///
+/// # Errors
+/// Whatever keeps a run from being started, recorded or ended.
+pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
+    let interrupted = listen_for_interrupt()?;
+    if options.verify {
+        return verify::run(options, &interrupted);
+    }
+    let duration_s = options.duration_s.or(options.run.offline.then_some(OFFLINE_S));
+    let run = SupervisedRun {
+        in_words: in_words(options, duration_s),
+        task: task(options, duration_s),
+        options: &options.run,
+        archive: archive_path(&options.run.out, &options.model, "replay-")?,
+        duration_s,
+        shown: Shown::Rendering,
+    };
+    match run.take(&interrupted)? {
+        Some(end) => Ok(conclude(&run.archive, &end)),
+        None => Ok(Outcome::Failed),
+    }
+}
+
+fn task(options: &ReplayOptions, duration_s: Option<f64>) -> Vec<String> {
+    let mut task = vec![
+        format!("--render={}", options.model),
+        format!("--hand={}", options.hand),
+        format!("--grip={}", options.grip),
+        format!("--duration-s={}", duration_s.unwrap_or(OPEN_ENDED_S)),
+    ];
+    if let Some(torque_mnm) = options.hand_torque {
+        task.push(format!("--hand-torque={torque_mnm}"));
+    }
+    if let Some(amplitude) = options.amplitude {
+        task.push(format!("--amplitude={amplitude}"));
+    }
+    task
+}
+
+/// What is rendered, and for whom.
+fn in_words(options: &ReplayOptions, duration_s: Option<f64>) -> String {
+    let ReplayOptions { model, hand, hand_torque, run, .. } = options;
+    let model = if model.parse::<u32>().is_ok() { format!("knob {model}") } else { model.clone() };
+    let hand = match (hand_torque, hand.as_str()) {
+        (Some(torque_mnm), _) => format!("a hand that turns it with {torque_mnm} mNm"),
+        (None, "none") => "nobody's hand on it".to_owned(),
+        (None, motion) => format!("a hand that follows {motion}"),
+    };
+    let length = match duration_s {
+        Some(duration_s) => format!("for {duration_s} s"),
+        None => format!("until Ctrl-C, {} h at most", OPEN_ENDED_S / 3600.0),
+    };
+    format!("rendering {model} with {hand} at {} Hz {length}", run.rate_hz)
+}
+
+/// Tells what was rendered, how it went and where the archive lies.
+fn conclude(archive: &Path, end: &RunEnd) -> Outcome {
+    end.tell();
+    end.models.iter().enumerate().take(LISTED_MODELS).for_each(|(index, FeltModel { tick, name })| {
+        #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+        let from_s = *tick as f64 / end.status.rate_hz.max(1.0);
+        say(format!("{} {name} from {from_s:.2} s on", if index == 0 { "rendered" } else { "        " }));
+    });
+    if end.models.len() > LISTED_MODELS {
+        say(format!("         and {} more models; the archive has them all", end.models.len() - LISTED_MODELS));
+    }
+    say(format!("guard    took energy back in {} ticks", end.status.guarded_ticks));
+    if !end.left_archive(archive) {
+        return Outcome::Failed;
+    }
+    say(format!("archive  {} ({} samples)", archive.display(), end.status.published_samples));
+    let outcome = end.outcome(0);
+    if outcome == Outcome::DataLost {
+        remark("samples are missing in the archive; it says where");
+    }
+    outcome
+}

@@ -1,0 +1,210 @@
+//! A run of the rig: the control loop and its consumers, started, watched and ended together.
+
+mod children;
+mod loop_link;
+mod progress;
+mod run_end;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::Context as _;
+use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime};
+
+use crate::command_line::RunOptions;
+use crate::offline_run;
+use crate::outcome::{remark, say};
+pub(crate) use children::program_path;
+use children::{Child, Consumers, program};
+use loop_link::LoopLink;
+use progress::Progress;
+pub(crate) use progress::Shown;
+pub(crate) use run_end::{FeltModel, RunEnd};
+
+/// Longest wait for the loop to be ready.
+const LOOP_READY: Duration = Duration::from_secs(10);
+/// Longest wait for the recorder to be ready; the history bridges a longer one.
+const RECORDER_READY: Duration = Duration::from_secs(3);
+/// Longest wait for the recorder to close its archive after the run, not counting long merges.
+const RECORDER_DONE: Duration = Duration::from_secs(120);
+/// Time between two looks at the run.
+const CYCLE: Duration = Duration::from_millis(20);
+
+/// What a run needs, whichever command it is made for.
+pub(crate) struct SupervisedRun<'a> {
+    /// What is done, in words: "capturing knob 3 …".
+    pub(crate) in_words: String,
+    /// What the control loop is told to do, [`RunOptions::loop_arguments`] apart.
+    pub(crate) task: Vec<String>,
+    /// Rig, rate, consumers.
+    pub(crate) options: &'a RunOptions,
+    /// Where the archive goes.
+    pub(crate) archive: PathBuf,
+    /// Length, s; `None` where the operator ends it.
+    pub(crate) duration_s: Option<f64>,
+    /// What the operator sees while it goes on.
+    pub(crate) shown: Shown,
+}
+
+/// Set by Ctrl-C and by SIGTERM, which end a run in order.
+///
+/// # Errors
+/// When the system refuses.
+pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(&interrupted))?;
+    signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&interrupted))?;
+    Ok(interrupted)
+}
+
+/// Where an archive goes: a name that sorts by time and says what was on the rig, a knob's number or file.
+///
+/// # Errors
+/// When the folder cannot be made.
+pub(crate) fn archive_path(out: &Path, knob: &str, before: &str) -> anyhow::Result<PathBuf> {
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("the folder {} cannot be made; choose another with --out", out.display()))?;
+    let knob = Path::new(knob).file_stem().map_or_else(String::new, |stem| {
+        stem.to_string_lossy().chars().map(|letter| if letter.is_alphanumeric() { letter } else { '-' }).collect()
+    });
+    let knob = if knob.parse::<u32>().is_ok() { format!("knob-{knob}") } else { knob };
+    let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
+    let free = (1..).map(|number| match number {
+        1 => out.join(format!("{time}-{before}{knob}.mcap")),
+        _ => out.join(format!("{time}-{before}{knob}-{number}.mcap")),
+    });
+    free.into_iter().find(|path| !path.exists()).context("no free name for the archive")
+}
+
+impl SupervisedRun<'_> {
+    /// Makes the run and its archive; `None` when the control loop itself said why it cannot run.
+    ///
+    /// # Errors
+    /// Whatever keeps the run from being started, recorded or ended.
+    pub(crate) fn take(&self, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
+        if self.options.offline {
+            return self.offline(interrupted).map(Some);
+        }
+        let mut control_loop = Child::start(program("rt-loop")?.args(self.loop_arguments()))?;
+        let end = self.supervise(&mut control_loop, interrupted);
+        // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
+        control_loop.end(Duration::from_secs(3));
+        clear_shared_memory();
+        end
+    }
+
+    fn loop_arguments(&self) -> Vec<String> {
+        [self.options.loop_arguments(), self.task.clone()].concat()
+    }
+
+    /// The same without clock and other processes.
+    fn offline(&self, interrupted: &AtomicBool) -> anyhow::Result<RunEnd> {
+        say(format!("{}, offline", self.in_words));
+        let run = offline_run::archive(&self.loop_arguments(), &self.archive, interrupted)?;
+        Ok(RunEnd {
+            status: LoopStatus {
+                published_samples: run.samples as u64,
+                fault: run.fault.map_or(0, Fault::code),
+                guarded_ticks: run.guarded_ticks,
+                rate_hz: self.options.rate_hz,
+                finished: 1,
+                ..LoopStatus::default()
+            },
+            recorder_exit: Some(0),
+            restarts: Vec::new(),
+            models: run.rendered.into_iter().map(|name| FeltModel { tick: 0, name }).collect(),
+            interrupted: interrupted.load(Ordering::Acquire),
+            loop_died: false,
+        })
+    }
+
+    /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
+    fn supervise(&self, control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
+        let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
+        let mut consumers = Consumers::start(&self.archive, self.options)?;
+        let ready_by = Instant::now() + RECORDER_READY;
+        while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
+            std::thread::sleep(CYCLE);
+            link.listen();
+            consumers.revive();
+        }
+        self.tell_start(link.status());
+
+        link.request(CommandKind::Start)?;
+        let mut progress = Progress::new(self.shown, self.duration_s);
+        let (mut stopped_by_operator, mut loop_died) = (false, false);
+        loop {
+            std::thread::sleep(CYCLE);
+            link.listen();
+            consumers.revive();
+            progress.show(&link);
+            if interrupted.load(Ordering::Acquire) && !stopped_by_operator {
+                stopped_by_operator = true;
+                link.request(CommandKind::Stop)?;
+            }
+            if link.status().finished == 1 {
+                break;
+            }
+            if control_loop.has_ended() {
+                progress.close();
+                remark("the control loop ended in the middle of the run; what was recorded so far is kept");
+                loop_died = true;
+                break;
+            }
+        }
+        progress.close();
+        let recorder_exit = consumers.finish_recorder(RECORDER_DONE, || link.listen());
+        let restarts = consumers.end();
+        let interrupted = stopped_by_operator;
+        let models = link.models().to_vec();
+        Ok(Some(RunEnd { status: *link.status(), recorder_exit, restarts, models, interrupted, loop_died }))
+    }
+
+    fn tell_start(&self, status: &LoopStatus) {
+        say(format!("{}, core {}", self.in_words, status.core));
+        if status.realtime & realtime::FULL != realtime::FULL {
+            remark("without full real-time permission: ticks may be late, and the capture is marked so");
+        }
+    }
+}
+
+/// Takes away what the run left in shared memory.
+pub(crate) fn clear_shared_memory() {
+    match shared_types::clean_up::clear_shared_memory() {
+        Ok(0) => {}
+        // Whoever still follows the rig needs them, and takes them away at its end.
+        Ok(left) => tracing::info!("{left} files stay in shared memory while another program follows this rig"),
+        Err(error) => remark(error),
+    }
+}
+
+/// Waits until the loop is armed; `None` when it ended first, having said why.
+fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<LoopLink>> {
+    let deadline = Instant::now() + LOOP_READY;
+    let mut link: Option<LoopLink> = None;
+    loop {
+        if control_loop.has_ended() {
+            return Ok(None);
+        }
+        match &mut link {
+            // Only once the loop holds the rig are its services its own.
+            None if control_loop.age() > Duration::from_millis(100) => link = Some(LoopLink::open(control_loop.id())?),
+            None => {}
+            Some(open) => {
+                open.listen();
+                if LoopState::from_code(open.status().state) == Some(LoopState::Armed) {
+                    return Ok(link);
+                }
+            }
+        }
+        anyhow::ensure!(!interrupted.load(Ordering::Acquire), "stopped before the run began");
+        anyhow::ensure!(
+            Instant::now() < deadline,
+            "the control loop was not ready within {} s; run `haptic-camera doctor`",
+            LOOP_READY.as_secs()
+        );
+        std::thread::sleep(CYCLE);
+    }
+}

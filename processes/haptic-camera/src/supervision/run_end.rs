@@ -1,0 +1,91 @@
+//! How a run ended, and how the operator is told.
+
+use std::path::Path;
+
+use shared_types::{Fault, LoopStatus, ProcessKind};
+
+use crate::outcome::{Outcome, remark, say};
+
+/// How a run ended.
+pub(crate) struct RunEnd {
+    /// The loop's last word.
+    pub(crate) status: LoopStatus,
+    /// Exit code of the recorder that closed the archive.
+    pub(crate) recorder_exit: Option<i32>,
+    /// Restarts of recorder, live fitter and viewer.
+    pub(crate) restarts: Vec<(ProcessKind, u32)>,
+    /// The models that were rendered, in the order in which they began to be felt.
+    pub(crate) models: Vec<FeltModel>,
+    /// Whether the operator ended it early.
+    pub(crate) interrupted: bool,
+    /// Whether the control loop died before the run had ended.
+    pub(crate) loop_died: bool,
+}
+
+/// A model and when it began to be felt.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct FeltModel {
+    /// Tick of the run.
+    pub(crate) tick: u64,
+    /// The model's name.
+    pub(crate) name: String,
+}
+
+impl RunEnd {
+    /// Tells how the run went.
+    pub(crate) fn tell(&self) {
+        let status = &self.status;
+        if let Some(fault) = self.fault_words() {
+            remark(format!("the run ended in a fault after {} samples: {fault}", status.published_samples));
+        } else if self.interrupted {
+            say(format!("stopped by the operator after {} samples", status.published_samples));
+        }
+        say(format!(
+            "samples  {} taken, {} ticks missed in {} stalls, longest lateness {:.3} ms",
+            status.published_samples,
+            status.missed_ticks,
+            status.overruns,
+            ns_to_ms(status.max_lateness_ns)
+        ));
+        if status.dropped_samples > 0 {
+            remark(format!("{} samples were lost before they could be published", status.dropped_samples));
+        }
+        for (kind, restarts) in self.restarts.iter().filter(|(_, restarts)| *restarts > 0) {
+            say(format!("{} died and was restarted {restarts} times", kind.name()));
+        }
+    }
+
+    /// Whether the recorder closed the archive; tells what to do where it did not.
+    pub(crate) fn left_archive(&self, archive: &Path) -> bool {
+        let closed = archive.exists();
+        if !closed {
+            remark(format!(
+                "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
+                 `haptic-camera recover`",
+                archive.display()
+            ));
+        }
+        closed
+    }
+
+    /// How the command that made the run ended, if so many samples are known to be missing in its archive.
+    pub(crate) fn outcome(&self, missing_samples: u64) -> Outcome {
+        if self.loop_died || self.fault_words().is_some() {
+            Outcome::Failed
+        } else if missing_samples > 0 || self.recorder_exit == Some(3) {
+            Outcome::DataLost
+        } else {
+            Outcome::Done
+        }
+    }
+
+    /// The fault that ended the run, in words.
+    fn fault_words(&self) -> Option<String> {
+        Fault::from_code(self.status.fault).map(|fault| fault.to_string())
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "for display")]
+fn ns_to_ms(nanoseconds: u64) -> f64 {
+    nanoseconds as f64 / 1e6
+}

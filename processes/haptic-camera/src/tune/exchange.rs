@@ -1,0 +1,91 @@
+//! The control loop that renders, asked for its model and sent another.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail};
+use dynamics::Model;
+use shared_types::services::{self, ModelClient, RigNode};
+use shared_types::{MODEL_MAX_BYTES, ModelAnswer};
+
+use crate::supervision::clear_shared_memory;
+
+/// Longest wait for one answer.
+const ANSWER: Duration = Duration::from_secs(2);
+/// Longest wait until the loop can take a model: it takes one in a quarter of a second.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Pause before a model is sent again.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// A link to the running replay.
+pub(super) struct LoopModels {
+    client: ModelClient,
+    // Last, since ports go before the node they belong to.
+    _node: RigNode,
+}
+
+impl LoopModels {
+    /// Attaches to the rig.
+    pub(super) fn open() -> anyhow::Result<Self> {
+        let node = services::attach("tune")?;
+        Ok(Self { client: services::model_client(&node)?, _node: node })
+    }
+
+    /// The model that is rendered, or is about to be.
+    pub(super) fn present(&self) -> anyhow::Result<Model> {
+        match self.ask("")? {
+            Some(ModelAnswer::Rendered { model_toml }) => Ok(Model::from_toml(&model_toml, "the rendered model")?),
+            Some(ModelAnswer::Refused { reason }) => bail!(reason),
+            Some(other) => bail!("the control loop did not say what it renders, but {other:?}"),
+            None => {
+                clear_shared_memory();
+                bail!("no replay is running on this rig; start one with `haptic-camera replay MODEL`")
+            }
+        }
+    }
+
+    /// Sends a model; gives what will be felt otherwise than it says.
+    pub(super) fn send(&self, model: &Model) -> anyhow::Result<Vec<String>> {
+        let text = model.to_toml();
+        anyhow::ensure!(
+            text.len() <= MODEL_MAX_BYTES,
+            "the model takes {} bytes, but at most {MODEL_MAX_BYTES} can be sent; shorten its description",
+            text.len()
+        );
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            match self.ask(&text)? {
+                Some(ModelAnswer::Taken { remarks }) => return Ok(remarks),
+                Some(ModelAnswer::Refused { reason }) => bail!(reason),
+                Some(ModelAnswer::Busy) if Instant::now() < deadline => std::thread::sleep(PAUSE),
+                Some(ModelAnswer::Busy) => {
+                    bail!("the replay still waits to feel like a model that was sent before; try again in a moment")
+                }
+                Some(other) => bail!("the control loop did not answer to the model, but said {other:?}"),
+                None => bail!("the replay ended before it could take the model"),
+            }
+        }
+    }
+
+    /// One request and its answer; `None` when nobody is there to answer.
+    fn ask(&self, text: &str) -> anyhow::Result<Option<ModelAnswer>> {
+        let unasked = |error: String| anyhow::anyhow!(error).context("the control loop could not be asked");
+        let place = self.client.loan_slice_uninit(text.len()).map_err(|error| unasked(format!("{error:?}")))?;
+        let pending = place.write_from_slice(text.as_bytes()).send().map_err(|error| unasked(format!("{error:?}")))?;
+        if pending.number_of_server_connections() == 0 {
+            return Ok(None);
+        }
+        let deadline = Instant::now() + ANSWER;
+        while Instant::now() < deadline {
+            if let Ok(Some(answer)) = pending.receive() {
+                let answer = serde_json::from_slice(answer.payload())
+                    .context("the control loop's answer is not understood; use the programs of one build together")?;
+                return Ok(Some(answer));
+            }
+            if !pending.is_connected() {
+                return Ok(None);
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        bail!("the control loop did not answer within {} s", ANSWER.as_secs())
+    }
+}

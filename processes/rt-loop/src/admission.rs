@@ -1,0 +1,47 @@
+//! What a model must pass before it is rendered, at the start of a run and while it goes on.
+
+use dynamics::{Calibration, Model};
+use hal::Limits;
+use shared_types::MODEL_MAX_BYTES;
+
+use crate::control::rendering::{RenderGains, RenderedModel};
+use crate::plan::PlanError;
+use crate::stability::Bounds;
+
+/// The bounds of a rig under its gains, computed once.
+#[derive(Clone, Debug)]
+pub struct Admission {
+    bounds: Bounds,
+    calibration: Calibration,
+}
+
+/// A model that may be rendered.
+#[derive(Clone, Debug)]
+pub struct Admitted {
+    /// As the renderer takes it.
+    pub rendered: Box<RenderedModel>,
+    /// What will be felt otherwise than the model says, in sentences.
+    pub remarks: Vec<String>,
+}
+
+impl Admission {
+    /// What a rig with this calibration renders under these gains.
+    #[must_use]
+    pub fn new(gains: &RenderGains, calibration: &Calibration, limits: &Limits, rate_hz: f64) -> Self {
+        Self { bounds: Bounds::of(gains, calibration, limits, rate_hz), calibration: calibration.clone() }
+    }
+
+    /// Checks a model and makes it ready for the renderer.
+    ///
+    /// # Errors
+    /// [`PlanError::Unsafe`], [`PlanError::Unrenderable`] or [`PlanError::TooLong`], each with what would do.
+    pub fn admit(&self, model: &Model) -> Result<Admitted, PlanError> {
+        let bytes = model.to_toml().len();
+        if bytes > MODEL_MAX_BYTES {
+            return Err(PlanError::TooLong { bytes });
+        }
+        let rendered = RenderedModel::new(model, &self.calibration)?;
+        let remarks = self.bounds.check(model)?;
+        Ok(Admitted { rendered: Box::new(rendered), remarks })
+    }
+}
