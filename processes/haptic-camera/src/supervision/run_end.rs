@@ -80,7 +80,7 @@ impl RunEnd {
     }
 
     /// The fault that ended the run, in words.
-    fn fault_words(&self) -> Option<String> {
+    pub(crate) fn fault_words(&self) -> Option<String> {
         Fault::from_code(self.status.fault).map(|fault| fault.to_string())
     }
 }
