@@ -63,7 +63,7 @@ fn rendered_models_come_once_and_in_order_with_the_ticks_from_which_they_are_fel
     let part = |seqs: std::ops::Range<u64>, ticks: &[u64]| {
         let mut writer = CaptureWriter::new(Cursor::new(Vec::new()), &common::description()).unwrap();
         ticks.iter().for_each(|tick| writer.model(&model(*tick)).unwrap());
-        seqs.for_each(|seq| drop(writer.sample(&sample(seq)).unwrap()));
+        seqs.for_each(|seq| assert!(writer.sample(&sample(seq)).unwrap()));
         writer.finish().unwrap().1.into_inner()
     };
     // A recorder that was started again received the first two once more.
