@@ -47,8 +47,11 @@ impl Grip {
 impl Grip {
     /// The inertia of a grip that can be, mNm·s²/rad.
     pub(super) fn validated(&self) -> Result<f64, ParameterError> {
-        let fields =
-            [("grip's inertia", self.inertia), ("grip's damping", self.damping), ("grip's stiffness", self.stiffness_mnm_rad)];
+        let fields = [
+            ("grip's inertia", self.inertia),
+            ("grip's damping", self.damping),
+            ("grip's stiffness", self.stiffness_mnm_rad),
+        ];
         match fields.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
             Some((parameter, value)) => {
                 Err(ParameterError { parameter, value, requirement: "zero or more, and finite" })

@@ -43,12 +43,7 @@ impl SimulatedRig {
     /// # Errors
     /// [`ParameterError`] as [`SimulatedRig::new`], and for a grip with an impedance below zero.
     #[allow(clippy::needless_pass_by_value, reason = "a rig is built from its parameters once")]
-    pub fn held(
-        parameters: RigParameters,
-        knob: Model,
-        hand: Option<Hand>,
-        seed: u64,
-    ) -> Result<Self, ParameterError> {
+    pub fn held(parameters: RigParameters, knob: Model, hand: Option<Hand>, seed: u64) -> Result<Self, ParameterError> {
         parameters.validate()?;
         let hand_inertia = hand.as_ref().map_or(Ok(0.0), |hand| hand.grip.validated())?;
         let substep_s = parameters.substep_s();
@@ -111,9 +106,10 @@ impl SimulatedRig {
         }
         for _ in 0..due {
             let truth = self.plant.truth();
-            let held_mnm = self.hand.as_ref().map_or(0.0, |hand| {
-                hand.torque_mnm(truth.time_s, truth.knob_angle_rad, truth.knob_velocity_rad_s)
-            });
+            let held_mnm = self
+                .hand
+                .as_ref()
+                .map_or(0.0, |hand| hand.torque_mnm(truth.time_s, truth.knob_angle_rad, truth.knob_velocity_rad_s));
             self.applied_by_hand_mnm = self.hand_torque_mnm + held_mnm;
             self.plant.step(self.watchdog.torque_mnm(), self.applied_by_hand_mnm);
             self.sensors.step(&self.plant.truth());

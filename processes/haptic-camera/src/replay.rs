@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::command_line::ReplayOptions;
 use crate::outcome::{Outcome, remark, say};
-use crate::verify;
 use crate::supervision::{FeltModel, RunEnd, Shown, SupervisedRun, archive_path, listen_for_interrupt};
+use crate::verify;
 
 /// Length of a replay without a clock, which no hand at the rig could end, s.
 const OFFLINE_S: f64 = 10.0;

@@ -58,11 +58,15 @@ fn row(parameter: &Verified) -> [String; 6] {
 fn in_words(added: &Added) -> String {
     let Added { heldout_rms_before, heldout_rms_after, noise_floor_rms, .. } = added;
     match added.verdict {
-        Verdict::None => format!("nothing: {heldout_rms_before:.3} mNm are left on other motion, noise {noise_floor_rms:.3}"),
+        Verdict::None => {
+            format!("nothing: {heldout_rms_before:.3} mNm are left on other motion, noise {noise_floor_rms:.3}")
+        }
         Verdict::Effects => format!(
             "{}: {heldout_rms_before:.3} to {heldout_rms_after:.3} mNm on other motion, noise {noise_floor_rms:.3}",
             added.effects.join(", ")
         ),
-        Verdict::OutsideLibrary => format!("something without a name: {heldout_rms_after:.3} mNm are left on other motion, noise {noise_floor_rms:.3}"),
+        Verdict::OutsideLibrary => format!(
+            "something without a name: {heldout_rms_after:.3} mNm are left on other motion, noise {noise_floor_rms:.3}"
+        ),
     }
 }

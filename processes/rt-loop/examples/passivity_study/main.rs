@@ -14,9 +14,8 @@ mod random_knob;
 use rt_loop::control::rendering::RenderGains;
 
 fn main() {
-    let argument = |index: usize, usual: f64| {
-        std::env::args().nth(index).and_then(|text| text.parse().ok()).unwrap_or(usual)
-    };
+    let argument =
+        |index: usize, usual: f64| std::env::args().nth(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
     let (knobs, rate_hz) = (argument(1, 1000.0), argument(2, 10_000.0));
     inside(knobs, rate_hz);
     outside();
@@ -38,7 +37,9 @@ fn inside(knobs: f64, rate_hz: f64) {
     }
     given_out.sort_by(f64::total_cmp);
     let at = |share: f64| given_out[((given_out.len() - 1) as f64 * share) as usize];
-    println!("inside the bounds, {knobs} knobs and hands at {rate_hz} Hz: {grown} swings grow, the guard acts in {guarded}");
+    println!(
+        "inside the bounds, {knobs} knobs and hands at {rate_hz} Hz: {grown} swings grow, the guard acts in {guarded}"
+    );
     println!(
         "energy given out beyond what was put in, mNm·rad: median {:.2e}, 99 % {:.2e}, largest {:.2e} (slack {})",
         at(0.5),
@@ -52,7 +53,10 @@ fn outside() {
     let gains = RenderGains::at_rate(10_000.0).unwrap();
     let bounds = passivity::bounds(10_000.0);
     let grips = passivity::edge_of_the_class();
-    println!("in {} grips at the edge of the class, 10 kHz: swings that grow, without the guard and with it", grips.len());
+    println!(
+        "in {} grips at the edge of the class, 10 kHz: swings that grow, without the guard and with it",
+        grips.len()
+    );
     let row = |what: String, inertia: f64, stiffness_mnm_rad: f64, gains: RenderGains| {
         let told = [f64::INFINITY, gains.slack].map(|slack| {
             let gains = RenderGains { slack, ..gains };
@@ -70,7 +74,12 @@ fn outside() {
     }
     for times in [1.0, 4.0, 16.0, 64.0] {
         let stiffness = bounds.largest_stiffness_mnm_rad(0.035, 0.0);
-        row(format!("{times:4.1} times the largest stiffness, {stiffness:.0} mNm/rad"), 0.035, times * stiffness, gains);
+        row(
+            format!("{times:4.1} times the largest stiffness, {stiffness:.0} mNm/rad"),
+            0.035,
+            times * stiffness,
+            gains,
+        );
     }
     println!("detents without friction, pushed and let go: energy soon after and two seconds later, without the guard");
     for times in [0.5, 1.0, 1.25, 1.5, 2.0, 4.0, 8.0, 16.0] {

@@ -4,8 +4,8 @@ use biquad::Coefficients;
 use dynamics::Calibration;
 use num_complex::Complex64;
 
-use crate::control::rendering::{RenderGains, slow_part};
 use crate::control::notch;
+use crate::control::rendering::{RenderGains, slow_part};
 
 /// What the virtual body is, as far as small motions go.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +103,8 @@ impl Port {
         let command_of_rotor = hold * (forward * body_of_rotor - drive_of_rotor);
         // Rotor: (J·s² + b·s)·θ = command − Ts, so that Ts = rotor·θ.
         let rotor = (command_of_rotor - self.motor_inertia * s * s - self.viscous * s) / (1.0 - command_of_sensor);
-        let inertia = self.motor_inertia * self.gripper_inertia / (self.motor_inertia + self.gripper_inertia).max(1e-12);
+        let inertia =
+            self.motor_inertia * self.gripper_inertia / (self.motor_inertia + self.gripper_inertia).max(1e-12);
         let sensor = self.stiffness_mnm_rad
             + s * 2.0 * SENSOR_DAMPING_RATIO * (self.stiffness_mnm_rad * inertia.max(1e-6)).sqrt();
         // Ts = sensor·(θ − θg) = rotor·θ.

@@ -3,7 +3,7 @@
 use dynamics::{Model, Motion, knobs::Fixture};
 use hal::Apparatus as _;
 use hal::simulated::{Hand, RigParameters, SimulatedRig};
-use rt_loop::control::rendering::{Felt, RenderGains, RenderedModel, Rendered, Renderer};
+use rt_loop::control::rendering::{Felt, RenderGains, Rendered, RenderedModel, Renderer};
 
 /// Torque of the simulated motor, mNm: commands are clipped to it, as the loop does.
 const MOTOR_MNM: f64 = 360.8;

@@ -5,5 +5,5 @@
 mod held_knob;
 mod passivity;
 mod random_knob;
-mod swaps;
 mod sticking;
+mod swaps;

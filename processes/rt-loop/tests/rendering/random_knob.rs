@@ -32,7 +32,8 @@ pub fn random_knob(numbers: &mut Numbers, largest_inertia: f64) -> Model {
         knob.effects.push(Effect::new(&effects::friction::KIND, &[coulomb, coulomb, viscous, viscous]));
         if numbers.unit() < 0.5 {
             let borne = coulomb * (1.0 + 2.0 * numbers.unit());
-            knob.effects.push(Effect::new(&effects::karnopp_stick::KIND, &[borne, borne, numbers.between(0.003, 0.05)]));
+            knob.effects
+                .push(Effect::new(&effects::karnopp_stick::KIND, &[borne, borne, numbers.between(0.003, 0.05)]));
         }
     }
     if numbers.unit() < 0.7 {

@@ -42,10 +42,8 @@ impl RenderedModel {
     /// # Errors
     /// [`Unrenderable`].
     pub fn new(model: &Model, calibration: &Calibration) -> Result<Self, Unrenderable> {
-        let unrenderable = model
-            .effects
-            .iter()
-            .find(|effect| matches!(effect.kind().part, Part::Coupling(_) | Part::Bristles(_)));
+        let unrenderable =
+            model.effects.iter().find(|effect| matches!(effect.kind().part, Part::Coupling(_) | Part::Bristles(_)));
         if let Some(effect) = unrenderable {
             return Err(Unrenderable::Effect { effect: effect.kind().name });
         }

@@ -121,7 +121,9 @@ impl Rendered {
     #[must_use]
     pub fn flags(&self) -> u32 {
         let bit = |set: bool, bit: u32| if set { bit } else { 0 };
-        bit(self.begins_another, Sample::MODEL_TAKEN) | bit(self.stuck, Sample::STUCK) | bit(self.guarded, Sample::GUARDED)
+        bit(self.begins_another, Sample::MODEL_TAKEN)
+            | bit(self.stuck, Sample::STUCK)
+            | bit(self.guarded, Sample::GUARDED)
     }
 }
 
@@ -210,13 +212,14 @@ impl Renderer {
         self.catch_up(elapsed_ticks, velocity_rad_s, step_s);
         let begins_another = self.fade.advance(step_s);
         let start = self.body;
-        let way_rad = measurement.angle_rad - self.previous_angle_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
+        let way_rad = measurement.angle_rad
+            - self.previous_angle_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
         let correction_mnm = self.observer.correction_mnm(way_rad, step_s);
         // The sensor reads what the rig puts into the gripper; the hand puts in the opposite.
         let slow_mnm = self.slow.run(self.torque_zero_mnm - measurement.torque_mnm);
         let ahead_rad = measurement.angle_rad + self.gains.lead_s * velocity_rad_s - start.angle_rad;
-        let spring_mnm = self.gains.stiffness_mnm_rad * ahead_rad
-            + self.gains.damping * (velocity_rad_s - start.velocity_rad_s);
+        let spring_mnm =
+            self.gains.stiffness_mnm_rad * ahead_rad + self.gains.damping * (velocity_rad_s - start.velocity_rad_s);
         let coupling_mnm = self.notch.as_mut().map_or(spring_mnm, |notch| notch.run(spring_mnm));
         // The body feels no more than the motor can pass on: otherwise a clipped command would give out energy.
         let drive_mnm = (slow_mnm + coupling_mnm).clamp(-self.motor_torque_mnm, self.motor_torque_mnm);

@@ -65,9 +65,8 @@ impl VirtualBody {
         }
         let (Contact::BreakingAway(direction) | Contact::Sliding(direction)) = self.contact else { return 0.0 };
         let start_rad_s = self.velocity_rad_s;
-        let coming_to_rest = matches!(self.contact, Contact::Sliding(_))
-            && held
-            && start_rad_s.abs() < limits.velocity_rad_s;
+        let coming_to_rest =
+            matches!(self.contact, Contact::Sliding(_)) && held && start_rad_s.abs() < limits.velocity_rad_s;
         let end_rad_s = if coming_to_rest {
             let braking_mnm = match direction {
                 Direction::Negative => -limits.negative_mnm,
