@@ -32,19 +32,12 @@ pub struct Calibration {
     pub torque_step_mnm: f64,
     /// Step of the acceleration channel, rad/s².
     pub acceleration_step_rad_s2: f64,
-    /// The motor's own friction; `None` where it was never measured.
+    /// Coulomb friction of the motor, its brushes and bearings, mNm; `None` where it was never measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub motor_friction: Option<MotorFriction>,
-}
-
-/// Friction of the motor, its brushes and bearings: what a command must overcome before anything reaches the sensor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MotorFriction {
-    /// Coulomb friction, the same in both directions, mNm.
-    pub coulomb_mnm: f64,
-    /// Viscous friction, mNm·s/rad.
-    pub viscous: f64,
+    pub motor_coulomb_mnm: Option<f64>,
+    /// Viscous friction of the motor, mNm·s/rad; `None` where it was never measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motor_viscous: Option<f64>,
 }
 
 /// A calibration that cannot be read.

@@ -1,6 +1,6 @@
 //! What the simulated rig says of itself.
 
-use dynamics::{Calibration, MotorFriction};
+use dynamics::Calibration;
 
 use super::RigParameters;
 use super::noise::Noise;
@@ -47,9 +47,7 @@ fn calibration(parameters: &RigParameters, seed: u64) -> Calibration {
         angle_step_rad: parameters.angle_step_rad,
         torque_step_mnm: parameters.torque_step_mnm,
         acceleration_step_rad_s2: parameters.acceleration_step_rad_s2,
-        motor_friction: Some(MotorFriction {
-            coulomb_mnm: measured(parameters.motor_coulomb_mnm),
-            viscous: measured(parameters.motor_viscous),
-        }),
+        motor_coulomb_mnm: Some(measured(parameters.motor_coulomb_mnm)),
+        motor_viscous: Some(measured(parameters.motor_viscous)),
     }
 }

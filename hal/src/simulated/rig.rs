@@ -77,7 +77,7 @@ impl SimulatedRig {
 
     /// Torque of the hand on the gripper over the last substep, mNm, the inertia of its fingers apart.
     #[must_use]
-    pub fn hand_torque_mnm(&self) -> f64 {
+    pub fn applied_by_hand_mnm(&self) -> f64 {
         self.applied_by_hand_mnm
     }
 

@@ -56,6 +56,9 @@ fn slot<'a>(calibration: &'a mut Calibration, quantity: &str) -> Option<&'a mut 
         "acceleration_delay_s" => &mut calibration.acceleration_delay_s,
         "gravity_amplitude_rad_s2" => &mut calibration.gravity_amplitude_rad_s2,
         "gravity_phase_rad" => &mut calibration.gravity_phase_rad,
+        "motor_inertia" => &mut calibration.motor_inertia,
+        "motor_coulomb_mnm" => calibration.motor_coulomb_mnm.get_or_insert(0.0),
+        "motor_viscous" => calibration.motor_viscous.get_or_insert(0.0),
         _ => return None,
     })
 }
@@ -95,6 +98,19 @@ pub enum CalibrateError {
         expected: &'static str,
         /// What to do.
         remedy: &'static str,
+    },
+    /// No column of commands.
+    #[error(
+        "the capture has no commanded torque, from which the motor's friction is told; capture on the rig, to an archive"
+    )]
+    NoCommand,
+    /// A friction that the capture cannot tell.
+    #[error("the motor's {quantity} cannot be told: {reason}")]
+    NoFriction {
+        /// What.
+        quantity: &'static str,
+        /// Why.
+        reason: String,
     },
     /// An inertia that the capture cannot tell.
     #[error("the gripper's inertia cannot be told: {reason}")]

@@ -9,12 +9,14 @@
 //! | [`gravity`] | a slow turn of more than 360° | gravity in the acceleration signal |
 //! | [`latency`] | the gripper alone under fast sines | how late torque and acceleration come |
 //! | [`gripper`] | the gripper alone under a sweep | its inertia |
+//! | [`friction`] | the gripper alone under a sweep, with what was commanded | the motor's inertia and friction |
 //!
 //! They build on one another in this order. A capture is taken as the sensors gave it: whatever a
 //! calibration is to find is never corrected by what was believed before.
 
 mod combine;
 mod estimate;
+mod friction;
 mod gravity;
 mod gripper;
 mod latency;
@@ -23,6 +25,7 @@ mod zero;
 
 pub use combine::combine;
 pub use estimate::{CalibrateError, Calibrated, Estimate};
+pub use friction::friction;
 pub use gravity::gravity;
 pub use gripper::gripper;
 pub use latency::latency;

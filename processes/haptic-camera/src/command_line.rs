@@ -40,13 +40,14 @@ pub enum Command {
     #[command(after_help = "Example:\n  \
         haptic-camera diagnose train.csv --heldout heldout.csv --report diagnosis.html")]
     Diagnose(DiagnoseOptions),
-    /// Find the rig's zeros, gravity, delays or the gripper's inertia
+    /// Find the rig's zeros, gravity, delays, the gripper's inertia or the motor's friction
     #[command(
         after_help = "Takes given captures, or turns the rig itself (nothing on the gripper). In this order:\n  \
         haptic-camera calibrate zero --out rig.toml\n  \
         haptic-camera calibrate gravity --calibration rig.toml --out rig.toml\n  \
         haptic-camera calibrate latency --calibration rig.toml --out rig.toml\n  \
         haptic-camera calibrate gripper --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate friction --calibration rig.toml --out rig.toml\n  \
         haptic-camera capture --calibration rig.toml --knob 3"
     )]
     Calibrate(CalibrateOptions),
@@ -335,6 +336,8 @@ pub enum CalibrationKind {
     Gripper,
     /// How late torque and acceleration come, from fast sines of the gripper alone.
     Latency,
+    /// The motor's own inertia and friction, from a sweep of the gripper alone.
+    Friction,
 }
 
 /// Options of `rig-test`.

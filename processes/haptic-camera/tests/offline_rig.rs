@@ -46,17 +46,19 @@ fn a_rig_is_calibrated_step_by_step_and_the_next_run_carries_the_calibration() {
         ("torque_delay_s", 112.54e-6, 15e-6),
         ("acceleration_delay_s", 318.31e-6, 2e-6),
         ("gripper_inertia", 0.004, 2e-5),
+        ("motor_inertia", 0.0159, 3e-4),
+        ("motor_coulomb_mnm", 3.0, 0.1),
+        ("motor_viscous", 1.31e-3, 2e-3),
     ];
-    let mut first: toml::Table =
-        "motor_inertia = 0.0159\ntorque_sensor_stiffness_mnm_rad = 5e5\nangle_step_rad = 9.8e-6\n\
+    let mut first: toml::Table = "torque_sensor_stiffness_mnm_rad = 5e5\nangle_step_rad = 9.8e-6\n\
          torque_step_mnm = 0.18\nacceleration_step_rad_s2 = 2.8\n"
-            .parse()
-            .unwrap();
+        .parse()
+        .unwrap();
     for (quantity, value, _) in truth {
         first.insert(quantity.to_owned(), toml::Value::Float(0.9 * value));
     }
     std::fs::write(folder.join("rig.toml"), first.to_string()).unwrap();
-    for what in ["gravity", "latency", "gravity", "zero", "gripper"] {
+    for what in ["gravity", "latency", "gravity", "zero", "gripper", "friction"] {
         done(folder, &["calibrate", what, "--offline", "--calibration", "rig.toml", "--out", "rig.toml"]);
     }
     let text = std::fs::read_to_string(folder.join("rig.toml")).unwrap();

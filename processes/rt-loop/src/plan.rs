@@ -137,7 +137,7 @@ pub enum PlanError {
     },
     /// A rig whose own friction is not known.
     #[error(
-        "the calibration has no motor_friction, so that the rig's own friction would be felt with the model's; run \
+        "the calibration has no motor_coulomb_mnm, so that the rig's own friction would be felt with the model's; run \
          `haptic-camera calibrate friction` first"
     )]
     Uncalibrated,
@@ -281,6 +281,7 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
     let unreadable = |reason: String| PlanError::CalibrationUnreadable { path: path.to_owned(), reason };
     let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
     let known = Calibration::from_toml(&text).map_err(|error| unreadable(error.to_string()))?;
+    let [coulomb_mnm, viscous] = [known.motor_coulomb_mnm, known.motor_viscous].map(Option::unwrap_or_default);
     let checks = [
         ("motor_inertia", known.motor_inertia, known.motor_inertia > 0.0, "more than zero, and finite"),
         ("gripper_inertia", known.gripper_inertia, known.gripper_inertia >= 0.0, "zero or more, and finite"),
@@ -301,6 +302,8 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
         ),
         ("gravity_amplitude_rad_s2", known.gravity_amplitude_rad_s2, true, "finite"),
         ("gravity_phase_rad", known.gravity_phase_rad, true, "finite"),
+        ("motor_coulomb_mnm", coulomb_mnm, coulomb_mnm >= 0.0, "zero or more, and finite"),
+        ("motor_viscous", viscous, viscous >= 0.0, "zero or more, and finite"),
     ];
     match checks.into_iter().find(|(_, value, permitted, _)| !(value.is_finite() && *permitted)) {
         Some((quantity, value, _, requirement)) => {
@@ -313,7 +316,7 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
 /// The model called `name`, made ready to be rendered on the rig.
 fn make_rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
     let model = mounted_knob(name)?;
-    if rig.calibration.motor_friction.is_none() {
+    if rig.calibration.motor_coulomb_mnm.is_none() {
         return Err(PlanError::Uncalibrated);
     }
     let too_slow = || PlanError::Rate {

@@ -205,7 +205,8 @@ mod tests {
             angle_step_rad: 1e-5,
             torque_step_mnm: 0.18,
             acceleration_step_rad_s2: 2.8,
-            motor_friction: None,
+            motor_coulomb_mnm: None,
+            motor_viscous: None,
         };
         let knob = KnobModel::from_fit(&knob_three()).unwrap();
         let more_mnm = knob.on_rig(&calibration).torque_mnm(0.1, 2.0, 100.0) - knob.torque_mnm(0.1, 2.0, 100.0);

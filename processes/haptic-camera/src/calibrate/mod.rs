@@ -7,7 +7,6 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use dynamics::Calibration;
-use identification::Samples;
 use identification::calibration::{self, CalibrateError, Calibrated};
 
 use crate::command_line::{CalibrateOptions, CalibrationKind, RigOptions};
@@ -43,7 +42,7 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
         };
         let told = options
             .what
-            .calibrate(&loaded.samples(), &base)
+            .calibrate(&loaded, &base)
             .with_context(|| format!("{} does not calibrate the {}", path.display(), options.what.subject()))?;
         known.get_or_insert(base);
         found.push(told);
@@ -61,8 +60,13 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
 }
 
 impl CalibrationKind {
-    fn calibrate(self, samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated, CalibrateError> {
+    fn calibrate(self, loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
+        let samples = &loaded.samples();
         match self {
+            Self::Friction => {
+                let commanded_mnm = loaded.commanded_torque_mnm().ok_or(CalibrateError::NoCommand)?;
+                calibration::friction(samples, commanded_mnm, known)
+            }
             Self::Gravity => calibration::gravity(samples, known),
             Self::Zero => calibration::zero(samples, known),
             Self::Gripper => calibration::gripper(samples, known),
@@ -77,6 +81,7 @@ impl CalibrationKind {
             Self::Zero => "zeros",
             Self::Gripper => "gripper",
             Self::Latency => "delays",
+            Self::Friction => "friction",
         }
     }
 
@@ -92,6 +97,7 @@ impl CalibrationKind {
             calibration: calibration.cloned(),
         };
         let run = match self {
+            Self::Friction => fast("linear-chirp", None, 10.0),
             Self::Gravity => fast("slow-turn", None, 15.0),
             Self::Zero => RigRun { torque: true, ..fast("hold", None, 5.0) },
             Self::Gripper | Self::Latency => fast("fast-multisine", Some(FAST_AMPLITUDE_RAD), 10.0),

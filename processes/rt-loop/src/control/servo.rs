@@ -184,7 +184,8 @@ mod tests {
             angle_step_rad: 0.0,
             torque_step_mnm: 0.0,
             acceleration_step_rad_s2: 0.0,
-            motor_friction: None,
+            motor_coulomb_mnm: None,
+            motor_viscous: None,
         }
     }
 

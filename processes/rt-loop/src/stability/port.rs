@@ -53,7 +53,7 @@ impl Port {
             gains,
             motor_inertia: calibration.motor_inertia,
             gripper_inertia: calibration.gripper_inertia,
-            viscous: calibration.motor_friction.unwrap_or_default().viscous,
+            viscous: calibration.motor_viscous.unwrap_or(0.0),
             stiffness_mnm_rad: calibration.torque_sensor_stiffness_mnm_rad,
             torque_delay_s: calibration.torque_delay_s.max(0.0),
             resonance_hz: gains.notch_hz,

@@ -44,7 +44,7 @@ impl HeldKnob {
     pub fn step(&mut self) -> Rendered {
         let measurement = self.rig.read((self.time_s() * 1e9).round() as u64).unwrap();
         let truth = self.rig.truth();
-        self.work_of_hand += self.rig.hand_torque_mnm() * truth.knob_velocity_rad_s / self.rate_hz;
+        self.work_of_hand += self.rig.applied_by_hand_mnm() * truth.knob_velocity_rad_s / self.rate_hz;
         let previous_rad = self.previous_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
         let rendered = self.renderer.step(&Felt {
             measurement: &measurement,

@@ -8,6 +8,8 @@ pub struct RenderedModel {
     model: Model,
     /// Inertia on the rig's side of the torque sensor, rotor included, mNm·s²/rad.
     inertia: f64,
+    /// The motor's viscous friction, which is felt anyway, mNm·s/rad.
+    motor_viscous: f64,
 }
 
 /// Why a model cannot be rendered at all, whatever the rig.
@@ -23,8 +25,8 @@ pub enum Unrenderable {
     },
     /// An inertia that the gripper alone already has.
     #[error(
-        "an inertia of {inertia} mNm·s²/rad cannot be rendered: gripper and rotor have {least} already; the least that \
-         would do is inertia = {least}"
+        "an inertia of {inertia} mNm·s²/rad cannot be rendered: gripper and rotor have {least:.4} already; the least that \
+         would do is inertia = {least:.4}"
     )]
     Inertia {
         /// The model's, mNm·s²/rad.
@@ -53,7 +55,11 @@ impl RenderedModel {
         }
         let mut model = model.clone();
         model.effects.retain(|effect| !matches!(effect.kind().part, Part::Reading(_) | Part::ReadingDelay(_)));
-        Ok(Self { inertia: model.inertia() - calibration.gripper_inertia, model })
+        Ok(Self {
+            inertia: model.inertia() - calibration.gripper_inertia,
+            motor_viscous: calibration.motor_viscous.unwrap_or(0.0),
+            model,
+        })
     }
 
     /// The model.
@@ -94,10 +100,15 @@ impl Forces<'_> {
 
     /// Friction while sliding in `direction`, mNm, with its sign.
     ///
-    /// A fitted law may have a negative viscous coefficient and drive beyond some speed; rendered friction never drives.
+    /// The motor's viscous friction does a part of it. A fitted law may have a negative viscous coefficient and drive beyond some
+    /// speed; rendered friction never drives, so that the motor's is all that a model without friction has: it is what damps its
+    /// detents, whose delay gives out energy at every swing (the b of Colgate and Schenkel's b > K·T/2).
     pub(super) fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
         let sign = direction.sign();
-        self.mixed(|rendered| sign * (sign * rendered.model.friction_mnm(motion, direction)).max(0.0))
+        self.mixed(|rendered| {
+            let felt_anyway_mnm = rendered.motor_viscous * motion.velocity_rad_s;
+            sign * (sign * (rendered.model.friction_mnm(motion, direction) - felt_anyway_mnm)).max(0.0)
+        })
     }
 
     /// What the body bears at rest.

@@ -134,9 +134,6 @@ pub struct Renderer {
     motor_inertia: f64,
     motor_torque_mnm: f64,
     /// The motor's own Coulomb friction, which the knob is not to have, mNm.
-    ///
-    /// Its viscous friction is left in: it is little beside a knob's, and it is all that damps a detent without friction, whose
-    /// delay gives out energy at every swing (the b of Colgate and Schenkel's b > K·T/2).
     coulomb_mnm: f64,
     torque_zero_mnm: f64,
     notch: Option<DirectForm2Transposed<f64>>,
@@ -161,7 +158,7 @@ impl Renderer {
             gains,
             motor_inertia: calibration.motor_inertia,
             motor_torque_mnm,
-            coulomb_mnm: calibration.motor_friction.unwrap_or_default().coulomb_mnm,
+            coulomb_mnm: calibration.motor_coulomb_mnm.unwrap_or(0.0),
             torque_zero_mnm: calibration.torque_zero_mnm,
             notch: notch(gains.notch_hz, gains.notch_depth, gains.notch_width, rate_hz).map(DirectForm2Transposed::new),
             slow: DirectForm2Transposed::new(slow_part(gains.slow_edge_hz, gains.slow_damping, rate_hz)?),
