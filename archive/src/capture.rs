@@ -95,6 +95,23 @@ impl Capture {
         self.angle_rad.is_empty()
     }
 
+    /// Whether the rig rendered a model and a hand turned the gripper.
+    #[must_use]
+    pub fn is_rendered(&self) -> bool {
+        self.description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some())
+    }
+
+    /// The capture with the torque that the knob takes, whoever drives: of a rendering that is minus what the sensor reads, and
+    /// the motor's command drives nothing. Its calibration is to be taken as the hand sees it.
+    #[must_use]
+    pub fn of_knob(mut self) -> Self {
+        if self.is_rendered() {
+            self.torque_mnm.iter_mut().for_each(|torque_mnm| *torque_mnm = -*torque_mnm);
+            self.commanded_torque_mnm = None;
+        }
+        self
+    }
+
     /// Ticks between the first row and the last at which there is no row, whatever the reason.
     #[must_use]
     pub fn ticks_without_sample(&self) -> u64 {

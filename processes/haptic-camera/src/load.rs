@@ -23,7 +23,7 @@ impl LoadedCapture {
     /// # Errors
     /// One sentence on what is wrong with the file.
     pub fn load(path: &Path) -> anyhow::Result<Self> {
-        let mut capture = Capture::load(path)?;
+        let capture = Capture::load(path)?.of_knob();
         let calibration = capture
             .attached_text(attachment::CALIBRATION)
             .filter(|text| !text.is_empty())
@@ -33,14 +33,9 @@ impl LoadedCapture {
             .attached_text(attachment::MODEL)
             .map(|text| Model::from_toml(text, &format!("the model in {}", path.display())))
             .transpose()?;
-        let is_rendered = capture.description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some());
-        if !is_rendered {
-            return Ok(Self { capture, calibration, truth });
-        }
-        // A hand drives: what the rendered knob takes is minus what the sensor reads, and the motor does not drive it.
-        capture.torque_mnm.iter_mut().for_each(|torque_mnm| *torque_mnm = -*torque_mnm);
-        capture.commanded_torque_mnm = None;
-        Ok(Self { capture, calibration: calibration.map(|known| known.seen_from_the_hand()), truth })
+        let seen = |known: Calibration| if capture.is_rendered() { known.seen_from_the_hand() } else { known };
+        let calibration = calibration.map(seen);
+        Ok(Self { capture, calibration, truth })
     }
 
     /// The columns that a fit takes.

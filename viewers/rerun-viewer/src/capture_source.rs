@@ -32,14 +32,16 @@ impl CaptureSource {
     /// # Errors
     /// One sentence on what is wrong with the file.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
-        let capture = Capture::load(path)?;
+        let capture = Capture::load(path)?.of_knob();
         let calibration = capture
             .attached_text(attachment::CALIBRATION)
             .filter(|text| !text.is_empty())
             .map(Calibration::from_toml)
             .transpose();
+        let seen = |known: Calibration| if capture.is_rendered() { known.seen_from_the_hand() } else { known };
         let (calibration, fit) = match calibration {
             Ok(calibration) => {
+                let calibration = calibration.map(seen);
                 let options = FitOptions { calibration: calibration.clone(), ..FitOptions::default() };
                 let fit = identification::fit(&columns(&capture), &options).map_err(|error| error.to_string());
                 (calibration, fit)

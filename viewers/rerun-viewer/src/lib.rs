@@ -40,6 +40,7 @@ pub mod palette;
 pub mod picture;
 pub mod plot_axes;
 pub mod plot_drawing;
+pub mod rendered;
 pub mod rig_source;
 pub mod scatter;
 pub mod screen;

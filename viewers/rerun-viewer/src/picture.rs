@@ -3,13 +3,14 @@
 use std::time::{Duration, Instant};
 
 use dynamics::Calibration;
-use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample};
+use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
 
 use crate::consumers::Consumers;
 use crate::decimation::{Decimator, Keep};
 use crate::entities::{self, HEALTH};
 use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::model_torque::{KnobModel, told};
+use crate::rendered::RenderedModel;
 use crate::scatter::{Abscissa, Scatter, ScatterPoint};
 use crate::signals::Signals;
 use crate::source::{Event, Reading};
@@ -46,6 +47,7 @@ pub struct Picture {
     fit_is_new: bool,
     model: Option<KnobModel>,
     calibration: Option<Calibration>,
+    rendered: Option<RenderedModel>,
     consumers: Consumers,
     signals: Signals,
     lateness: Decimator,
@@ -78,6 +80,7 @@ impl Default for Picture {
         Self {
             run_id: None,
             description: None,
+            rendered: None,
             status: None,
             fit: None,
             fit_is_new: false,
@@ -145,6 +148,7 @@ impl Picture {
                 self.fit_is_new = true;
             }
             Event::Fit(_) => {}
+            Event::ModelChange(change) => self.take_in_model(change),
             Event::Health(health) => self.take_in_health(health),
             Event::Samples { run_id, samples } => {
                 self.turn_to_run(run_id);
@@ -170,6 +174,16 @@ impl Picture {
         }
     }
 
+    /// The model that is felt from now on; what cannot be read is not shown.
+    fn take_in_model(&mut self, change: &ModelChange) {
+        self.turn_to_run(change.run_id);
+        let Some(rate_hz) = self.rate_hz() else { return };
+        match RenderedModel::new(change, self.rendered.take(), rate_hz) {
+            Ok(rendered) => self.rendered = Some(rendered),
+            Err(error) => tracing::error!("a rendered model is not shown: {error}"),
+        }
+    }
+
     /// A run of another identity begins with an empty picture.
     fn turn_to_run(&mut self, run_id: u64) {
         if self.run_id.is_some_and(|shown| shown != run_id) {
@@ -183,6 +197,9 @@ impl Picture {
     fn take_in_sample(&mut self, sample: &Sample, rate_hz: f64) {
         let time_ns = nanoseconds(sample.time_s(rate_hz));
         let Sample { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, .. } = *sample;
+        // Of a rendered knob the sensor reads minus what it takes from the hand.
+        let is_rendered = self.description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some());
+        let torque_mnm = if is_rendered { -torque_mnm } else { torque_mnm };
         let turning_positive = velocity_rad_s > 0.0;
         let reading = Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, turning_positive };
         self.take_in_reading(&reading, SCATTER_RATE_HZ / rate_hz);
@@ -307,6 +324,7 @@ impl Picture {
             description: self.description.as_ref(),
             status: self.status.as_ref(),
             fit: self.fit.as_ref(),
+            rendered: self.rendered.as_ref(),
             ranges: self.signals.ranges(),
             consumers: &self.consumers,
             time_s: self.newest.map(|newest| seconds(newest.time_ns)),
@@ -319,7 +337,8 @@ impl Picture {
 fn calibration(description: &RunDescription) -> Option<Calibration> {
     let text = &description.calibration_toml;
     let read = (!text.is_empty()).then(|| Calibration::from_toml(text))?;
-    read.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}")).ok()
+    let known = read.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}")).ok()?;
+    Some(if description.rendered_model_toml.is_some() { known.seen_from_the_hand() } else { known })
 }
 
 /// Whether it is time, and if so when it is next.

@@ -3,7 +3,7 @@
 use anyhow::Context as _;
 use consumer::Health;
 use shared_types::services::{self, MessagePublisher, MessageSubscriber, RigNode, SampleSubscriber};
-use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, RunDescription, Sample};
+use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, Sample};
 
 use crate::source::{Event, Source};
 
@@ -11,6 +11,7 @@ use crate::source::{Event, Source};
 pub struct RigSource {
     samples: SampleSubscriber,
     description: MessageSubscriber<[u8]>,
+    models: MessageSubscriber<[u8]>,
     status: MessageSubscriber<LoopStatus>,
     fits: MessageSubscriber<FitUpdate>,
     health: MessageSubscriber<ProcessHealth>,
@@ -40,6 +41,7 @@ impl RigSource {
         Ok(Self {
             samples: services::sample_subscriber(&node)?,
             description: services::description_subscriber(&node)?,
+            models: services::model_subscriber(&node)?,
             status: services::LOOP_STATUS.subscriber(&node)?,
             fits: services::FIT_UPDATES.subscriber(&node)?,
             health: services::PROCESS_HEALTH.subscriber(&node)?,
@@ -64,6 +66,12 @@ impl Source for RigSource {
             match serde_json::from_slice::<RunDescription>(json.payload()) {
                 Ok(description) => take_in(Event::Description(&description)),
                 Err(error) => tracing::error!("the run's description cannot be read and is not shown: {error}"),
+            }
+        }
+        while let Some(json) = self.models.receive()? {
+            match serde_json::from_slice::<ModelChange>(json.payload()) {
+                Ok(change) => take_in(Event::ModelChange(&change)),
+                Err(error) => tracing::error!("a rendered model cannot be read and is not shown: {error}"),
             }
         }
         while let Some(status) = self.status.receive()? {

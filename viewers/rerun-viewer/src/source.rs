@@ -1,6 +1,6 @@
 //! Where samples, fits and health come from.
 
-use shared_types::{FitUpdate, LoopStatus, ProcessHealth, RunDescription, Sample};
+use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
 
 use crate::model_torque::KnobModel;
 
@@ -46,6 +46,8 @@ pub enum Event<'a> {
     Status(&'a LoopStatus),
     /// The model fitted so far.
     Fit(&'a FitUpdate),
+    /// The model that a replay renders from some tick on.
+    ModelChange(&'a ModelChange),
     /// A consumer's word about itself.
     Health(&'a ProcessHealth),
     /// Consecutive samples of a finished capture.

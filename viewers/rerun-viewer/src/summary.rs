@@ -7,6 +7,7 @@ use shared_types::{Estimate, Fault, FitUpdate, LoopState, LoopStatus, RunDescrip
 use crate::consumers::Consumers;
 use crate::entities::{PARAMETERS, SIGNALS};
 use crate::model_torque::told;
+use crate::rendered::RenderedModel;
 
 /// What the text is made of.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +18,8 @@ pub struct Facts<'a> {
     pub status: Option<&'a LoopStatus>,
     /// The model fitted so far.
     pub fit: Option<&'a FitUpdate>,
+    /// The model that is rendered.
+    pub rendered: Option<&'a RenderedModel>,
     /// Smallest and largest value of each signal over the last seconds.
     pub ranges: [(&'static str, Option<(f64, f64)>); SIGNALS.len()],
     /// The other processes.
@@ -34,6 +37,9 @@ pub fn markdown(facts: &Facts<'_>) -> String {
     head(&mut text, facts);
     if let Some(status) = facts.status {
         control_loop(&mut text, status);
+    }
+    if let Some(rendered) = facts.rendered {
+        rendered.markdown(&mut text);
     }
     if let Some(fit) = facts.fit {
         parameters(&mut text, fit);

@@ -1,0 +1,90 @@
+//! `replay` without a clock: the proof of a rendering, and what is refused.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn replay(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
+        .args(["replay", "--offline"])
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// A model of an inertia and of what is given besides.
+fn model(folder: &Path, inertia: &str, besides: &str) {
+    let text = format!("name = \"tried\"\n[[effects]]\neffect = \"inertia\"\ninertia = {inertia}\n{besides}");
+    std::fs::write(folder.join("model.toml"), text).unwrap();
+}
+
+fn refused(folder: &Path, arguments: &str) -> String {
+    let output = replay(folder, arguments);
+    let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+    assert_eq!(output.status.code(), Some(1), "{arguments}: {said}");
+    assert_eq!(said.lines().count(), 1, "one sentence: {said}");
+    assert!(!folder.join("captures").read_dir().is_ok_and(|mut files| files.next().is_some()), "nothing is captured");
+    said
+}
+
+#[test]
+fn a_rendered_knob_captured_from_its_replay_is_its_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = replay(folder.path(), "4 --verify --json result.json");
+    let result: Value = serde_json::from_slice(&std::fs::read(folder.path().join("result.json")).unwrap()).unwrap();
+    let parameters = result["parameters"].as_array().unwrap();
+    assert_eq!(parameters.len(), 10, "all of the model's but the stick velocity, which shows in no torque");
+    for parameter in parameters {
+        let [intended, rendered] = ["intended", "rendered"].map(|key| parameter[key].as_f64().unwrap());
+        let [low, high] = [0, 1].map(|end| parameter["ci95"][end].as_f64().unwrap());
+        let name = parameter["name"].as_str().unwrap();
+        let limit = if name.starts_with("static_") { 0.05 } else { 0.02 };
+        let held = (low..=high).contains(&intended);
+        assert!(held || (rendered - intended).abs() < limit * intended.abs(), "{parameter}");
+    }
+    let [error, torque] = ["torque_error_rms_mnm", "torque_rms_mnm"].map(|key| result[key].as_f64().unwrap());
+    assert!(error < 0.05 * torque, "{error} of {torque} mNm");
+    assert!(result["held_still"]["encoder_steps"].as_f64().unwrap() < 1.0, "{result}");
+    assert_eq!(result["added"]["verdict"], "none");
+    assert_eq!(output.status.code(), Some(0));
+}
+
+#[test]
+fn what_the_rig_cannot_render_is_refused_with_the_nearest_that_would_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let tried = |inertia: &str, besides: &str| {
+        model(folder, inertia, besides);
+        refused(folder, "model.toml")
+    };
+    let detent = |amplitude: f64, period: f64| {
+        format!(
+            "[[effects]]\neffect = \"detent\"\ndetent_amplitude = {amplitude}\ndetent_period = {period}\ndetent_phase = 0.0\n"
+        )
+    };
+    assert!(tried("0.01", "").contains("inertia = 0.0199"));
+    assert!(tried("4.0", "").contains("the inertia is 4.0000 mNm·s²/rad, but the rig renders at most 0.3247"));
+    assert!(tried("nan", "").contains("nan"));
+    assert!(tried("0.05", &detent(400.0, 10.0)).contains("the largest torque is 400.0"));
+    assert!(tried("0.05", &detent(40.0, 0.01)).contains("the steepest rise of torque over angle is 4000.0"));
+    let gap = "[[effects]]\neffect = \"backlash\"\nbacklash_half_gap = 0.01\nbacklash_inner_share = 0.5\n\
+               backlash_stiffness = 1e5\nbacklash_damping = 2.0\n";
+    assert!(tried("0.05", gap).contains("'backlash' cannot be rendered"));
+    assert!(refused(folder, "3 --rate-hz 3000").contains("5000 to 20000 Hz"));
+    assert!(refused(folder, "7").contains("no shipped knob 7"));
+    assert!(refused(folder, "3 --hand backwards").contains("no sweep 'backwards'"));
+}
+
+#[test]
+fn a_rig_whose_own_friction_is_unknown_renders_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let calibration = "gripper_inertia = 0.004\nmotor_inertia = 0.0159\ntorque_sensor_stiffness_mnm_rad = 5e5\n\
+        torque_zero_mnm = 0.6\ntorque_delay_s = 0.0\nacceleration_zero_rad_s2 = 0.0\nacceleration_delay_s = 0.0\n\
+        gravity_amplitude_rad_s2 = 490.5\ngravity_phase_rad = 0.7\nangle_step_rad = 9.8e-6\ntorque_step_mnm = 0.18\n\
+        acceleration_step_rad_s2 = 2.8\n";
+    std::fs::write(folder.path().join("rig.toml"), calibration).unwrap();
+    assert!(refused(folder.path(), "3 --calibration rig.toml").contains("calibrate friction"));
+}

@@ -1,0 +1,74 @@
+//! The model that a replay renders, as the text beside the plots shows it.
+
+use std::fmt::Write as _;
+
+use dynamics::{Model, ModelError};
+use shared_types::ModelChange;
+
+use crate::summary::three_digits;
+
+/// The model that is felt, and what was turned of it last.
+#[derive(Clone, Debug)]
+pub struct RenderedModel {
+    model: Model,
+    before: Option<Model>,
+    from_s: f64,
+}
+
+impl RenderedModel {
+    /// The model of `change`, which gives way to `before`.
+    ///
+    /// # Errors
+    /// What is wrong with the model's text.
+    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    pub fn new(change: &ModelChange, before: Option<Self>, rate_hz: f64) -> Result<Self, ModelError> {
+        let model = Model::from_toml(&change.model_toml, "the rendered model")?;
+        Ok(Self { model, before: before.map(|before| before.model), from_s: change.tick as f64 / rate_hz })
+    }
+
+    /// Its parameters as a table; values that were turned stand out, with what they were.
+    pub fn markdown(&self, text: &mut String) {
+        let _ = writeln!(
+            text,
+            "| rendered: {}, from {:.1} s on | value | before |\n|---|---:|---:|",
+            self.model.name, self.from_s
+        );
+        for (parameter, value) in self.model.parameters() {
+            let before = self.before.as_ref().and_then(|before| before.parameter(parameter.name));
+            let name = parameter.name.replace('_', " ");
+            let _ = match before {
+                Some(before) if before.to_bits() != value.to_bits() => {
+                    writeln!(text, "| {name}, {} | **{}** | {} |", parameter.unit, short(value), short(before))
+                }
+                _ => writeln!(text, "| {name}, {} | {} | |", parameter.unit, short(value)),
+            };
+        }
+        text.push('\n');
+    }
+}
+
+/// A parameter with as many digits as are read at a glance.
+fn short(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1.0 { format!("{value:.4}").replace('-', "\u{2212}") } else { three_digits(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+    use super::*;
+
+    fn change(tick: u64, inertia: f64) -> ModelChange {
+        let model_toml = format!("name = \"wheel\"\n[[effects]]\neffect = \"inertia\"\ninertia = {inertia}\n");
+        ModelChange { run_id: 1, tick, monotonic_time_ns: 0, model_toml }
+    }
+
+    #[test]
+    fn what_was_turned_stands_beside_what_it_was() {
+        let first = RenderedModel::new(&change(0, 0.05), None, 1e4).unwrap();
+        let turned = RenderedModel::new(&change(25_000, 0.07), Some(first), 1e4).unwrap();
+        let mut text = String::new();
+        turned.markdown(&mut text);
+        assert!(text.contains("rendered: wheel, from 2.5 s on"), "{text}");
+        assert!(text.contains("**0.0700** | 0.0500"), "{text}");
+    }
+}
