@@ -1,5 +1,7 @@
 //! Random knobs and hands, inside the bounds or not.
 
+use std::f64::consts::TAU;
+
 use dynamics::{Effect, Model, effects};
 use hal::simulated::{Grip, Hand, Intention};
 
@@ -38,7 +40,7 @@ pub fn random_knob(numbers: &mut Numbers, largest_inertia: f64) -> Model {
     }
     if numbers.unit() < 0.7 {
         let [amplitude, period] = [numbers.between(0.2, 80.0), numbers.between(0.01, 0.2)];
-        knob.effects.push(Effect::new(&effects::detent::KIND, &[amplitude, period, 6.283 * numbers.unit()]));
+        knob.effects.push(Effect::new(&effects::detent::KIND, &[amplitude, period, TAU * numbers.unit()]));
     }
     knob
 }
@@ -56,9 +58,9 @@ pub fn random_hand(numbers: &mut Numbers, moves_s: f64, lasts_s: f64) -> Hand {
         Grip { inertia: 0.02 * numbers.unit(), damping, stiffness_mnm_rad }
     };
     let tones: Vec<[f64; 3]> =
-        (0..4).map(|_| [numbers.between(0.01, 0.3), numbers.between(0.5, 8.0), 6.283 * numbers.unit()]).collect();
+        (0..4).map(|_| [numbers.between(0.01, 0.3), numbers.between(0.5, 8.0), TAU * numbers.unit()]).collect();
     let at = |time_s: f64| -> f64 {
-        tones.iter().map(|[size, hz, phase]| size * ((6.283 * hz * time_s + phase).sin() - phase.sin())).sum()
+        tones.iter().map(|[size, hz, phase]| size * ((TAU * hz * time_s + phase).sin() - phase.sin())).sum()
     };
     let angle_rad = (0..(lasts_s * RATE_HZ) as usize).map(|index| at((index as f64 / RATE_HZ).min(moves_s))).collect();
     Hand { grip, intention: Intention::Recorded { angle_rad, rate_hz: RATE_HZ }, begins_s: 0.05 }
