@@ -19,6 +19,7 @@
 
 pub mod admission;
 pub mod control;
+mod hand;
 mod model_exchange;
 pub mod plan;
 pub mod publisher;

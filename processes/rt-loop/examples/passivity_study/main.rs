@@ -6,6 +6,8 @@
 
 #[path = "../../tests/rendering/held_knob.rs"]
 mod held_knob;
+#[path = "../../tests/rendering/numbers.rs"]
+mod numbers;
 #[path = "../../tests/rendering/passivity.rs"]
 mod passivity;
 #[path = "../../tests/rendering/random_knob.rs"]

@@ -6,7 +6,8 @@ use rt_loop::control::rendering::RenderGains;
 use rt_loop::stability::Bounds;
 
 use crate::held_knob::{HeldKnob, held_by_springs};
-use crate::random_knob::{Numbers, random_hand, random_knob};
+use crate::numbers::Numbers;
+use crate::random_knob::{random_hand, random_knob};
 
 /// How a knob behaved in a hand that moves about for a second and then keeps still.
 #[derive(Debug)]

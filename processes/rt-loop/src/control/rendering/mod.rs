@@ -21,11 +21,14 @@
 //!   `passivity`: the guard that sees to it that the coupling gives out no energy.
 
 mod cross_fade;
+mod gains;
 mod passivity;
 mod rendered_model;
 mod renderer;
+mod slow_part;
 mod virtual_body;
 
+pub use gains::{RenderGains, SLOWEST_RATE_HZ};
 pub use rendered_model::{RenderedModel, Unrenderable};
-pub(crate) use renderer::slow_part;
-pub use renderer::{Felt, RenderGains, Rendered, Renderer, SLOWEST_RATE_HZ};
+pub use renderer::{Felt, Rendered, Renderer};
+pub(crate) use slow_part::slow_part;

@@ -1,90 +1,17 @@
 //! The rendering step: measurement in, torque for the motor out.
 
-use biquad::{Biquad as _, Coefficients, DirectForm2Transposed};
+use biquad::{Biquad as _, DirectForm2Transposed};
 use dynamics::Calibration;
 use hal::Measurement;
 use shared_types::Sample;
 
 use super::super::servo::notch;
 use super::cross_fade::CrossFade;
+use super::gains::RenderGains;
 use super::passivity::{PassivityObserver, Tick};
 use super::rendered_model::RenderedModel;
+use super::slow_part::slow_part;
 use super::virtual_body::VirtualBody;
-
-/// What holds the virtual body to the rotor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RenderGains {
-    /// Stiffness of the coupling, mNm/rad.
-    pub stiffness_mnm_rad: f64,
-    /// Damping of the coupling, mNm·s/rad.
-    pub damping: f64,
-    /// Time by which the body is ahead of the rotor, s: the torque that it feels reaches the shaft as much later.
-    ///
-    /// Without it a spring would be felt after its angle, and give out energy at every swing: the condition b > K·T/2 of
-    /// Colgate and Schenkel.
-    pub lead_s: f64,
-    /// Edge below which the hand's torque is taken from the torque sensor, Hz.
-    pub slow_edge_hz: f64,
-    /// Damping ratio of that filter.
-    pub slow_damping: f64,
-    /// Frequency of the notch, Hz.
-    pub notch_hz: f64,
-    /// Damping ratio of the notch's zeros, at the resonance of rotor and gripper: its depth.
-    pub notch_depth: f64,
-    /// Damping ratio of the notch's poles: its width.
-    pub notch_width: f64,
-    /// Energy that the coupling may give out before the guard takes it back, mNm·rad.
-    pub slack: f64,
-}
-
-/// Slowest rate at which a model is rendered, Hz: the slower of the rates of Swindells and MacLean.
-pub const SLOWEST_RATE_HZ: f64 = 5_000.0;
-/// Rate from which on the stiffer gains are safe, Hz.
-const FAST_RATE_HZ: f64 = 10_000.0;
-
-impl RenderGains {
-    /// The gains at a sample rate; `None` below [`SLOWEST_RATE_HZ`].
-    ///
-    /// Chosen from a hundred thousand drawn at random, among those under which no hand of the class can make a knob
-    /// swing, at rest or with any inertia from that of rotor and gripper alone to 0.6 mNm·s²/rad (zero exclusion,
-    /// [`Port`](crate::stability::Port)), as those that carry most of a slow load. The lead balances what remains of a spring's
-    /// delay with what an inertia gets too much of it.
-    #[must_use]
-    pub fn at_rate(rate_hz: f64) -> Option<Self> {
-        let lead_s = 0.4 / rate_hz;
-        if rate_hz >= FAST_RATE_HZ {
-            Some(Self {
-                stiffness_mnm_rad: 7_000.0,
-                damping: 68.0,
-                lead_s,
-                slow_edge_hz: 50.0,
-                slow_damping: 4.0,
-                notch_hz: 1_100.0,
-                notch_depth: 0.1,
-                notch_width: 0.8,
-                slack: SLACK,
-            })
-        } else if rate_hz >= SLOWEST_RATE_HZ {
-            Some(Self {
-                stiffness_mnm_rad: 3_000.0,
-                damping: 50.0,
-                lead_s,
-                slow_edge_hz: 30.0,
-                slow_damping: 3.0,
-                notch_hz: 1_050.0,
-                notch_depth: 0.07,
-                notch_width: 2.9,
-                slack: SLACK,
-            })
-        } else {
-            None
-        }
-    }
-}
-
-/// What the guard lets out, mNm·rad: what the coupling's spring holds at 120 mNm, more than noise and steps of the sensors
-/// make of it.
-const SLACK: f64 = 1.0;
 
 /// What a tick begins with.
 #[derive(Clone, Copy, Debug)]
@@ -239,24 +166,4 @@ impl Renderer {
 /// −1, 0 or +1.
 fn direction(velocity_rad_s: f64) -> f64 {
     if velocity_rad_s == 0.0 { 0.0 } else { velocity_rad_s.signum() }
-}
-
-/// The slow part of a torque: (2·ζ·x + 1)/(x² + 2·ζ·x + 1) of x = s/(2π·edge), by the bilinear transform.
-///
-/// What it leaves out begins with the second power of the frequency: a delay of what it passes, however small, would be felt as
-/// negative damping that grows with inertia.
-pub(crate) fn slow_part(edge_hz: f64, damping_ratio: f64, rate_hz: f64) -> Option<Coefficients<f64>> {
-    if !(edge_hz > 0.0 && edge_hz < 0.5 * rate_hz) {
-        return None;
-    }
-    let k = (std::f64::consts::PI * edge_hz / rate_hz).tan();
-    let (damped, square) = (2.0 * damping_ratio * k, k * k);
-    let scale = (1.0 + damped + square).recip();
-    Some(Coefficients {
-        b0: scale * (damped + square),
-        b1: scale * 2.0 * square,
-        b2: scale * (square - damped),
-        a1: scale * (2.0 * square - 2.0),
-        a2: scale * (1.0 - damped + square),
-    })
 }

@@ -1,0 +1,76 @@
+//! How firmly the virtual body is held to the rotor.
+
+/// What holds the virtual body to the rotor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderGains {
+    /// Stiffness of the coupling, mNm/rad.
+    pub stiffness_mnm_rad: f64,
+    /// Damping of the coupling, mNm·s/rad.
+    pub damping: f64,
+    /// Time by which the body is ahead of the rotor, s: the torque that it feels reaches the shaft as much later.
+    ///
+    /// Without it a spring would be felt after its angle, and give out energy at every swing: the condition b > K·T/2 of
+    /// Colgate and Schenkel.
+    pub lead_s: f64,
+    /// Edge below which the hand's torque is taken from the torque sensor, Hz.
+    pub slow_edge_hz: f64,
+    /// Damping ratio of that filter.
+    pub slow_damping: f64,
+    /// Frequency of the notch, Hz.
+    pub notch_hz: f64,
+    /// Damping ratio of the notch's zeros, at the resonance of rotor and gripper: its depth.
+    pub notch_depth: f64,
+    /// Damping ratio of the notch's poles: its width.
+    pub notch_width: f64,
+    /// Energy that the coupling may give out before the guard takes it back, mNm·rad.
+    pub slack: f64,
+}
+
+/// Slowest rate at which a model is rendered, Hz: the slower of the rates of Swindells and MacLean.
+pub const SLOWEST_RATE_HZ: f64 = 5_000.0;
+/// Rate from which on the stiffer gains are safe, Hz.
+const FAST_RATE_HZ: f64 = 10_000.0;
+
+impl RenderGains {
+    /// The gains at a sample rate; `None` below [`SLOWEST_RATE_HZ`].
+    ///
+    /// Near the best of a hundred thousand drawn at random (example `choose_gains`), rounded so that their neighbours are safe too: under none of
+    /// them can a hand of the class make a knob swing, at rest or with any inertia from that of rotor and gripper alone to 0.6
+    /// mNm·s²/rad (zero exclusion, [`Port`](crate::stability::Port)). The lead balances what remains of a spring's
+    /// delay with what an inertia gets too much of it.
+    #[must_use]
+    pub fn at_rate(rate_hz: f64) -> Option<Self> {
+        let lead_s = 0.4 / rate_hz;
+        if rate_hz >= FAST_RATE_HZ {
+            Some(Self {
+                stiffness_mnm_rad: 7_000.0,
+                damping: 68.0,
+                lead_s,
+                slow_edge_hz: 50.0,
+                slow_damping: 4.0,
+                notch_hz: 1_100.0,
+                notch_depth: 0.1,
+                notch_width: 0.8,
+                slack: SLACK,
+            })
+        } else if rate_hz >= SLOWEST_RATE_HZ {
+            Some(Self {
+                stiffness_mnm_rad: 3_000.0,
+                damping: 50.0,
+                lead_s,
+                slow_edge_hz: 30.0,
+                slow_damping: 3.0,
+                notch_hz: 1_050.0,
+                notch_depth: 0.07,
+                notch_width: 2.9,
+                slack: SLACK,
+            })
+        } else {
+            None
+        }
+    }
+}
+
+/// What the guard lets out, mNm·rad: what the coupling's spring holds at 120 mNm, more than noise and steps of the sensors
+/// make of it.
+const SLACK: f64 = 1.0;

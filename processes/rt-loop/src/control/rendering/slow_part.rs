@@ -1,0 +1,23 @@
+//! The part of the hand's torque that the motor carries.
+
+use biquad::Coefficients;
+
+/// The slow part of a torque: (2·ζ·x + 1)/(x² + 2·ζ·x + 1) of x = s/(2π·edge), by the bilinear transform.
+///
+/// What it leaves out begins with the second power of the frequency: a delay of what it passes, however small, would be felt as
+/// negative damping that grows with inertia.
+pub(crate) fn slow_part(edge_hz: f64, damping_ratio: f64, rate_hz: f64) -> Option<Coefficients<f64>> {
+    if !(edge_hz > 0.0 && edge_hz < 0.5 * rate_hz) {
+        return None;
+    }
+    let k = (std::f64::consts::PI * edge_hz / rate_hz).tan();
+    let (damped, square) = (2.0 * damping_ratio * k, k * k);
+    let scale = (1.0 + damped + square).recip();
+    Some(Coefficients {
+        b0: scale * (damped + square),
+        b1: scale * 2.0 * square,
+        b2: scale * (square - damped),
+        a1: scale * (2.0 * square - 2.0),
+        a2: scale * (1.0 - damped + square),
+    })
+}
