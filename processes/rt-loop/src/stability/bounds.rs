@@ -8,7 +8,7 @@ use crate::control::rendering::RenderGains;
 
 /// A model that passes what the rig can render.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{what} is {value:.4} {unit}, but the rig renders {relation} {bound:.4} {unit}: {remedy}")]
+#[error("{what} is {value:.4} {unit}, but the rig renders at most {bound:.4} {unit}: {remedy}")]
 pub struct BoundExceeded {
     /// What passes its bound.
     pub what: &'static str,
@@ -18,8 +18,6 @@ pub struct BoundExceeded {
     pub bound: f64,
     /// Unit of both.
     pub unit: &'static str,
-    /// "at most" or "at least".
-    pub relation: &'static str,
     /// What to change.
     pub remedy: &'static str,
 }
@@ -99,7 +97,7 @@ impl Bounds {
             if value.is_finite() && value <= bound {
                 Ok(())
             } else {
-                Err(BoundExceeded { what, value, bound, unit, relation: "at most", remedy })
+                Err(BoundExceeded { what, value, bound, unit, remedy })
             }
         };
         let bound = self.largest_inertia(demands.least_damping);

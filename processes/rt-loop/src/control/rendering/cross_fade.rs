@@ -3,7 +3,7 @@
 use super::rendered_model::{Forces, RenderedModel};
 
 /// Time that one model takes to give way to the next, s.
-pub(super) const FADE_S: f64 = 0.25;
+const FADE_S: f64 = 0.25;
 
 /// The model that is rendered, the one that it gives way to, and the one after that.
 ///

@@ -34,9 +34,10 @@ const FAST_RATE_HZ: f64 = 10_000.0;
 impl RenderGains {
     /// The gains at a sample rate; `None` below [`SLOWEST_RATE_HZ`].
     ///
-    /// Near the best of a hundred thousand drawn at random (example `choose_gains`), rounded so that their neighbours are safe too: under none of
-    /// them can a hand of the class make a knob swing, at rest or with any inertia from that of rotor and gripper alone to 0.6
-    /// mNm·s²/rad (zero exclusion, [`Port`](crate::stability::Port)). The lead balances what remains of a spring's
+    /// Chosen among gains drawn at random (example `choose_gains`) under which no hand of the class can make a knob swing, at rest or
+    /// with any inertia from that of rotor and gripper alone to 0.6 mNm·s²/rad (zero exclusion,
+    /// [`Port`](crate::stability::Port)). They are not those that carry most of a slow load, which is up to 1.8 times as much:
+    /// these are rounded, and gains beside them were found safe too. The lead balances what remains of a spring's
     /// delay with what an inertia gets too much of it.
     #[must_use]
     pub fn at_rate(rate_hz: f64) -> Option<Self> {

@@ -11,7 +11,7 @@
 //! A virtual body has all that the model has and moves by the model's own equation. It is held to the rotor by a virtual
 //! coupling, the servo's spring and damper (J. E. Colgate, M. C. Stanley and J. M. Brown, *Issues in the haptic display of
 //! tool use*, IROS 1995): whatever the model is, the motor sees no more than that coupling, and a body that is integrated
-//! passively behind it cannot shake it. A coupling alone would give way by torque over stiffness, 40 mrad under the static
+//! passively behind it cannot shake it. A coupling alone would give way by torque over stiffness, 21 mrad under the static
 //! friction of a stiff knob. So the slow part of what the torque sensor measures is taken from the hand to the body
 //! directly, and the motor carries it: then the coupling only carries what is fast, and a knob that sticks stands still.
 //!

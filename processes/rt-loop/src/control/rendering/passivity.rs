@@ -12,8 +12,6 @@
 pub(super) struct PassivityObserver {
     /// Energy put in that was neither kept by the model nor given out again, mNm·rad.
     balance: f64,
-    /// Least of it so far, mNm·rad.
-    least: f64,
     /// What was commanded for the present tick to feel like the model, mNm.
     rendered_mnm: f64,
     /// Kinetic energy of the virtual body beyond the rotor's, mNm·rad.
@@ -36,14 +34,13 @@ pub(super) struct Tick {
 impl PassivityObserver {
     /// An observer that permits `slack`, mNm·rad, to come out and damps with at most `most_damping`, mNm·s/rad.
     pub(super) fn new(slack: f64, most_damping: f64) -> Self {
-        Self { balance: 0.0, least: 0.0, rendered_mnm: 0.0, kinetic: 0.0, slack, most_damping }
+        Self { balance: 0.0, rendered_mnm: 0.0, kinetic: 0.0, slack, most_damping }
     }
 
     /// Torque on the rotor that takes back what came out too much, mNm, after the rotor went on by `way_rad`.
     pub(super) fn correction_mnm(&mut self, way_rad: f64, step_s: f64) -> f64 {
         // What was dissipated long ago is no excuse for what comes out now.
         self.balance = (self.balance - self.rendered_mnm * way_rad).min(self.slack);
-        self.least = self.least.min(self.balance);
         let missing = -(self.balance + self.slack);
         if missing <= 0.0 || way_rad == 0.0 {
             return 0.0;
@@ -57,10 +54,5 @@ impl PassivityObserver {
         self.balance -= tick.work + tick.kinetic - self.kinetic;
         self.kinetic = tick.kinetic;
         self.rendered_mnm = tick.rendered_mnm;
-    }
-
-    /// Most energy that came out beyond what the model gives, mNm·rad.
-    pub(super) fn given_out(&self) -> f64 {
-        (-self.least).max(0.0)
     }
 }

@@ -114,12 +114,6 @@ impl Renderer {
         self.fade.retired()
     }
 
-    /// Most energy that the coupling gave out so far, mNm·rad.
-    #[must_use]
-    pub fn given_out(&self) -> f64 {
-        self.observer.given_out()
-    }
-
     /// After a stall a body that slides goes on with the rotor, which nobody held meanwhile: the coupling would make up for
     /// the whole way at once. One that sticks stays where it is.
     #[allow(clippy::cast_precision_loss, reason = "a stall is a small number of ticks")]
