@@ -1,6 +1,8 @@
 //! The five knobs of Swindells and MacLean 2007, with the values of their Tables 5 and 6, and what
 //! a rig is tried with instead of a knob.
 
+use std::path::Path;
+
 use crate::{Model, ModelError};
 
 const FILES: [&str; 5] = [
@@ -22,6 +24,17 @@ pub fn paper_knob(number: u32) -> Result<Model, ModelError> {
     let text = (1..=5).contains(&number).then(|| FILES[number as usize - 1]);
     let text = text.ok_or(ModelError::UnknownKnob { number })?;
     Model::from_toml(text, &format!("knob {number}"))
+}
+
+/// The model that an operator names: the number of a shipped knob, or a model file.
+///
+/// # Errors
+/// [`ModelError`], for a number that no shipped knob has and a file that is no model.
+pub fn named(name: &str) -> Result<Model, ModelError> {
+    match name.parse::<u32>() {
+        Ok(number) => paper_knob(number),
+        Err(_) => Model::load(Path::new(name)),
+    }
 }
 
 /// What a rig is tried with instead of a knob.

@@ -2,7 +2,7 @@
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use dynamics::{Effect, Model, effects};
+use dynamics::{Effect, Model, Motion, effects};
 
 /// A fitted parameter, or the reason why the data cannot tell it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -113,6 +113,15 @@ pub struct Point {
     pub torque_model_ci95_mnm: f64,
     /// Measured minus model, mNm.
     pub residual_mnm: f64,
+}
+
+impl Point {
+    /// Its motion, as a model takes it.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        let Self { t_s: time_s, angle_rad, velocity_rad_s, acceleration_rad_s2, .. } = *self;
+        Motion { time_s, angle_rad, velocity_rad_s, acceleration_rad_s2 }
+    }
 }
 
 /// How the data were prepared: every choice that the fit made by itself.

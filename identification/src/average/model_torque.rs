@@ -1,6 +1,6 @@
 //! How far the combined model's torque is uncertain.
 
-use dynamics::{Model, Motion};
+use dynamics::Model;
 
 use super::mean_of;
 use crate::estimate::{Fit, Point};
@@ -17,12 +17,7 @@ pub(super) fn mean_half_width_mnm(combined: &Fit, fits: &[Fit]) -> f64 {
     let shifted: Vec<Option<(Model, f64)>> =
         known.order.iter().enumerate().map(|(at, name)| shifted(&base, name, known.rows[at][at].sqrt())).collect();
     let half_width = |point: &Point| {
-        let motion = Motion {
-            time_s: point.t_s,
-            angle_rad: point.angle_rad,
-            velocity_rad_s: point.velocity_rad_s,
-            acceleration_rad_s2: point.acceleration_rad_s2,
-        };
+        let motion = point.motion();
         let torque_mnm = base.torque_mnm(&motion);
         let gradient: Vec<f64> = shifted
             .iter()

@@ -338,8 +338,5 @@ fn mounted_knob(name: &str) -> Result<Model, ModelError> {
     if let Some(fixture) = Fixture::named(name) {
         return fixture.model();
     }
-    match name.parse::<u32>() {
-        Ok(number) => knobs::paper_knob(number),
-        Err(_) => Model::load(&PathBuf::from(name)),
-    }
+    knobs::named(name)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use archive::{Capture, attachment};
-use dynamics::{Calibration, Model, Motion};
+use dynamics::{Calibration, Model};
 use identification::{Fit, FitOptions, Samples};
 
 use crate::capture_summary;
@@ -138,17 +138,11 @@ fn curves(fit: &Fit, calibration: Option<&Calibration>) -> Option<KnobModel> {
 fn torque(fit: &Fit, calibration: Option<&Calibration>) -> Vec<ModelTorque> {
     let zero_mnm = calibration.map_or(0.0, |known| known.torque_zero_mnm);
     let model = Model { name: String::new(), description: String::new(), effects: fit.effects().to_vec() };
-    let at = |point: &identification::Point| Motion {
-        time_s: point.t_s,
-        angle_rad: point.angle_rad,
-        velocity_rad_s: point.velocity_rad_s,
-        acceleration_rad_s2: point.acceleration_rad_s2,
-    };
     fit.points
         .iter()
         .map(|point| ModelTorque {
             time_ns: nanoseconds(point.t_s),
-            torque_mnm: model.torque_mnm(&at(point)) + zero_mnm,
+            torque_mnm: model.torque_mnm(&point.motion()) + zero_mnm,
         })
         .collect()
 }

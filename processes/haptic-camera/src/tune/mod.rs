@@ -4,8 +4,6 @@ mod changes;
 mod exchange;
 mod settings;
 
-use std::path::Path;
-
 use anyhow::Context as _;
 use dynamics::{Model, knobs};
 
@@ -39,9 +37,5 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
 
 /// The model that the operator named.
 fn chosen(name: &str) -> anyhow::Result<Model> {
-    let model = match name.parse::<u32>() {
-        Ok(number) => knobs::paper_knob(number),
-        Err(_) => Model::load(Path::new(name)),
-    };
-    model.context("nothing was changed")
+    knobs::named(name).context("nothing was changed")
 }

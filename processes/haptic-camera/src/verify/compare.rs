@@ -118,12 +118,7 @@ pub(super) fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
     let fitted = fit.model(&model.name);
     let mut sums = [0.0; 2];
     for point in &fit.points {
-        let motion = Motion {
-            time_s: point.t_s,
-            angle_rad: point.angle_rad,
-            velocity_rad_s: point.velocity_rad_s,
-            acceleration_rad_s2: point.acceleration_rad_s2,
-        };
+        let motion = point.motion();
         let intended_mnm = model.torque_mnm(&motion);
         sums[0] += (point.residual_mnm + fitted.torque_mnm(&motion) - intended_mnm).powi(2);
         sums[1] += intended_mnm * intended_mnm;

@@ -4,11 +4,11 @@ mod captures;
 mod compare;
 mod table;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
-use dynamics::{Model, knobs};
+use dynamics::knobs;
 use identification::diagnosis::Verdict;
 use serde::Serialize;
 
@@ -84,10 +84,7 @@ pub struct Added {
 /// # Errors
 /// What keeps a capture from being made, read or fitted.
 pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
-    let model = match options.model.parse::<u32>() {
-        Ok(number) => knobs::paper_knob(number)?,
-        Err(_) => Model::load(Path::new(&options.model))?,
-    };
+    let model = knobs::named(&options.model)?;
     let folder = archive_path(&options.run.out, &options.model, "verify-")?.with_extension("");
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", folder.display()))?;

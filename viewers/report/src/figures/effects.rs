@@ -80,15 +80,9 @@ impl View {
 }
 
 fn figure(view: &View, effect: &Effect, points: &[Point]) -> Figure {
-    let motion = |point: &Point| Motion {
-        time_s: point.t_s,
-        angle_rad: point.angle_rad,
-        velocity_rad_s: point.velocity_rad_s,
-        acceleration_rad_s2: point.acceleration_rad_s2,
-    };
     let dots: Vec<(f64, f64)> = thinned(points.iter(), MOST_DOTS)
         .into_iter()
-        .map(|point| ((view.of)(&motion(point)), torque_mnm(effect, &motion(point)) + point.residual_mnm))
+        .map(|point| ((view.of)(&point.motion()), torque_mnm(effect, &point.motion()) + point.residual_mnm))
         .filter(|(at, torque)| at.is_finite() && torque.is_finite())
         .collect();
     let ends =
