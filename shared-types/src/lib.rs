@@ -25,6 +25,7 @@ pub mod wire;
 pub mod clean_up;
 mod command;
 mod description;
+pub mod drill;
 mod fit_update;
 mod health;
 mod model_exchange;

@@ -50,6 +50,21 @@ pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
+/// Whether a process has not ended yet. One that has, but that nobody has reaped, does not count.
+#[must_use]
+pub fn process_exists(process_id: u32) -> bool {
+    process_state(process_id).is_some_and(|state| !matches!(state, 'Z' | 'X'))
+}
+
+/// The kernel's letter for what a process does (proc(5)): `R` runs, `S` sleeps, `D` waits for a disk, `T` is stopped,
+/// `Z` has ended; `None` when there is none of this number.
+#[must_use]
+pub fn process_state(process_id: u32) -> Option<char> {
+    let stat = std::fs::read_to_string(format!("/proc/{process_id}/stat")).ok()?;
+    // `pid (name) state ...`; the name may hold anything, brackets too.
+    stat.rsplit(')').next()?.trim_start().chars().next()
+}
+
 /// CLOCK_MONOTONIC now, ns: the clock of every `monotonic_time_ns`.
 #[must_use]
 pub fn monotonic_time_ns() -> u64 {

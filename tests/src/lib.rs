@@ -3,6 +3,8 @@
 //! Each [`Bench`] has its own runtime directory, so its shared memory and lock meet no other's. The
 //! benches of a test binary take turns, since they share the machine's cores.
 
+pub mod trials;
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Mutex, MutexGuard};
@@ -138,15 +140,15 @@ impl Bench {
     }
 }
 
-/// Where a program of the workspace lies: above the folder of the test that runs.
+/// Where a program of the workspace lies: beside the program that asks, or above the folder of the test that does.
 ///
 /// # Errors
 /// When it is not built.
 pub fn program(name: &str) -> anyhow::Result<PathBuf> {
-    let test = std::env::current_exe()?;
-    let path = test.parent().and_then(Path::parent).context("the test lies in no build folder")?.join(name);
-    ensure!(path.exists(), "{} is missing: build the whole workspace first, as scripts/test does", path.display());
-    Ok(path)
+    let own = std::env::current_exe()?;
+    let mut places = own.ancestors().skip(1).take(2).map(|folder| folder.join(name));
+    let there = places.find(|path| path.exists());
+    there.with_context(|| format!("{name} is missing: build the whole workspace first, as scripts/test does"))
 }
 
 /// The folder of recordings made by others, or `None` when it is not at hand (which is said).

@@ -6,9 +6,11 @@
 //! consumer itself in the foreground.
 
 mod health;
+mod source;
 mod stop;
 
 pub use health::Health;
+pub use source::SourceWatch;
 pub use stop::{Stop, StopError};
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::filter::LevelFilter;

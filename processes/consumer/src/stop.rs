@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nix::sys::signal::Signal;
+use shared_types::drill::{self, Drill};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// The system does not let the process listen for its end.
@@ -15,6 +16,7 @@ pub struct StopError(#[from] std::io::Error);
 #[derive(Debug)]
 pub struct Stop {
     asked: Arc<AtomicBool>,
+    drill: Option<Drill>,
 }
 
 impl Stop {
@@ -33,7 +35,7 @@ impl Stop {
             // It died between the two lines above.
             asked.store(true, Ordering::Relaxed);
         }
-        Ok(Self { asked })
+        Ok(Self { asked, drill: Drill::listen(drill::SERVING_THREAD)? })
     }
 
     /// Begins to listen in a program that the operator has in the foreground: SIGINT ends it too.
@@ -49,6 +51,9 @@ impl Stop {
     /// True once the process was told to end.
     #[must_use]
     pub fn is_asked(&self) -> bool {
+        if let Some(drill) = &self.drill {
+            drill.panic_if_told();
+        }
         self.asked.load(Ordering::Relaxed)
     }
 }

@@ -67,6 +67,10 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
             let update = update::measured(run.run_id, || fit.estimate());
             streams.publish(update)?;
         }
+        if streams.source_is_gone(run.run_id)? {
+            tracing::warn!("the control loop is gone before the run's end: the fit ends here");
+            break;
+        }
         streams.report_health()?;
         std::thread::sleep(POLL_INTERVAL);
     }

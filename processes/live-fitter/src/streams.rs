@@ -3,9 +3,11 @@
 use std::time::Duration;
 
 use anyhow::Context as _;
-use consumer::{Health, Stop};
-use shared_types::services::{self, FIT_UPDATES, MessagePublisher, PROCESS_HEALTH, RigNode, SampleSubscriber};
-use shared_types::{FitUpdate, ProcessHealth, ProcessKind, RunDescription, Sample};
+use consumer::{Health, SourceWatch, Stop};
+use shared_types::services::{
+    self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, MessageSubscriber, PROCESS_HEALTH, RigNode, SampleSubscriber,
+};
+use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, RunDescription, Sample, rig};
 
 /// The newest sample that was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +21,8 @@ pub struct Newest {
 /// The rig's streams, from the fitter's side.
 pub struct Streams {
     samples: SampleSubscriber,
+    statuses: MessageSubscriber<LoopStatus>,
+    source: SourceWatch,
     updates: MessagePublisher<FitUpdate>,
     own_health: MessagePublisher<ProcessHealth>,
     health: Health,
@@ -38,6 +42,8 @@ impl Streams {
         let node = services::attach("live-fitter")?;
         Ok(Self {
             samples: services::sample_subscriber(&node)?,
+            statuses: LOOP_STATUS.subscriber(&node)?,
+            source: SourceWatch::default(),
             updates: FIT_UPDATES.publisher(&node)?,
             own_health: PROCESS_HEALTH.publisher(&node)?,
             health: Health::new(ProcessKind::LiveFitter, restarts),
@@ -86,6 +92,20 @@ impl Streams {
             }
         }
         Ok(())
+    }
+
+    /// Whether the control loop of this run died before the run had ended: no more samples will come.
+    ///
+    /// # Errors
+    /// When its status cannot be received.
+    pub fn source_is_gone(&mut self, run_id: u64) -> anyhow::Result<bool> {
+        let now_ns = rig::monotonic_time_ns();
+        while let Some(status) = self.statuses.receive().context("the loop's status cannot be received")? {
+            if status.run_id == run_id {
+                self.source.hear(&status, now_ns);
+            }
+        }
+        Ok(self.source.is_gone(now_ns))
     }
 
     /// The newest sample taken so far.

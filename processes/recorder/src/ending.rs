@@ -1,6 +1,6 @@
 //! When a recording has come to its end.
 
-use consumer::Stop;
+use consumer::{SourceWatch, Stop};
 use shared_types::{LoopStatus, rig};
 
 use crate::recording::Recording;
@@ -9,16 +9,12 @@ use crate::recording::Recording;
 const PATIENCE_NS: u64 = 1_000_000_000;
 /// How long the last estimates and health reports are waited for after the last sample, ns.
 const AFTERMATH_NS: u64 = 200_000_000;
-/// Silence of the control loop, which reports ten times a second, after which its process is looked for, ns.
-const SILENCE_NS: u64 = 1_000_000_000;
-
 /// Watches for the end of a run. Times are CLOCK_MONOTONIC.
 #[derive(Debug)]
 pub(crate) struct Ending {
     run_id: u64,
     status: Option<LoopStatus>,
-    /// When the last status came, ns.
-    heard_ns: u64,
+    source: SourceWatch,
     /// When the last sample came, or the news that the run has ended, ns.
     news_ns: u64,
     /// When every sample of the run was here, ns.
@@ -39,7 +35,7 @@ enum Cause {
 impl Ending {
     /// Watches for the end of this run.
     pub(crate) fn of_run(run_id: u64) -> Self {
-        Self { run_id, status: None, heard_ns: 0, news_ns: 0, complete_ns: None }
+        Self { run_id, status: None, source: SourceWatch::default(), news_ns: 0, complete_ns: None }
     }
 
     /// Takes note of the control loop's status; false for one of another run.
@@ -51,7 +47,7 @@ impl Ending {
         if status.finished == 1 && !ended_before {
             self.news_ns = now_ns;
         }
-        self.heard_ns = now_ns;
+        self.source.hear(status, now_ns);
         self.status = Some(*status);
         true
     }
@@ -72,7 +68,8 @@ impl Ending {
             tracing::info!("asked to stop: the archive ends here");
             return true;
         }
-        let cause = self.cause(rig::monotonic_time_ns(), recording.next_seq(), process_exists);
+        let now_ns = rig::monotonic_time_ns();
+        let cause = self.cause(now_ns, recording.next_seq(), self.source.is_gone(now_ns));
         match cause {
             None | Some(Cause::Complete) => {}
             Some(Cause::Overdue) => tracing::warn!(
@@ -87,7 +84,7 @@ impl Ending {
         cause.is_some()
     }
 
-    fn cause(&mut self, now_ns: u64, next_seq: u64, process_exists: impl Fn(u32) -> bool) -> Option<Cause> {
+    fn cause(&mut self, now_ns: u64, next_seq: u64, source_is_gone: bool) -> Option<Cause> {
         let status = self.status?;
         if status.finished == 1 {
             if next_seq >= status.published_samples {
@@ -96,19 +93,8 @@ impl Ending {
             }
             return (now_ns.saturating_sub(self.news_ns) > PATIENCE_NS).then_some(Cause::Overdue);
         }
-        let silent = now_ns.saturating_sub(self.heard_ns) > SILENCE_NS;
-        (silent && !process_exists(status.process_id)).then_some(Cause::SourceGone)
+        source_is_gone.then_some(Cause::SourceGone)
     }
-}
-
-/// False once the process has ended, even while nobody has reaped it.
-fn process_exists(process_id: u32) -> bool {
-    let Ok(stat) = std::fs::read_to_string(format!("/proc/{process_id}/stat")) else {
-        return false;
-    };
-    // `pid (name) state ...`; the name may hold anything, brackets too.
-    let state = stat.rsplit(')').next().and_then(|rest| rest.split_whitespace().next());
-    !matches!(state, Some("Z" | "X"))
 }
 
 #[cfg(test)]
@@ -125,9 +111,9 @@ mod tests {
     fn a_run_is_complete_once_its_last_sample_is_here_and_the_last_reports_had_time() {
         let mut ending = Ending::of_run(5);
         assert!(ending.hear(&status(1, 100), SECOND));
-        assert_eq!(ending.cause(SECOND, 99, |_| true), None);
-        assert_eq!(ending.cause(2 * SECOND, 100, |_| true), None);
-        assert_eq!(ending.cause(2 * SECOND + AFTERMATH_NS + 1, 100, |_| true), Some(Cause::Complete));
+        assert_eq!(ending.cause(SECOND, 99, false), None);
+        assert_eq!(ending.cause(2 * SECOND, 100, false), None);
+        assert_eq!(ending.cause(2 * SECOND + AFTERMATH_NS + 1, 100, false), Some(Cause::Complete));
     }
 
     #[test]
@@ -136,24 +122,23 @@ mod tests {
         assert!(ending.hear(&status(1, 100), SECOND));
         ending.hear_samples(3 * SECOND);
         assert!(ending.hear(&status(1, 100), 4 * SECOND));
-        assert_eq!(ending.cause(4 * SECOND, 99, |_| true), None);
-        assert_eq!(ending.cause(4 * SECOND + 1, 99, |_| true), Some(Cause::Overdue));
+        assert_eq!(ending.cause(4 * SECOND, 99, false), None);
+        assert_eq!(ending.cause(4 * SECOND + 1, 99, false), Some(Cause::Overdue));
     }
 
     #[test]
-    fn a_silent_control_loop_is_gone_only_when_its_process_is() {
+    fn a_control_loop_that_died_ends_the_recording_unless_the_run_had_ended() {
         let mut ending = Ending::of_run(5);
-        assert_eq!(ending.cause(9 * SECOND, 0, |_| false), None, "no loop was heard yet");
+        assert_eq!(ending.cause(9 * SECOND, 0, true), None, "no loop was heard yet");
         assert!(ending.hear(&status(0, 10), SECOND));
-        assert_eq!(ending.cause(2 * SECOND, 10, |_| false), None);
-        assert_eq!(ending.cause(3 * SECOND, 10, |process| process == 77), None);
-        assert_eq!(ending.cause(3 * SECOND, 10, |_| false), Some(Cause::SourceGone));
+        assert_eq!(ending.cause(2 * SECOND, 10, false), None);
+        assert_eq!(ending.cause(2 * SECOND, 10, true), Some(Cause::SourceGone));
     }
 
     #[test]
     fn the_status_of_another_run_is_not_heard() {
         let mut ending = Ending::of_run(6);
         assert!(!ending.hear(&status(1, 0), SECOND));
-        assert_eq!(ending.cause(9 * SECOND, 0, |_| false), None);
+        assert_eq!(ending.cause(9 * SECOND, 0, true), None);
     }
 }

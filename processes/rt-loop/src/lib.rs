@@ -19,6 +19,7 @@
 
 pub mod admission;
 pub mod control;
+pub mod drilled_apparatus;
 mod hand;
 mod model_exchange;
 pub mod plan;

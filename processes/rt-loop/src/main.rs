@@ -4,15 +4,19 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc;
+use std::thread::JoinHandle;
 
 use anyhow::Context as _;
 use clap::Parser as _;
+use hal::ApparatusError;
 use rt_loop::control::ControlState;
+use rt_loop::drilled_apparatus::DrilledApparatus;
 use rt_loop::plan::{Options, Plan};
 use rt_loop::publisher::StreamPublisher;
-use rt_loop::realtime::{Permission, TickLoop, WakefulProcessors, keep_off_core};
+use rt_loop::realtime::{Permission, SharedState, TickLoop, WakefulProcessors, keep_off_core};
 use rt_loop::rig_lock::RigLock;
 use shared_types::RunDescription;
+use shared_types::drill::{self, Drill};
 
 fn main() -> ExitCode {
     tracing_subscriber::fmt()
@@ -46,7 +50,12 @@ fn run(options: &Options) -> anyhow::Result<()> {
         }
         None => (control, None),
     };
-    let (tick_loop, port) = TickLoop::new(plan.apparatus, control, plan.control.rate_hz);
+    let apparatus = match Drill::listen(drill::REAL_TIME_THREAD)? {
+        Some(drill) => Box::new(DrilledApparatus::new(plan.apparatus, drill)),
+        None => plan.apparatus,
+    };
+    let drill = Drill::listen(drill::SERVING_THREAD)?;
+    let (tick_loop, port) = TickLoop::new(apparatus, control, plan.control.rate_hz);
     let shared = Arc::clone(&port.shared);
     let (tell_permission, permission) = mpsc::channel();
     let (start, may_start) = mpsc::channel::<()>();
@@ -68,10 +77,43 @@ fn run(options: &Options) -> anyhow::Result<()> {
     let description = RunDescription { realtime: permission.granted, ..description };
     let mut publisher = StreamPublisher::new(port, &description, permission.core, admission)?;
     start.send(()).context("the real-time thread ended before it began")?;
-    publisher.serve(&stop_signal, || !real_time.is_finished());
-    shared.quit();
-    let outcome = real_time.join().map_err(|_| anyhow::anyhow!("the real-time thread panicked"))?;
-    Ok(outcome?)
+    let real_time = RunningLoop { shared, thread: Some(real_time) };
+    publisher.serve(&stop_signal, || {
+        if let Some(drill) = &drill {
+            drill.panic_if_told();
+        }
+        real_time.is_running()
+    });
+    real_time.join()
+}
+
+/// The real-time thread at work. However this thread ends, by a panic too, the loop ends first and switches the
+/// amplifier off.
+struct RunningLoop {
+    shared: Arc<SharedState>,
+    thread: Option<JoinHandle<Result<(), ApparatusError>>>,
+}
+
+impl RunningLoop {
+    fn is_running(&self) -> bool {
+        self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
+    }
+
+    fn join(mut self) -> anyhow::Result<()> {
+        self.end().unwrap_or(Ok(Ok(()))).map_err(|_| anyhow::anyhow!("the real-time thread panicked"))??;
+        Ok(())
+    }
+
+    fn end(&mut self) -> Option<std::thread::Result<Result<(), ApparatusError>>> {
+        self.shared.quit();
+        self.thread.take().map(JoinHandle::join)
+    }
+}
+
+impl Drop for RunningLoop {
+    fn drop(&mut self) {
+        let _ = self.end();
+    }
 }
 
 /// Tells the operator what will be otherwise than asked.

@@ -65,6 +65,7 @@ pub struct Picture {
     next_slow: Instant,
     next_tabs: Instant,
     source_ended: bool,
+    source_gone: bool,
     ended: bool,
 }
 
@@ -101,6 +102,7 @@ impl Default for Picture {
             next_slow: Instant::now(),
             next_tabs: Instant::now(),
             source_ended: false,
+            source_gone: false,
             ended: false,
         }
     }
@@ -140,7 +142,9 @@ impl Picture {
             Event::Status(status) => {
                 self.turn_to_run(status.run_id);
                 self.status = Some(*status);
+                self.source_gone = false;
             }
+            Event::SourceGone => self.source_gone = true,
             Event::Fit(fit) if self.run_id == Some(fit.run_id) => {
                 let knob = KnobModel::from_fit(fit);
                 self.model = knob.map(|knob| self.calibration.as_ref().map_or(knob, |known| knob.on_rig(known)));
@@ -323,6 +327,7 @@ impl Picture {
         summary::markdown(&summary::Facts {
             description: self.description.as_ref(),
             status: self.status.as_ref(),
+            source_gone: self.source_gone,
             fit: self.fit.as_ref(),
             rendered: self.rendered.as_ref(),
             ranges: self.signals.ranges(),

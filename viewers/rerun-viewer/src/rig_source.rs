@@ -1,9 +1,9 @@
 //! The running rig as a source: its shared memory, and the viewer's own health in return.
 
 use anyhow::Context as _;
-use consumer::Health;
+use consumer::{Health, SourceWatch};
 use shared_types::services::{self, MessagePublisher, MessageSubscriber, RigNode, SampleSubscriber};
-use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, Sample};
+use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, Sample, rig};
 
 use crate::source::{Event, Source};
 
@@ -20,6 +20,7 @@ pub struct RigSource {
     _node: RigNode,
     restarts: u32,
     counts: Counts,
+    source: SourceWatch,
 }
 
 /// What of the current run went through.
@@ -49,6 +50,7 @@ impl RigSource {
             _node: node,
             restarts,
             counts: Counts::of_run(0, restarts),
+            source: SourceWatch::default(),
         })
     }
 
@@ -75,7 +77,11 @@ impl Source for RigSource {
             }
         }
         while let Some(status) = self.status.receive()? {
+            self.source.hear(&status, rig::monotonic_time_ns());
             take_in(Event::Status(&status));
+        }
+        if self.source.is_gone(rig::monotonic_time_ns()) {
+            take_in(Event::SourceGone);
         }
         while let Some(fit) = self.fits.receive()? {
             take_in(Event::Fit(&fit));

@@ -44,6 +44,8 @@ pub enum Event<'a> {
     },
     /// The control loop's word about itself.
     Status(&'a LoopStatus),
+    /// The control loop died before its run had ended.
+    SourceGone,
     /// The model fitted so far.
     Fit(&'a FitUpdate),
     /// The model that a replay renders from some tick on.

@@ -16,6 +16,8 @@ pub struct Facts<'a> {
     pub description: Option<&'a RunDescription>,
     /// The control loop's word about itself.
     pub status: Option<&'a LoopStatus>,
+    /// Whether the control loop died before its run had ended.
+    pub source_gone: bool,
     /// The model fitted so far.
     pub fit: Option<&'a FitUpdate>,
     /// The model that is rendered.
@@ -60,7 +62,12 @@ fn head(text: &mut String, facts: &Facts<'_>) {
     #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
     let planned_s = *planned_ticks as f64 / rate_hz;
     let planned = if *planned_ticks > 0 { format!(" of {planned_s:.1} s") } else { String::new() };
-    let _ = writeln!(text, "### {} \u{2014} {:.1} s{planned}\n", state(facts.status), facts.time_s.unwrap_or(0.0));
+    let _ = writeln!(
+        text,
+        "### {} \u{2014} {:.1} s{planned}\n",
+        state(facts.status, facts.source_gone),
+        facts.time_s.unwrap_or(0.0)
+    );
 }
 
 /// The knob as a heading; the paper's are given by number.
@@ -68,10 +75,13 @@ pub fn knob_title(knob: &str) -> String {
     if knob.parse::<u32>().is_ok() { format!("Knob {knob}") } else { knob.to_owned() }
 }
 
-fn state(status: Option<&LoopStatus>) -> String {
+fn state(status: Option<&LoopStatus>, source_gone: bool) -> String {
     let Some(status) = status else {
         return "no control loop".to_owned();
     };
+    if source_gone {
+        return "SOURCE GONE: the control loop died".to_owned();
+    }
     match (LoopState::from_code(status.state), Fault::from_code(status.fault)) {
         (Some(LoopState::Fault), Some(fault)) => format!("FAULT: {fault}"),
         (Some(LoopState::Fault), None) => "FAULT".to_owned(),
@@ -226,7 +236,14 @@ mod tests {
     #[test]
     fn a_fault_says_its_cause() {
         let status = LoopStatus { state: LoopState::Fault.code(), fault: Fault::Speed.code(), ..LoopStatus::default() };
-        assert_eq!(state(Some(&status)), "FAULT: the speed passed the rig's limit");
+        assert_eq!(state(Some(&status), false), "FAULT: the speed passed the rig's limit");
+    }
+
+    #[test]
+    fn a_control_loop_that_died_is_not_shown_as_running() {
+        let status = LoopStatus { state: LoopState::Running.code(), ..LoopStatus::default() };
+        assert_eq!(state(Some(&status), false), "running");
+        assert!(state(Some(&status), true).contains("GONE"));
     }
 
     #[test]

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use anyhow::Context as _;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
-use shared_types::ProcessKind;
+use shared_types::{ProcessKind, rig};
 
+use super::loop_link::LoopLink;
 use crate::command_line::RunOptions;
 use crate::outcome::remark;
 
@@ -18,6 +19,12 @@ const RESTART_PAUSE: Duration = Duration::from_millis(100);
 const SHORT_LIFE: Duration = Duration::from_secs(1);
 /// Short lives in a row after which a process is given up.
 const SHORT_LIVES: u32 = 5;
+
+/// Silence of a consumer, which reports twice a second, after which it counts as hung. What it missed until it is
+/// back must still lie in the stream's history of four seconds.
+const HUNG: Duration = Duration::from_millis(2_500);
+/// A consumer may take so long until its first report.
+const FIRST_WORD: Duration = Duration::from_secs(10);
 
 /// The command that starts one of our programs, which lie beside this one.
 ///
@@ -123,6 +130,19 @@ impl Consumer {
         Ok(Self { kind, arguments, child, restarts: 0, short_lives: 0, given_up: false })
     }
 
+    /// Ends it if it hangs: it then counts as one that died. One that waits for a disk is left to wait.
+    fn end_if_hung(&mut self, link: &LoopLink) {
+        let silent = match link.silence_of(self.child.id()) {
+            Some(silence) => silence > HUNG,
+            None => self.child.age() > FIRST_WORD,
+        };
+        if silent && !self.child.has_ended() && rig::process_state(self.child.id()) != Some('D') {
+            remark(format!("{} no longer answers and is started again", self.kind.name()));
+            let _ = kill(self.child.pid(), Signal::SIGKILL);
+            self.child.wait(Duration::from_secs(1));
+        }
+    }
+
     /// Starts it again if it died. A clean end is left as it is.
     fn revive(&mut self) {
         if self.given_up || !self.child.has_ended() || self.ended_in_order() {
@@ -187,10 +207,10 @@ impl Consumers {
         Ok(Self { recorder, others })
     }
 
-    /// Starts again what has died.
-    pub(crate) fn revive(&mut self) {
-        self.recorder.revive();
-        for consumer in &mut self.others {
+    /// Starts again what has died or hangs.
+    pub(crate) fn revive(&mut self, link: &LoopLink) {
+        for consumer in self.others.iter_mut().chain([&mut self.recorder]) {
+            consumer.end_if_hung(link);
             consumer.revive();
         }
     }

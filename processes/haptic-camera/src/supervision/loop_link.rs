@@ -8,7 +8,7 @@ use shared_types::services::{
     self, ControlClient, FIT_UPDATES, LOOP_STATUS, MessageSubscriber, PROCESS_HEALTH, RigNode, TextSubscriber,
 };
 use shared_types::{
-    CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription,
+    CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig,
 };
 
 use super::FeltModel;
@@ -109,6 +109,17 @@ impl LoopLink {
     /// Whether a consumer has reported.
     pub(crate) fn has_heard_from(&self, kind: ProcessKind) -> bool {
         self.health.iter().any(|health| health.process == kind.code())
+    }
+
+    /// How long ago a consumer's process last said how it is; `None` when it never has.
+    pub(crate) fn silence_of(&self, process_id: u32) -> Option<Duration> {
+        let last = self.health.iter().find(|health| health.process_id == process_id)?;
+        Some(Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(last.monotonic_time_ns)))
+    }
+
+    /// How long ago the loop last said how it is.
+    pub(crate) fn silence_of_loop(&self) -> Duration {
+        Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(self.status.monotonic_time_ns))
     }
 
     /// Asks something of the loop.

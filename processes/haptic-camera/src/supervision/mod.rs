@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
+use shared_types::drill::{self, Drill};
 use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime};
 
 use crate::command_line::RunOptions;
@@ -29,6 +30,11 @@ const LOOP_READY: Duration = Duration::from_secs(10);
 const RECORDER_READY: Duration = Duration::from_secs(3);
 /// Longest wait for the recorder to close its archive after the run, not counting long merges.
 const RECORDER_DONE: Duration = Duration::from_secs(120);
+/// Silence of the control loop, which reports ten times a second, after which it is given up. A stall of the host is
+/// shorter; long before this the amplifier's watchdog has taken the torque away.
+const LOOP_HUNG: Duration = Duration::from_secs(10);
+/// Longest wait for the loop to take the torque down and end.
+const LOOP_ENDS: Duration = Duration::from_secs(3);
 /// Time between two looks at the run.
 const CYCLE: Duration = Duration::from_millis(20);
 
@@ -90,7 +96,7 @@ impl SupervisedRun<'_> {
         let mut control_loop = Child::start(program("rt-loop")?.args(self.loop_arguments()))?;
         let end = self.supervise(&mut control_loop, interrupted);
         // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
-        control_loop.end(Duration::from_secs(3));
+        control_loop.end(LOOP_ENDS);
         clear_shared_memory();
         end
     }
@@ -128,24 +134,38 @@ impl SupervisedRun<'_> {
         while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
             std::thread::sleep(CYCLE);
             link.listen();
-            consumers.revive();
+            consumers.revive(&link);
         }
         self.tell_start(link.status());
 
-        link.request(CommandKind::Start)?;
+        if let Err(error) = link.request(CommandKind::Start) {
+            consumers.end();
+            return Err(error);
+        }
         let mut progress = Progress::new(self.shown, self.duration_s);
         let (mut stopped_by_operator, mut loop_died) = (false, false);
+        let drill = Drill::listen(drill::SERVING_THREAD)?;
         loop {
             std::thread::sleep(CYCLE);
+            if let Some(drill) = &drill {
+                drill.panic_if_told();
+            }
             link.listen();
-            consumers.revive();
+            consumers.revive(&link);
             progress.show(&link);
             if interrupted.load(Ordering::Acquire) && !stopped_by_operator {
                 stopped_by_operator = true;
-                link.request(CommandKind::Stop)?;
+                if let Err(error) = link.request(CommandKind::Stop) {
+                    remark(format!("{error:#}"));
+                    control_loop.end(LOOP_ENDS);
+                }
             }
             if link.status().finished == 1 {
                 break;
+            }
+            if link.silence_of_loop() > LOOP_HUNG {
+                remark("the control loop no longer answers and is ended");
+                control_loop.end(LOOP_ENDS);
             }
             if control_loop.has_ended() {
                 progress.close();

@@ -106,7 +106,7 @@ impl TickLoop {
         (Self { apparatus, control, period_ns: 1e9 / rate_hz, ends, shared }, port)
     }
 
-    /// Runs until told to quit. The amplifier is on from here and off when this returns.
+    /// Runs until told to quit. The amplifier is on from here and off when this returns, and also when it panics.
     ///
     /// Nothing in here allocates, frees, locks, logs or makes a system call but the sleep in the wait.
     ///
@@ -115,12 +115,11 @@ impl TickLoop {
     pub fn run(mut self) -> Result<(), hal::ApparatusError> {
         self.apparatus.enable()?;
         self.control.arm();
-        let result = self.tick_until_quit();
-        self.apparatus.disable();
-        result
+        self.tick_until_quit();
+        Ok(())
     }
 
-    fn tick_until_quit(&mut self) -> Result<(), hal::ApparatusError> {
+    fn tick_until_quit(&mut self) {
         let origin_ns = monotonic_time_ns() + 1_000_000;
         let mut tick: u64 = 0;
         let mut push_ns = 0;
@@ -169,7 +168,6 @@ impl TickLoop {
             push_ns = saturating_u32(monotonic_time_ns() - stepped_ns);
             tick += 1;
         }
-        Ok(())
     }
 
     fn show(&self, angle_rad: f64) {
@@ -196,6 +194,13 @@ impl TickLoop {
     )]
     fn ticks_at(&self, origin_ns: u64, now_ns: u64) -> u64 {
         (now_ns.saturating_sub(origin_ns) as f64 / self.period_ns) as u64
+    }
+}
+
+impl Drop for TickLoop {
+    /// However the loop ends, the amplifier is off.
+    fn drop(&mut self) {
+        self.apparatus.disable();
     }
 }
 

@@ -1,0 +1,218 @@
+//! What came of a trial, and which promises it broke.
+
+use std::os::unix::fs::MetadataExt as _;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context as _, ensure};
+use archive::Capture;
+use nix::sys::signal::{Signal, kill};
+use shared_types::rig::monotonic_time_ns;
+use shared_types::{LoopState, ProcessKind, clean_up, drill};
+
+use super::watched::Watched;
+use super::{Evidence, Fault, Trial, Victim};
+use crate::Bench;
+
+/// How long a stopped process stays stopped.
+const STOPPED: Duration = Duration::from_secs(5);
+/// Longest time until a whole run must have ended.
+const PATIENCE: Duration = Duration::from_secs(90);
+/// Longest time until a process is back, and until a lost source is told, s.
+const PROMPT_S: f64 = 1.0;
+/// Time after which the supervisor takes a silent consumer for hung, s.
+const HUNG_S: f64 = 2.5;
+/// Time between two reports of a consumer, s.
+const REPORT_S: f64 = 0.5;
+
+/// What came of one trial.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Every promise that was broken, in words; empty is how it should be.
+    pub broken: Vec<String>,
+    /// Samples that were published and are not in the archive.
+    pub lost_samples: u64,
+    /// Time from the fault to the first report of the process that took the victim's place, s.
+    pub back_after_s: Option<f64>,
+    /// Time from the loss of the control loop until the last of supervisor and recorder had told it, s.
+    pub told_after_s: Option<f64>,
+    /// See [`Evidence::rank_of_lateness`].
+    pub lateness_rank: Option<f64>,
+    /// Ticks missed in the half second after the fault.
+    pub missed_after_fault: u64,
+    /// Ticks missed in the whole run.
+    pub missed_in_run: u64,
+    /// Memory that the rig's files held in shared memory shortly before the run's end, bytes.
+    pub shared_memory_bytes: u64,
+}
+
+impl Trial {
+    /// Makes the capture with its fault on an empty bench.
+    ///
+    /// # Errors
+    /// When the trial could not be made; a broken promise is no error.
+    pub fn run(&self, bench: &Bench) -> anyhow::Result<Outcome> {
+        let duration = format!("{}", self.duration_s);
+        let mut arguments = vec!["capture", "--duration-s", &duration, "--out", "out"];
+        if self.victim != Victim::Viewer {
+            arguments.push("--no-viewer");
+        }
+        let mut command = bench.command(&arguments)?;
+        command.env(drill::DRILL_VARIABLE, "1");
+        let program = Watched::start(command)?;
+        bench.wait_for_process(ProcessKind::Recorder.name())?;
+        std::thread::sleep(Duration::from_secs_f64(self.moment_s));
+        let victim = bench.wait_for_process(self.victim.program())?;
+        let fault_ns = monotonic_time_ns();
+        kill(victim, self.fault.signal()).context("the victim had ended by itself")?;
+        if self.fault == Fault::Stopped {
+            std::thread::sleep(STOPPED);
+            // A consumer that hung was ended by the supervisor meanwhile.
+            let _ = kill(victim, Signal::SIGCONT);
+        } else if self.victim.is_consumer() {
+            std::thread::sleep(Duration::from_secs_f64((self.duration_s - self.moment_s - 1.0).max(0.0)));
+        }
+        let shared_memory_bytes = shared_memory_bytes(&bench.path("rig"));
+        let (status, said) = program.wait(PATIENCE)?;
+        wait_until_alone(bench)?;
+
+        let mut outcome = Outcome { shared_memory_bytes, ..Outcome::default() };
+        outcome.expect_exit(self, status.code());
+        let archive = match bench.only_archive("out") {
+            Ok(archive) => archive,
+            Err(error) => {
+                outcome.broken.push(format!("{error:#}; {said:?}"));
+                return Ok(outcome);
+            }
+        };
+        let evidence = Evidence::read(&archive).context("the archive is not whole")?;
+        outcome.look_at_archive(self, &evidence, &Capture::load(&archive)?);
+        outcome.lateness_rank = evidence.rank_of_lateness(fault_ns);
+        (outcome.missed_after_fault, outcome.missed_in_run) = evidence.missed_ticks(fault_ns);
+        match self.victim {
+            Victim::ControlLoop => outcome.look_at_end(self, &said, fault_ns),
+            Victim::Supervisor => {}
+            _ => outcome.look_at_return(self, &evidence, u32::try_from(victim.as_raw())?, fault_ns),
+        }
+        if !self.victim.is_consumer() {
+            outcome.expect_new_capture(bench)?;
+        }
+        let left = bench.leftovers();
+        if !left.is_empty() {
+            outcome.broken.push(format!("left behind: {left:?}"));
+        }
+        Ok(outcome)
+    }
+
+    /// Exit code of the command that the operator started; `None` when a signal ended it.
+    fn expected_exit(&self) -> Option<i32> {
+        match (self.victim, self.fault) {
+            (Victim::ControlLoop, _) => Some(1),
+            (Victim::Supervisor, Fault::Killed) => None,
+            (Victim::Supervisor, Fault::Panic) => Some(101),
+            _ => Some(0),
+        }
+    }
+}
+
+impl Outcome {
+    fn expect(&mut self, is_kept: bool, promise: impl FnOnce() -> String) {
+        if !is_kept {
+            self.broken.push(promise());
+        }
+    }
+
+    fn expect_exit(&mut self, trial: &Trial, exit: Option<i32>) {
+        let expected = trial.expected_exit();
+        self.expect(exit == expected, || format!("exit {exit:?} instead of {expected:?}"));
+    }
+
+    /// No sample is missing, or the archive itself says which.
+    fn look_at_archive(&mut self, trial: &Trial, evidence: &Evidence, capture: &Capture) {
+        let published = evidence.published_samples();
+        self.lost_samples = published - evidence.samples.len() as u64;
+        let holes = evidence.holes();
+        self.expect(holes.is_empty(), || format!("holes in the archive: {holes:?}"));
+        let told: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
+        let lost = self.lost_samples;
+        self.expect(told == lost, || format!("{lost} samples are missing, {told} are told to be"));
+        let in_order = evidence.samples.windows(2).all(|pair| pair[0].tick < pair[1].tick);
+        self.expect(in_order, || "ticks out of order".to_owned());
+        if trial.victim.is_consumer() || (trial.victim, trial.fault) == (Victim::Supervisor, Fault::Stopped) {
+            let planned = capture.description.as_ref().map_or(0, |run| run.planned_ticks);
+            let missed: u64 = evidence.samples.iter().map(|sample| u64::from(sample.missed_ticks)).sum();
+            let ticks = evidence.samples.len() as u64 + missed;
+            self.expect(ticks == planned, || format!("{ticks} ticks are accounted for, {planned} were planned"));
+        }
+        if (trial.victim, trial.fault) == (Victim::ControlLoop, Fault::Stopped) {
+            let last = evidence.samples.last().and_then(|sample| LoopState::from_code(sample.state));
+            self.expect(last == Some(LoopState::Fault), || format!("the run ended in {last:?} instead of a fault"));
+        }
+    }
+
+    /// A consumer is back within a second of its end, or of the moment when it counts as hung.
+    fn look_at_return(&mut self, trial: &Trial, evidence: &Evidence, process_id: u32, fault_ns: u64) {
+        let kind = match trial.victim {
+            Victim::Recorder => ProcessKind::Recorder,
+            Victim::LiveFitter => ProcessKind::LiveFitter,
+            _ => ProcessKind::Viewer,
+        };
+        let back_ns = evidence.first_report_of_successor(kind, process_id, fault_ns);
+        self.back_after_s = back_ns.map(|back_ns| seconds(back_ns - fault_ns));
+        let limit_s = if trial.fault == Fault::Stopped { HUNG_S + REPORT_S + PROMPT_S } else { PROMPT_S };
+        let back_after_s = self.back_after_s;
+        self.expect(back_after_s.is_some_and(|back_after_s| back_after_s < limit_s), || {
+            format!("{} was back after {back_after_s:?} s instead of {limit_s} s", kind.name())
+        });
+    }
+
+    /// Supervisor and recorder say within a second that their source is gone.
+    fn look_at_end(&mut self, trial: &Trial, said: &[(u64, String)], fault_ns: u64) {
+        if trial.fault == Fault::Stopped {
+            return;
+        }
+        for word in ["the control loop ended in the middle of the run", "the control loop is gone"] {
+            let Some((time_ns, _)) = said.iter().find(|(_, line)| line.contains(word)) else {
+                self.broken.push(format!("nobody said that {word}: {said:?}"));
+                continue;
+            };
+            let after_s = seconds(time_ns.saturating_sub(fault_ns));
+            self.told_after_s = Some(self.told_after_s.map_or(after_s, |before_s| before_s.max(after_s)));
+            self.expect(after_s < PROMPT_S, || format!("{word}: told after {after_s:.2} s only"));
+        }
+    }
+
+    fn expect_new_capture(&mut self, bench: &Bench) -> anyhow::Result<()> {
+        let output = bench.run(&["capture", "--duration-s", "1", "--no-viewer", "--out", "again"])?;
+        self.expect(output.status.success(), || format!("no new capture at once: {}", crate::printed(&output)));
+        Ok(())
+    }
+}
+
+/// Waits until every process of the bench has ended.
+fn wait_until_alone(bench: &Bench) -> anyhow::Result<()> {
+    for _ in 0..400 {
+        let programs = ["haptic-camera", "rt-loop", "recorder", "live-fitter", "rerun-viewer"];
+        if programs.iter().all(|program| bench.processes(program).is_empty()) {
+            return Ok(());
+        }
+        std::thread::sleep(Duration::from_millis(25));
+    }
+    ensure!(false, "processes of the run do not end");
+    Ok(())
+}
+
+/// Memory that files of the rig hold in shared memory, bytes.
+#[must_use]
+pub(super) fn shared_memory_bytes(runtime_dir: &Path) -> u64 {
+    let files = clean_up::files_in_shared_memory(runtime_dir).into_iter();
+    files
+        .filter_map(|file| std::fs::metadata(Path::new("/dev/shm").join(file)).ok())
+        .map(|metadata| metadata.blocks() * 512)
+        .sum()
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a time within a run")]
+fn seconds(nanoseconds: u64) -> f64 {
+    nanoseconds as f64 / 1e9
+}
