@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use archive::Capture;
 use nix::sys::signal::{Signal, kill};
+use tests::trials::{Fault, Trial, Victim};
 use tests::{Bench, printed};
 
 /// Kills `victim` ten times in a capture, at irregular moments, and checks the archive.
@@ -52,37 +53,39 @@ fn a_viewer_killed_ten_times_costs_no_sample() {
     survives_ten_kills_of("rerun-viewer");
 }
 
-#[test]
-fn a_killed_control_loop_ends_the_archive_properly_and_a_new_capture_starts_at_once() {
-    let bench = Bench::new().unwrap();
-    let child = bench.start(&["capture", "--duration-s", "30", "--no-viewer", "--out", "out"]).unwrap();
-    bench.wait_for_process("recorder").unwrap();
-    std::thread::sleep(Duration::from_secs(3));
-    bench.kill("rt-loop").unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
-    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
-    assert!(capture.len() > 10_000 && capture.gaps.is_empty());
-    assert_eq!(bench.leftovers(), Vec::<String>::new());
+/// Makes one trial whose moment is always the same, and expects every promise to be kept.
+fn keeps_its_promises(victim: Victim, fault: Fault) {
+    let outcome = Trial::of_kind(victim, fault, 7).run(&Bench::new().unwrap()).unwrap();
+    assert_eq!(outcome.broken, Vec::<String>::new());
+    assert_eq!(outcome.lost_samples, 0);
+}
 
-    let output = bench.run(&["capture", "--duration-s", "2", "--no-viewer", "--out", "again"]).unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+#[test]
+fn a_recorder_that_hangs_is_replaced_before_a_sample_is_lost() {
+    keeps_its_promises(Victim::Recorder, Fault::Stopped);
+}
+
+#[test]
+fn a_control_loop_that_was_stopped_ends_in_a_fault_and_a_whole_archive() {
+    keeps_its_promises(Victim::ControlLoop, Fault::Stopped);
+}
+
+#[test]
+fn a_panic_on_the_real_time_thread_ends_the_run_and_nothing_else() {
+    keeps_its_promises(Victim::ControlLoop, Fault::PanicInRealTime);
+}
+
+#[test]
+fn a_panic_of_the_publisher_ends_the_run_and_nothing_else() {
+    keeps_its_promises(Victim::ControlLoop, Fault::Panic);
+}
+
+#[test]
+fn a_killed_control_loop_is_told_and_a_new_capture_starts_at_once() {
+    keeps_its_promises(Victim::ControlLoop, Fault::Killed);
 }
 
 #[test]
 fn a_killed_supervisor_takes_its_processes_with_it_and_the_archive_is_whole() {
-    let bench = Bench::new().unwrap();
-    let mut child = bench.start(&["capture", "--duration-s", "30", "--no-viewer", "--out", "out"]).unwrap();
-    bench.wait_for_process("recorder").unwrap();
-    std::thread::sleep(Duration::from_secs(3));
-    child.kill().unwrap();
-    child.wait().unwrap();
-    for _ in 0..1_000 {
-        if ["rt-loop", "recorder", "live-fitter"].iter().all(|name| bench.processes(name).is_empty()) {
-            break;
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
-    assert!(capture.len() > 10_000 && capture.gaps.is_empty());
+    keeps_its_promises(Victim::Supervisor, Fault::Killed);
 }

@@ -32,7 +32,7 @@ fn main() -> anyhow::Result<ExitCode> {
     for number in arguments.first..arguments.first + arguments.trials {
         let trial = Trial::draw(arguments.seed, number);
         let outcome = trial.run(&Bench::new()?)?;
-        for promise in &outcome.broken {
+        for promise in outcome.broken.iter().chain(&outcome.late) {
             eprintln!("trial {number}, {:?} {:?} at {:.2} s: {promise}", trial.victim, trial.fault, trial.moment_s);
             broken += 1;
         }

@@ -57,17 +57,13 @@ impl Evidence {
         pairs.map(|pair| (pair[0].seq + 1, pair[1].seq.saturating_sub(1))).collect()
     }
 
-    /// First report of a consumer of this kind by another process than `before`, after `since_ns`, ns of
-    /// CLOCK_MONOTONIC.
+    /// Reports of a consumer of this kind in the order of time: process id and time, ns of CLOCK_MONOTONIC.
     #[must_use]
-    pub fn first_report_of_successor(
-        &self,
-        kind: shared_types::ProcessKind,
-        before: u32,
-        since_ns: u64,
-    ) -> Option<u64> {
-        let reports = self.healths.iter().filter(|health| health.process == kind.code() && health.process_id != before);
-        reports.map(|health| health.monotonic_time_ns).filter(|&time_ns| time_ns > since_ns).min()
+    pub fn reports(&self, kind: shared_types::ProcessKind) -> Vec<(u32, u64)> {
+        let of_kind = self.healths.iter().filter(|health| health.process == kind.code());
+        let mut reports: Vec<_> = of_kind.map(|health| (health.process_id, health.monotonic_time_ns)).collect();
+        reports.sort_unstable_by_key(|&(_, time_ns)| time_ns);
+        reports
     }
 
     /// Where the half second from `fault_ns` on stands among the other half seconds of the run, by the 99th percentile

@@ -10,13 +10,14 @@ use super::{Outcome, Trial};
 #[must_use]
 pub fn markdown(trials: &[(Trial, Outcome)]) -> String {
     let mut text = String::from(
-        "| process | fault | trials | promises broken | samples lost | back after, s (median, longest) | source told gone after, s (longest) |\n\
-         |---|---|---|---|---|---|---|\n",
+        "| process | fault | trials | promises broken | later than promised | samples lost | back after, s (median, longest) | source told gone after, s (longest) |\n\
+         |---|---|---|---|---|---|---|---|\n",
     );
     for (victim, fault) in Trial::KINDS {
         let of_kind: Vec<&Outcome> =
             trials.iter().filter(|(trial, _)| (trial.victim, trial.fault) == (victim, fault)).map(|(_, o)| o).collect();
         let broken: usize = of_kind.iter().map(|outcome| outcome.broken.len()).sum();
+        let late: usize = of_kind.iter().map(|outcome| outcome.late.len()).sum();
         let lost: u64 = of_kind.iter().map(|outcome| outcome.lost_samples).sum();
         let back = sorted(of_kind.iter().filter_map(|outcome| outcome.back_after_s).collect());
         let told = sorted(of_kind.iter().filter_map(|outcome| outcome.told_after_s).collect());
@@ -28,7 +29,7 @@ pub fn markdown(trials: &[(Trial, Outcome)]) -> String {
         let program = victim.program();
         let trials = of_kind.len();
         // Writing to a String does not fail.
-        let _ = writeln!(text, "| {program} | {fault:?} | {trials} | {broken} | {lost} | {back} | {told} |");
+        let _ = writeln!(text, "| {program} | {fault:?} | {trials} | {broken} | {late} | {lost} | {back} | {told} |");
     }
     let _ = writeln!(text, "\n{}", disturbance(trials));
     let memory = sorted(trials.iter().map(|(_, outcome)| outcome.shared_memory_bytes as f64 / 1e6).collect());
