@@ -48,7 +48,7 @@ pub struct StreamPublisher {
     requests: Producer<Request>,
     shared: Arc<SharedState>,
     current: LoopStatus,
-    has_run: bool,
+    was_armed: bool,
     shutdown: bool,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
@@ -86,7 +86,7 @@ impl StreamPublisher {
                 process_id: std::process::id(),
                 ..LoopStatus::default()
             },
-            has_run: false,
+            was_armed: false,
             shutdown: false,
             _node: node,
         };
@@ -115,10 +115,11 @@ impl StreamPublisher {
             if stop_signal.load(Ordering::Acquire) && !self.shutdown {
                 self.begin_shutdown();
             }
-            self.has_run |= matches!(state, LoopState::Running | LoopState::Fault);
+            // Not "is running": a run of a second can begin and end while this thread waits for a processor.
+            self.was_armed |= state != LoopState::Idle;
             let at_rest = matches!(state, LoopState::Idle | LoopState::Fault);
             // `state` was read before the ring was emptied: nothing of the run can still be in it.
-            let finished = self.has_run && at_rest;
+            let finished = self.was_armed && at_rest;
             let now_ns = monotonic_time_ns();
             if now_ns >= next_status_ns || state != shown || finished != (self.current.finished == 1) {
                 self.current.finished = u32::from(finished);
