@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use dynamics::Model;
 use shared_types::services::{self, ModelClient, RigNode};
-use shared_types::{MODEL_MAX_BYTES, ModelAnswer};
+use shared_types::{MODEL_MAX_BYTES, ModelAnswer, ModelRequest};
 
 use crate::supervision::clear_shared_memory;
 
@@ -23,6 +23,26 @@ pub(super) struct LoopModels {
     _node: RigNode,
 }
 
+/// The model that a replay renders, or is about to.
+pub(super) struct Present {
+    pub(super) model: Model,
+    revision: u64,
+}
+
+impl Present {
+    fn read(revision: u64, model_toml: &str) -> anyhow::Result<Self> {
+        Ok(Self { model: Model::from_toml(model_toml, "the rendered model")?, revision })
+    }
+}
+
+/// What became of a model that was sent.
+pub(super) enum Sent {
+    /// It is felt; in sentences, what of it otherwise than it says.
+    Taken(Vec<String>),
+    /// Another was faster; this is the model now.
+    Overtaken(Present),
+}
+
 impl LoopModels {
     /// Attaches to the rig.
     pub(super) fn open() -> anyhow::Result<Self> {
@@ -31,9 +51,9 @@ impl LoopModels {
     }
 
     /// The model that is rendered, or is about to be.
-    pub(super) fn present(&self) -> anyhow::Result<Model> {
-        match self.ask("")? {
-            Some(ModelAnswer::Rendered { model_toml }) => Ok(Model::from_toml(&model_toml, "the rendered model")?),
+    pub(super) fn present(&self) -> anyhow::Result<Present> {
+        match self.ask(&ModelRequest::Present)? {
+            Some(ModelAnswer::Rendered { revision, model_toml }) => Present::read(revision, &model_toml),
             Some(ModelAnswer::Refused { reason }) => bail!(reason),
             Some(other) => bail!("the control loop did not say what it renders, but {other:?}"),
             None => {
@@ -43,18 +63,22 @@ impl LoopModels {
         }
     }
 
-    /// Sends a model; gives what will be felt otherwise than it says.
-    pub(super) fn send(&self, model: &Model) -> anyhow::Result<Vec<String>> {
-        let text = model.to_toml();
+    /// Sends a model that is to take the place of `present`.
+    pub(super) fn send(&self, model: &Model, present: &Present) -> anyhow::Result<Sent> {
+        let model_toml = model.to_toml();
         anyhow::ensure!(
-            text.len() <= MODEL_MAX_BYTES,
+            model_toml.len() <= MODEL_MAX_BYTES,
             "the model takes {} bytes, but at most {MODEL_MAX_BYTES} can be sent; shorten its description",
-            text.len()
+            model_toml.len()
         );
+        let request = ModelRequest::Replace { revision: present.revision, model_toml };
         let deadline = Instant::now() + PATIENCE;
         loop {
-            match self.ask(&text)? {
-                Some(ModelAnswer::Taken { remarks }) => return Ok(remarks),
+            match self.ask(&request)? {
+                Some(ModelAnswer::Taken { remarks }) => return Ok(Sent::Taken(remarks)),
+                Some(ModelAnswer::Overtaken { revision, model_toml }) => {
+                    return Present::read(revision, &model_toml).map(Sent::Overtaken);
+                }
                 Some(ModelAnswer::Refused { reason }) => bail!(reason),
                 Some(ModelAnswer::Busy) if Instant::now() < deadline => std::thread::sleep(PAUSE),
                 Some(ModelAnswer::Busy) => {
@@ -67,10 +91,11 @@ impl LoopModels {
     }
 
     /// One request and its answer; `None` when nobody is there to answer.
-    fn ask(&self, text: &str) -> anyhow::Result<Option<ModelAnswer>> {
+    fn ask(&self, request: &ModelRequest) -> anyhow::Result<Option<ModelAnswer>> {
+        let text = serde_json::to_vec(request).context("the model has no text form")?;
         let unasked = |error: String| anyhow::anyhow!(error).context("the control loop could not be asked");
         let place = self.client.loan_slice_uninit(text.len()).map_err(|error| unasked(format!("{error:?}")))?;
-        let pending = place.write_from_slice(text.as_bytes()).send().map_err(|error| unasked(format!("{error:?}")))?;
+        let pending = place.write_from_slice(&text).send().map_err(|error| unasked(format!("{error:?}")))?;
         if pending.number_of_server_connections() == 0 {
             return Ok(None);
         }

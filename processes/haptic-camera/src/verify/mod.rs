@@ -2,6 +2,7 @@
 
 mod captures;
 mod compare;
+mod page;
 mod table;
 
 use std::path::PathBuf;
@@ -13,7 +14,7 @@ use identification::diagnosis::Verdict;
 use serde::Serialize;
 
 use crate::command_line::{ReplayOptions, RunOptions};
-use crate::fit::{to_output, write_json};
+use crate::fit::{self, to_output, write_json};
 use crate::outcome::{Outcome, say};
 use crate::supervision::{Shown, SupervisedRun, archive_path};
 use compare::Verified;
@@ -90,9 +91,14 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", folder.display()))?;
     // Nobody watches four captures in a row.
     let run_options = RunOptions { no_viewer: true, native_viewer: false, ..options.run.clone() };
+    let mut remarks_told = false;
     let mut make = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<PathBuf> {
         let archive = folder.join(format!("{name}.mcap"));
-        let task = [format!("--render={}", options.model), format!("--duration-s={duration_s}")];
+        let mut task = vec![format!("--render={}", options.model), format!("--duration-s={duration_s}")];
+        if remarks_told {
+            task.push("--without-remarks".to_owned());
+        }
+        remarks_told = true;
         let run = SupervisedRun {
             in_words: format!("rendering {} for the {name}, {duration_s} s", model.name),
             task: task.iter().chain(hand).cloned().collect(),
@@ -108,10 +114,17 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         }
         Ok(archive)
     };
-    let verification = captures::verify(&model, options.run.rate_hz, &mut make)?;
+    let captured = captures::verify(&model, options.run.rate_hz, &mut make)?;
+    let verification = &captured.verification;
     if !to_output(options.json.as_deref()) {
-        table::lines(&verification).iter().for_each(say);
+        table::lines(verification).iter().for_each(say);
     }
-    write_json(options.json.as_deref(), &verification)?;
+    write_json(options.json.as_deref(), verification)?;
+    if let Some(path) = &options.report {
+        fit::write(path, &page::page(&model, &captured))?;
+        if !to_output(options.json.as_deref()) {
+            say(format!("report   {}", path.display()));
+        }
+    }
     Ok(if verification.passed { Outcome::Done } else { Outcome::Failed })
 }

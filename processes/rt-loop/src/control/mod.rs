@@ -3,6 +3,7 @@
 //! Nothing here reads a clock or touches hardware: a recorded run, fed through again, gives the
 //! same torques bit for bit.
 
+mod cogging;
 mod lowpass;
 pub mod rendering;
 mod servo;
