@@ -10,7 +10,7 @@ use identification::{Fit, FitOptions};
 use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};
-use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Verification};
+use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Limits, Verification};
 use crate::check::Threshold;
 use crate::load::LoadedCapture;
 
@@ -97,6 +97,7 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         torque_error_percent,
         held_still,
         added,
+        limits: Limits::default(),
         notes,
         passed,
     };

@@ -47,11 +47,34 @@ pub struct Verification {
     pub held_still: Option<HeldStill>,
     /// What the rendering adds that the model does not have; `None` with the reason in `notes` where that cannot be told.
     pub added: Option<Added>,
+    /// What passes.
+    pub limits: Limits,
     /// What a reader of the numbers should know.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// Whether all of it is within what passes.
     pub passed: bool,
+}
+
+/// What passes.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Limits {
+    /// Largest difference of a parameter whose interval does not hold the intended value, %.
+    pub difference_percent: f64,
+    /// The same for what a knob bears at rest, %.
+    pub static_difference_percent: f64,
+    /// Largest torque error, %.
+    pub torque_error_percent: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            difference_percent: LARGEST_DIFFERENCE_PERCENT,
+            static_difference_percent: LARGEST_STATIC_DIFFERENCE_PERCENT,
+            torque_error_percent: LARGEST_TORQUE_ERROR_PERCENT,
+        }
+    }
 }
 
 /// How still a sticking knob is held.

@@ -5,10 +5,7 @@ use report::{AddedByRendering, CaptureFacts, RenderedParameter, RenderingPage};
 
 use super::captures::Captured;
 use super::compare::Verified;
-use super::{
-    Added, HeldStill, LARGEST_DIFFERENCE_PERCENT, LARGEST_STATIC_DIFFERENCE_PERCENT, LARGEST_TORQUE_ERROR_PERCENT,
-    Verification,
-};
+use super::{Added, HeldStill, Verification};
 
 /// The page as HTML.
 pub(super) fn page(model: &Model, captured: &Captured) -> String {
@@ -22,6 +19,7 @@ pub(super) fn page(model: &Model, captured: &Captured) -> String {
         torque_error_percent,
         held_still,
         added,
+        limits,
         notes,
         passed,
     } = &captured.verification;
@@ -35,12 +33,12 @@ pub(super) fn page(model: &Model, captured: &Captured) -> String {
         sources: captures.iter().map(file_name).collect(),
         rate_hz: *rate_hz,
         parameters: parameters.iter().map(shown).collect(),
-        largest_difference_percent: LARGEST_DIFFERENCE_PERCENT,
-        largest_static_difference_percent: LARGEST_STATIC_DIFFERENCE_PERCENT,
+        largest_difference_percent: limits.difference_percent,
+        largest_static_difference_percent: limits.static_difference_percent,
         torque_error_rms_mnm: *torque_error_rms_mnm,
         torque_rms_mnm: *torque_rms_mnm,
         torque_error_percent: *torque_error_percent,
-        largest_torque_error_percent: LARGEST_TORQUE_ERROR_PERCENT,
+        largest_torque_error_percent: limits.torque_error_percent,
         held_still: held_still.map(|HeldStill { torque_mnm, duration_s, encoder_steps }| report::HeldStill {
             torque_mnm,
             duration_s,

@@ -27,15 +27,18 @@ pub(super) fn section(page: &RenderingPage<'_>) -> Markup {
         legend: LEGEND.to_vec(),
         plot: angle_plot(&points, has_detents),
         caption: "Dots: what the hand felt, filtered to the fit’s band. Lines: what the intended model asks for in the same motion, \
-                  averaged at each angle. Dots beside the lines would be a rendering of something else; they spread about them \
-                  because inertia and viscous friction ask for different torques at one angle."
+                  averaged at each angle. From both is taken what the intended inertia asks for, so that detents and friction \
+                  show; an inertia of another size would spread the dots. They spread a little because viscous friction asks for \
+                  different torques at one angle."
             .to_owned(),
     };
     let velocity = Figure {
         title: "Torque against velocity".to_owned(),
         legend: LEGEND.to_vec(),
         plot: velocity_plot(&points),
-        caption: "The same over the velocity: the step at zero is Coulomb friction, the slope viscous friction.".to_owned(),
+        caption: "The same over the velocity: the step at zero is Coulomb friction, the slope viscous friction; the detents spread \
+                  the dots."
+            .to_owned(),
     };
     let error = Figure {
         title: "Torque error over time".to_owned(),
@@ -52,15 +55,16 @@ pub(super) fn section(page: &RenderingPage<'_>) -> Markup {
 
 /// The rows of the capture with the intended model in place of the fitted one.
 ///
-/// A row is a mean over samples: its captured torque is the fitted model's in the row's motion and what the fit left there.
+/// Both torques without what the intended inertia asks for. A row is a mean over samples: its captured torque is the fitted model's in the row's motion and what the fit left there.
 fn points(page: &RenderingPage<'_>) -> Vec<Point> {
     let fitted = page.fit.model(&page.intended.name);
     finite_points(page.fit)
         .into_iter()
         .map(|point| {
             let motion = point.motion();
-            let captured_mnm = fitted.torque_mnm(&motion) + point.residual_mnm;
-            let intended_mnm = page.intended.torque_mnm(&motion);
+            let inertial_mnm = page.intended.inertia() * motion.acceleration_rad_s2;
+            let captured_mnm = fitted.torque_mnm(&motion) + point.residual_mnm - inertial_mnm;
+            let intended_mnm = page.intended.torque_mnm(&motion) - inertial_mnm;
             Point {
                 torque_mnm: captured_mnm,
                 torque_model_mnm: intended_mnm,

@@ -11,7 +11,7 @@ use crate::parameter_table::name_cells;
 pub(super) fn parameters(page: &RenderingPage<'_>) -> Markup {
     html! {
         div.scroll {
-            table.parameters {
+            table.compared {
                 thead {
                     tr {
                         th { "parameter" }
