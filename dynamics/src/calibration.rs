@@ -38,8 +38,8 @@ pub struct Calibration {
     /// Viscous friction of the motor, mNm·s/rad; `None` where it was never measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor_viscous: Option<f64>,
-    /// Delay of the motor's torque behind its command, the holding of a command over a tick apart, s; `None` where it was never
-    /// measured.
+    /// Delay of the motor's torque behind its command, the holding of a command over a tick apart, s: 1/(2π·bandwidth) of the
+    /// amplifier's current loop; `None` where it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command_delay_s: Option<f64>,
     /// Cogging of the motor, strongest harmonic first, none where it has none; `None` where it was never measured.

@@ -2,8 +2,8 @@
 
 use dynamics::Calibration;
 
-use super::cogging::Cogging;
 use super::RigParameters;
+use super::cogging::Cogging;
 use super::noise::Noise;
 use super::sensors::{first_order_delay_s, second_order_delay_s};
 use crate::{Limits, RigDescription};

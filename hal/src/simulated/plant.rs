@@ -111,8 +111,7 @@ impl Plant {
     pub(super) fn step(&mut self, command_mnm: Option<f64>, hand_mnm: f64) {
         let start_rad_s = self.shaft.velocity_rad_s;
         let middle_rad = self.shaft.angle_rad.motor + 0.5 * self.substep_s * start_rad_s.motor;
-        let motor_mnm =
-            self.drive.step(command_mnm, start_rad_s.motor) - cogging_mnm(&self.cogging, middle_rad);
+        let motor_mnm = self.drive.step(command_mnm, start_rad_s.motor) - cogging_mnm(&self.cogging, middle_rad);
         let motor_friction =
             MotorFriction { coulomb_mnm: self.coulomb_mnm, viscous_mnm: self.viscous * start_rad_s.motor };
         let mut motor = Braked::new(self.motor_contact, motor_friction);

@@ -57,8 +57,8 @@ fn a_motor_that_coasts_trades_speed_for_the_energy_of_its_magnets() {
     let turned_rad = run.rig.truth().motor_angle_rad;
     assert!(turned_rad > TAU, "it turned by {turned_rad} rad");
     let energies = (0..10_000).map(|place| stored(f64::from(place) * TAU / 10_000.0));
-    let (least, most) =
-        energies.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), energy| (least.min(energy), most.max(energy)));
+    let (least, most) = energies
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), energy| (least.min(energy), most.max(energy)));
     let traded = most_kinetic - least_kinetic;
     assert_close(traded / (most - least), 1.0, 0.01, "the energy traded over that of the magnets");
 }

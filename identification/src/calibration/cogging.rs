@@ -53,7 +53,10 @@ pub fn cogging(
     let refused = |reason: String| CalibrateError::NoCogging { reason };
     let travel_rad = span(samples.angle_rad);
     if travel_rad < TAU {
-        return Err(refused(format!("the motor turned through {:.0}°, less than a whole turn", travel_rad.to_degrees())));
+        return Err(refused(format!(
+            "the motor turned through {:.0}°, less than a whole turn",
+            travel_rad.to_degrees()
+        )));
     }
     let taken_mnm = motors_share_mnm(samples, commanded_mnm, known)?;
     let uniform = Uniform::of(&Samples { torque_mnm: &taken_mnm, ..*samples }, None);

@@ -89,7 +89,6 @@ fn slot<'a>(calibration: &'a mut Calibration, quantity: &str) -> Option<&'a mut 
         "motor_inertia" => &mut calibration.motor_inertia,
         "motor_coulomb_mnm" => calibration.motor_coulomb_mnm.get_or_insert(0.0),
         "motor_viscous" => calibration.motor_viscous.get_or_insert(0.0),
-        "command_delay_s" => calibration.command_delay_s.get_or_insert(0.0),
         _ => return None,
     })
 }
@@ -136,7 +135,9 @@ pub enum CalibrateError {
     )]
     NoCommand,
     /// Cogging that the capture cannot tell.
-    #[error("the motor's cogging cannot be told: {reason}; capture with `--knob none --sweep slow-turn --duration-s 15`")]
+    #[error(
+        "the motor's cogging cannot be told: {reason}; capture with `--knob none --sweep slow-turn --duration-s 15`"
+    )]
     NoCogging {
         /// Why.
         reason: String,

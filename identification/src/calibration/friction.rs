@@ -1,15 +1,14 @@
-//! The motor's own inertia and friction and how late it follows a command, from a sweep without a knob.
+//! The motor's own inertia and friction, from a sweep without a knob.
 
 use dynamics::Calibration;
 
-use super::command;
 use super::estimate::{CalibrateError, Calibrated, Estimate};
 use crate::{FitOptions, Parameter, Samples, fit};
 
 /// Fits the motor to what of the command does not reach the torque sensor, as a fit does a knob.
 ///
 /// `commanded_mnm` is the torque commanded at each sample, held until the next. Takes zeros and cogging from `known`. Tells
-/// `motor_inertia`, `motor_coulomb_mnm` and `motor_viscous`, the means of both directions, and `command_delay_s`.
+/// `motor_inertia`, `motor_coulomb_mnm` and `motor_viscous`: the means of both directions.
 ///
 /// # Errors
 /// [`CalibrateError`] for a capture that cannot be fitted or does not tell them.
@@ -47,16 +46,15 @@ pub fn friction(
         ));
     }
     let estimate = |quantity, value: f64, half_width, unit| Estimate { quantity, value, half_width, unit };
-    let mut estimates = vec![
-        estimate("motor_inertia", inertia, inertia_half, "mNm s²/rad"),
-        estimate("motor_coulomb_mnm", coulomb_mnm, coulomb_half, "mNm"),
-        estimate("motor_viscous", viscous.max(0.0), viscous_half, "mNm s/rad"),
-    ];
-    match command::delay(samples, commanded_mnm, known) {
-        Some(delay) => estimates.push(delay),
-        None => notes.push("how late the motor follows a command does not show in this capture; sweep faster".to_owned()),
-    }
-    Ok(Calibrated { estimates, cogging: None, notes })
+    Ok(Calibrated {
+        estimates: vec![
+            estimate("motor_inertia", inertia, inertia_half, "mNm s²/rad"),
+            estimate("motor_coulomb_mnm", coulomb_mnm, coulomb_half, "mNm"),
+            estimate("motor_viscous", viscous.max(0.0), viscous_half, "mNm s/rad"),
+        ],
+        cogging: None,
+        notes,
+    })
 }
 
 /// What of the command does not reach the torque sensor, sample by sample, mNm: the motor takes it.
@@ -68,12 +66,10 @@ pub(super) fn motors_share_mnm(
     if commanded_mnm.len() != samples.torque_mnm.len() || commanded_mnm.iter().any(|command| !command.is_finite()) {
         return Err(CalibrateError::NoCommand);
     }
-    let share_mnm =
-        |index: usize| acting_mnm(commanded_mnm, index) - (samples.torque_mnm[index] - known.torque_zero_mnm);
+    // At a sample the mean of the command that ends and the one that begins acts.
+    let share_mnm = |index: usize| {
+        let acting_mnm = 0.5 * (commanded_mnm[index.saturating_sub(1)] + commanded_mnm[index]);
+        acting_mnm - (samples.torque_mnm[index] - known.torque_zero_mnm)
+    };
     Ok((0..commanded_mnm.len()).map(share_mnm).collect())
-}
-
-/// What acts at a sample: the mean of the command that ends and the one that begins, mNm.
-pub(super) fn acting_mnm(commanded_mnm: &[f64], index: usize) -> f64 {
-    0.5 * (commanded_mnm[index.saturating_sub(1)] + commanded_mnm[index])
 }

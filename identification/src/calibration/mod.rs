@@ -10,14 +10,13 @@
 //! | [`latency`] | the gripper alone under fast sines | how late torque and acceleration come |
 //! | [`gripper`] | the gripper alone under a sweep | its inertia |
 //! | [`cogging`] | the gripper alone turned slowly both ways, with what was commanded | the motor's cogging |
-//! | [`friction`] | the gripper alone under a sweep, with what was commanded | the motor's inertia and friction, how late it follows |
+//! | [`friction`] | the gripper alone under a sweep, with what was commanded | the motor's inertia and friction |
 //!
 //! They build on one another in this order. A capture is taken as the sensors gave it: whatever a
 //! calibration is to find is never corrected by what was believed before.
 
 mod cogging;
 mod combine;
-mod command;
 mod estimate;
 mod friction;
 mod gravity;

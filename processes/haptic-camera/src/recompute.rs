@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use archive::Capture;
 use hal::Measurement;
-use rt_loop::recomputation::{RecordedTick, Recomputation};
+use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
 use shared_types::{LoopState, ModelChange, Sample};
 
@@ -53,7 +53,8 @@ pub struct Difference {
 /// An archive that cannot be read, that is no replay, or that lacks what the control step needs.
 pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     let capture = Capture::load(&options.capture)?;
-    let description = capture.description.as_ref().context("the capture is a table; only the archive of a replay says it all")?;
+    let description =
+        capture.description.as_ref().context("the capture is a table; only the archive of a replay says it all")?;
     if description.software_version != env!("CARGO_PKG_VERSION") {
         remark(format!("the replay was made by version {}, which may compute otherwise", description.software_version));
     }
@@ -96,11 +97,10 @@ fn recompute(capture: &Capture) -> anyhow::Result<Recomputed> {
             break;
         }
         if flags[row] & Sample::MODEL_TAKEN != 0 {
-            let ModelChange { model_toml, .. } = capture
-                .models
-                .iter()
-                .find(|model| model.tick == tick && tick > 0)
-                .with_context(|| format!("a model begins to be felt at tick {tick}, but the archive does not have it"))?;
+            let ModelChange { model_toml, .. } =
+                capture.models.iter().find(|model| model.tick == tick && tick > 0).with_context(|| {
+                    format!("a model begins to be felt at tick {tick}, but the archive does not have it")
+                })?;
             anyhow::ensure!(step.take_model(model_toml)?, "the model of tick {tick} came while another was waiting");
             told.models += 1;
         }

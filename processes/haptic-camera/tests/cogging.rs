@@ -31,8 +31,20 @@ fn fitted(folder: &Path) -> Value {
 
 /// Knob 3, felt through a sweep whose speed its friction does not drive; its fit.
 fn felt(folder: &Path, out: &str, further: &[&str]) -> Value {
-    let arguments =
-        ["replay", "3", "--hand", "linear-chirp", "--amplitude", "0.45", "--grip", "6", "--duration-s", "10", "--out", out];
+    let arguments = [
+        "replay",
+        "3",
+        "--hand",
+        "linear-chirp",
+        "--amplitude",
+        "0.45",
+        "--grip",
+        "6",
+        "--duration-s",
+        "10",
+        "--out",
+        out,
+    ];
     let output = haptic_camera(folder, &[&arguments, further].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     fitted(&folder.join(out))
@@ -57,12 +69,17 @@ fn a_rig_that_cogs_renders_as_one_that_does_not_once_its_cogging_is_calibrated()
     // Without compensation the motor's teeth are felt beside the knob's detents.
     let (without, with) = (felt(folder, "without", &[]), felt(folder, "with", &["--calibration", "rig.toml"]));
     let percent = |fit: &Value| fit["relative_error_percent"].as_f64().unwrap();
-    println!("the fit leaves {:.1} % of the torque without compensation, {:.1} % with it", percent(&without), percent(&with));
+    println!(
+        "the fit leaves {:.1} % of the torque without compensation, {:.1} % with it",
+        percent(&without),
+        percent(&with)
+    );
     assert!(percent(&without) > 4.0 * percent(&with), "{} %, {} %", percent(&without), percent(&with));
     let detents = without["parameters"]["detent_amplitude"]["value"].as_f64().unwrap();
     assert!((detents / 1.1 - 1.0).abs() > 0.1, "the motor's torque is taken for detents: {detents} mNm");
 
-    let output = haptic_camera(folder, &["replay", "3", "--verify", "--calibration", "rig.toml", "--json", "result.json"]);
+    let output =
+        haptic_camera(folder, &["replay", "3", "--verify", "--calibration", "rig.toml", "--json", "result.json"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(said.matches("friction would drive").count(), 1, "a remark is told once, not for each capture: {said}");
     let verified: Value = serde_json::from_slice(&std::fs::read(folder.join("result.json")).unwrap()).unwrap();

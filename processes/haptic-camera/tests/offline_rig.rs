@@ -49,7 +49,6 @@ fn a_rig_is_calibrated_step_by_step_and_the_next_run_carries_the_calibration() {
         ("motor_inertia", 0.0159, 3e-4),
         ("motor_coulomb_mnm", 3.0, 0.1),
         ("motor_viscous", 1.31e-3, 2e-3),
-        ("command_delay_s", 53.05e-6, 8e-6),
     ];
     let mut first: toml::Table = "torque_sensor_stiffness_mnm_rad = 5e5\nangle_step_rad = 9.8e-6\n\
          torque_step_mnm = 0.18\nacceleration_step_rad_s2 = 2.8\n"

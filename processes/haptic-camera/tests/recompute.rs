@@ -55,7 +55,10 @@ fn an_archive_that_was_not_touched_gives_the_same_torques_and_one_that_was_does_
         let command_mnm = &mut capture.commanded_torque_mnm.as_mut().unwrap()[9_000];
         *command_mnm = command_mnm.next_up();
     });
-    assert_eq!((status, &json["first_difference"]["tick"], &json["different_ticks"]), (Some(1), &9_000.into(), &1.into()));
+    assert_eq!(
+        (status, &json["first_difference"]["tick"], &json["different_ticks"]),
+        (Some(1), &9_000.into(), &1.into())
+    );
     // A step of the encoder: its torque differs, and what follows from it.
     let (status, json) = tampered("angle.mcap", &|capture| capture.angle_rad[9_000] += 9.8e-6);
     assert_eq!((status, &json["first_difference"]["tick"]), (Some(1), &9_000.into()));

@@ -101,7 +101,9 @@ impl ModelExchange {
             }
             Ok(ModelRequest::Replace { revision, model_toml }) => (revision, model_toml),
             Err(error) => {
-                return refused(format!("the request is not understood ({error}); use the programs of one build together"));
+                return refused(format!(
+                    "the request is not understood ({error}); use the programs of one build together"
+                ));
             }
         };
         if !matches!(state, LoopState::Armed | LoopState::Running) {
@@ -114,11 +116,11 @@ impl ModelExchange {
             return ModelAnswer::Busy;
         }
         let admitted =
-            Model::from_toml(&model_toml, ORIGIN).map_err(|error| error.to_string()).and_then(|model| {
-                match admission.admit(&model) {
-                    Ok(admitted) => Ok((model, admitted)),
-                    Err(error) => Err(error.to_string()),
-                }
+            Model::from_toml(&model_toml, ORIGIN).map_err(|error| error.to_string()).and_then(|model| match admission
+                .admit(&model)
+            {
+                Ok(admitted) => Ok((model, admitted)),
+                Err(error) => Err(error.to_string()),
             });
         let (model, admitted) = match admitted {
             Ok(admitted) => admitted,

@@ -29,7 +29,9 @@ pub struct ControlDescription {
 #[derive(Debug, thiserror::Error)]
 pub enum NotRecomputable {
     /// No rendering.
-    #[error("the capture follows a sweep, and its servo began before the first sample; only a replay can be computed again")]
+    #[error(
+        "the capture follows a sweep, and its servo began before the first sample; only a replay can be computed again"
+    )]
     NotRendered,
     /// A run by a program that did not keep what is needed.
     #[error("the archive does not say with which gains and limits it was made; replay again with this program")]
@@ -96,8 +98,8 @@ impl Recomputation {
         };
         let model = rendered(model_toml, &calibration)?;
         let too_slow = || NotRecomputable::Rate { rate_hz };
-        let renderer = Renderer::new(model, render_gains, &calibration, limits.motor_torque_mnm, rate_hz)
-            .ok_or_else(too_slow)?;
+        let renderer =
+            Renderer::new(model, render_gains, &calibration, limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
         let control = ControlState::new(plan, &calibration).ok_or_else(too_slow)?.with_renderer(renderer);
         Ok(Self { control, calibration, begun: false })
     }

@@ -23,9 +23,9 @@ mod themed_svg;
 mod verdict;
 
 use dynamics::Model;
-pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
 use identification::diagnosis::Diagnosis;
 use identification::{Average, Fit};
+pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
 
 /// What is known of a capture besides its samples.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -9,6 +9,7 @@ pub mod rendering;
 mod servo;
 mod step;
 
+pub use cogging::CoggingCompensation;
 pub use servo::ServoGains;
 pub(crate) use servo::notch;
 pub use step::{ControlPlan, ControlState, Reading, Request, StepOutput};

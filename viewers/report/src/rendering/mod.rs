@@ -94,7 +94,8 @@ fn held_words(held: Option<HeldStill>) -> String {
 
 /// The verdict of a diagnosis that began with the intended model.
 fn added_words(added: Option<&AddedByRendering>) -> Markup {
-    let Some(AddedByRendering { verdict, effects, heldout_rms_before, heldout_rms_after, noise_floor_rms }) = added else {
+    let Some(AddedByRendering { verdict, effects, heldout_rms_before, heldout_rms_after, noise_floor_rms }) = added
+    else {
         return html! { "A diagnosis could not tell; the notes say why." };
     };
     let left = |rms_mnm: f64| format!("{}\u{a0}mNm", three(rms_mnm));
