@@ -9,8 +9,11 @@ use shared_types::{MODEL_MAX_BYTES, ModelAnswer, ModelRequest};
 
 use crate::supervision::clear_shared_memory;
 
-/// Longest wait for one answer.
+/// Longest wait for one answer, after which the request is sent again. Checking a model takes a tenth of a second of a core that the
+/// loop's publisher may have to share.
 const ANSWER: Duration = Duration::from_secs(2);
+/// Times that a request is sent. One that was taken without the answer coming back is answered by its own model.
+const ATTEMPTS: u32 = 5;
 /// Longest wait until the loop can take a model: it takes one in a quarter of a second.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Pause before a model is sent again.
@@ -41,6 +44,14 @@ pub(super) enum Sent {
     Taken(Vec<String>),
     /// Another was faster; this is the model now.
     Overtaken(Present),
+}
+
+/// What came of one request.
+enum Asked {
+    Answer(ModelAnswer),
+    /// Nobody is there, or who was there let go of the request.
+    Nobody,
+    Silence,
 }
 
 impl LoopModels {
@@ -90,27 +101,42 @@ impl LoopModels {
         }
     }
 
-    /// One request and its answer; `None` when nobody is there to answer.
+    /// A request and its answer; `None` when nobody is there to answer.
     fn ask(&self, request: &ModelRequest) -> anyhow::Result<Option<ModelAnswer>> {
+        let mut nobody = false;
+        for _ in 0..ATTEMPTS {
+            match self.ask_once(request)? {
+                Asked::Answer(answer) => return Ok(Some(answer)),
+                Asked::Nobody if nobody => return Ok(None),
+                Asked::Nobody => nobody = true,
+                Asked::Silence => {}
+            }
+        }
+        bail!("the control loop did not answer within {} s", (ATTEMPTS * ANSWER).as_secs())
+    }
+
+    fn ask_once(&self, request: &ModelRequest) -> anyhow::Result<Asked> {
         let text = serde_json::to_vec(request).context("the model has no text form")?;
         let unasked = |error: String| anyhow::anyhow!(error).context("the control loop could not be asked");
         let place = self.client.loan_slice_uninit(text.len()).map_err(|error| unasked(format!("{error:?}")))?;
         let pending = place.write_from_slice(&text).send().map_err(|error| unasked(format!("{error:?}")))?;
         if pending.number_of_server_connections() == 0 {
-            return Ok(None);
+            return Ok(Asked::Nobody);
         }
         let deadline = Instant::now() + ANSWER;
         while Instant::now() < deadline {
+            // Asked before: an answer comes before its sender lets go.
+            let connected = pending.is_connected();
             if let Ok(Some(answer)) = pending.receive() {
                 let answer = serde_json::from_slice(answer.payload())
                     .context("the control loop's answer is not understood; use the programs of one build together")?;
-                return Ok(Some(answer));
+                return Ok(Asked::Answer(answer));
             }
-            if !pending.is_connected() {
-                return Ok(None);
+            if !connected {
+                return Ok(Asked::Nobody);
             }
             std::thread::sleep(Duration::from_millis(1));
         }
-        bail!("the control loop did not answer within {} s", ANSWER.as_secs())
+        Ok(Asked::Silence)
     }
 }

@@ -34,6 +34,11 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
                 changes::lines(&present.model, &wanted).iter().for_each(say);
                 return Ok(Outcome::Done);
             }
+            // It was taken, and the answer lost.
+            Sent::Overtaken(newest) if newest.model == wanted => {
+                changes::lines(&present.model, &wanted).iter().for_each(say);
+                return Ok(Outcome::Done);
+            }
             Sent::Overtaken(newest) => {
                 remark("another tune was faster: its model is the one that is changed");
                 present = newest;
