@@ -25,6 +25,10 @@ pub struct Capture {
     pub tick: Vec<u64>,
     /// State of the control loop at each sample, see [`shared_types::LoopState`]; `None` from a table.
     pub state: Option<Vec<u32>>,
+    /// Ticks that the loop missed directly before each sample; `None` from a table.
+    pub missed_ticks: Option<Vec<u32>>,
+    /// Bits of [`Sample::flags`] of each sample; `None` from a table.
+    pub flags: Option<Vec<u32>>,
     /// Time since the start of the run, s: tick / rate, or as the table gives it.
     pub t_s: Vec<f64>,
     /// Encoder angle, rad.
@@ -150,7 +154,11 @@ impl Capture {
             .map(|(name, column)| (*name, column.len()))
             .chain(commanded.into_iter().filter_map(|(name, column)| Some((name, column?.len()))))
             .chain([("seq", self.seq.len()), ("tick", self.tick.len())])
-            .chain(self.state.as_ref().map(|state| ("state", state.len())));
+            .chain(
+                [("state", &self.state), ("missed_ticks", &self.missed_ticks), ("flags", &self.flags)]
+                    .into_iter()
+                    .filter_map(|(name, column)| Some((name, column.as_ref()?.len()))),
+            );
         for (column, length) in lengths {
             if length != rows {
                 return Err(ArchiveError::Ragged { column, rows: length, expected: rows });
@@ -232,6 +240,7 @@ impl Capture {
             calibration_toml: String::new(),
             simulated_knob_toml: None,
             rendered_model_toml: None,
+            control_toml: None,
             notes: Vec::new(),
         });
         run.rate_hz = self.rate_hz;
@@ -246,6 +255,7 @@ impl Capture {
     )]
     fn sample(&self, row: usize, run: &RunDescription) -> Sample {
         let or_nan = |column: &Option<Vec<f64>>| column.as_ref().map_or(f64::NAN, |column| column[row]);
+        let or_zero = |column: &Option<Vec<u32>>| column.as_ref().map_or(0, |column| column[row]);
         let since_start_ns = (self.tick[row] as f64 * 1e9 / self.rate_hz).round() as u64;
         Sample {
             seq: self.seq[row],
@@ -257,6 +267,8 @@ impl Capture {
             torque_mnm: self.torque_mnm[row],
             commanded_angle_rad: or_nan(&self.commanded_angle_rad),
             commanded_torque_mnm: or_nan(&self.commanded_torque_mnm),
+            missed_ticks: or_zero(&self.missed_ticks),
+            flags: or_zero(&self.flags),
             state: self.state.as_ref().map_or(shared_types::LoopState::Running.code(), |state| state[row]),
             ..Sample::default()
         }

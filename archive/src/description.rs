@@ -86,6 +86,7 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         calibration_toml: _,
         simulated_knob_toml: _,
         rendered_model_toml: _,
+        control_toml: _,
         notes,
     } = description;
     let mut metadata = BTreeMap::from([

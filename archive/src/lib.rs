@@ -81,6 +81,7 @@ pub fn doc_example_description() -> shared_types::RunDescription {
         calibration_toml: String::new(),
         simulated_knob_toml: None,
         rendered_model_toml: None,
+        control_toml: None,
         notes: Vec::new(),
     }
 }

@@ -167,17 +167,31 @@ impl<'a> Content<'a> {
             .ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
         let gaps = recorded_gaps(&metadata).unwrap_or_else(|| rows.gaps());
         let rows = rows.without_unmeasured_fault();
-        let Rows { seq, tick, state, angle_rad, velocity, acceleration, torque_mnm, commanded_angle, commanded_torque } =
-            rows;
+        let Rows {
+            seq,
+            tick,
+            state,
+            missed_ticks,
+            flags,
+            angle_rad,
+            velocity,
+            acceleration,
+            torque_mnm,
+            commanded_angle,
+            commanded_torque,
+        } = rows;
         #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
         let t_s = tick.iter().map(|&tick| tick as f64 / rate_hz).collect();
-        let state = (!state.is_empty()).then_some(state);
+        let [state, missed_ticks, flags] =
+            [state, missed_ticks, flags].map(|column| (!column.is_empty()).then_some(column));
         Ok(Capture {
             source: path.to_owned(),
             rate_hz,
             seq,
             tick,
             state,
+            missed_ticks,
+            flags,
             t_s,
             angle_rad,
             velocity_rad_s: present(velocity),
@@ -215,6 +229,8 @@ struct SampleFields {
     commanded_angle_rad: Option<FieldLayout>,
     commanded_torque_mnm: Option<FieldLayout>,
     state: Option<FieldLayout>,
+    missed_ticks: Option<FieldLayout>,
+    flags: Option<FieldLayout>,
 }
 
 impl SampleFields {
@@ -237,6 +253,8 @@ impl SampleFields {
             commanded_angle_rad: optional("commanded_angle_rad"),
             commanded_torque_mnm: optional("commanded_torque_mnm"),
             state: optional("state"),
+            missed_ticks: optional("missed_ticks"),
+            flags: optional("flags"),
         })
     }
 }
@@ -247,6 +265,8 @@ struct Rows {
     seq: Vec<u64>,
     tick: Vec<u64>,
     state: Vec<u32>,
+    missed_ticks: Vec<u32>,
+    flags: Vec<u32>,
     angle_rad: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
@@ -273,8 +293,14 @@ impl Rows {
                 column.push(field.as_f64(body)?);
             }
         }
-        if let Some(field) = &fields.state {
-            self.state.push(u32::try_from(field.as_u64(body)?).ok()?);
+        for (column, field) in [
+            (&mut self.state, &fields.state),
+            (&mut self.missed_ticks, &fields.missed_ticks),
+            (&mut self.flags, &fields.flags),
+        ] {
+            if let Some(field) = field {
+                column.push(u32::try_from(field.as_u64(body)?).ok()?);
+            }
         }
         Some(())
     }
@@ -289,6 +315,8 @@ impl Rows {
                 seq,
                 tick,
                 state,
+                missed_ticks,
+                flags,
                 angle_rad,
                 velocity,
                 acceleration,
@@ -301,7 +329,9 @@ impl Rows {
             }
             seq.pop();
             tick.pop();
-            state.pop();
+            for column in [state, missed_ticks, flags] {
+                column.pop();
+            }
         }
         self
     }

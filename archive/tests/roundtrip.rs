@@ -29,6 +29,8 @@ fn a_recording_reads_back_to_the_last_bit() {
         assert_eq!(column(&capture.commanded_angle_rad), expected.commanded_angle_rad.to_bits());
         assert_eq!(column(&capture.commanded_torque_mnm), expected.commanded_torque_mnm.to_bits());
         assert_eq!(capture.state.as_ref().unwrap()[row], 2);
+        assert_eq!(capture.missed_ticks.as_ref().unwrap()[row], expected.missed_ticks);
+        assert_eq!(capture.flags.as_ref().unwrap()[row], expected.flags);
     }
     assert_eq!(capture.gaps, []);
     assert_eq!(capture.ticks_without_sample(), 2);
@@ -109,6 +111,7 @@ fn a_recorded_capture_can_be_written_again_with_another_torque() {
     assert_eq!(read.torque_mnm, simulated.torque_mnm);
     assert_eq!((read.tick, read.t_s, read.angle_rad), (like.tick, like.t_s, like.angle_rad));
     assert_eq!((read.state, read.description), (like.state, like.description));
+    assert_eq!((read.missed_ticks, read.flags), (like.missed_ticks, like.flags));
     assert_eq!(read.attachments[attachment::EXCITATION], like.attachments[attachment::EXCITATION]);
 }
 
@@ -163,6 +166,7 @@ fn an_archive_of_another_version_opens_by_the_names_in_its_own_schema() {
     assert_eq!(capture.angle_rad, [0.0, 0.25, 0.5, 0.75, 1.0]);
     assert_eq!(capture.t_s, [0.0, 0.001, 0.002, 0.003, 0.004]);
     assert_eq!((capture.velocity_rad_s, capture.state), (None, None));
+    assert_eq!((capture.missed_ticks, capture.flags), (None, None));
 }
 
 #[test]

@@ -38,6 +38,35 @@ pub struct Calibration {
     /// Viscous friction of the motor, mNm·s/rad; `None` where it was never measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor_viscous: Option<f64>,
+    /// Delay of the motor's torque behind its command, the holding of a command over a tick apart, s: 1/(2π·bandwidth) of the
+    /// amplifier's current loop; `None` where it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command_delay_s: Option<f64>,
+    /// Cogging of the motor, strongest harmonic first, none where it has none; `None` where it was never measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motor_cogging: Option<Vec<CoggingHarmonic>>,
+}
+
+/// One harmonic of a motor's cogging: at an encoder angle the rotor is held back by torque · sin(per_turn · angle + phase).
+///
+/// The angle is the encoder's: without an index that it finds again after it was switched off, a cogging map is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoggingHarmonic {
+    /// Periods in a turn.
+    pub per_turn: u32,
+    /// Largest torque, mNm.
+    pub torque_mnm: f64,
+    /// Phase at angle zero, rad.
+    pub phase_rad: f64,
+}
+
+impl CoggingHarmonic {
+    /// The torque that holds the rotor back at an encoder angle, mNm.
+    #[must_use]
+    pub fn at_mnm(&self, angle_rad: f64) -> f64 {
+        self.torque_mnm * (f64::from(self.per_turn) * angle_rad + self.phase_rad).sin()
+    }
 }
 
 /// A calibration that cannot be read.

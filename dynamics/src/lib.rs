@@ -45,7 +45,7 @@ mod toml_file;
 mod torque_table;
 
 pub use bristles::Bristles;
-pub use calibration::{Calibration, CalibrationError};
+pub use calibration::{Calibration, CalibrationError, CoggingHarmonic};
 pub use composition::{Composition, CompositionError, CompositionNote, Source, composition_notes};
 pub use coupling::Coupling;
 pub(crate) use effect::spaced_unit;

@@ -1,6 +1,7 @@
 //! What the control loop needs of a rig.
 
 use dynamics::Calibration;
+use serde::{Deserialize, Serialize};
 
 /// One reading of the sensors, in physical units, not yet corrected by calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,7 +15,8 @@ pub struct Measurement {
 }
 
 /// What the rig must not exceed; beyond it the loop goes torque-free.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Largest torque that may be commanded from the motor, mNm; commands are clipped to it.
     pub motor_torque_mnm: f64,

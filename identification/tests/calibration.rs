@@ -176,7 +176,7 @@ fn captures_made_for_something_else_are_refused_in_one_sentence() {
 fn several_captures_narrow_the_interval_unless_they_disagree() {
     let told = |value, half_width| Calibrated {
         estimates: vec![Estimate { quantity: "gravity_phase_rad", value, half_width, unit: "rad" }],
-        notes: Vec::new(),
+        ..Calibrated::default()
     };
     let alike = combine(&[told(3.12, 0.1), told(-3.12, 0.1)]).unwrap();
     let one = alike.get("gravity_phase_rad").unwrap();

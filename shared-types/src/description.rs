@@ -50,6 +50,10 @@ pub struct RunDescription {
     /// torque sensor read what the rig put into it.
     #[serde(default)]
     pub rendered_model_toml: Option<String>,
+    /// Rate, gains and limits of the control step, as TOML; with calibration, models and samples all that the torques of a
+    /// rendering follow from. `None` of a run by an earlier program.
+    #[serde(default)]
+    pub control_toml: Option<String>,
     /// Further facts about the run, such as the seed of the simulated rig.
     pub notes: Vec<(String, String)>,
 }

@@ -38,7 +38,7 @@ pub use command::{CommandKind, ControlRequest, ControlResponse};
 pub use description::{ClockMapping, RunDescription};
 pub use fit_update::{Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
-pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange};
+pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};
 pub use sample::{BlockHeader, Fault, LoopState, Sample};
 pub use status::{LATENESS_BIN_EDGES_NS, LoopStatus, realtime};
 

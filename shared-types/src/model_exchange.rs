@@ -5,14 +5,38 @@ use serde::{Deserialize, Serialize};
 /// Longest model that can be sent to the control loop, bytes of TOML.
 pub const MODEL_MAX_BYTES: usize = 32 * 1024;
 
-/// The control loop's answer, as JSON, to a model sent to it or to the question which it renders.
+/// What is asked of the control loop about the model that it renders, as JSON.
 ///
-/// The request is the model's TOML; an empty request asks for the present model.
+/// Whoever changes a model says which one he changed: of two changes at once the later one would undo the earlier.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "request", rename_all = "kebab-case")]
+pub enum ModelRequest {
+    /// Which model is it?
+    Present,
+    /// Feel like this one instead.
+    Replace {
+        /// Revision of the model that this one takes the place of.
+        revision: u64,
+        /// The model, as TOML.
+        model_toml: String,
+    },
+}
+
+/// The control loop's answer to a [`ModelRequest`], as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "answer", rename_all = "kebab-case")]
 pub enum ModelAnswer {
     /// The newest model that was taken: it is rendered, or is about to be.
     Rendered {
+        /// Counts the models that were taken in this run.
+        revision: u64,
+        /// The model.
+        model_toml: String,
+    },
+    /// Another was faster: this is the model now, and the one that was sent is not taken.
+    Overtaken {
+        /// Counts the models that were taken in this run.
+        revision: u64,
         /// The model.
         model_toml: String,
     },

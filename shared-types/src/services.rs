@@ -304,15 +304,15 @@ impl TextTopic {
     }
 }
 
-/// The port through which models are sent to the control loop: their TOML, up to
-/// [`MODEL_MAX_BYTES`], or nothing to ask for the present one.
+/// The port through which models are sent to the control loop: a [`ModelRequest`](crate::ModelRequest) as JSON, its model of at
+/// most [`MODEL_MAX_BYTES`].
 ///
 /// # Errors
 /// [`ServiceError`] when shared memory is not to be had.
 pub fn model_client(node: &RigNode) -> Result<ModelClient, ServiceError> {
     model_exchange(node)?
         .client_builder()
-        .initial_max_slice_len(MODEL_MAX_BYTES)
+        .initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES)
         .create()
         .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
 }

@@ -66,6 +66,20 @@ fn a_model_is_turned_while_it_is_felt_and_both_are_in_the_archive() {
     assert!(second.tick > 20_000 && second.model_toml.contains("detent_amplitude = 3.0"), "{second:?}");
     assert!(capture.models.iter().all(|model| model.run_id == run.run_id));
 
+    // What was recorded, fed through the control step again with both models, gives the same torques bit for bit …
+    let archive = bench.only_archive("out").unwrap();
+    let output = bench.run(&["recompute", archive.to_str().unwrap()]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("of 2 models again") && text.contains("every torque command, bit for bit"), "{text}");
+    // … and does not once a model has another number.
+    let mut tampered = capture.clone();
+    tampered.models[1].model_toml = second.model_toml.replace("detent_amplitude = 3.0", "detent_amplitude = 3.001");
+    tampered.write_mcap(&bench.path("tampered.mcap")).unwrap();
+    let output = bench.run(&["recompute", "tampered.mcap"]).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("differs  from tick"), "{}", printed(&output));
+
     // Around the change the commanded torque goes on as it does everywhere.
     let row = capture.tick.iter().position(|tick| *tick >= second.tick).unwrap();
     let commanded_mnm = capture.commanded_torque_mnm.as_ref().unwrap();
@@ -76,6 +90,36 @@ fn a_model_is_turned_while_it_is_felt_and_both_are_in_the_archive() {
     let (elsewhere_mnm, at_change_mnm) = (step_mnm(10_000..row - 10), step_mnm(row - 10..row + 10));
     println!("steps: {elsewhere_mnm:.3} mNm elsewhere, {at_change_mnm:.3} mNm at the change; peak {peak_mnm:.1} mNm");
     assert!(at_change_mnm < elsewhere_mnm + 0.02 * peak_mnm, "{at_change_mnm}, {elsewhere_mnm}, {peak_mnm} mNm");
+}
+
+#[test]
+fn of_several_tunes_at_once_none_is_lost() {
+    let bench = Bench::new().unwrap();
+    let child = bench.start(&["replay", "3", "--no-viewer", "--out", "out"]).unwrap();
+    bench.wait_for_process("recorder").unwrap();
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while bench.run(&["tune"]).unwrap().status.code() != Some(0) {
+        assert!(Instant::now() < deadline, "the replay never answers");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let settings = ["detent_amplitude=3", "coulomb_positive=5", "coulomb_negative=4"];
+    let tunes: Vec<_> = settings.iter().map(|setting| bench.start(&["tune", setting]).unwrap()).collect();
+    let mut overtaken = 0;
+    for tune in tunes {
+        let output = tune.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+        overtaken += String::from_utf8_lossy(&output.stderr).matches("another tune was faster").count();
+    }
+    println!("{overtaken} times another tune was faster");
+    let present = tuned(&bench, &[]);
+    for setting in settings {
+        let (name, value) = setting.split_once('=').unwrap();
+        let line = present.lines().find(|line| line.contains(name)).unwrap();
+        assert!(line.contains(&format!(" {value} mNm")), "{setting} is lost:\n{present}");
+    }
+    kill(Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
 }
 
 #[test]

@@ -31,6 +31,7 @@ pub fn description() -> RunDescription {
         calibration_toml: "torque_offset_mnm = 0.25\n".to_owned(),
         simulated_knob_toml: Some("[[effects]]\nname = \"inertia\"\n".to_owned()),
         rendered_model_toml: None,
+        control_toml: None,
         notes: vec![("seed".to_owned(), "42".to_owned())],
     }
 }
@@ -63,7 +64,7 @@ pub fn sample(seq: u64) -> Sample {
         dropped_samples: 0,
         state: 2,
         fault: 0,
-        flags: 0,
+        flags: (seq % 16) as u32,
     }
 }
 

@@ -3,6 +3,7 @@
 use dynamics::Calibration;
 
 use super::RigParameters;
+use super::cogging::Cogging;
 use super::noise::Noise;
 use super::sensors::{first_order_delay_s, second_order_delay_s};
 use crate::{Limits, RigDescription};
@@ -27,8 +28,19 @@ pub(super) fn describe(parameters: &RigParameters, knob_name: &str, seed: u64) -
             ("mounted knob".to_owned(), knob_name.to_owned()),
             ("noise scale".to_owned(), parameters.noise_scale.to_string()),
             ("plant substep".to_owned(), format!("{} ns", parameters.substep_ns)),
+            ("motor cogging".to_owned(), cogging_in_words(&parameters.motor_cogging)),
         ],
     }
+}
+
+fn cogging_in_words(harmonics: &[Cogging]) -> String {
+    if harmonics.is_empty() {
+        return "none".to_owned();
+    }
+    let words = harmonics.iter().map(|Cogging { per_turn, torque_mnm, phase_rad }| {
+        format!("{torque_mnm} mNm {per_turn} times a turn, phase {phase_rad} rad")
+    });
+    words.collect::<Vec<_>>().join("; ")
 }
 
 fn calibration(parameters: &RigParameters, seed: u64) -> Calibration {
@@ -49,5 +61,8 @@ fn calibration(parameters: &RigParameters, seed: u64) -> Calibration {
         acceleration_step_rad_s2: parameters.acceleration_step_rad_s2,
         motor_coulomb_mnm: Some(measured(parameters.motor_coulomb_mnm)),
         motor_viscous: Some(measured(parameters.motor_viscous)),
+        command_delay_s: Some(measured(first_order_delay_s(parameters.current_bandwidth_hz))),
+        // No rig comes with it: `calibrate cogging` tells.
+        motor_cogging: None,
     }
 }

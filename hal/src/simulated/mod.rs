@@ -33,6 +33,7 @@
 
 mod artefacts;
 mod bristles;
+mod cogging;
 mod contact;
 mod description;
 mod drive;
@@ -47,6 +48,7 @@ mod sensors;
 mod shaft;
 mod watchdog;
 
+pub use cogging::Cogging;
 pub use hand::{Grip, Hand, Intention};
 pub use parameters::{ParameterError, RigParameters};
 pub use plant::Truth;

@@ -1,5 +1,7 @@
 //! What the simulated rig is made of.
 
+use super::cogging::{self, Cogging};
+
 /// Every number of the simulated rig; units mNm, rad, s unless the name says otherwise.
 ///
 /// The default is the rig of Swindells and MacLean 2007: their section 2 and Table 1, and the
@@ -20,6 +22,8 @@ pub struct RigParameters {
     pub motor_coulomb_mnm: f64,
     /// Viscous friction of the motor, mNm·s/rad.
     pub motor_viscous: f64,
+    /// Cogging of the motor, by harmonics of its angle.
+    pub motor_cogging: Vec<Cogging>,
 
     /// Voltage that the amplifier can put on the winding, either way, V.
     pub supply_v: f64,
@@ -85,7 +89,8 @@ impl Default for RigParameters {
     /// - Motor: maxon RE 40, Ø40 mm, graphite brushes, 150 W, 12 V winding, order number 148866
     ///   (maxon catalogue): 0.117 Ω, 0.0245 mH, 16.4 mNm/A, 139 g·cm². Its friction is the no-load
     ///   current of 0.241 A at 6920 rpm, 3.95 mNm in all; how this divides into a constant part and
-    ///   one that grows with speed is an assumption.
+    ///   one that grows with speed is an assumption. Its rotor is a winding without iron, which no magnet pulls: it has no
+    ///   cogging. A slotted brushless motor in its place would have 1 to 2 % of its rated torque, some mNm.
     /// - Amplifier: a PWM amplifier like the paper's Copley 2122 on ±12 V, with the bandwidth of 3 kHz of
     ///   that maker's later 4122 (its data sheet). Its peak current, 22 A, is what breaks knob 5 loose
     ///   even where its detents add to its stick, 200 + 136 mNm, as the paper says its rig does: with
@@ -105,6 +110,7 @@ impl Default for RigParameters {
             coupling_inertia: 0.002,
             motor_coulomb_mnm: 3.0,
             motor_viscous: 1.31e-3,
+            motor_cogging: Vec::new(),
 
             supply_v: 12.0,
             peak_current_a: 22.0,
@@ -232,6 +238,7 @@ impl RigParameters {
         for entry in finite {
             check(entry, true, "finite")?;
         }
+        cogging::validate(&self.motor_cogging)?;
         let substep = ("substep_ns", self.substep_s() * 1e9);
         check(substep, (1..=MAX_SUBSTEP_NS).contains(&self.substep_ns), "from 1 to 20000")
     }

@@ -3,6 +3,7 @@
 use dynamics::Model;
 
 use super::RigParameters;
+use super::cogging::{Cogging, cogging_mnm};
 use super::contact::{Braked, Contact, MotorFriction};
 use super::drive::Drive;
 use super::inner::Cap;
@@ -45,6 +46,7 @@ pub(super) struct Plant {
     substep_s: f64,
     coulomb_mnm: f64,
     viscous: f64,
+    cogging: Vec<Cogging>,
     knob: Knob,
     drive: Drive,
     shaft: Shaft,
@@ -62,6 +64,7 @@ impl Plant {
             substep_s: parameters.substep_s(),
             coulomb_mnm: parameters.motor_coulomb_mnm,
             viscous: parameters.motor_viscous,
+            cogging: parameters.motor_cogging.clone(),
             drive: Drive::new(parameters),
             shaft: Shaft::new(parameters, knob.cap_inertia() + hand_inertia),
             motor_contact: Contact::Stuck,
@@ -107,7 +110,8 @@ impl Plant {
     /// torque on the knob, mNm.
     pub(super) fn step(&mut self, command_mnm: Option<f64>, hand_mnm: f64) {
         let start_rad_s = self.shaft.velocity_rad_s;
-        let motor_mnm = self.drive.step(command_mnm, start_rad_s.motor);
+        let middle_rad = self.shaft.angle_rad.motor + 0.5 * self.substep_s * start_rad_s.motor;
+        let motor_mnm = self.drive.step(command_mnm, start_rad_s.motor) - cogging_mnm(&self.cogging, middle_rad);
         let motor_friction =
             MotorFriction { coulomb_mnm: self.coulomb_mnm, viscous_mnm: self.viscous * start_rad_s.motor };
         let mut motor = Braked::new(self.motor_contact, motor_friction);

@@ -6,6 +6,7 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "ticks are few and positive")]
 
 mod closed_loop;
+mod cogging;
 mod motor;
 mod repeatability;
 mod sensors;

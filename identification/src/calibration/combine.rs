@@ -1,6 +1,6 @@
 //! One calibration of several captures.
 
-use super::estimate::{Calibrated, Estimate};
+use super::estimate::{Calibrated, CoggingEstimate, Estimate};
 use crate::average::{Combined, combined, wrapped};
 
 /// Combines what several captures tell of the same rig; `None` for none.
@@ -29,7 +29,38 @@ pub fn combine(captures: &[Calibrated]) -> Option<Calibrated> {
             notes.push(note.clone());
         }
     }
-    Some(Calibrated { estimates, notes })
+    Some(Calibrated { estimates, cogging: cogging(captures), notes })
+}
+
+/// Each harmonic that any of the captures shows, strongest first.
+fn cogging(captures: &[Calibrated]) -> Option<Vec<CoggingEstimate>> {
+    let shown: Vec<&Vec<CoggingEstimate>> = captures.iter().filter_map(|capture| capture.cogging.as_ref()).collect();
+    if shown.is_empty() {
+        return None;
+    }
+    let mut harmonics: Vec<CoggingEstimate> = Vec::new();
+    for first in shown.iter().copied().flatten() {
+        if harmonics.iter().any(|known| known.per_turn == first.per_turn) {
+            continue;
+        }
+        let same: Vec<&CoggingEstimate> =
+            shown.iter().copied().flatten().filter(|other| other.per_turn == first.per_turn).collect();
+        let torques: Vec<(f64, f64)> = same.iter().map(|one| (one.torque_mnm, one.torque_half_width_mnm)).collect();
+        let phases: Vec<(f64, f64)> = same
+            .iter()
+            .map(|one| (first.phase_rad + wrapped(one.phase_rad - first.phase_rad), one.phase_half_width_rad))
+            .collect();
+        let (torque, phase) = (combined(&torques), combined(&phases));
+        harmonics.push(CoggingEstimate {
+            per_turn: first.per_turn,
+            torque_mnm: torque.value,
+            torque_half_width_mnm: torque.half_width,
+            phase_rad: wrapped(phase.value),
+            phase_half_width_rad: phase.half_width,
+        });
+    }
+    harmonics.sort_by(|one, other| other.torque_mnm.total_cmp(&one.torque_mnm));
+    Some(harmonics)
 }
 
 fn is_phase(estimate: &Estimate) -> bool {

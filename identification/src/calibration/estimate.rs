@@ -1,6 +1,6 @@
 //! What a calibration tells, and why it may not.
 
-use dynamics::Calibration;
+use dynamics::{Calibration, CoggingHarmonic};
 
 use crate::{FitError, Samples};
 
@@ -17,11 +17,29 @@ pub struct Estimate {
     pub unit: &'static str,
 }
 
+/// One calibrated harmonic of the motor's cogging.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct CoggingEstimate {
+    /// Periods in a turn.
+    pub per_turn: u32,
+    /// Largest torque, mNm.
+    pub torque_mnm: f64,
+    /// Half width of its 95 % interval, mNm.
+    pub torque_half_width_mnm: f64,
+    /// Phase at angle zero, rad.
+    pub phase_rad: f64,
+    /// Half width of its 95 % interval, rad.
+    pub phase_half_width_rad: f64,
+}
+
 /// What a calibration learnt.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Calibrated {
     /// The quantities that it tells.
     pub estimates: Vec<Estimate>,
+    /// The motor's cogging, strongest harmonic first; `None` where it was not looked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cogging: Option<Vec<CoggingEstimate>>,
     /// What a reader should know besides.
     pub notes: Vec<String>,
 }
@@ -41,6 +59,18 @@ impl Calibrated {
             if let Some(slot) = slot(&mut calibration, estimate.quantity) {
                 *slot = estimate.value;
             }
+        }
+        if let Some(cogging) = &self.cogging {
+            calibration.motor_cogging = Some(
+                cogging
+                    .iter()
+                    .map(|CoggingEstimate { per_turn, torque_mnm, phase_rad, .. }| CoggingHarmonic {
+                        per_turn: *per_turn,
+                        torque_mnm: *torque_mnm,
+                        phase_rad: *phase_rad,
+                    })
+                    .collect(),
+            );
         }
         calibration
     }
@@ -101,9 +131,17 @@ pub enum CalibrateError {
     },
     /// No column of commands.
     #[error(
-        "the capture has no commanded torque, from which the motor's friction is told; capture on the rig, to an archive"
+        "the capture has no commanded torque, from which what the motor takes is told; capture on the rig, to an archive"
     )]
     NoCommand,
+    /// Cogging that the capture cannot tell.
+    #[error(
+        "the motor's cogging cannot be told: {reason}; capture with `--knob none --sweep slow-turn --duration-s 15`"
+    )]
+    NoCogging {
+        /// Why.
+        reason: String,
+    },
     /// A friction that the capture cannot tell.
     #[error("the motor's {quantity} cannot be told: {reason}")]
     NoFriction {

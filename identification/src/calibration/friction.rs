@@ -7,7 +7,7 @@ use crate::{FitOptions, Parameter, Samples, fit};
 
 /// Fits the motor to what of the command does not reach the torque sensor, as a fit does a knob.
 ///
-/// `commanded_mnm` is the torque commanded at each sample, held until the next. Takes the zeros from `known`. Tells
+/// `commanded_mnm` is the torque commanded at each sample, held until the next. Takes zeros and cogging from `known`. Tells
 /// `motor_inertia`, `motor_coulomb_mnm` and `motor_viscous`: the means of both directions.
 ///
 /// # Errors
@@ -18,16 +18,11 @@ pub fn friction(
     known: &Calibration,
 ) -> Result<Calibrated, CalibrateError> {
     samples.check()?;
-    if commanded_mnm.len() != samples.torque_mnm.len() || commanded_mnm.iter().any(|command| !command.is_finite()) {
-        return Err(CalibrateError::NoCommand);
+    let cogging = known.motor_cogging.as_deref().unwrap_or_default();
+    let mut taken_mnm = motors_share_mnm(samples, commanded_mnm, known)?;
+    for (taken_mnm, angle_rad) in taken_mnm.iter_mut().zip(samples.angle_rad) {
+        *taken_mnm -= cogging.iter().map(|harmonic| harmonic.at_mnm(*angle_rad)).sum::<f64>();
     }
-    // At a sample the mean of the command that ends and the one that begins acts.
-    let taken_mnm: Vec<f64> = (0..commanded_mnm.len())
-        .map(|index| {
-            let acting_mnm = 0.5 * (commanded_mnm[index.saturating_sub(1)] + commanded_mnm[index]);
-            acting_mnm - (samples.torque_mnm[index] - known.torque_zero_mnm)
-        })
-        .collect();
     let motor = Samples { torque_mnm: &taken_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let fitted = fit(&motor, &FitOptions { without_detents: true, ..FitOptions::default() })?;
     let told = |name: &'static str| -> Result<(f64, f64), CalibrateError> {
@@ -57,6 +52,24 @@ pub fn friction(
             estimate("motor_coulomb_mnm", coulomb_mnm, coulomb_half, "mNm"),
             estimate("motor_viscous", viscous.max(0.0), viscous_half, "mNm s/rad"),
         ],
+        cogging: None,
         notes,
     })
+}
+
+/// What of the command does not reach the torque sensor, sample by sample, mNm: the motor takes it.
+pub(super) fn motors_share_mnm(
+    samples: &Samples<'_>,
+    commanded_mnm: &[f64],
+    known: &Calibration,
+) -> Result<Vec<f64>, CalibrateError> {
+    if commanded_mnm.len() != samples.torque_mnm.len() || commanded_mnm.iter().any(|command| !command.is_finite()) {
+        return Err(CalibrateError::NoCommand);
+    }
+    // At a sample the mean of the command that ends and the one that begins acts.
+    let share_mnm = |index: usize| {
+        let acting_mnm = 0.5 * (commanded_mnm[index.saturating_sub(1)] + commanded_mnm[index]);
+        acting_mnm - (samples.torque_mnm[index] - known.torque_zero_mnm)
+    };
+    Ok((0..commanded_mnm.len()).map(share_mnm).collect())
 }

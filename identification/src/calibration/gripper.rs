@@ -34,6 +34,7 @@ pub fn gripper(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
         ));
     }
     Ok(Calibrated {
+        cogging: None,
         estimates: vec![Estimate {
             quantity: "gripper_inertia",
             value,

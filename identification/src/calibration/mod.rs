@@ -1,4 +1,4 @@
-//! Calibrating a rig from captures: zeros, gravity, the gripper's inertia, the channels' delays.
+//! Calibrating a rig from captures: zeros, gravity, the gripper's inertia, the channels' delays, the motor's cogging and friction.
 //!
 //! Each calibration takes a capture made for it and what is known so far, and gives what it learnt as
 //! [`Estimate`]s with 95 % intervals:
@@ -9,11 +9,13 @@
 //! | [`gravity`] | a slow turn of more than 360° | gravity in the acceleration signal |
 //! | [`latency`] | the gripper alone under fast sines | how late torque and acceleration come |
 //! | [`gripper`] | the gripper alone under a sweep | its inertia |
+//! | [`cogging`] | the gripper alone turned slowly both ways, with what was commanded | the motor's cogging |
 //! | [`friction`] | the gripper alone under a sweep, with what was commanded | the motor's inertia and friction |
 //!
 //! They build on one another in this order. A capture is taken as the sensors gave it: whatever a
 //! calibration is to find is never corrected by what was believed before.
 
+mod cogging;
 mod combine;
 mod estimate;
 mod friction;
@@ -23,8 +25,9 @@ mod latency;
 mod regression;
 mod zero;
 
+pub use cogging::cogging;
 pub use combine::combine;
-pub use estimate::{CalibrateError, Calibrated, Estimate};
+pub use estimate::{CalibrateError, Calibrated, CoggingEstimate, Estimate};
 pub use friction::friction;
 pub use gravity::gravity;
 pub use gripper::gripper;

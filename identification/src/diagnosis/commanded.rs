@@ -1,7 +1,7 @@
 //! Motion predicted from the torque commanded from the rig's motor: what the torque sensor reads takes no part in it.
 
 use dynamics::simulate::{RigMotor, forward_windows_from_command};
-use dynamics::{Model, Motion};
+use dynamics::{Calibration, Model, Motion};
 
 use super::FORWARD_WINDOW_S;
 use super::capture::Capture;
@@ -30,13 +30,19 @@ pub(crate) fn forward(
     chain: &[Model],
     [train, heldout]: [&Capture; 2],
     commanded: Option<&CommandedTorque<'_>>,
-    motor_inertia: Option<f64>,
+    known: Option<&Calibration>,
 ) -> Result<ForwardFromCommand, &'static str> {
     let commanded = commanded.ok_or("a capture has no column of commanded torque")?;
-    let inertia = motor_inertia.ok_or("nothing is known of the rig's motor without a calibration")?;
-    let of_train = on_grid(commanded.train_t_s, commanded.train, train.motions(), train.rate_hz);
-    let motor = motor(inertia, train, &of_train).ok_or("the training capture does not tell the motor's friction")?;
-    let commands = on_grid(commanded.heldout_t_s, commanded.heldout, heldout.motions(), heldout.rate_hz);
+    let known = known.ok_or("nothing is known of the rig's motor without a calibration")?;
+    let on_grid = |t_s: &[f64], commanded_mnm: &[f64], capture: &Capture| {
+        let mut commands_mnm = on_grid(t_s, commanded_mnm, capture.motions(), capture.rate_hz);
+        take_off_cogging(&mut commands_mnm, capture.motions(), known);
+        commands_mnm
+    };
+    let of_train = on_grid(commanded.train_t_s, commanded.train, train);
+    let motor = motor(known.motor_inertia, train, &of_train)
+        .ok_or("the training capture does not tell the motor's friction")?;
+    let commands = on_grid(commanded.heldout_t_s, commanded.heldout, heldout);
     let mut angle_rms_rad = Vec::new();
     for model in chain {
         let errors = forward_windows_from_command(model, &motor, heldout.motions(), &commands, FORWARD_WINDOW_S);
@@ -48,6 +54,14 @@ pub(crate) fn forward(
         }
     }
     Ok(ForwardFromCommand { angle_rms_rad, window_s: FORWARD_WINDOW_S, motor })
+}
+
+/// Leaves of the commands what the motor's cogging, as far as it is known, does not take.
+fn take_off_cogging(commands_mnm: &mut [f64], motions: &[Motion], known: &Calibration) {
+    let cogging = known.motor_cogging.as_deref().unwrap_or_default();
+    for (command_mnm, motion) in commands_mnm.iter_mut().zip(motions) {
+        *command_mnm -= cogging.iter().map(|harmonic| harmonic.at_mnm(motion.angle_rad)).sum::<f64>();
+    }
 }
 
 /// The command that holds at each motion, mNm.

@@ -98,9 +98,9 @@ impl Search<'_> {
             rows: rows::of(first, last, [self.train, self.heldout]),
         };
         diagnosis.summary = diagnosis.in_one_sentence();
-        let motor_inertia = self.options.calibration.as_ref().map(|known| known.motor_inertia);
+        let known = self.options.calibration.as_ref();
         let commanded = self.options.commanded.as_ref();
-        match commanded::forward(&diagnosis.chain, [self.train, self.heldout], commanded, motor_inertia) {
+        match commanded::forward(&diagnosis.chain, [self.train, self.heldout], commanded, known) {
             Ok(forward) => diagnosis.forward_from_command = Some(forward),
             Err(reason) => diagnosis.notes.push(format!("motion is not predicted from the command: {reason}")),
         }

@@ -77,6 +77,11 @@ impl BlockSums {
         Some((0..BLOCKS).map(|block| self.left_in(block, chosen, &coefficients)).sum::<f64>().max(0.0))
     }
 
+    /// Sum of squares of the target.
+    pub(super) fn total(&self) -> f64 {
+        self.squares.iter().sum()
+    }
+
     /// Target minus columns times coefficients.
     pub(super) fn residual(&self, coefficients: &DVector<f64>) -> Vec<f64> {
         let mut residual = self.target.clone();

@@ -65,6 +65,12 @@ impl Grid {
         Self { unit, lowest, highest: finest.max(lowest), start_rad, whole_turn }
     }
 
+    /// The same without what is finer than `wavenumber`, 1/rad.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a line below the number of places")]
+    pub(super) fn up_to(self, wavenumber: f64) -> Self {
+        Self { highest: self.highest.min((wavenumber / self.unit) as usize).max(self.lowest), ..self }
+    }
+
     /// The wavenumber (1/rad) whose sinusoid explains most of the residual, what it explains, and the mean of all lines.
     #[allow(
         clippy::cast_possible_truncation,

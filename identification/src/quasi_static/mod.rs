@@ -7,6 +7,7 @@
 mod block_sums;
 mod ladder;
 mod passes;
+mod sinusoids;
 
 use dynamics::{Effect, effects};
 use nalgebra::{DMatrix, DVector};
@@ -20,6 +21,7 @@ use crate::saturation::Rails;
 use crate::spectrum::median;
 use block_sums::{BlockSums, STUDENT_95};
 use ladder::Grid;
+pub(crate) use sinusoids::of_turns;
 
 /// Fewest rows of a direction from which its friction is told.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
@@ -125,38 +127,10 @@ struct Fitted {
 impl Fitted {
     fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
         let estimate = sums.estimate()?;
+        let (order, harmonics) = sinusoids::ranked(&sums, &estimate, frictions, wavenumbers)?;
         let coefficients = estimate.coefficients;
         let pair =
             |position: usize| [coefficients[frictions + 2 * position], coefficients[frictions + 2 * position + 1]];
-        let mut order: Vec<usize> = (0..wavenumbers.len()).collect();
-        let size = |position: &usize| pair(*position)[0].hypot(pair(*position)[1]);
-        order.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        let mut chosen: Vec<usize> = (0..frictions).collect();
-        let total: f64 = map.torque_mnm.iter().map(|torque| torque * torque).sum();
-        let mut before = sums.left(&chosen)?;
-        let mut harmonics = Vec::new();
-        for position in &order {
-            let at = frictions + 2 * position;
-            chosen.extend([at, at + 1]);
-            let after = sums.left(&chosen)?;
-            let [sine, cosine] = pair(*position);
-            let amplitude = sine.hypot(cosine);
-            let half = STUDENT_95 * along(&estimate.covariance, at, [sine / amplitude, cosine / amplitude]);
-            let turn =
-                STUDENT_95 * along(&estimate.covariance, at, [-cosine / amplitude, sine / amplitude]) / amplitude;
-            let phase = cosine.atan2(sine);
-            harmonics.push(Harmonic {
-                order: overtone(wavenumbers[*position], wavenumbers[order[0]]),
-                per_turn: wavenumbers[*position],
-                amplitude_mnm: amplitude,
-                amplitude_ci95_mnm: Some([amplitude - half, amplitude + half]),
-                phase_rad: phase,
-                phase_ci95_rad: Some([phase - turn, phase + turn]),
-                explains_percent: 100.0 * (1.0 - after / before),
-                relative_error_percent: Some(100.0 * (after / total).sqrt()),
-            });
-            before = after;
-        }
         let mut period_half_widths_rad = [0.0; 2];
         if let Some(strongest) = order.first() {
             let base = sums.width();

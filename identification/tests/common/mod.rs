@@ -16,7 +16,7 @@ pub use capture::Capture;
 pub use ideal::{ideal, knob, sweep};
 pub use measured::{measured, recordings, table};
 pub use random::Uniform;
-pub use servo::{captured, captured_at};
+pub use servo::{Commanded, captured, captured_at, commanded};
 pub use truth::{SLIDING, TABLE_2, true_value};
 
 /// Sample rate of the captures from the simulated rig, Hz.

@@ -30,7 +30,6 @@ pub fn captured_at(
 ///
 /// # Errors
 /// What rig or loop say.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "ticks")]
 pub fn captured(
     knob: &Model,
     excitation: Excitation,
@@ -38,6 +37,29 @@ pub fn captured(
     duration_s: f64,
     seed: u64,
 ) -> Result<Capture, Failure> {
+    commanded(knob, excitation, parameters, duration_s, seed).map(|run| run.capture)
+}
+
+/// A capture with what was commanded.
+pub struct Commanded {
+    /// The capture.
+    pub capture: Capture,
+    /// Torque commanded at each sample, mNm.
+    pub commanded_mnm: Vec<f64>,
+}
+
+/// The same with what was commanded.
+///
+/// # Errors
+/// What rig or loop say.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "ticks")]
+pub fn commanded(
+    knob: &Model,
+    excitation: Excitation,
+    parameters: RigParameters,
+    duration_s: f64,
+    seed: u64,
+) -> Result<Commanded, Failure> {
     let mut rig = SimulatedRig::new(parameters, knob.clone(), seed)?;
     let calibration = rig.description().calibration.clone();
     let planned_ticks = (duration_s * RATE_HZ) as u64;
@@ -47,7 +69,7 @@ pub fn captured(
     rig.enable()?;
     control.arm();
     let mut capture = Capture { calibration: Some(calibration), ..Capture::default() };
-    let mut acceleration_rad_s2 = Vec::new();
+    let (mut acceleration_rad_s2, mut commanded_mnm) = (Vec::new(), Vec::new());
     for tick in 0..ARMED_TICKS + planned_ticks {
         if tick == ARMED_TICKS {
             control.request(Request::Start);
@@ -63,7 +85,8 @@ pub fn captured(
             capture.angle_rad.push(measurement.angle_rad);
             acceleration_rad_s2.push(measurement.acceleration_rad_s2);
             capture.torque_mnm.push(measurement.torque_mnm);
+            commanded_mnm.push(sample.commanded_torque_mnm);
         }
     }
-    Ok(Capture { acceleration_rad_s2: Some(acceleration_rad_s2), ..capture })
+    Ok(Commanded { capture: Capture { acceleration_rad_s2: Some(acceleration_rad_s2), ..capture }, commanded_mnm })
 }

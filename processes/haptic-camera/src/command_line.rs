@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use rt_loop::motor_cogging::MotorCogging;
 
 use crate::capture::Budget;
 use crate::compose::{Assignment, Extra};
@@ -72,6 +73,9 @@ pub enum Command {
     Compose(ComposeOptions),
     /// Open the live view of the running capture, or look at a finished one
     View(ViewOptions),
+    /// Compute the torques of a recorded replay again and say whether they are equal, bit for bit
+    #[command(after_help = "Example:\n  haptic-camera recompute captures/20261121-101500-replay-knob-3.mcap")]
+    Recompute(RecomputeOptions),
     /// Make a whole archive of one that was cut short or damaged
     #[command(after_help = "Example:\n  haptic-camera recover broken.mcap --out whole.mcap")]
     Recover(RecoverOptions),
@@ -97,6 +101,9 @@ pub struct RunOptions {
     /// Seed of the simulated rig's noise
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Cogging of the simulated rig's motor, as periods per turn, mNm and rad; may be repeated
+    #[arg(long, value_name = "PER_TURN:MNM[:RAD]")]
+    pub motor_cogging: Vec<MotorCogging>,
     /// Core for the real-time thread [default: the last one]
     #[arg(long)]
     pub core: Option<usize>,
@@ -123,6 +130,7 @@ impl RunOptions {
         if let Some(calibration) = &self.calibration {
             arguments.push(format!("--calibration={}", calibration.display()));
         }
+        arguments.extend(self.motor_cogging.iter().map(|harmonic| format!("--motor-cogging={harmonic}")));
         if let Some(core) = self.core {
             arguments.push(format!("--core={core}"));
         }
@@ -205,6 +213,9 @@ pub struct ReplayOptions {
     /// Write the comparison as JSON; `-` for standard output
     #[arg(long, requires = "verify", value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Write the comparison as a report page
+    #[arg(long, requires = "verify", value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
     /// Rig, rate, archive and view
     #[command(flatten)]
     pub run: RunOptions,
@@ -300,6 +311,9 @@ pub struct RigOptions {
     /// Seed of the simulated rig's noise
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Cogging of the simulated rig's motor, as periods per turn, mNm and rad; may be repeated
+    #[arg(long, value_name = "PER_TURN:MNM[:RAD]")]
+    pub motor_cogging: Vec<MotorCogging>,
     /// Folder for the captures made on the way
     #[arg(long, default_value = "captures", value_name = "DIR")]
     pub captures_in: PathBuf,
@@ -336,6 +350,8 @@ pub enum CalibrationKind {
     Gripper,
     /// How late torque and acceleration come, from fast sines of the gripper alone.
     Latency,
+    /// The motor's cogging, from slow turns of the gripper alone in both directions.
+    Cogging,
     /// The motor's own inertia and friction, from a sweep of the gripper alone.
     Friction,
 }
@@ -442,6 +458,17 @@ pub struct ViewOptions {
     /// Show it in a window of its own instead of a web page
     #[arg(long)]
     pub native: bool,
+}
+
+/// Options of `recompute`.
+#[derive(Debug, Args)]
+pub struct RecomputeOptions {
+    /// The archive of a replay
+    #[arg(value_name = "CAPTURE")]
+    pub capture: PathBuf,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
 }
 
 /// Options of `recover`.

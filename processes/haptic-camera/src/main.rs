@@ -16,6 +16,7 @@ mod load;
 mod offline_run;
 mod outcome;
 mod parameter_table;
+mod recompute;
 mod recording;
 mod recover;
 mod repeatability;
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         Command::Simulate(options) => simulate::run(&options),
         Command::Compose(options) => compose::run(&options),
         Command::View(options) => view::run(&options),
+        Command::Recompute(options) => recompute::run(&options),
         Command::Recover(options) => recover::run(&options),
         Command::Doctor => doctor::run(),
     };

@@ -35,11 +35,14 @@ pub struct OfflineRun {
 /// # Errors
 /// What keeps the run from being made, and an archive that cannot be written.
 pub fn archive(arguments: &[String], path: &Path, stop: &AtomicBool) -> anyhow::Result<OfflineRun> {
-    let plan = Plan::new(&Options::try_parse_from([&["rt-loop".to_owned()], arguments].concat())?)?;
+    let options = Options::try_parse_from([&["rt-loop".to_owned()], arguments].concat())?;
+    let plan = Plan::new(&options)?;
     let mut description = plan.description()?;
     description.notes.push(("time".to_owned(), "offline: the plant's, not a clock's".to_owned()));
     let rendered = plan.rendering.as_ref().map(|rendering| rendering.model.name.clone());
-    plan.rendering.iter().flat_map(|rendering| &rendering.remarks).for_each(remark);
+    if !options.without_remarks {
+        plan.rendering.iter().flat_map(|rendering| &rendering.remarks).for_each(remark);
+    }
     let (samples, fault) = samples_of(plan, stop)?;
     whole_file::write_whole(path, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;

@@ -63,6 +63,7 @@ impl RigRun {
             format!("--duration-s={}", self.duration_s),
             format!("--seed={}", rig.seed),
         ];
+        arguments.extend(rig.motor_cogging.iter().map(|harmonic| format!("--motor-cogging={harmonic}")));
         if self.torque {
             arguments.push("--torque".to_owned());
         }

@@ -33,7 +33,7 @@ fn refused(folder: &Path, arguments: &str) -> String {
 #[test]
 fn a_rendered_knob_captured_from_its_replay_is_its_model() {
     let folder = tempfile::tempdir().unwrap();
-    let output = replay(folder.path(), "4 --verify --json result.json");
+    let output = replay(folder.path(), "4 --verify --json result.json --report page.html");
     let result: Value = serde_json::from_slice(&std::fs::read(folder.path().join("result.json")).unwrap()).unwrap();
     let parameters = result["parameters"].as_array().unwrap();
     assert_eq!(parameters.len(), 10, "all of the model's but the stick velocity, which shows in no torque");
@@ -50,6 +50,37 @@ fn a_rendered_knob_captured_from_its_replay_is_its_model() {
     assert!(result["held_still"]["encoder_steps"].as_f64().unwrap() < 1.0, "{result}");
     assert_eq!(result["added"]["verdict"], "none");
     assert_eq!(output.status.code(), Some(0));
+    let missing = not_shown(&std::fs::read_to_string(folder.path().join("page.html")).unwrap(), &result);
+    assert!(missing.is_empty(), "not on the page: {missing:?}");
+}
+
+/// Numbers of the JSON that are not on the page, with the way to them.
+fn not_shown(page: &str, result: &Value) -> Vec<String> {
+    let plain = page.split_once("</style>").unwrap().1.replace('−', "-");
+    let shown: Vec<f64> = plain
+        .split(|letter: char| !(letter.is_ascii_digit() || "-.".contains(letter)))
+        .filter_map(|word| word.trim_end_matches('.').parse().ok())
+        .collect();
+    let mut missing = Vec::new();
+    let mut left = vec![(String::new(), result)];
+    while let Some((way, value)) = left.pop() {
+        match value {
+            Value::Array(items) => {
+                left.extend(items.iter().enumerate().map(|(index, item)| (format!("{way}[{index}]"), item)));
+            }
+            Value::Object(fields) => left.extend(fields.iter().map(|(name, item)| (format!("{way}.{name}"), item))),
+            Value::Number(number) => {
+                let number = number.as_f64().unwrap();
+                // Three significant digits; percents with two decimals.
+                let rounding = 0.005 * number.abs() + if way.ends_with("percent") { 0.005_001 } else { 1e-9 };
+                if !shown.iter().any(|on_page| (on_page - number).abs() <= rounding) {
+                    missing.push(format!("{way} = {number}"));
+                }
+            }
+            _ => {}
+        }
+    }
+    missing
 }
 
 #[test]

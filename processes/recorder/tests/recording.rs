@@ -436,6 +436,7 @@ fn description(run_id: u64) -> RunDescription {
         calibration_toml: String::new(),
         simulated_knob_toml: None,
         rendered_model_toml: None,
+        control_toml: None,
         notes: Vec::new(),
     }
 }

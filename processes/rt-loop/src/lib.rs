@@ -11,7 +11,9 @@
 //! - [`realtime`]: permission, clock and the loop itself.
 //! - [`publisher`]: the other thread; ring to shared memory, status, commands, models.
 //! - [`admission`]: what a model must pass before it is rendered.
+//! - [`recomputation`]: a recorded rendering fed through the control step again.
 //! - [`stability`]: what can be rendered on a rig without shaking.
+//! - [`motor_cogging`]: the cogging that the simulated rig's motor is to have.
 //! - [`plan`]: what the process was asked to do, checked against the rig.
 //!
 //! It reads nothing but control requests and models, publishes samples, status, the run's description
@@ -22,8 +24,10 @@ pub mod control;
 pub mod drilled_apparatus;
 mod hand;
 mod model_exchange;
+pub mod motor_cogging;
 pub mod plan;
 pub mod publisher;
 pub mod realtime;
+pub mod recomputation;
 pub mod rig_lock;
 pub mod stability;

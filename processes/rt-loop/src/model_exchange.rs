@@ -3,7 +3,7 @@
 use dynamics::Model;
 use iceoryx2::port::update_connections::UpdateConnections as _;
 use shared_types::services::{self, ModelServer, RigNode, ServiceError, TextPublisher};
-use shared_types::{LoopState, ModelAnswer, ModelChange, RunDescription};
+use shared_types::{LoopState, ModelAnswer, ModelChange, ModelRequest, RunDescription};
 
 use crate::admission::Admission;
 use crate::realtime::{ModelEvent, ModelPort};
@@ -21,6 +21,8 @@ pub(crate) struct ModelExchange {
     run_id: u64,
     /// The newest model that was taken, as TOML.
     newest_toml: String,
+    /// Counts the models that were taken.
+    revision: u64,
     /// Whether the newest model is not felt so far.
     newest_waits: bool,
 }
@@ -40,6 +42,7 @@ impl ModelExchange {
             admission,
             run_id: run.run_id,
             newest_toml: run.rendered_model_toml.clone().unwrap_or_default(),
+            revision: 0,
             newest_waits: false,
         };
         if run.rendered_model_toml.is_some() {
@@ -92,19 +95,30 @@ impl ModelExchange {
                     .to_owned(),
             );
         };
-        if request.is_empty() {
-            return ModelAnswer::Rendered { model_toml: self.newest_toml.clone() };
-        }
+        let (revision, model_toml) = match serde_json::from_slice(request) {
+            Ok(ModelRequest::Present) => {
+                return ModelAnswer::Rendered { revision: self.revision, model_toml: self.newest_toml.clone() };
+            }
+            Ok(ModelRequest::Replace { revision, model_toml }) => (revision, model_toml),
+            Err(error) => {
+                return refused(format!(
+                    "the request is not understood ({error}); use the programs of one build together"
+                ));
+            }
+        };
         if !matches!(state, LoopState::Armed | LoopState::Running) {
             return refused("the replay is at its end; start another with `haptic-camera replay MODEL`".to_owned());
+        }
+        if revision != self.revision {
+            return ModelAnswer::Overtaken { revision: self.revision, model_toml: self.newest_toml.clone() };
         }
         if self.newest_waits {
             return ModelAnswer::Busy;
         }
-        let admitted = std::str::from_utf8(request)
-            .map_err(|error| format!("{ORIGIN} is not text: {error}"))
-            .and_then(|text| Model::from_toml(text, ORIGIN).map_err(|error| error.to_string()))
-            .and_then(|model| match admission.admit(&model) {
+        let admitted =
+            Model::from_toml(&model_toml, ORIGIN).map_err(|error| error.to_string()).and_then(|model| match admission
+                .admit(&model)
+            {
                 Ok(admitted) => Ok((model, admitted)),
                 Err(error) => Err(error.to_string()),
             });
@@ -116,6 +130,7 @@ impl ModelExchange {
             return ModelAnswer::Busy;
         }
         self.newest_toml = model.to_toml();
+        self.revision += 1;
         self.newest_waits = true;
         ModelAnswer::Taken { remarks: admitted.remarks }
     }

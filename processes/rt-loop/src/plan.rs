@@ -15,10 +15,14 @@ use crate::admission::{Admission, Admitted};
 use crate::control::rendering::{self, RenderGains, Renderer, Unrenderable};
 use crate::control::{ControlPlan, ServoGains};
 use crate::hand::hand;
+use crate::motor_cogging::MotorCogging;
+use crate::recomputation::ControlDescription;
 use crate::stability::BoundExceeded;
 
 /// Slowest rate at which the servo's velocity filter still does its work, Hz.
 const SLOWEST_RATE_HZ: f64 = 2_000.0;
+/// Most harmonics of a motor's cogging, so that a tick has time for them.
+const MOST_COGGING: usize = 64;
 /// Longest run, s: a day.
 const LONGEST_DURATION_S: f64 = 86_400.0;
 
@@ -64,6 +68,12 @@ pub struct Options {
     /// Length of the run, s.
     #[arg(long, default_value_t = 10.0)]
     pub duration_s: f64,
+    /// Cogging of the simulated rig's motor, as periods per turn, mNm and rad; may be repeated.
+    #[arg(long, value_name = "PER_TURN:MNM[:RAD]")]
+    pub motor_cogging: Vec<MotorCogging>,
+    /// Do not tell what is felt otherwise than the model says; the archive's notes have it all the same.
+    #[arg(long, requires = "render")]
+    pub without_remarks: bool,
     /// Seed of the simulated rig's noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -161,6 +171,8 @@ pub struct Rendering {
     pub model: Model,
     /// The renderer with it.
     pub renderer: Renderer,
+    /// The gains with which it is rendered.
+    pub gains: RenderGains,
     /// What was changed or left out so that it can be rendered, in sentences.
     pub remarks: Vec<String>,
     /// What further models must pass.
@@ -189,7 +201,7 @@ impl Plan {
     /// What a consumer must know about a run of this plan that begins now, without real-time permission so far.
     ///
     /// # Errors
-    /// When the excitation has no TOML form.
+    /// When excitation or gains have no TOML form.
     pub fn description(&self) -> Result<RunDescription, toml::ser::Error> {
         let remarks = self.rendering.iter().flat_map(|rendering| &rendering.remarks);
         let remarks = remarks.map(|remark| ("rendering".to_owned(), remark.clone()));
@@ -206,6 +218,13 @@ impl Plan {
             calibration_toml: self.rig.calibration.to_toml(),
             simulated_knob_toml: Some(self.simulated_knob.to_toml()),
             rendered_model_toml: self.rendering.as_ref().map(|rendering| rendering.model.to_toml()),
+            control_toml: Some(toml::to_string(&ControlDescription {
+                rate_hz: self.control.rate_hz,
+                planned_ticks: self.control.planned_ticks,
+                limits: self.control.limits,
+                servo_gains: self.control.gains,
+                render_gains: self.rendering.as_ref().map(|rendering| rendering.gains),
+            })?),
             notes: self.rig.notes.iter().cloned().chain(remarks).collect(),
         })
     }
@@ -237,7 +256,11 @@ impl Plan {
             None => mounted_knob(&options.knob)?,
         };
         let hand = options.render.is_some().then(|| hand(options)).transpose()?.flatten();
-        let apparatus = SimulatedRig::held(RigParameters::default(), knob.clone(), hand, options.seed)
+        let parameters = RigParameters {
+            motor_cogging: options.motor_cogging.iter().map(|harmonic| harmonic.0).collect(),
+            ..RigParameters::default()
+        };
+        let apparatus = SimulatedRig::held(parameters, knob.clone(), hand, options.seed)
             .map_err(|error| PlanError::Unmountable(error.to_string()))?;
         let mut rig = apparatus.description().clone();
         if let Some(path) = &options.calibration {
@@ -282,7 +305,12 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
     let unreadable = |reason: String| PlanError::CalibrationUnreadable { path: path.to_owned(), reason };
     let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
     let known = Calibration::from_toml(&text).map_err(|error| unreadable(error.to_string()))?;
-    let [coulomb_mnm, viscous] = [known.motor_coulomb_mnm, known.motor_viscous].map(Option::unwrap_or_default);
+    let [coulomb_mnm, viscous, command_delay_s] =
+        [known.motor_coulomb_mnm, known.motor_viscous, known.command_delay_s].map(Option::unwrap_or_default);
+    let cogging = known.motor_cogging.as_deref().unwrap_or_default();
+    let numbers = cogging.iter().flat_map(|harmonic| [harmonic.torque_mnm, harmonic.phase_rad]);
+    #[allow(clippy::cast_precision_loss, reason = "a number of harmonics")]
+    let harmonics = cogging.len() as f64;
     let checks = [
         ("motor_inertia", known.motor_inertia, known.motor_inertia > 0.0, "more than zero, and finite"),
         ("gripper_inertia", known.gripper_inertia, known.gripper_inertia >= 0.0, "zero or more, and finite"),
@@ -305,6 +333,9 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
         ("gravity_phase_rad", known.gravity_phase_rad, true, "finite"),
         ("motor_coulomb_mnm", coulomb_mnm, coulomb_mnm >= 0.0, "zero or more, and finite"),
         ("motor_viscous", viscous, viscous >= 0.0, "zero or more, and finite"),
+        ("command_delay_s", command_delay_s, command_delay_s.abs() < 0.01, "less than 0.01 s either way"),
+        ("number of harmonics of motor_cogging", harmonics, cogging.len() <= MOST_COGGING, "at most 64"),
+        ("number in motor_cogging", numbers.sum(), true, "finite"),
     ];
     match checks.into_iter().find(|(_, value, permitted, _)| !(value.is_finite() && *permitted)) {
         Some((quantity, value, _, requirement)) => {
@@ -331,7 +362,7 @@ fn make_rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rend
     let Admitted { rendered, remarks } = admission.admit(&model)?;
     let renderer =
         Renderer::new(rendered, gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
-    Ok(Rendering { model, renderer, remarks, admission })
+    Ok(Rendering { model, renderer, gains, remarks, admission })
 }
 
 fn mounted_knob(name: &str) -> Result<Model, ModelError> {

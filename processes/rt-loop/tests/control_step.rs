@@ -24,6 +24,8 @@ fn calibration() -> Calibration {
         acceleration_step_rad_s2: 0.0,
         motor_coulomb_mnm: None,
         motor_viscous: None,
+        command_delay_s: None,
+        motor_cogging: None,
     }
 }
 

@@ -7,6 +7,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::Bench;
+use dynamics::CoggingHarmonic;
 use shared_types::Sample;
 
 /// Counts, thread by thread, what it hands on to the system's allocator.
@@ -42,7 +43,10 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_tick_of_a_rendering_never_touches_the_heap_nor_does_a_change_of_model() {
-    let mut bench = Bench::new();
+    // A motor that cogs, so that its compensation has its part.
+    let mut bench = Bench::on_rig(&["--hand=multisine", "--duration-s=3", "--motor-cogging=48:1.5"], |known| {
+        known.motor_cogging = Some(vec![CoggingHarmonic { per_turn: 48, torque_mnm: 1.5, phase_rad: 0.0 }]);
+    });
     let mut waiting = vec![bench.tuned("friction", 1, 6.0), bench.tuned("detent", 0, 4.0)];
     // More than can wait at once: it comes back to whoever sent it.
     let mut too_many = Some(bench.tuned("inertia", 0, 0.05));

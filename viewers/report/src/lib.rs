@@ -1,5 +1,5 @@
-//! The report page of a fit, of several captures and their mean, or of a diagnosis: one HTML file that a person reads,
-//! prints and keeps.
+//! The report page of a fit, of several captures and their mean, of a diagnosis, or of a rendering beside its model: one HTML
+//! file that a person reads, prints and keeps.
 //!
 //! The page carries its plots as inline SVG and its style in its head: it needs no script, fetches
 //! nothing, follows the reader's light or dark scheme on screen and is light on paper.
@@ -18,12 +18,14 @@ mod page;
 mod parameter_table;
 mod plot;
 mod preparation;
+mod rendering;
 mod themed_svg;
 mod verdict;
 
 use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use identification::{Average, Fit};
+pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
 
 /// What is known of a capture besides its samples.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -114,4 +116,13 @@ pub struct DiagnosisPage<'a> {
 #[must_use]
 pub fn diagnosis_page(page: &DiagnosisPage<'_>) -> String {
     diagnosis::diagnosis_page(page).into_string()
+}
+
+/// The page of a rendering as HTML, complete from doctype to end: each parameter rendered beside the intended one, the torque error,
+/// intended and captured torque over the angle, how still the knob is held, and what the rendering adds.
+///
+/// Numbers are written as on [`fit_page`].
+#[must_use]
+pub fn rendering_page(page: &RenderingPage<'_>) -> String {
+    rendering::rendering_page(page).into_string()
 }

@@ -116,7 +116,8 @@ fn figures(page: &FitPage<'_>) -> Markup {
     }
 }
 
-fn facts(capture: &CaptureFacts) -> Markup {
+/// What is known of a capture, in a strip.
+pub(crate) fn facts(capture: &CaptureFacts) -> Markup {
     let CaptureFacts {
         title: _,
         source,

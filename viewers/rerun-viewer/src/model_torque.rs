@@ -207,6 +207,8 @@ mod tests {
             acceleration_step_rad_s2: 2.8,
             motor_coulomb_mnm: None,
             motor_viscous: None,
+            command_delay_s: None,
+            motor_cogging: None,
         };
         let knob = KnobModel::from_fit(&knob_three()).unwrap();
         let more_mnm = knob.on_rig(&calibration).torque_mnm(0.1, 2.0, 100.0) - knob.torque_mnm(0.1, 2.0, 100.0);

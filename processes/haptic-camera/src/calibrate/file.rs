@@ -7,6 +7,7 @@ use anyhow::Context as _;
 use dynamics::Calibration;
 use identification::calibration::Calibrated;
 
+use super::table;
 use crate::fit;
 use crate::repeatability::digits;
 
@@ -45,6 +46,7 @@ pub fn write(
 ) -> anyhow::Result<()> {
     let learnt = |comment: &&String| {
         told.estimates.iter().any(|estimate| comment.starts_with(&format!("# {}:", estimate.quantity)))
+            || (told.cogging.is_some() && comment.starts_with("# motor_cogging"))
     };
     let mut text = String::new();
     for comment in previous.iter().flat_map(|previous| &previous.comments).filter(|comment| !learnt(comment)) {
@@ -63,6 +65,9 @@ pub fn write(
             estimate.unit,
             sources.join(", ")
         );
+    }
+    for line in told.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
+        let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {}", sources.join(", "));
     }
     text += &told.applied_to(known).to_toml();
     fit::write(path, &text)

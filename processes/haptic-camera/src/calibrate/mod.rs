@@ -50,7 +50,12 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let (Some(known), Some(told)) = (known, calibration::combine(&found)) else {
         anyhow::bail!("there is no capture to calibrate from");
     };
-    say(table::table(&known, &told));
+    if !told.estimates.is_empty() {
+        say(table::table(&known, &told));
+    }
+    for line in told.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
+        say(format!("cogging  {line}"));
+    }
     for note in &told.notes {
         say(format!("- {note}"));
     }
@@ -63,9 +68,10 @@ impl CalibrationKind {
     fn calibrate(self, loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
         let samples = &loaded.samples();
         match self {
-            Self::Friction => {
+            Self::Cogging | Self::Friction => {
                 let commanded_mnm = loaded.commanded_torque_mnm().ok_or(CalibrateError::NoCommand)?;
-                calibration::friction(samples, commanded_mnm, known)
+                let of_motor = if self == Self::Cogging { calibration::cogging } else { calibration::friction };
+                of_motor(samples, commanded_mnm, known)
             }
             Self::Gravity => calibration::gravity(samples, known),
             Self::Zero => calibration::zero(samples, known),
@@ -81,6 +87,7 @@ impl CalibrationKind {
             Self::Zero => "zeros",
             Self::Gripper => "gripper",
             Self::Latency => "delays",
+            Self::Cogging => "cogging",
             Self::Friction => "friction",
         }
     }
@@ -98,7 +105,7 @@ impl CalibrationKind {
         };
         let run = match self {
             Self::Friction => fast("linear-chirp", None, 10.0),
-            Self::Gravity => fast("slow-turn", None, 15.0),
+            Self::Gravity | Self::Cogging => fast("slow-turn", None, 15.0),
             Self::Zero => RigRun { torque: true, ..fast("hold", None, 5.0) },
             Self::Gripper | Self::Latency => fast("fast-multisine", Some(FAST_AMPLITUDE_RAD), 10.0),
         };

@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use dynamics::Calibration;
-use identification::calibration::Calibrated;
+use identification::calibration::{Calibrated, CoggingEstimate};
 
 use crate::repeatability::digits;
 
@@ -31,4 +31,20 @@ pub fn table(known: &Calibration, told: &Calibrated) -> Table {
         }
     }
     table
+}
+
+/// Each harmonic of a motor's cogging with its intervals; one line that says so where there is none.
+pub fn cogging_lines(cogging: &[CoggingEstimate]) -> Vec<String> {
+    if cogging.is_empty() {
+        return vec!["none".to_owned()];
+    }
+    let line = |harmonic: &CoggingEstimate| {
+        let CoggingEstimate { per_turn, torque_mnm, torque_half_width_mnm, phase_rad, phase_half_width_rad } = harmonic;
+        let (of_torque, of_phase) = (digits(*torque_half_width_mnm), digits(*phase_half_width_rad));
+        format!(
+            "{per_turn} per turn of {torque_mnm:.of_torque$} ± {torque_half_width_mnm:.of_torque$} mNm, phase \
+             {phase_rad:.of_phase$} ± {phase_half_width_rad:.of_phase$} rad"
+        )
+    };
+    cogging.iter().map(line).collect()
 }

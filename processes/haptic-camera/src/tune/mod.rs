@@ -4,12 +4,15 @@ mod changes;
 mod exchange;
 mod settings;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use dynamics::{Model, knobs};
 
 use crate::command_line::TuneOptions;
 use crate::outcome::{Outcome, remark, say};
-use exchange::LoopModels;
+use exchange::{LoopModels, Sent};
+
+/// Times that another may be faster before this one gives up: each time one of the others is done.
+const OVERTAKEN: usize = 16;
 
 /// Sends the running replay another model, or tells the present one.
 ///
@@ -17,22 +20,42 @@ use exchange::LoopModels;
 /// No running replay; a setting that the model does not have or must not have; a model that the rig cannot render.
 pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
     let link = LoopModels::open()?;
-    let present = link.present()?;
+    let mut present = link.present()?;
+    if options.model.is_none() && options.settings.is_empty() {
+        say(&present.model.name);
+        present.model.parameters().for_each(|(parameter, value)| say(changes::told(parameter, value)));
+        return Ok(Outcome::Done);
+    }
+    for _ in 0..OVERTAKEN {
+        let wanted = wanted(options, &present.model)?;
+        match link.send(&wanted, &present)? {
+            Sent::Taken(remarks) => {
+                remarks.iter().for_each(remark);
+                changes::lines(&present.model, &wanted).iter().for_each(say);
+                return Ok(Outcome::Done);
+            }
+            // It was taken, and the answer lost.
+            Sent::Overtaken(newest) if newest.model == wanted => {
+                changes::lines(&present.model, &wanted).iter().for_each(say);
+                return Ok(Outcome::Done);
+            }
+            Sent::Overtaken(newest) => {
+                remark("another tune was faster: its model is the one that is changed");
+                present = newest;
+            }
+        }
+    }
+    bail!("other tunes were faster {OVERTAKEN} times in a row; nothing was changed, try again when they are done")
+}
+
+/// What `present` is to become.
+fn wanted(options: &TuneOptions, present: &Model) -> anyhow::Result<Model> {
     let mut wanted = match &options.model {
         Some(name) => chosen(name)?,
         None => present.clone(),
     };
     settings::apply(&options.settings, &mut wanted)?;
-    if options.model.is_none() && options.settings.is_empty() {
-        say(&present.name);
-        present.parameters().for_each(|(parameter, value)| say(changes::told(parameter, value)));
-        return Ok(Outcome::Done);
-    }
-    for sentence in link.send(&wanted)? {
-        remark(sentence);
-    }
-    changes::lines(&present, &wanted).iter().for_each(say);
-    Ok(Outcome::Done)
+    Ok(wanted)
 }
 
 /// The model that the operator named.

@@ -10,7 +10,7 @@ use identification::{Fit, FitOptions};
 use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};
-use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Verification};
+use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Limits, Verification};
 use crate::check::Threshold;
 use crate::load::LoadedCapture;
 
@@ -34,11 +34,21 @@ const SETTLED_S: f64 = 0.5;
 /// Makes a capture of the rendered knob: its name, what the hand does, its length in s; gives the archive.
 pub type Maker<'a> = dyn FnMut(&str, &[String], f64) -> anyhow::Result<PathBuf> + 'a;
 
+/// A verification with the capture and the fit that it was made of.
+pub struct Captured {
+    /// How the rendered knob compares.
+    pub verification: Verification,
+    /// The capture that was fitted.
+    pub train: LoadedCapture,
+    /// Its fit.
+    pub fit: Fit,
+}
+
 /// Captures the rendered knob and compares it with its model.
 ///
 /// # Errors
 /// When a run cannot be made, or a capture cannot be read or fitted.
-pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Result<Verification> {
+pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Result<Captured> {
     let mut captures = Vec::new();
     let mut capture = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<LoadedCapture> {
         let path = make(name, hand, duration_s)?;
@@ -77,7 +87,7 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
     let passed = parameters.iter().all(|parameter| parameter.passed != Some(false))
         && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
         && held_still.is_none_or(|held| held.encoder_steps < 1.0);
-    Ok(Verification {
+    let verification = Verification {
         model: model.name.clone(),
         rate_hz,
         captures,
@@ -87,9 +97,11 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         torque_error_percent,
         held_still,
         added,
+        limits: Limits::default(),
         notes,
         passed,
-    })
+    };
+    Ok(Captured { verification, train, fit })
 }
 
 fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {

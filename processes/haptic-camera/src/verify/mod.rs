@@ -2,6 +2,7 @@
 
 mod captures;
 mod compare;
+mod page;
 mod table;
 
 use std::path::PathBuf;
@@ -13,7 +14,7 @@ use identification::diagnosis::Verdict;
 use serde::Serialize;
 
 use crate::command_line::{ReplayOptions, RunOptions};
-use crate::fit::{to_output, write_json};
+use crate::fit::{self, to_output, write_json};
 use crate::outcome::{Outcome, say};
 use crate::supervision::{Shown, SupervisedRun, archive_path};
 use compare::Verified;
@@ -46,11 +47,34 @@ pub struct Verification {
     pub held_still: Option<HeldStill>,
     /// What the rendering adds that the model does not have; `None` with the reason in `notes` where that cannot be told.
     pub added: Option<Added>,
+    /// What passes.
+    pub limits: Limits,
     /// What a reader of the numbers should know.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// Whether all of it is within what passes.
     pub passed: bool,
+}
+
+/// What passes.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Limits {
+    /// Largest difference of a parameter whose interval does not hold the intended value, %.
+    pub difference_percent: f64,
+    /// The same for what a knob bears at rest, %.
+    pub static_difference_percent: f64,
+    /// Largest torque error, %.
+    pub torque_error_percent: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            difference_percent: LARGEST_DIFFERENCE_PERCENT,
+            static_difference_percent: LARGEST_STATIC_DIFFERENCE_PERCENT,
+            torque_error_percent: LARGEST_TORQUE_ERROR_PERCENT,
+        }
+    }
 }
 
 /// How still a sticking knob is held.
@@ -90,9 +114,14 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", folder.display()))?;
     // Nobody watches four captures in a row.
     let run_options = RunOptions { no_viewer: true, native_viewer: false, ..options.run.clone() };
+    let mut remarks_told = false;
     let mut make = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<PathBuf> {
         let archive = folder.join(format!("{name}.mcap"));
-        let task = [format!("--render={}", options.model), format!("--duration-s={duration_s}")];
+        let mut task = vec![format!("--render={}", options.model), format!("--duration-s={duration_s}")];
+        if remarks_told {
+            task.push("--without-remarks".to_owned());
+        }
+        remarks_told = true;
         let run = SupervisedRun {
             in_words: format!("rendering {} for the {name}, {duration_s} s", model.name),
             task: task.iter().chain(hand).cloned().collect(),
@@ -108,10 +137,17 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         }
         Ok(archive)
     };
-    let verification = captures::verify(&model, options.run.rate_hz, &mut make)?;
+    let captured = captures::verify(&model, options.run.rate_hz, &mut make)?;
+    let verification = &captured.verification;
     if !to_output(options.json.as_deref()) {
-        table::lines(&verification).iter().for_each(say);
+        table::lines(verification).iter().for_each(say);
     }
-    write_json(options.json.as_deref(), &verification)?;
+    write_json(options.json.as_deref(), verification)?;
+    if let Some(path) = &options.report {
+        fit::write(path, &page::page(&model, &captured))?;
+        if !to_output(options.json.as_deref()) {
+            say(format!("report   {}", path.display()));
+        }
+    }
     Ok(if verification.passed { Outcome::Done } else { Outcome::Failed })
 }

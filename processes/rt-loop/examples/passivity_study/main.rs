@@ -1,6 +1,8 @@
 //! How knobs behave in hands, inside the bounds of what is rendered and beyond them.
 //!
-//! `cargo run --release -p rt-loop --example passivity_study -- [KNOBS] [RATE_HZ]`
+//! `cargo run --release -p rt-loop --example passivity_study -- [KNOBS] [RATE_HZ] [cogging]`
+//!
+//! With `cogging` on a motor that cogs, its cogging taken out, and inside the bounds alone.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, dead_code, reason = "a study may stop at a failure")]
 
@@ -13,23 +15,28 @@ mod passivity;
 #[path = "../../tests/rendering/random_knob.rs"]
 mod random_knob;
 
+use hal::simulated::Cogging;
 use rt_loop::control::rendering::RenderGains;
 
 fn main() {
     let argument =
         |index: usize, usual: f64| std::env::args().nth(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
     let (knobs, rate_hz) = (argument(1, 1000.0), argument(2, 10_000.0));
-    inside(knobs, rate_hz);
-    outside();
+    if std::env::args().nth(3).is_some_and(|motor| motor == "cogging") {
+        inside(knobs, rate_hz, &passivity::SLOTTED);
+    } else {
+        inside(knobs, rate_hz, &[]);
+        outside();
+    }
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of knobs")]
-fn inside(knobs: f64, rate_hz: f64) {
+fn inside(knobs: f64, rate_hz: f64, cogging: &[Cogging]) {
     let (mut grown, mut given_out, mut guarded) = (0, Vec::new(), 0);
     for seed in 0..knobs as u64 {
         let (model, hand) = passivity::inside(seed, rate_hz);
         let gains = RenderGains::at_rate(rate_hz).unwrap();
-        let seen = passivity::behaviour(&model, gains, hand, rate_hz, seed);
+        let seen = passivity::behaviour_on(cogging, &model, gains, hand, rate_hz, seed);
         if passivity::grew(&seen) {
             grown += 1;
             println!("  seed {seed}: {seen:?}");

@@ -3,11 +3,13 @@
 //! Nothing here reads a clock or touches hardware: a recorded run, fed through again, gives the
 //! same torques bit for bit.
 
+mod cogging;
 mod lowpass;
 pub mod rendering;
 mod servo;
 mod step;
 
+pub use cogging::CoggingCompensation;
 pub use servo::ServoGains;
 pub(crate) use servo::notch;
 pub use step::{ControlPlan, ControlState, Reading, Request, StepOutput};

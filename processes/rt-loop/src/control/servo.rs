@@ -13,11 +13,13 @@
 use biquad::{Biquad as _, Coefficients, DirectForm2Transposed};
 use dynamics::{Calibration, Setpoint};
 use hal::Measurement;
+use serde::{Deserialize, Serialize};
 
 use super::lowpass::ButterworthLowPass;
 
 /// Gains of the position servo.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ServoGains {
     /// Torque per angle behind, mNm/rad.
     pub proportional_mnm_rad: f64,
@@ -186,6 +188,8 @@ mod tests {
             acceleration_step_rad_s2: 0.0,
             motor_coulomb_mnm: None,
             motor_viscous: None,
+            command_delay_s: None,
+            motor_cogging: None,
         }
     }
 

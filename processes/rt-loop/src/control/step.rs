@@ -4,6 +4,7 @@ use dynamics::{Calibration, Drive, Excitation, Setpoint};
 use hal::{ApparatusError, Limits, Measurement};
 use shared_types::{Fault, LoopState, Sample};
 
+use super::cogging::CoggingCompensation;
 use super::lowpass::ButterworthLowPass;
 use super::rendering::{Felt, RenderedModel, Renderer};
 use super::servo::{Servo, ServoGains};
@@ -86,6 +87,7 @@ pub struct ControlState {
     previous_angle_rad: Option<f64>,
     velocity_filter: ButterworthLowPass<5>,
     servo: Servo,
+    cogging: CoggingCompensation,
     /// Filtered, as published.
     velocity_rad_s: f64,
     /// The difference of two angles: half a tick old, less than any filter would make it.
@@ -110,6 +112,7 @@ impl ControlState {
             previous_angle_rad: None,
             velocity_filter: ButterworthLowPass::new(VELOCITY_EDGE_HZ, plan.rate_hz)?,
             servo: Servo::new(plan.gains, calibration, plan.rate_hz)?,
+            cogging: CoggingCompensation::new(calibration, plan.rate_hz),
             velocity_rad_s: 0.0,
             difference_rad_s: 0.0,
             release_torque_mnm: 0.0,
@@ -268,7 +271,7 @@ impl ControlState {
                 step_s,
             });
             return Driven {
-                torque_mnm: rendered.torque_mnm,
+                torque_mnm: rendered.torque_mnm + self.against_cogging_mnm(measurement),
                 commanded_angle_rad: rendered.angle_rad,
                 flags: rendered.flags(),
             };
@@ -290,6 +293,11 @@ impl ControlState {
     fn follow(&mut self, setpoint: &Setpoint, measurement: &Measurement, elapsed_ticks: u64) -> f64 {
         let step_s = self.seconds(elapsed_ticks);
         self.servo.torque_mnm(setpoint, measurement, self.difference_rad_s, step_s)
+            + self.against_cogging_mnm(measurement)
+    }
+
+    fn against_cogging_mnm(&self, measurement: &Measurement) -> f64 {
+        self.cogging.torque_mnm(measurement.angle_rad, self.difference_rad_s)
     }
 
     fn exceeded(&self, measurement: &Measurement, commanded_angle_rad: f64) -> Option<Fault> {

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test uses some of it")]
 
 use clap::Parser as _;
-use dynamics::{Effect, Model, effects, knobs};
+use dynamics::{Calibration, Effect, Model, effects, knobs};
 use hal::{Apparatus, Measurement};
 use rt_loop::admission::Admission;
 use rt_loop::control::rendering::RenderedModel;
@@ -23,8 +23,14 @@ pub struct Bench {
 impl Bench {
     /// Armed, with a hand that follows several sines.
     pub fn new() -> Self {
-        let arguments = ["rt-loop", "--render=3", "--hand=multisine", "--duration-s=3", "--seed=5"];
-        let plan = Plan::new(&Options::try_parse_from(arguments).unwrap()).unwrap();
+        Self::on_rig(&["--hand=multisine", "--duration-s=3"], |_| ())
+    }
+
+    /// The same with other arguments, on a rig of which `knowing` has its word.
+    pub fn on_rig(further: &[&str], knowing: impl Fn(&mut Calibration)) -> Self {
+        let arguments = [&["rt-loop", "--render=3", "--seed=5"], further].concat();
+        let mut plan = Plan::new(&Options::try_parse_from(arguments).unwrap()).unwrap();
+        knowing(&mut plan.rig.calibration);
         let rendering = plan.rendering.unwrap();
         let mut control =
             ControlState::new(plan.control, &plan.rig.calibration).unwrap().with_renderer(rendering.renderer);

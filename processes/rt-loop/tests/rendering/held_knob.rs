@@ -1,8 +1,9 @@
 //! A rendered knob in a simulated hand, tick by tick, with the plant's truth beside it.
 
-use dynamics::{Model, Motion, knobs::Fixture};
+use dynamics::{CoggingHarmonic, Model, Motion, knobs::Fixture};
 use hal::Apparatus as _;
-use hal::simulated::{Hand, RigParameters, SimulatedRig};
+use hal::simulated::{Cogging, Hand, RigParameters, SimulatedRig};
+use rt_loop::control::CoggingCompensation;
 use rt_loop::control::rendering::{Felt, RenderGains, Rendered, RenderedModel, Renderer};
 
 /// Torque of the simulated motor, mNm: commands are clipped to it, as the loop does.
@@ -13,6 +14,7 @@ pub struct HeldKnob {
     pub rig: SimulatedRig,
     pub renderer: Renderer,
     pub rate_hz: f64,
+    cogging: CoggingCompensation,
     tick: u64,
     previous_rad: Option<f64>,
     /// Work of the hand on the gripper so far, mNm·rad, by the plant's truth.
@@ -24,13 +26,33 @@ pub struct HeldKnob {
 impl HeldKnob {
     /// A rig at rest that renders `model` under `gains`, in `hand`.
     pub fn new(model: &Model, gains: RenderGains, hand: Option<Hand>, rate_hz: f64, seed: u64) -> Self {
+        Self::on_motor(&[], model, gains, hand, rate_hz, seed)
+    }
+
+    /// The same on a motor that cogs, and whose cogging is known and taken out.
+    pub fn on_motor(
+        cogging: &[Cogging],
+        model: &Model,
+        gains: RenderGains,
+        hand: Option<Hand>,
+        rate_hz: f64,
+        seed: u64,
+    ) -> Self {
         let nothing = Fixture::None.model().unwrap();
-        let mut rig = SimulatedRig::held(RigParameters::default(), nothing, hand, seed).unwrap();
+        let parameters = RigParameters { motor_cogging: cogging.to_vec(), ..RigParameters::default() };
+        let mut rig = SimulatedRig::held(parameters, nothing, hand, seed).unwrap();
         rig.enable().unwrap();
-        let calibration = rig.description().calibration.clone();
+        let mut calibration = rig.description().calibration.clone();
+        let known = |harmonic: &Cogging| CoggingHarmonic {
+            per_turn: harmonic.per_turn,
+            torque_mnm: harmonic.torque_mnm,
+            phase_rad: harmonic.phase_rad,
+        };
+        calibration.motor_cogging = Some(cogging.iter().map(known).collect());
+        let cogging = CoggingCompensation::new(&calibration, rate_hz);
         let rendered = RenderedModel::new(model, &calibration).unwrap();
         let renderer = Renderer::new(Box::new(rendered), gains, &calibration, MOTOR_MNM, rate_hz).unwrap();
-        Self { rig, renderer, rate_hz, tick: 0, previous_rad: None, work_of_hand: 0.0, torque_mnm: 0.0 }
+        Self { rig, renderer, rate_hz, cogging, tick: 0, previous_rad: None, work_of_hand: 0.0, torque_mnm: 0.0 }
     }
 
     /// Time of the next tick, s.
@@ -46,14 +68,16 @@ impl HeldKnob {
         let truth = self.rig.truth();
         self.work_of_hand += self.rig.applied_by_hand_mnm() * truth.knob_velocity_rad_s / self.rate_hz;
         let previous_rad = self.previous_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
+        let velocity_rad_s = (measurement.angle_rad - previous_rad) * self.rate_hz;
         let rendered = self.renderer.step(&Felt {
             measurement: &measurement,
-            velocity_rad_s: (measurement.angle_rad - previous_rad) * self.rate_hz,
+            velocity_rad_s,
             elapsed_ticks: 1,
             time_s: self.time_s(),
             step_s: self.rate_hz.recip(),
         });
-        self.torque_mnm = rendered.torque_mnm.clamp(-MOTOR_MNM, MOTOR_MNM);
+        let against_cogging_mnm = self.cogging.torque_mnm(measurement.angle_rad, velocity_rad_s);
+        self.torque_mnm = (rendered.torque_mnm + against_cogging_mnm).clamp(-MOTOR_MNM, MOTOR_MNM);
         self.rig.write_torque(self.torque_mnm).unwrap();
         self.tick += 1;
         rendered

@@ -12,7 +12,7 @@ use maud::{Markup, html};
 
 pub(crate) use effects::effect_figures;
 pub(crate) use excerpt::{excerpt_figure, typical_excerpt};
-pub(crate) use residual::{histogram_figure, residual_figure};
+pub(crate) use residual::{histogram_figure, residual_figure, residual_plot};
 pub(crate) use residual_order::order_figure;
 pub(crate) use torque::{
     LEGEND as TORQUE_LEGEND, angle_figure, angle_plot, quantity_plot, velocity_figure, velocity_plot,

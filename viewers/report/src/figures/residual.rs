@@ -20,6 +20,19 @@ const REACH: f64 = 4.0;
 
 /// Residual over the whole capture, as the range that it fills.
 pub(crate) fn residual_figure(fit: &Fit, points: &[Point]) -> Figure {
+    Figure {
+        title: "Residual over time".to_owned(),
+        legend: vec![(Mark::Band, Ink::Residual, "measured minus model"), (Mark::Line, Ink::Reference, "± RMS")],
+        plot: residual_plot(points, fit.residual_rms_mnm, RESIDUAL).svg("Residual over time"),
+        caption:
+            "An even strip is noise. Bulges that come with certain angles or speeds, or a width that changes over the \
+                  capture, are something that the model does not have."
+                .to_owned(),
+    }
+}
+
+/// The range that the residual fills over time, under the name `title`, with ± `level_mnm`.
+pub(crate) fn residual_plot(points: &[Point], level_mnm: f64, title: &str) -> Plot {
     let (start_s, end_s) = (points.first().map_or(0.0, |p| p.t_s), points.last().map_or(1.0, |p| p.t_s));
     let column_s = ((end_s - start_s) / COLUMNS).max(longest_step_s(points, |point| point.t_s));
     let mut columns: Vec<(f64, f64, f64)> = Vec::new();
@@ -37,22 +50,12 @@ pub(crate) fn residual_figure(fit: &Fit, points: &[Point]) -> Figure {
         .chunk_by(|a, b| b.0 - a.0 < 1.5 * column_s)
         .map(|run| Layer::Band(Ink::Residual, run.to_vec()))
         .collect();
-    let level = fit.residual_rms_mnm;
-    layers.extend([Layer::Level(Ink::Reference, level), Layer::Level(Ink::Reference, -level)]);
-    let plot = Plot {
+    layers.extend([Layer::Level(Ink::Reference, level_mnm), Layer::Level(Ink::Reference, -level_mnm)]);
+    Plot {
         size: (WIDE.0, 250),
         x: Axis::around(TIME, [start_s, end_s]),
-        y: Axis::around(RESIDUAL, columns.iter().flat_map(|(_, low, high)| [*low, *high])),
+        y: Axis::around(title, columns.iter().flat_map(|(_, low, high)| [*low, *high])),
         layers,
-    };
-    Figure {
-        title: "Residual over time".to_owned(),
-        legend: vec![(Mark::Band, Ink::Residual, "measured minus model"), (Mark::Line, Ink::Reference, "± RMS")],
-        plot: plot.svg("Residual over time"),
-        caption:
-            "An even strip is noise. Bulges that come with certain angles or speeds, or a width that changes over the \
-                  capture, are something that the model does not have."
-                .to_owned(),
     }
 }
 

@@ -1,7 +1,10 @@
 //! How firmly the virtual body is held to the rotor.
 
+use serde::{Deserialize, Serialize};
+
 /// What holds the virtual body to the rotor.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RenderGains {
     /// Stiffness of the coupling, mNm/rad.
     pub stiffness_mnm_rad: f64,

@@ -1,0 +1,143 @@
+//! The motor's cogging, from slow turns without a knob in both directions.
+//!
+//! What of the command reaches neither the torque sensor nor the motor's inertia is the motor's own: friction, which changes its
+//! sign with the direction, and cogging, which does not:
+//!
+//! ```text
+//! command − sensor − J·θ̈ = ±C + Σ H·sin(n·θ + η)
+//! ```
+//!
+//! Turning both ways also cancels what delays of command and encoder do to the phases.
+
+use std::f64::consts::TAU;
+
+use dynamics::Calibration;
+
+use super::estimate::{CalibrateError, Calibrated, CoggingEstimate};
+use super::friction::motors_share_mnm;
+use super::regression::Band;
+use crate::Samples;
+use crate::estimate::Harmonic;
+use crate::motion::gradient;
+use crate::quasi_static;
+use crate::samples::{FEWEST_SAMPLES, span};
+use crate::spectrum::median;
+use crate::uniform::Uniform;
+
+/// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.
+const EDGE_HZ: f64 = 200.0;
+/// Sinusoids are looked for up to this share of it: what the band's low-pass takes off there is 0.4 %.
+const FINEST: f64 = 0.5;
+/// Rows in a period of the band's edge.
+const ROWS_PER_EDGE: f64 = 4.0;
+/// Share of the usual speed below which the motor turns around.
+const TURNING: f64 = 0.5;
+/// Largest share by which the speed may be above the usual one for a turn to be slow throughout.
+const STEADY: f64 = 1.0;
+/// Usual speed above which inertia and delays are no longer small beside cogging, rad/s.
+const FASTEST_RAD_S: f64 = 3.0;
+
+/// Finds the harmonics of the angle in the motor's torque that stand out of everything else.
+///
+/// `commanded_mnm` is the torque commanded at each sample, held until the next; what compensates for cogging is part of it. Takes
+/// torque zero and motor inertia from `known`. Tells the motor's cogging: its harmonics, none for a motor without iron.
+///
+/// # Errors
+/// [`CalibrateError`] for a capture of less than a turn, in one direction only, or not slow and steady.
+pub fn cogging(
+    samples: &Samples<'_>,
+    commanded_mnm: &[f64],
+    known: &Calibration,
+) -> Result<Calibrated, CalibrateError> {
+    samples.check()?;
+    let refused = |reason: String| CalibrateError::NoCogging { reason };
+    let travel_rad = span(samples.angle_rad);
+    if travel_rad < TAU {
+        return Err(refused(format!(
+            "the motor turned through {:.0}°, less than a whole turn",
+            travel_rad.to_degrees()
+        )));
+    }
+    let taken_mnm = motors_share_mnm(samples, commanded_mnm, known)?;
+    let uniform = Uniform::of(&Samples { torque_mnm: &taken_mnm, ..*samples }, None);
+    let rows = Rows::of(&uniform, known);
+    if rows.speed_rad_s > FASTEST_RAD_S || rows.fastest_rad_s > (1.0 + STEADY) * rows.speed_rad_s {
+        return Err(refused(format!(
+            "it turned with {:.2} rad/s as a rule and {:.2} rad/s at most, not slowly and steadily",
+            rows.speed_rad_s, rows.fastest_rad_s
+        )));
+    }
+    let of_direction = |sign: f64| -> Vec<f64> {
+        rows.directions.iter().map(|direction| if *direction == sign { sign } else { 0.0 }).collect()
+    };
+    let base = [of_direction(-1.0), of_direction(1.0)];
+    if base.iter().any(|column| column.iter().filter(|row| **row != 0.0).count() < FEWEST_SAMPLES) {
+        return Err(refused("it turned in one direction only".to_owned()));
+    }
+    let finest = FINEST * rows.edge_hz * TAU / rows.speed_rad_s;
+    let found = quasi_static::of_turns(base.to_vec(), &rows.angle_rad, rows.torque_mnm, finest)
+        .ok_or_else(|| refused("friction and angle cannot be told apart".to_owned()))?;
+    let mut notes = Vec::new();
+    if found.is_empty() {
+        notes.push("no torque of the motor that repeats with its angle stands out: it has no cogging".to_owned());
+    }
+    Ok(Calibrated { cogging: Some(found.iter().map(estimated).collect()), notes, ..Calibrated::default() })
+}
+
+/// A harmonic of whole turns as a calibration has it.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below that of the places")]
+fn estimated(harmonic: &Harmonic) -> CoggingEstimate {
+    let half = |ci95: Option<[f64; 2]>| ci95.map_or(0.0, |[low, high]| 0.5 * (high - low));
+    CoggingEstimate {
+        per_turn: harmonic.per_turn.round() as u32,
+        torque_mnm: harmonic.amplitude_mnm,
+        torque_half_width_mnm: half(harmonic.amplitude_ci95_mnm),
+        phase_rad: harmonic.phase_rad,
+        phase_half_width_rad: half(harmonic.phase_ci95_rad),
+    }
+}
+
+/// Rows of steady turning.
+struct Rows {
+    edge_hz: f64,
+    /// Median speed while it turns, rad/s, and the largest.
+    speed_rad_s: f64,
+    fastest_rad_s: f64,
+    angle_rad: Vec<f64>,
+    /// −1 or +1.
+    directions: Vec<f64>,
+    torque_mnm: Vec<f64>,
+}
+
+impl Rows {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
+    fn of(uniform: &Uniform, known: &Calibration) -> Self {
+        let rate_hz = uniform.rate_hz;
+        let edge_hz = EDGE_HZ.min(0.2 * rate_hz);
+        let band = Band { edge_hz, rate_hz };
+        let angle_rad = band.smooth(&uniform.angle_rad);
+        let velocity = gradient(&angle_rad, rate_hz);
+        let acceleration = gradient(&velocity, rate_hz);
+        let torque_mnm = band.smooth(&uniform.torque_mnm);
+        let mut speeds: Vec<f64> = velocity.iter().map(|velocity| velocity.abs()).collect();
+        let fastest_rad_s = speeds.iter().copied().fold(0.0, f64::max);
+        let speed_rad_s = median(&mut speeds);
+        let step = (rate_hz / (ROWS_PER_EDGE * edge_hz)).floor().max(1.0) as usize;
+        let mut rows = Self {
+            edge_hz,
+            speed_rad_s,
+            fastest_rad_s,
+            angle_rad: Vec::new(),
+            directions: Vec::new(),
+            torque_mnm: Vec::new(),
+        };
+        for row in (0..angle_rad.len()).step_by(step) {
+            if uniform.present[row] && velocity[row].abs() > TURNING * speed_rad_s {
+                rows.angle_rad.push(angle_rad[row]);
+                rows.directions.push(velocity[row].signum());
+                rows.torque_mnm.push(torque_mnm[row] - known.motor_inertia * acceleration[row]);
+            }
+        }
+        rows
+    }
+}

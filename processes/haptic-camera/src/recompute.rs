@@ -1,0 +1,146 @@
+//! `recompute`: the torques of a replay computed again from what its archive recorded, bit for bit.
+
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use archive::Capture;
+use hal::Measurement;
+use rt_loop::recomputation::{Recomputation, RecordedTick};
+use serde::Serialize;
+use shared_types::{LoopState, ModelChange, Sample};
+
+use crate::command_line::RecomputeOptions;
+use crate::fit::{to_output, write_json};
+use crate::outcome::{Outcome, remark, say};
+
+/// What computing a replay again tells.
+#[derive(Debug, Serialize)]
+pub struct Recomputed {
+    /// The archive.
+    pub capture: PathBuf,
+    /// Ticks that were computed again.
+    pub ticks: usize,
+    /// Models that were rendered.
+    pub models: usize,
+    /// Whether every torque command is equal, bit for bit.
+    pub equal: bool,
+    /// The first tick at which it is not.
+    pub first_difference: Option<Difference>,
+    /// How many ticks differ.
+    pub different_ticks: usize,
+    /// Largest difference, mNm.
+    pub largest_difference_mnm: f64,
+    /// Number in the run of the first sample that is not in the archive: from there on nothing can be computed.
+    pub missing_from_sample: Option<u64>,
+}
+
+/// A tick whose torque command is another than recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Difference {
+    /// The tick.
+    pub tick: u64,
+    /// Its time in the run, s.
+    pub t_s: f64,
+    /// The torque command in the archive, mNm.
+    pub recorded_mnm: f64,
+    /// The one computed, mNm.
+    pub computed_mnm: f64,
+}
+
+/// Computes a replay again and says whether all torque commands are equal; failed where they are not.
+///
+/// # Errors
+/// An archive that cannot be read, that is no replay, or that lacks what the control step needs.
+pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
+    let capture = Capture::load(&options.capture)?;
+    let description =
+        capture.description.as_ref().context("the capture is a table; only the archive of a replay says it all")?;
+    if description.software_version != env!("CARGO_PKG_VERSION") {
+        remark(format!("the replay was made by version {}, which may compute otherwise", description.software_version));
+    }
+    let recomputed = recompute(&capture)?;
+    if !to_output(options.json.as_deref()) {
+        lines(&recomputed, description.rate_hz).iter().for_each(say);
+    }
+    write_json(options.json.as_deref(), &recomputed)?;
+    Ok(match (recomputed.equal, recomputed.missing_from_sample) {
+        (false, _) => Outcome::Failed,
+        (true, Some(_)) => Outcome::DataLost,
+        (true, None) => Outcome::Done,
+    })
+}
+
+/// Feeds what was recorded through the control step.
+fn recompute(capture: &Capture) -> anyhow::Result<Recomputed> {
+    let run = capture.description.as_ref().context("the archive has no description")?;
+    let lacks = |column: &str| format!("the archive's samples have no {column}, which the control step needs");
+    let commanded_mnm = capture.commanded_torque_mnm.as_ref().with_context(|| lacks("commanded_torque_mnm"))?;
+    let acceleration = capture.acceleration_rad_s2.as_ref().with_context(|| lacks("acceleration_rad_s2"))?;
+    let missed_ticks = capture.missed_ticks.as_ref().with_context(|| lacks("missed_ticks"))?;
+    let flags = capture.flags.as_ref().with_context(|| lacks("flags"))?;
+    let state = capture.state.as_ref().with_context(|| lacks("state"))?;
+    let mut step = Recomputation::new(run)?;
+    let mut told = Recomputed {
+        capture: capture.source.clone(),
+        ticks: 0,
+        models: 1,
+        equal: true,
+        first_difference: None,
+        different_ticks: 0,
+        largest_difference_mnm: 0.0,
+        missing_from_sample: None,
+    };
+    for row in 0..capture.len() {
+        let tick = capture.tick[row];
+        if capture.seq[row] != row as u64 {
+            told.missing_from_sample = Some(row as u64);
+            break;
+        }
+        if flags[row] & Sample::MODEL_TAKEN != 0 {
+            let ModelChange { model_toml, .. } =
+                capture.models.iter().find(|model| model.tick == tick && tick > 0).with_context(|| {
+                    format!("a model begins to be felt at tick {tick}, but the archive does not have it")
+                })?;
+            anyhow::ensure!(step.take_model(model_toml)?, "the model of tick {tick} came while another was waiting");
+            told.models += 1;
+        }
+        let measurement = Measurement {
+            angle_rad: capture.angle_rad[row],
+            acceleration_rad_s2: acceleration[row],
+            torque_mnm: capture.torque_mnm[row],
+        };
+        // A run that ends in a fault goes torque-free with its last sample, whatever the limit was.
+        let at_fault = state[row] == LoopState::Fault.code();
+        let output = step.step(&RecordedTick { measurement, missed_ticks: missed_ticks[row] });
+        let computed_mnm = if at_fault { 0.0 } else { output.torque_mnm };
+        let computed_tick = output.sample.map_or(tick, |sample| sample.tick);
+        told.ticks += 1;
+        if computed_mnm.to_bits() != commanded_mnm[row].to_bits() || computed_tick != tick {
+            let recorded_mnm = commanded_mnm[row];
+            told.equal = false;
+            told.different_ticks += 1;
+            told.largest_difference_mnm = told.largest_difference_mnm.max((recorded_mnm - computed_mnm).abs());
+            told.first_difference.get_or_insert(Difference { tick, t_s: capture.t_s[row], recorded_mnm, computed_mnm });
+        }
+    }
+    Ok(told)
+}
+
+fn lines(told: &Recomputed, rate_hz: f64) -> Vec<String> {
+    let Recomputed { ticks, models, different_ticks, largest_difference_mnm, .. } = told;
+    let mut lines = vec![format!(
+        "computed {ticks} ticks at {rate_hz} Hz of {models} {} again",
+        if *models == 1 { "model" } else { "models" }
+    )];
+    if let Some(missing) = told.missing_from_sample {
+        lines.push(format!("missing  sample {missing} is not in the archive: nothing can be computed from there on"));
+    }
+    lines.push(match told.first_difference {
+        None => "equal    every torque command, bit for bit".to_owned(),
+        Some(Difference { tick, t_s, recorded_mnm, computed_mnm }) => format!(
+            "differs  from tick {tick} ({t_s} s) on: {recorded_mnm} mNm recorded, {computed_mnm} mNm computed; \
+             {different_ticks} ticks, by {largest_difference_mnm:.3e} mNm at most"
+        ),
+    });
+    lines
+}

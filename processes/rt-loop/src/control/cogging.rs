@@ -1,0 +1,37 @@
+//! The motor's cogging, taken out by its calibration.
+
+use dynamics::{Calibration, CoggingHarmonic};
+
+/// Torque that makes the motor turn as if it had no cogging.
+///
+/// A function of the angle alone, so that it acts at rest too. A command is held over a tick and reaches the shaft by the
+/// amplifier's delay later; the angle is taken where the rotor will be then. By what it was at the reading, at 10 kHz and 10 rad/s,
+/// a twentieth of 48 periods a turn would be left, and a part of that would drive.
+#[derive(Clone, Debug)]
+pub struct CoggingCompensation {
+    harmonics: Box<[CoggingHarmonic]>,
+    /// Time from a reading to the middle of what its command does, s.
+    lead_s: f64,
+}
+
+impl CoggingCompensation {
+    /// What the calibration tells of the motor, at a sample rate; nothing where it does not.
+    #[must_use]
+    pub fn new(calibration: &Calibration, rate_hz: f64) -> Self {
+        Self {
+            harmonics: calibration.motor_cogging.as_deref().unwrap_or_default().into(),
+            lead_s: 0.5 / rate_hz + calibration.command_delay_s.unwrap_or(0.0),
+        }
+    }
+
+    /// The torque to add to a command for a rotor that is read at `angle_rad` and turns with `velocity_rad_s`, mNm.
+    #[must_use]
+    pub fn torque_mnm(&self, angle_rad: f64, velocity_rad_s: f64) -> f64 {
+        let ahead_rad = angle_rad + self.lead_s * velocity_rad_s;
+        let mut torque_mnm = 0.0;
+        for harmonic in &self.harmonics {
+            torque_mnm += harmonic.at_mnm(ahead_rad);
+        }
+        torque_mnm
+    }
+}
