@@ -25,7 +25,9 @@ fn write_seeds() -> std::io::Result<()> {
     };
     for number in 1..=5 {
         let model = knobs::paper_knob(number).expect("a shipped knob").to_toml();
-        seed("model", &format!("knob-{number}"), model.as_bytes())?;
+        for target in ["model", "rendering"] {
+            seed(target, &format!("knob-{number}"), model.as_bytes())?;
+        }
     }
     seed("model", "every-effect", every_effect().as_bytes())?;
     let hold = Excitation { drive: Drive::Position, amplitude: 0.5, shape: Shape::Hold };

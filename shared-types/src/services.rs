@@ -174,6 +174,7 @@ pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
         .config(&config()?)
         .create::<ipc::Service>()
         .map_err(|error| unavailable("node", &error))?;
+    rig::close_shared_memory(&rig::shared_memory_prefix()).map_err(|error| unavailable("node", &error))?;
     node.try_cleanup_dead_nodes();
     Ok(node)
 }

@@ -15,6 +15,7 @@ use rt_loop::rig_lock::RigLock;
 use shared_types::RunDescription;
 
 fn main() -> ExitCode {
+    shared_types::rig::keep_files_private();
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
         .with_writer(std::io::stderr)
