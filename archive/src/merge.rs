@@ -103,7 +103,8 @@ fn merge_into<W: Write + Seek>(
             }
             continue;
         }
-        let Some((index, part)) = reading.iter_mut().enumerate().min_by_key(|(_, part)| (part.sample.seq, !part.sample.checked))
+        let Some((index, part)) =
+            reading.iter_mut().enumerate().min_by_key(|(_, part)| (part.sample.seq, !part.sample.checked))
         else {
             break;
         };

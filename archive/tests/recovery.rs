@@ -163,7 +163,9 @@ fn a_hole_in_the_middle_is_a_gap_with_its_bounds() {
     assert_eq!(summary.bytes_dropped, hole.len() as u64);
     assert!(summary.lossy && summary.finished);
     assert_nothing_invented(&samples_in(&whole));
-    assert!(summary.to_string().contains("100 samples are missing: samples 200 to 299 (100) between 0.0199 s and 0.0300 s"));
+    assert!(
+        summary.to_string().contains("100 samples are missing: samples 200 to 299 (100) between 0.0199 s and 0.0300 s")
+    );
     assert!(summary.to_string().starts_with("kept 400 samples (0 to 499: 0.0000 s to 0.0499 s)"), "{summary}");
 }
 

@@ -213,11 +213,12 @@ impl Recording {
             sources.insert(0, out.clone());
         }
         let elsewhere = directories[1].join(out.file_name().unwrap_or(out.as_os_str()));
-        let merged = archive::merge(&sources, &out, Some(published_samples)).map(|merged| (&out, merged)).or_else(|error| {
-            let merged = archive::merge(&sources, &elsewhere, Some(published_samples))?;
-            tracing::error!("{error}; the archive is {} instead", elsewhere.display());
-            Ok::<_, ArchiveError>((&elsewhere, merged))
-        });
+        let merged =
+            archive::merge(&sources, &out, Some(published_samples)).map(|merged| (&out, merged)).or_else(|error| {
+                let merged = archive::merge(&sources, &elsewhere, Some(published_samples))?;
+                tracing::error!("{error}; the archive is {} instead", elsewhere.display());
+                Ok::<_, ArchiveError>((&elsewhere, merged))
+            });
         match merged {
             Ok((place, merged)) => {
                 sources.retain(|source| source != place);

@@ -12,7 +12,8 @@ use crate::supervision::RunEnd;
 /// # Errors
 /// When the archive cannot be read or the results not written.
 pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
-    let Some((loaded, outcome)) = read_back(archive, end)? else { return Ok(Outcome::Failed) };
+    let Some((loaded, outcome)) = read_back(archive, end)? else { return Ok(end.outcome_without_archive()) };
+    let archive = loaded.capture.source.as_path();
     match fit::fit_capture(&loaded) {
         Ok(fitted) => {
             let (model, report) = (archive.with_extension("toml"), archive.with_extension("html"));
@@ -36,10 +37,8 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> 
 /// When the archive cannot be read.
 pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(LoadedCapture, Outcome)>> {
     end.tell();
-    if !end.left_archive(archive) {
-        return Ok(None);
-    }
-    let loaded = LoadedCapture::load(archive)?;
+    let Some(archive) = end.left_archive(archive) else { return Ok(None) };
+    let loaded = LoadedCapture::load(&archive)?;
     let missing: u64 = loaded.capture.gaps.iter().map(|gap| gap.count).sum();
     say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
     if missing > 0 {
