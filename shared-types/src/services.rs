@@ -20,6 +20,7 @@ use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::{SignalHandlingMode, ZeroCopySend, ipc};
 use iceoryx2::service::attribute::AttributeVerifier;
 use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError};
+use iceoryx2::service::builder::request_response::{RequestResponseOpenError, RequestResponseOpenOrCreateError};
 
 use crate::wire::WireMessage;
 use crate::{
@@ -378,7 +379,13 @@ fn control_service(
         .max_clients(4)
         .max_nodes(MAX_NODES)
         .open_or_create_with_attributes(&layout_attribute(CONTROL, layout)?)
-        .map_err(|error| unavailable(CONTROL, &error))
+        .map_err(|error| match error {
+            RequestResponseOpenOrCreateError::RequestResponseOpenError(
+                RequestResponseOpenError::IncompatibleAttributes
+                | RequestResponseOpenError::IncompatibleRequestOrResponseType,
+            ) => ServiceError::OtherLayout { service: CONTROL, layout },
+            other => unavailable(CONTROL, &other),
+        })
 }
 
 fn service_name(name: &'static str) -> Result<iceoryx2::service::service_name::ServiceName, ServiceError> {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use archive::Capture;
 use tests::{Bench, printed};
 
-const SECONDS: u64 = 8;
+const SECONDS: u64 = 5;
 
 /// A disk of so many kilobytes, for as long as it lives.
 struct SmallDisk(PathBuf);
@@ -74,7 +74,7 @@ fn a_capture_whose_folder_is_removed_is_whole_in_the_temporary_directory() {
     std::fs::create_dir(bench.path("other")).unwrap();
     let child = start(&bench);
     bench.wait_for_process("recorder").unwrap();
-    std::thread::sleep(Duration::from_secs(4));
+    std::thread::sleep(Duration::from_secs(2));
     std::fs::remove_dir_all(bench.path("out")).unwrap();
     ended(child, 0, &["was removed or moved while it was written", "recording goes on in"]);
     assert_whole_in_other(&bench);

@@ -29,9 +29,12 @@ pub fn run(options: &RecoverOptions) -> anyhow::Result<Outcome> {
     Ok(if summary.lossy { Outcome::DataLost } else { Outcome::Done })
 }
 
-/// The parts of an archive that was never closed, as the recorder names them.
+/// The parts of an archive that was never closed, as the recorder names them: beside it, and in the temporary directory.
 fn parts_of(archive: &Path) -> Vec<PathBuf> {
-    (0..1_000).map(|number| beside(archive, &format!(".part-{number:03}"))).filter(|path| path.is_file()).collect()
+    let elsewhere = std::env::temp_dir().join(archive.file_name().unwrap_or_default());
+    let places = if elsewhere == archive { vec![archive] } else { vec![archive, elsewhere.as_path()] };
+    let numbered = |place: &Path| (0..1_000).map(|number| beside(place, &format!(".part-{number:03}"))).collect();
+    places.into_iter().flat_map(|place| -> Vec<PathBuf> { numbered(place) }).filter(|path| path.is_file()).collect()
 }
 
 /// Makes one archive of the parts of a recording that nobody ended.

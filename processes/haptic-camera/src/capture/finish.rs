@@ -7,6 +7,9 @@ use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
 use crate::supervision::RunEnd;
 
+/// Gaps that are told one by one.
+const TOLD_GAPS: usize = 5;
+
 /// Tells how the run went, fits the archive and writes model and report beside it.
 ///
 /// # Errors
@@ -42,7 +45,9 @@ pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(
     let missing: u64 = loaded.capture.gaps.iter().map(|gap| gap.count).sum();
     say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
     if missing > 0 {
-        remark(format!("{missing} samples are missing in the archive; it says where"));
+        let told: Vec<String> = loaded.capture.gaps.iter().take(TOLD_GAPS).map(ToString::to_string).collect();
+        let more = if loaded.capture.gaps.len() > told.len() { ", ...; the archive says where" } else { "" };
+        remark(format!("{missing} samples are missing in the archive: {}{more}", told.join(", ")));
     }
     let outcome = end.outcome(missing);
     Ok(Some((loaded, outcome)))
