@@ -246,3 +246,39 @@ fn a_gap_at_the_end_that_the_recorder_noted_is_told_again() {
     std::fs::write(&path, whole).unwrap();
     assert_eq!(Capture::load(&path).unwrap().gaps, expected);
 }
+
+/// Found by `scripts/fuzz`: the mcap crate's reader goes on behind the end of such a chunk.
+#[test]
+fn a_record_longer_than_its_uncompressed_chunk_is_told_and_harms_nothing() {
+    let record = |opcode: u8, body: &[u8]| [&[opcode], &(body.len() as u64).to_le_bytes()[..], body].concat();
+    // A schema whose length reaches over the chunk's end into what follows.
+    let records = [&[3_u8][..], &200_u64.to_le_bytes(), &[0; 40]].concat();
+    let digest = crc32(&records);
+    let length = (records.len() as u64).to_le_bytes();
+    let chunk = [&[0; 16][..], &length, &digest.to_le_bytes(), &[0; 4], &length, &records].concat();
+    let file = [
+        mcap::MAGIC,
+        &record(1, &[0; 8]),
+        &record(6, &chunk),
+        &record(15, &[0; 4]),
+        &record(2, &[0; 20]),
+        mcap::MAGIC,
+    ]
+    .concat();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("foreign.mcap");
+    std::fs::write(&path, &file).unwrap();
+    let error = Capture::load(&path).unwrap_err();
+    assert!(error.to_string().contains("haptic-camera recover"), "{error}");
+    if let Ok((summary, whole)) = recovered(&file) {
+        assert_eq!(summary.samples_kept, 0);
+        assert_eq!(samples_in(&whole), []);
+    }
+}
+
+/// CRC-32 as MCAP uses it (ISO 3309), bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 })
+    })
+}

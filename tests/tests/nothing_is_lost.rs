@@ -5,10 +5,12 @@ use std::process::Child;
 use std::time::{Duration, Instant};
 
 use archive::Capture;
+use iceoryx2::service::attribute::AttributeVerifier;
+use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use shared_types::services::{self, RigNode, SampleSubscriber};
-use shared_types::{Sample, rig};
+use shared_types::{BlockHeader, Sample, rig};
 use tests::{Bench, printed};
 
 /// What a run's recorder may lose when everything dies at once, ns: a chunk is closed at least so often.
@@ -135,4 +137,37 @@ fn a_recorder_stopped_for_longer_than_its_queue_loses_what_it_says_and_no_more()
 
 fn child_has_ended(bench: &Bench) -> bool {
     bench.processes("haptic-camera").is_empty()
+}
+
+#[test]
+fn a_consumer_built_from_other_types_is_refused_and_the_run_goes_on() {
+    let bench = Bench::new().unwrap();
+    let child = start(&bench, "3");
+    let mut witness = Witness::follow(&bench);
+    witness.watch(Duration::from_secs(1));
+    let node = services::attach("another-build").unwrap();
+    let samples = "haptic-camera/samples".try_into().unwrap();
+    // Fields of another size; and the same size with another meaning, which only the layout identity tells.
+    let other_size = node.service_builder(&samples).publish_subscribe::<[u64]>().open();
+    assert!(matches!(other_size, Err(PublishSubscribeOpenError::IncompatibleTypes)), "{other_size:?}");
+    let value = "0123456789abcdef".try_into().unwrap();
+    let layout = AttributeVerifier::new().require(&"layout".try_into().unwrap(), &value).unwrap();
+    let other_meaning = node
+        .service_builder(&samples)
+        .publish_subscribe::<[Sample]>()
+        .user_header::<BlockHeader>()
+        .open_with_attributes(&layout);
+    assert!(matches!(other_meaning, Err(PublishSubscribeOpenError::IncompatibleAttributes)), "{other_meaning:?}");
+    drop(node);
+    while !child_has_ended(&bench) {
+        witness.watch(Duration::from_millis(50));
+    }
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    assert_nothing_invented(&capture, &witness.samples);
+    assert!(capture.gaps.is_empty());
+    assert_eq!(capture.tick.last(), Some(&29_999), "the loop had every tick of the run");
+    drop(witness);
+    assert_eq!(shared_types::clean_up::clear_shared_memory().unwrap(), 0);
 }
