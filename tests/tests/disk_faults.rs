@@ -50,9 +50,12 @@ fn ended(child: Child, status: i32, said: &[&str]) -> Output {
     output
 }
 
-/// Every sample of the run is in its only archive in `other`; the loop had every tick.
 fn assert_whole_in_other(bench: &Bench) {
-    let capture = Capture::load(&bench.only_archive("other").unwrap()).unwrap();
+    assert_whole(bench, &Capture::load(&bench.only_archive("other").unwrap()).unwrap());
+}
+
+/// Every sample of the run is there, and the loop had every tick.
+fn assert_whole(bench: &Bench, capture: &Capture) {
     assert_eq!(capture.gaps, []);
     assert!(capture.seq.iter().enumerate().all(|(index, &seq)| seq == index as u64), "no sample is missing");
     assert_eq!(capture.len() as u64 + capture.ticks_without_sample() + capture.tick[0], SECONDS * 10_000);
@@ -107,4 +110,57 @@ fn a_capture_into_a_read_only_folder_goes_to_the_temporary_directory() {
     assert!(Command::new("mount").args(["-o", "remount,ro"]).arg(&disk.0).status().unwrap().success());
     ended(start(&bench), 0, &["Read-only file system", "recording to"]);
     assert_whole_in_other(&bench);
+}
+
+/// A disk whose writers wait while it is frozen, for as long as it lives.
+struct StallingDisk(PathBuf);
+
+impl StallingDisk {
+    fn mount(place: &Path) -> Option<Self> {
+        std::fs::create_dir(place).unwrap();
+        let image = place.with_extension("img");
+        std::fs::File::create(&image).unwrap().set_len(64 * 1024 * 1024).unwrap();
+        let steps = [
+            ["mkfs.ext4", "-q", "-F"].map(str::to_owned).to_vec(),
+            ["mount", "-o", "loop"].map(str::to_owned).to_vec(),
+        ];
+        for (mut step, further) in steps.into_iter().zip([vec![&image], vec![&image, &place.to_path_buf()]]) {
+            step.extend(further.iter().map(|path| path.to_string_lossy().into_owned()));
+            let done = Command::new(&step[0]).args(&step[1..]).output();
+            if !done.is_ok_and(|output| output.status.success()) {
+                eprintln!("SKIPPED: no permission to mount a disk that can be frozen ({})", step[0]);
+                return None;
+            }
+        }
+        Some(Self(place.to_owned()))
+    }
+
+    fn freeze(&self, how: &str) {
+        assert!(Command::new("fsfreeze").arg(how).arg(&self.0).status().unwrap().success());
+    }
+}
+
+impl Drop for StallingDisk {
+    fn drop(&mut self) {
+        // It is frozen only if the test failed meanwhile; what stays mounted goes with the machine.
+        let _ = Command::new("fsfreeze").arg("--unfreeze").arg(&self.0).output();
+        let _ = Command::new("umount").arg("--lazy").arg(&self.0).status();
+    }
+}
+
+#[test]
+fn a_disk_that_stalls_for_three_seconds_costs_no_sample() {
+    let bench = Bench::new().unwrap();
+    let Some(disk) = StallingDisk::mount(&bench.path("out")) else { return };
+    std::fs::create_dir(bench.path("other")).unwrap();
+    let child = start(&bench);
+    bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    disk.freeze("--freeze");
+    std::thread::sleep(Duration::from_secs(3));
+    disk.freeze("--unfreeze");
+    ended(child, 0, &[]);
+    let captures: Vec<PathBuf> = std::fs::read_dir(&disk.0).unwrap().flatten().map(|entry| entry.path()).collect();
+    let archive = captures.iter().find(|path| path.extension().is_some_and(|ending| ending == "mcap")).unwrap();
+    assert_whole(&bench, &Capture::load(archive).unwrap());
 }
