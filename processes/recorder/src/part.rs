@@ -6,6 +6,7 @@ use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, ensure};
 use archive::{CaptureWriter, WriteSummary};
@@ -14,12 +15,18 @@ use shared_types::RunDescription;
 /// Bytes gathered before the operating system is called; a chunk is a few times as long.
 const BUFFER_BYTES: usize = 256 * 1024;
 
+/// How often the disk is asked to take what the operating system holds: what a power cut can cost. Writing waits while the
+/// disk is at it, so not with every chunk.
+const SYNC_INTERVAL: Duration = Duration::from_millis(400);
+
 /// A part that is being written.
 pub(crate) struct Part {
     pub(crate) path: PathBuf,
     pub(crate) writer: CaptureWriter<BufWriter<File>>,
     file: File,
     disk: Disk,
+    /// When the disk was last asked to take what the operating system holds.
+    synced: Instant,
 }
 
 impl Part {
@@ -31,7 +38,7 @@ impl Part {
         let disk = Disk::new(file.try_clone().with_context(place)?).with_context(place)?;
         let buffer = BufWriter::with_capacity(BUFFER_BYTES, file.try_clone().with_context(place)?);
         let writer = CaptureWriter::new(buffer, run).with_context(place)?;
-        let mut part = Self { path: path.to_owned(), writer, file, disk };
+        let mut part = Self { path: path.to_owned(), writer, file, disk, synced: Instant::now() };
         part.flush()?;
         archive::whole_file::sync_directory(path)?;
         Ok(part)
@@ -41,7 +48,10 @@ impl Part {
     /// waiting for the disk.
     pub(crate) fn flush(&mut self) -> anyhow::Result<()> {
         self.writer.flush().with_context(|| self.path.display().to_string())?;
-        self.disk.sync_soon().with_context(|| self.path.display().to_string())?;
+        if self.synced.elapsed() >= SYNC_INTERVAL {
+            self.synced = Instant::now();
+            self.disk.sync_soon().with_context(|| self.path.display().to_string())?;
+        }
         ensure!(!self.has_vanished(), "{} was removed or moved while it was written", self.path.display());
         Ok(())
     }
@@ -58,7 +68,7 @@ impl Part {
     /// Gives the part up after a failure; its file, if that is gone from its place and can be saved elsewhere.
     pub(crate) fn give_up(self) -> Option<File> {
         let vanished = self.has_vanished();
-        let Self { path: _, writer, file, disk } = self;
+        let Self { path: _, writer, file, disk, synced: _ } = self;
         // It tries to end the file, which may fail: what was flushed is sound without.
         drop(writer);
         drop(disk);
@@ -67,7 +77,7 @@ impl Part {
 
     /// Ends the part and waits until it is on the disk.
     pub(crate) fn finish(self) -> anyhow::Result<(PathBuf, WriteSummary)> {
-        let Self { path, writer, file: _, disk } = self;
+        let Self { path, writer, file: _, disk, synced: _ } = self;
         let (summary, buffer) = writer.finish().with_context(|| path.display().to_string())?;
         let file = buffer
             .into_inner()
