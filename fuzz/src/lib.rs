@@ -4,8 +4,8 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use archive::{ArchiveError, Capture};
 use archive::recover::{Unchecked, recover_stream};
+use archive::{ArchiveError, Capture};
 
 /// Bytes as a whole file, read and recovered; whatever they are, neither may panic, and what recovery
 /// gives is an archive that recovers again without loss.

@@ -36,7 +36,8 @@ fn write_seeds() -> std::io::Result<()> {
     seed("rig_files", "calibration", run.calibration_toml.as_bytes())?;
     seed("rig_files", "excitation", run.excitation_toml.as_bytes())?;
     seed("torque_table", "table", b"angle_rad,torque_mnm\n0,0\n0.1,5\n0.2,-5e0\n0.3,0\n")?;
-    let table = b"t_s,angle_rad,velocity_rad_s,acceleration_rad_s2,torque_mnm\n0,0,1,2,3\n1e-4,1,1,2,3\n2e-4,2,1,2,-3.5\n";
+    let table =
+        b"t_s,angle_rad,velocity_rad_s,acceleration_rad_s2,torque_mnm\n0,0,1,2,3\n1e-4,1,1,2,3\n2e-4,2,1,2,-3.5\n";
     seed("capture_file", "table", table)?;
     let whole = recording(&run);
     seed("capture_file", "archive", &whole)?;
