@@ -256,15 +256,9 @@ fn a_record_longer_than_its_uncompressed_chunk_is_told_and_harms_nothing() {
     let digest = crc32(&records);
     let length = (records.len() as u64).to_le_bytes();
     let chunk = [&[0; 16][..], &length, &digest.to_le_bytes(), &[0; 4], &length, &records].concat();
-    let file = [
-        mcap::MAGIC,
-        &record(1, &[0; 8]),
-        &record(6, &chunk),
-        &record(15, &[0; 4]),
-        &record(2, &[0; 20]),
-        mcap::MAGIC,
-    ]
-    .concat();
+    let file =
+        [mcap::MAGIC, &record(1, &[0; 8]), &record(6, &chunk), &record(15, &[0; 4]), &record(2, &[0; 20]), mcap::MAGIC]
+            .concat();
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("foreign.mcap");
     std::fs::write(&path, &file).unwrap();
