@@ -36,6 +36,15 @@ pub(crate) struct ChannelDefinition {
     pub(crate) schema_text: String,
 }
 
+/// Where the fields lie that tell samples apart.
+#[derive(Debug)]
+pub(crate) struct SampleLayout {
+    pub(crate) seq: FieldLayout,
+    pub(crate) tick: Option<FieldLayout>,
+    /// Bytes of a message without its header; `None` where that varies.
+    pub(crate) size: Option<usize>,
+}
+
 impl ChannelDefinition {
     fn of<Payload: WireMessage>(topic: &str) -> Self {
         Self::with_schema(topic, Payload::SCHEMA_NAME, Payload::schema_text())
@@ -77,13 +86,14 @@ impl ChannelDefinition {
         self.topic == topic && self.schema_encoding == SCHEMA_ENCODING && self.message_encoding == MESSAGE_ENCODING
     }
 
-    /// The field `seq` and the message's size, on the channel of the samples.
-    pub(crate) fn sample_layout(&self) -> Option<(FieldLayout, Option<usize>)> {
+    /// Where `seq` and `tick` lie, on the channel of the samples.
+    pub(crate) fn sample_layout(&self) -> Option<SampleLayout> {
         if !self.holds_samples() {
             return None;
         }
         let layout = Layout::parse(&self.schema_text).ok()?;
-        Some((layout.field("seq")?.clone(), layout.size))
+        let [seq, tick] = ["seq", "tick"].map(|name| layout.field(name).cloned());
+        Some(SampleLayout { seq: seq?, tick, size: layout.size })
     }
 
     /// Adds schema and channel to `mcap`; the id that its messages carry.

@@ -16,7 +16,7 @@ use crate::description::{
     CAPTURE_METADATA, GAPS_METADATA, RECOVERY_METADATA, attach, attachment, capture_metadata, gaps_metadata,
 };
 use crate::error::ArchiveError;
-use crate::sequence::SequenceLedger;
+use crate::sequence::{Gap, SequenceLedger};
 use crate::source::{Item, Source, SourceChannel, SourceMessage};
 
 /// Messages other than samples that are remembered to recognise their repetition.
@@ -31,8 +31,9 @@ pub(crate) struct Combiner<W: Write + Seek> {
     seen: Option<Seen>,
     pub(crate) ledger: SequenceLedger,
     pub(crate) messages: u64,
-    pub(crate) unchecked_samples: u64,
     pub(crate) run: Option<RunDescription>,
+    /// The last gap that a source's own record names.
+    noted_gap: Option<Gap>,
 }
 
 #[derive(Default)]
@@ -70,8 +71,8 @@ impl<W: Write + Seek> Combiner<W> {
             seen: overlapping.then(Seen::default),
             ledger: SequenceLedger::default(),
             messages: 0,
-            unchecked_samples: 0,
             run: None,
+            noted_gap: None,
         })
     }
 
@@ -82,7 +83,6 @@ impl<W: Write + Seek> Combiner<W> {
                 if !self.ledger.admit(seq) {
                     return Ok(());
                 }
-                self.unchecked_samples += u64::from(!message.checked);
             }
             None => {
                 if let Some(seen) = &mut self.seen
@@ -175,8 +175,25 @@ impl<W: Write + Seek> Combiner<W> {
             }
             // A record without checksum is second to what the checked description says.
             Item::Metadata(metadata) if self.run.is_some() && metadata.name == CAPTURE_METADATA => Ok(()),
-            Item::Metadata(metadata) if [GAPS_METADATA, RECOVERY_METADATA].contains(&metadata.name.as_str()) => Ok(()),
+            Item::Metadata(metadata) if metadata.name == GAPS_METADATA => {
+                let gaps = metadata.metadata.get("gaps").and_then(|text| serde_json::from_str::<Vec<Gap>>(text).ok());
+                self.noted_gap = gaps.and_then(|gaps| gaps.last().copied());
+                Ok(())
+            }
+            Item::Metadata(metadata) if metadata.name == RECOVERY_METADATA => Ok(()),
             Item::Metadata(metadata) => self.metadata(&metadata),
+        }
+    }
+
+    /// Takes a gap at the end of the run from the source's own record, which knew how many samples there were.
+    ///
+    /// No checksum covers that record: it is believed where it continues the samples that are there.
+    pub(crate) fn take_over_noted_gap(&mut self) {
+        if let Some(Gap { first_missing_seq, last_missing_seq, count }) = self.noted_gap
+            && first_missing_seq == self.ledger.next()
+            && Some(count) == last_missing_seq.checked_sub(first_missing_seq).and_then(|more| more.checked_add(1))
+        {
+            self.ledger.close(last_missing_seq.saturating_add(1));
         }
     }
 

@@ -46,6 +46,7 @@ mod combine;
 mod csv_file;
 mod description;
 mod error;
+mod losses;
 mod mcap_file;
 pub mod merge;
 mod records;
@@ -59,8 +60,9 @@ pub mod write;
 pub use capture::Capture;
 pub use description::{CAPTURE_METADATA, GAPS_METADATA, RECOVERY_METADATA, attachment};
 pub use error::ArchiveError;
+pub use losses::{Loss, Place};
 pub use merge::{MergeSummary, merge, run_id};
-pub use recover::{RecoverySummary, recover};
+pub use recover::{RecoverySummary, Unchecked, recover};
 pub use sequence::{Gap, SequenceLedger};
 pub use write::{CaptureWriter, WriteSummary};
 

@@ -1,7 +1,8 @@
 //! One archive from the parts that a recorder leaves when it is killed and restarted.
 //!
 //! A restarted recorder receives the last seconds again, so parts overlap: samples are taken in
-//! the order of `seq`, each from the first part that has it. Parts may be cut off anywhere.
+//! the order of `seq`, each from the first part that has it under a checksum, or else at all. Parts
+//! may be cut off anywhere.
 
 use std::fs::File;
 use std::io::{Seek, Write};
@@ -102,7 +103,9 @@ fn merge_into<W: Write + Seek>(
             }
             continue;
         }
-        let Some((index, part)) = reading.iter_mut().enumerate().min_by_key(|(_, part)| part.sample.seq) else {
+        let Some((index, part)) =
+            reading.iter_mut().enumerate().min_by_key(|(_, part)| (part.sample.seq, !part.sample.checked))
+        else {
             break;
         };
         combiner.message(&part.sample, part.source.body(&part.sample))?;

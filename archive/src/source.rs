@@ -8,17 +8,15 @@ use std::rc::Rc;
 use mcap::records::{MessageHeader, Record, op};
 use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
 
-use crate::channels::ChannelDefinition;
+use crate::channels::{ChannelDefinition, SampleLayout};
 use crate::description::attachment;
 use crate::records::{Account, Sound, SoundRecords, Unpacked};
-use crate::schema::FieldLayout;
 
 /// A channel as a file defines it.
 #[derive(Debug)]
 pub(crate) struct SourceChannel {
     pub(crate) definition: ChannelDefinition,
-    /// The field `seq` and the size of a message, on the channel of the samples.
-    sample_layout: Option<(FieldLayout, Option<usize>)>,
+    sample_layout: Option<SampleLayout>,
 }
 
 /// What a file yields.
@@ -36,6 +34,8 @@ pub(crate) struct SourceMessage {
     pub(crate) header: MessageHeader,
     /// `seq` on the channel of the samples.
     pub(crate) seq: Option<u64>,
+    /// `tick`, there too.
+    pub(crate) tick: Option<u64>,
     /// False for a message from a chunk that the end of the file cuts off.
     pub(crate) checked: bool,
     body: Range<usize>,
@@ -147,11 +147,13 @@ impl<R: Read> Source<R> {
             self.orphans += 1;
             return None;
         };
-        let mut seq = None;
-        if let Some((field, size)) = &channel.sample_layout {
-            let bytes = &self.chunk[body.clone()];
-            let fits = size.is_none_or(|size| bytes.len() == size + CDR_LITTLE_ENDIAN_HEADER.len());
-            seq = bytes.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER).and_then(|bytes| field.as_u64(bytes)).filter(|_| fits);
+        let (mut seq, mut tick) = (None, None);
+        if let Some(SampleLayout { seq: seq_field, tick: tick_field, size }) = &channel.sample_layout
+            && let Some(bytes) = self.chunk[body.clone()].strip_prefix(&CDR_LITTLE_ENDIAN_HEADER)
+            && size.is_none_or(|size| bytes.len() == size)
+        {
+            seq = seq_field.as_u64(bytes);
+            tick = tick_field.as_ref().and_then(|field| field.as_u64(bytes));
         }
         if !self.checked {
             // Nothing vouches for these bytes but their order: stop at the first that is off.
@@ -162,7 +164,7 @@ impl<R: Read> Source<R> {
             }
         }
         self.last_seq = seq.or(self.last_seq);
-        Some(SourceMessage { channel, header, seq, checked: self.checked, body })
+        Some(SourceMessage { channel, header, seq, tick, checked: self.checked, body })
     }
 
     fn define(&mut self, id: u16, definition: ChannelDefinition) {

@@ -6,6 +6,7 @@ mod common;
 
 use archive::{ArchiveError, Capture, Gap, attachment};
 use common::{RATE_HZ, description, recording, sample, samples_in};
+use shared_types::LoopStatus;
 use tempfile::tempdir;
 
 #[test]
@@ -53,6 +54,29 @@ fn messages_are_dated_by_the_run_s_clock_and_not_by_the_system_s() {
     let last = mcap::MessageStream::new(&file).unwrap().last().unwrap().unwrap();
     assert_eq!(last.log_time, 1_700_000_000_000_000_000 + 9 * 100_000);
     assert_eq!(last.publish_time, last.log_time);
+}
+
+#[test]
+fn a_system_clock_stepped_an_hour_either_way_moves_no_message() {
+    const HOUR_NS: u64 = 3_600_000_000_000;
+    let run = common::description();
+    let mut writer = archive::CaptureWriter::new(std::io::Cursor::new(Vec::new()), &run).unwrap();
+    let clock = run.clock;
+    for seq in 0..300 {
+        let sample = sample(seq);
+        assert!(writer.sample(&sample).unwrap());
+        // What the system clock says when the loop reports: an hour ahead, right, and an hour behind.
+        let stepped = clock.wall_clock(sample.monotonic_time_ns) + HOUR_NS - (seq / 100) * HOUR_NS;
+        let monotonic_time_ns = sample.monotonic_time_ns;
+        let status = LoopStatus { monotonic_time_ns, wall_clock_time_ns: stepped, ..LoopStatus::default() };
+        writer.status(&status).unwrap();
+    }
+    let file = writer.finish().unwrap().1.into_inner();
+    let times: Vec<u64> = mcap::MessageStream::new(&file).unwrap().map(|message| message.unwrap().log_time).collect();
+    assert_eq!(times.len(), 600);
+    assert!(times.is_sorted(), "log times never fall");
+    let expected = (0..300).flat_map(|seq| [clock.wall_clock(sample(seq).monotonic_time_ns); 2]);
+    assert!(times.iter().copied().eq(expected), "log time is the run's clock, whatever the system's says");
 }
 
 #[test]

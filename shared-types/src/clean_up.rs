@@ -6,11 +6,9 @@ use std::time::Duration;
 use iceoryx2::node::{CleanupState, Node, NodeState};
 use iceoryx2::prelude::{CallbackProgression, ipc};
 
-use crate::rig;
+use crate::rig::{self, SHARED_MEMORY};
 use crate::services::{self, ServiceError};
 
-/// Where POSIX shared memory lies on Linux.
-const SHARED_MEMORY: &str = "/dev/shm";
 /// A process that was killed is not known as dead to iceoryx2 at once, hence retries.
 const RETRIES: u32 = 10;
 

@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 /// Names the directory that stands for the rig.
 pub const RUNTIME_DIR_VARIABLE: &str = "HAPTIC_CAMERA_RUNTIME_DIR";
 
+/// Where POSIX shared memory lies on Linux.
+pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
+
 /// The directory that holds the rig's lock and iceoryx2's bookkeeping.
 #[must_use]
 pub fn runtime_dir() -> PathBuf {
@@ -22,15 +25,58 @@ pub fn runtime_dir() -> PathBuf {
     std::env::temp_dir().join(format!("haptic-camera-{}", nix::unistd::getuid()))
 }
 
-/// Creates the runtime directory, open to the user alone.
+/// Creates the runtime directory, open to the user alone; one that is there is closed to others.
 ///
 /// # Errors
-/// The system's, when it cannot be created.
+/// The system's, when it cannot be created, and where it belongs to another user, who could stop the rig through it.
 pub fn create_runtime_dir() -> std::io::Result<PathBuf> {
     use std::os::unix::fs::DirBuilderExt as _;
     let directory = runtime_dir();
     std::fs::DirBuilder::new().recursive(true).mode(0o700).create(&directory)?;
+    close_to_others(&directory, 0o700)?;
     Ok(directory)
+}
+
+/// Has the calling process make its files for its user alone: archives, models, the rig's lock.
+pub fn keep_files_private() {
+    nix::sys::stat::umask(nix::sys::stat::Mode::from_bits_truncate(0o077));
+}
+
+/// Closes what others could open in shared memory under the rig's prefix.
+///
+/// iceoryx2 makes its segments for the user alone, but one, which counts the rig's nodes, for everyone.
+///
+/// # Errors
+/// Where such a file belongs to another user, who could have made it first.
+pub(crate) fn close_shared_memory(prefix: &str) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(SHARED_MEMORY)?.flatten() {
+        if entry.file_name().to_string_lossy().starts_with(prefix) {
+            match close_to_others(&entry.path(), 0o600) {
+                // Another process of the rig ended just now and took it away.
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+                closed => closed?,
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Leaves a file or folder to its owner, who must be the calling process's user.
+fn close_to_others(path: &Path, mode: u32) -> std::io::Result<()> {
+    use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
+    let found = std::fs::metadata(path)?;
+    if found.uid() != nix::unistd::geteuid().as_raw() {
+        let reason = format!(
+            "{} belongs to user {}: remove it, or name another directory in {RUNTIME_DIR_VARIABLE}",
+            path.display(),
+            found.uid()
+        );
+        return Err(std::io::Error::new(std::io::ErrorKind::PermissionDenied, reason));
+    }
+    if found.mode() & 0o077 != 0 {
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode))?;
+    }
+    Ok(())
 }
 
 /// The prefix of every shared-memory file of the rig, such as `hc_0123456789abcdef_`.

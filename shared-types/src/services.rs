@@ -20,6 +20,7 @@ use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::{SignalHandlingMode, ZeroCopySend, ipc};
 use iceoryx2::service::attribute::AttributeVerifier;
 use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError};
+use iceoryx2::service::builder::request_response::{RequestResponseOpenError, RequestResponseOpenOrCreateError};
 
 use crate::wire::WireMessage;
 use crate::{
@@ -174,6 +175,7 @@ pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
         .config(&config()?)
         .create::<ipc::Service>()
         .map_err(|error| unavailable("node", &error))?;
+    rig::close_shared_memory(&rig::shared_memory_prefix()).map_err(|error| unavailable("node", &error))?;
     node.try_cleanup_dead_nodes();
     Ok(node)
 }
@@ -377,7 +379,13 @@ fn control_service(
         .max_clients(4)
         .max_nodes(MAX_NODES)
         .open_or_create_with_attributes(&layout_attribute(CONTROL, layout)?)
-        .map_err(|error| unavailable(CONTROL, &error))
+        .map_err(|error| match error {
+            RequestResponseOpenOrCreateError::RequestResponseOpenError(
+                RequestResponseOpenError::IncompatibleAttributes
+                | RequestResponseOpenError::IncompatibleRequestOrResponseType,
+            ) => ServiceError::OtherLayout { service: CONTROL, layout },
+            other => unavailable(CONTROL, &other),
+        })
 }
 
 fn service_name(name: &'static str) -> Result<iceoryx2::service::service_name::ServiceName, ServiceError> {

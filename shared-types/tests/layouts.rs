@@ -4,7 +4,9 @@
 use iceoryx2::service::attribute::AttributeVerifier;
 use shared_types::services::{self, LOOP_STATUS, ServiceError};
 use shared_types::wire::WireMessage;
-use shared_types::{Estimate, Fault, FitUpdate, LoopState, LoopStatus, ProcessHealth, Sample};
+use shared_types::{
+    ControlRequest, ControlResponse, Estimate, Fault, FitUpdate, LoopState, LoopStatus, ProcessHealth, Sample,
+};
 
 #[test]
 fn every_payload_is_as_long_as_its_fields_without_padding() {
@@ -71,6 +73,14 @@ fn a_process_built_from_another_layout_is_refused_with_what_to_do() {
         .open_or_create()
         .unwrap();
 
+    let _other_commands = node
+        .service_builder(&"haptic-camera/control".try_into().unwrap())
+        .request_response::<ControlRequest, ControlResponse>()
+        .open_or_create_with_attributes(&layout)
+        .unwrap();
+
+    let control = services::control_client(&node).unwrap_err();
+    assert!(matches!(control, ServiceError::OtherLayout { .. }), "{control}");
     let status = LOOP_STATUS.subscriber(&node).unwrap_err();
     assert!(matches!(status, ServiceError::OtherLayout { .. }), "{status}");
     assert!(status.to_string().contains("use the programs of one build together"));

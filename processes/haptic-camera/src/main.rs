@@ -37,6 +37,7 @@ use crate::command_line::{Command, CommandLine};
 use crate::outcome::Outcome;
 
 fn main() -> ExitCode {
+    shared_types::rig::keep_files_private();
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
         .with_writer(std::io::stderr)

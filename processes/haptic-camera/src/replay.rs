@@ -82,9 +82,7 @@ fn conclude(archive: &Path, end: &RunEnd) -> Outcome {
         say(format!("         and {} more models; the archive has them all", end.models.len() - LISTED_MODELS));
     }
     say(format!("guard    took energy back in {} ticks", end.status.guarded_ticks));
-    if !end.left_archive(archive) {
-        return Outcome::Failed;
-    }
+    let Some(archive) = end.left_archive(archive) else { return end.outcome_without_archive() };
     say(format!("archive  {} ({} samples)", archive.display(), end.status.published_samples));
     let outcome = end.outcome(0);
     if outcome == Outcome::DataLost {

@@ -7,8 +7,9 @@
 //! **When it dies**, even by SIGKILL, the control loop does not notice, and what was written up to
 //! half a second before is on the disk. Restarted with the same `--out` it goes on in a new part,
 //! `FILE.mcap.part-001` and so on; the samples of the meantime reach it as history. At the end of
-//! the run the parts become `FILE.mcap`, each sample once. **When the disk is full** it goes on in
-//! the temporary directory. **When the control loop dies** it ends the archive properly.
+//! the run the parts become `FILE.mcap`, each sample once. **When the disk is full**, or the
+//! folder is removed, it goes on in the temporary directory; where there is no room either it keeps 100 s in memory and
+//! looks for room. **When the control loop dies** it ends the archive properly.
 //!
 //! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but samples are missing.
 
@@ -16,6 +17,7 @@ mod ending;
 mod part;
 mod parts;
 mod recording;
+mod rescue;
 mod streams;
 
 use std::process::ExitCode;
@@ -41,6 +43,7 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     consumer::start_log();
+    shared_types::rig::keep_files_private();
     match record(&arguments) {
         Ok(0) => ExitCode::SUCCESS,
         Ok(_missing_samples) => ExitCode::from(3),

@@ -2,32 +2,43 @@
 
 use std::fs::File;
 use std::io::BufWriter;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use archive::{CaptureWriter, WriteSummary};
 use shared_types::RunDescription;
 
 /// Bytes gathered before the operating system is called; a chunk is a few times as long.
 const BUFFER_BYTES: usize = 256 * 1024;
 
+/// How often the disk is asked to take what the operating system holds: what a power cut can cost. Writing waits while the
+/// disk is at it, so not with every chunk.
+const SYNC_INTERVAL: Duration = Duration::from_millis(400);
+
 /// A part that is being written.
 pub(crate) struct Part {
     pub(crate) path: PathBuf,
     pub(crate) writer: CaptureWriter<BufWriter<File>>,
+    file: File,
     disk: Disk,
+    /// When the disk was last asked to take what the operating system holds.
+    synced: Instant,
 }
 
 impl Part {
     /// Begins a part in a file that must not exist yet.
     pub(crate) fn create(path: &Path, run: &RunDescription) -> anyhow::Result<Self> {
         let place = || path.display().to_string();
-        let file = File::options().write(true).create_new(true).open(path).with_context(place)?;
+        // Read, too: what is removed while it is written can still be saved through this handle.
+        let file = File::options().read(true).write(true).create_new(true).open(path).with_context(place)?;
         let disk = Disk::new(file.try_clone().with_context(place)?).with_context(place)?;
-        let writer = CaptureWriter::new(BufWriter::with_capacity(BUFFER_BYTES, file), run).with_context(place)?;
-        let mut part = Self { path: path.to_owned(), writer, disk };
+        let buffer = BufWriter::with_capacity(BUFFER_BYTES, file.try_clone().with_context(place)?);
+        let writer = CaptureWriter::new(buffer, run).with_context(place)?;
+        let mut part = Self { path: path.to_owned(), writer, file, disk, synced: Instant::now() };
         part.flush()?;
         archive::whole_file::sync_directory(path)?;
         Ok(part)
@@ -37,12 +48,36 @@ impl Part {
     /// waiting for the disk.
     pub(crate) fn flush(&mut self) -> anyhow::Result<()> {
         self.writer.flush().with_context(|| self.path.display().to_string())?;
-        self.disk.sync_soon().with_context(|| self.path.display().to_string())
+        if self.synced.elapsed() >= SYNC_INTERVAL {
+            self.synced = Instant::now();
+            self.disk.sync_soon().with_context(|| self.path.display().to_string())?;
+        }
+        ensure!(!self.has_vanished(), "{} was removed or moved while it was written", self.path.display());
+        Ok(())
+    }
+
+    /// True when the file no longer lies where it was made: it is gone once it is closed.
+    fn has_vanished(&self) -> bool {
+        match (self.file.metadata(), self.path.metadata()) {
+            (Ok(ours), Ok(there)) => (ours.dev(), ours.ino()) != (there.dev(), there.ino()),
+            (_, Err(error)) => error.kind() == std::io::ErrorKind::NotFound,
+            (Err(_), Ok(_)) => false,
+        }
+    }
+
+    /// Gives the part up after a failure; its file, if that is gone from its place and can be saved elsewhere.
+    pub(crate) fn give_up(self) -> Option<File> {
+        let vanished = self.has_vanished();
+        let Self { path: _, writer, file, disk, synced: _ } = self;
+        // It tries to end the file, which may fail: what was flushed is sound without.
+        drop(writer);
+        drop(disk);
+        vanished.then_some(file)
     }
 
     /// Ends the part and waits until it is on the disk.
     pub(crate) fn finish(self) -> anyhow::Result<(PathBuf, WriteSummary)> {
-        let Self { path, writer, disk } = self;
+        let Self { path, writer, file: _, disk, synced: _ } = self;
         let (summary, buffer) = writer.finish().with_context(|| path.display().to_string())?;
         let file = buffer
             .into_inner()

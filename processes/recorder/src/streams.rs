@@ -65,31 +65,31 @@ impl Streams {
             self.health.received(block.payload());
             ending.hear_samples(rig::monotonic_time_ns());
             for sample in block.payload() {
-                recording.write(Entry::Sample(*sample))?;
+                recording.write(Entry::Sample(*sample));
             }
-            recording.flush_if_due()?;
+            recording.flush_if_due();
         }
         while let Some(status) = self.status.receive().context("the loop's status cannot be received")? {
             if ending.hear(status.payload(), rig::monotonic_time_ns()) {
-                recording.write(Entry::Status(Box::new(*status.payload())))?;
+                recording.write(Entry::Status(Box::new(*status.payload())));
             }
         }
         while let Some(update) = self.fits.receive().context("estimates cannot be received")? {
             if update.payload().run_id == recording.run_id() {
-                recording.write(Entry::Fit(Box::new(*update.payload())))?;
+                recording.write(Entry::Fit(Box::new(*update.payload())));
             }
         }
         while let Some(health) = self.healths.receive().context("health reports cannot be received")? {
-            recording.write(Entry::Health(*health.payload()))?;
+            recording.write(Entry::Health(*health.payload()));
         }
         while let Some(json) = self.models.receive().context("rendered models cannot be received")? {
             let change: ModelChange = serde_json::from_slice(json.payload())
                 .context("a rendered model is not understood; use the programs of one build together")?;
             if change.run_id == recording.run_id() {
-                recording.write(Entry::Model(Box::new(change)))?;
+                recording.write(Entry::Model(Box::new(change)));
             }
         }
-        recording.flush_if_due()?;
+        recording.flush_if_due();
         self.report_health(recording.lost_samples())
     }
 

@@ -19,6 +19,7 @@ use shared_types::RunDescription;
 use shared_types::drill::{self, Drill};
 
 fn main() -> ExitCode {
+    shared_types::rig::keep_files_private();
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
         .with_writer(std::io::stderr)

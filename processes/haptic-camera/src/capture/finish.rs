@@ -7,12 +7,16 @@ use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
 use crate::supervision::RunEnd;
 
+/// Gaps that are told one by one.
+const TOLD_GAPS: usize = 5;
+
 /// Tells how the run went, fits the archive and writes model and report beside it.
 ///
 /// # Errors
 /// When the archive cannot be read or the results not written.
 pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
-    let Some((loaded, outcome)) = read_back(archive, end)? else { return Ok(Outcome::Failed) };
+    let Some((loaded, outcome)) = read_back(archive, end)? else { return Ok(end.outcome_without_archive()) };
+    let archive = loaded.capture.source.as_path();
     match fit::fit_capture(&loaded) {
         Ok(fitted) => {
             let (model, report) = (archive.with_extension("toml"), archive.with_extension("html"));
@@ -36,14 +40,14 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> 
 /// When the archive cannot be read.
 pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(LoadedCapture, Outcome)>> {
     end.tell();
-    if !end.left_archive(archive) {
-        return Ok(None);
-    }
-    let loaded = LoadedCapture::load(archive)?;
+    let Some(archive) = end.left_archive(archive) else { return Ok(None) };
+    let loaded = LoadedCapture::load(&archive)?;
     let missing: u64 = loaded.capture.gaps.iter().map(|gap| gap.count).sum();
     say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
     if missing > 0 {
-        remark(format!("{missing} samples are missing in the archive; it says where"));
+        let told: Vec<String> = loaded.capture.gaps.iter().take(TOLD_GAPS).map(ToString::to_string).collect();
+        let more = if loaded.capture.gaps.len() > told.len() { ", ...; the archive says where" } else { "" };
+        remark(format!("{missing} samples are missing in the archive: {}{more}", told.join(", ")));
     }
     let outcome = end.outcome(missing);
     Ok(Some((loaded, outcome)))

@@ -127,7 +127,7 @@ fn one_more(
     let run = supervised(&options)?;
     let Some(end) = run.take(interrupted)? else { return Ok(None) };
     let read = finish::read_back(&run.archive, &end)?;
-    Ok(read.map(|(loaded, outcome)| (Taken { experiment, loaded, path: run.archive }, outcome)))
+    Ok(read.map(|(loaded, outcome)| (Taken { experiment, path: loaded.capture.source.clone(), loaded }, outcome)))
 }
 
 fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {

@@ -1,6 +1,6 @@
 //! How a run ended, and how the operator is told.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use shared_types::{Fault, LoopStatus, ProcessKind};
 
@@ -55,17 +55,28 @@ impl RunEnd {
         }
     }
 
-    /// Whether the recorder closed the archive; tells what to do where it did not.
-    pub(crate) fn left_archive(&self, archive: &Path) -> bool {
-        let closed = archive.exists();
-        if !closed {
-            remark(format!(
-                "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
-                 `haptic-camera recover`",
-                archive.display()
-            ));
+    /// Where the recorder closed the archive: in its place, or in the temporary directory when that place failed it.
+    /// Tells what to do where it did not.
+    pub(crate) fn left_archive(&self, archive: &Path) -> Option<PathBuf> {
+        if archive.exists() {
+            return Some(archive.to_owned());
         }
-        closed
+        let elsewhere = std::env::temp_dir().join(archive.file_name().unwrap_or_default());
+        let is_of_this_run = || archive::run_id(&elsewhere).is_ok_and(|run| run == Some(self.status.run_id));
+        if elsewhere.exists() && is_of_this_run() {
+            return Some(elsewhere);
+        }
+        remark(format!(
+            "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
+             `haptic-camera recover {0} --out WHOLE.mcap`",
+            archive.display()
+        ));
+        None
+    }
+
+    /// How the command that made the run ended where the recorder could not close the archive.
+    pub(crate) fn outcome_without_archive(&self) -> Outcome {
+        if self.recorder_exit == Some(3) { self.outcome(0) } else { Outcome::Failed }
     }
 
     /// How the command that made the run ended, if so many samples are known to be missing in its archive.

@@ -1,0 +1,40 @@
+//! What the fuzz targets do alike.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use archive::recover::{Unchecked, recover_stream};
+use archive::{ArchiveError, Capture};
+
+/// Bytes as a whole file, read and recovered; whatever they are, neither may panic, and what recovery
+/// gives is an archive that recovers again without loss.
+pub fn read_and_recover(file: &[u8]) {
+    let path = own_path();
+    std::fs::write(path, file).expect("a place for the file");
+    if let Err(error) = Capture::load(path) {
+        assert!(!error.to_string().is_empty());
+    }
+    let mut whole = Cursor::new(Vec::new());
+    let Ok(first) = recover_stream(file, &mut whole, Path::new("file"), Unchecked::Keep) else { return };
+    let whole = whole.into_inner();
+    let mut again = Cursor::new(Vec::new());
+    let second = match recover_stream(&whole[..], &mut again, Path::new("whole"), Unchecked::LeaveOut) {
+        Ok(second) => second,
+        // Without a message there is no chunk, and so nothing to recover from.
+        Err(ArchiveError::NothingToRecover { .. }) if first.messages_kept == 0 => return,
+        Err(error) => panic!("what was recovered is broken: {error}"),
+    };
+    assert_eq!(second.samples_kept, first.samples_kept);
+    assert_eq!((second.bytes_dropped, second.finished), (0, true));
+    std::fs::write(path, &whole).expect("a place for the file");
+    if let Err(error @ (ArchiveError::Truncated { .. } | ArchiveError::NotACapture { .. })) = Capture::load(path) {
+        panic!("what was recovered is broken: {error}");
+    }
+}
+
+/// A file in memory of this process's own.
+fn own_path() -> &'static Path {
+    static PATH: OnceLock<PathBuf> = OnceLock::new();
+    PATH.get_or_init(|| PathBuf::from(format!("/dev/shm/haptic-camera-fuzz-{}", std::process::id())))
+}

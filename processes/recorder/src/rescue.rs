@@ -1,0 +1,45 @@
+//! A part that was removed while it was written, saved elsewhere.
+
+use std::fs::File;
+use std::io::{Seek as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
+
+use crate::parts;
+
+/// Copies the file of a removed part, which exists as long as it is open, on a thread of its own: the queues do not wait.
+pub(crate) struct Rescue {
+    path: PathBuf,
+    copy: JoinHandle<std::io::Result<()>>,
+}
+
+impl Rescue {
+    /// Begins to copy what was flushed of `removed` into a new part of `out` in `directory`; tells why it cannot.
+    pub(crate) fn begin(removed: File, out: &Path, directory: &Path) -> Option<Self> {
+        let begun = parts::next_free(out, directory).and_then(|path| {
+            let place = File::options().write(true).create_new(true).open(&path)?;
+            let copy = std::thread::Builder::new().name("rescue".to_owned()).spawn(move || copy(removed, place))?;
+            Ok(Self { path, copy })
+        });
+        begun
+            .inspect_err(|error| tracing::error!("what was recorded before it was removed cannot be saved: {error:#}"))
+            .ok()
+    }
+
+    /// Waits for the copy; tells if it failed.
+    pub(crate) fn finish(self) {
+        let Self { path, copy } = self;
+        match copy.join() {
+            Ok(Ok(())) => tracing::warn!("what was recorded before it was removed is saved in {}", path.display()),
+            Ok(Err(error)) => tracing::error!("{} is a part of what was removed only: {error}", path.display()),
+            Err(_panicked) => tracing::error!("{} is a part of what was removed only", path.display()),
+        }
+    }
+}
+
+fn copy(mut removed: File, mut place: File) -> std::io::Result<()> {
+    removed.rewind()?;
+    std::io::copy(&mut removed, &mut place)?;
+    place.flush()?;
+    place.sync_all()
+}

@@ -1,0 +1,102 @@
+//! What others on the machine may do: nothing.
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop at a failure; a skipped one says so")]
+
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use archive::Capture;
+use tests::{Bench, printed};
+
+const CAPTURE: [&str; 6] = ["capture", "--duration-s", "4", "--no-viewer", "--out", "out"];
+
+/// What of a bench's rig lies in shared memory.
+fn in_shared_memory(bench: &Bench) -> Vec<PathBuf> {
+    let names = shared_types::clean_up::files_in_shared_memory(&bench.path("rig"));
+    names.into_iter().map(|name| Path::new("/dev/shm").join(name)).collect()
+}
+
+/// A folder and everything in it.
+fn with_everything_in(folder: &Path) -> Vec<PathBuf> {
+    let mut found = vec![folder.to_owned()];
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            found.extend(with_everything_in(&entry.path()));
+        } else {
+            found.push(entry.path());
+        }
+    }
+    found
+}
+
+fn assert_closed_to_others(paths: &[PathBuf]) {
+    for path in paths {
+        // What is gone by now nobody can open.
+        let mode = path.metadata().map_or(0, |found| found.mode());
+        assert_eq!(mode & 0o077, 0, "{} has the mode {mode:o}", path.display());
+    }
+}
+
+#[test]
+fn shared_memory_runtime_directory_and_archives_are_open_to_the_user_alone() {
+    let bench = Bench::new().unwrap();
+    let child = bench.start(&CAPTURE).unwrap();
+    bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    let segments = in_shared_memory(&bench);
+    assert!(segments.len() > 10, "the rig is in shared memory: {segments:?}");
+    assert_closed_to_others(&segments);
+    // Whoever may not enter the runtime directory reaches nothing in it.
+    assert_closed_to_others(&[bench.path("rig")]);
+    assert_closed_to_others(&with_everything_in(&bench.path("out")));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let files = with_everything_in(&bench.path("out"));
+    assert!(files.len() >= 4, "the folder, archive, model and report: {files:?}");
+    assert_closed_to_others(&files);
+}
+
+/// A program run by the user nobody, who has no group of ours.
+fn as_nobody(program: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new("setpriv");
+    command.args(["--reuid=65534", "--regid=65534", "--clear-groups", "--"]).arg(program).args(arguments);
+    command
+}
+
+#[test]
+fn another_user_can_neither_read_the_rig_nor_command_nor_stop_it() {
+    let able = as_nobody(Path::new("true"), &[]).output().is_ok_and(|output| output.status.success());
+    if !able {
+        eprintln!("SKIPPED: only root can try what another user may do (setpriv refused)");
+        return;
+    }
+    let bench = Bench::new().unwrap();
+    let child = bench.start(&CAPTURE).unwrap();
+    let recorder = bench.wait_for_process("recorder").unwrap();
+    let control_loop = bench.wait_for_process("rt-loop").unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    let segments = in_shared_memory(&bench);
+    assert!(segments.len() > 10);
+    for segment in &segments {
+        for access in ["if", "of"] {
+            let place = format!("{access}={}", segment.display());
+            let output = as_nobody(Path::new("dd"), &[&place, "count=1", "conv=notrunc"]).output().unwrap();
+            assert!(!output.status.success() || !segment.exists(), "nobody could open {}", segment.display());
+        }
+    }
+    for place in ["rig", "out"] {
+        let output = as_nobody(Path::new("ls"), &[&bench.path(place).to_string_lossy()]).output().unwrap();
+        assert!(!output.status.success(), "nobody could list {place}");
+    }
+    for process in [recorder, control_loop] {
+        for signal in ["-TERM", "-KILL", "-STOP"] {
+            let output = as_nobody(Path::new("kill"), &[signal, &process.to_string()]).output().unwrap();
+            assert!(!output.status.success(), "nobody could send {signal}");
+        }
+    }
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    assert!(capture.gaps.is_empty());
+    assert_eq!(capture.len() as u64 + capture.ticks_without_sample() + capture.tick[0], 40_000);
+}
