@@ -10,6 +10,10 @@ use std::path::{Path, PathBuf};
 /// Names the directory that stands for the rig.
 pub const RUNTIME_DIR_VARIABLE: &str = "HAPTIC_CAMERA_RUNTIME_DIR";
 
+/// Names the folder that timings go to, where somebody wants them: of each tick from the control loop, of each sample's
+/// arrival from the consumers.
+pub const TIMINGS_VARIABLE: &str = "HAPTIC_CAMERA_TIMINGS";
+
 /// The directory that holds the rig's lock and iceoryx2's bookkeeping.
 #[must_use]
 pub fn runtime_dir() -> PathBuf {
