@@ -22,6 +22,9 @@ struct Options {
     /// Core to run on [default: the last one].
     #[arg(long)]
     core: Option<usize>,
+    /// How long before each tick it stops sleeping, us [default: as the control loop].
+    #[arg(long)]
+    spin_us: Option<u64>,
     /// Where the records go.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -38,7 +41,8 @@ fn main() -> anyhow::Result<()> {
     if let Some(refused) = Permission::acquire(options.core.unwrap_or_else(last_core)).refused() {
         eprintln!("running without {refused}");
     }
-    let mut schedule = Schedule::starting_now(options.rate_hz);
+    let schedule = Schedule::starting_now(options.rate_hz);
+    let mut schedule = options.spin_us.map_or(schedule, |spin_us| schedule.spinning(spin_us * 1_000));
     let mut taken = 0;
     while taken < ticks {
         let tick = schedule.wait();
