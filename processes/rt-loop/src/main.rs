@@ -45,7 +45,7 @@ fn run(options: &Options) -> anyhow::Result<()> {
     let description = plan.description()?;
     let (control, admission) = match plan.rendering {
         Some(rendering) => {
-            rendering.remarks.iter().for_each(|sentence| remark(sentence));
+            rendering.remarks.iter().for_each(remark);
             (control.with_renderer(rendering.renderer), Some(rendering.admission))
         }
         None => (control, None),
