@@ -3,6 +3,8 @@
 //! Effects are copied and dropped in the real-time loop, where freeing memory may wait for a lock. So nothing that an
 //! effect refers to is ever freed. Equal contents are kept once: reading a model again and again costs nothing more.
 
+#![allow(clippy::disallowed_types, reason = "taken while a model is read, never in the real-time thread")]
+
 use std::sync::{Mutex, PoisonError};
 
 use crate::TorqueTable;

@@ -13,6 +13,10 @@ pub const RUNTIME_DIR_VARIABLE: &str = "HAPTIC_CAMERA_RUNTIME_DIR";
 /// Where POSIX shared memory lies on Linux.
 pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
 
+/// Names the folder that timings go to, where somebody wants them: of each tick from the control loop, of each sample's
+/// arrival from the consumers.
+pub const TIMINGS_VARIABLE: &str = "HAPTIC_CAMERA_TIMINGS";
+
 /// The directory that holds the rig's lock and iceoryx2's bookkeeping.
 #[must_use]
 pub fn runtime_dir() -> PathBuf {

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use shared_types::{ProcessHealth, ProcessKind, Sample, rig};
 
+use crate::arrivals::Arrivals;
+
 /// How often it is said.
 const INTERVAL: Duration = Duration::from_millis(500);
 
@@ -15,20 +17,25 @@ pub struct Health {
     received_samples: u64,
     latency_ns: u64,
     reported: Option<Instant>,
+    arrivals: Option<Arrivals>,
 }
 
 impl Health {
     /// Nothing received yet, by a process of this kind that was restarted so often.
     #[must_use]
     pub fn new(kind: ProcessKind, restarts: u32) -> Self {
-        Self { kind, restarts, received_samples: 0, latency_ns: 0, reported: None }
+        Self { kind, restarts, received_samples: 0, latency_ns: 0, reported: None, arrivals: Arrivals::wanted(kind) }
     }
 
     /// Takes note of a block that was just taken from the queue.
     pub fn received(&mut self, block: &[Sample]) {
         self.received_samples += block.len() as u64;
+        let now_ns = rig::monotonic_time_ns();
         if let Some(newest) = block.last() {
-            self.latency_ns = rig::monotonic_time_ns().saturating_sub(newest.monotonic_time_ns);
+            self.latency_ns = now_ns.saturating_sub(newest.monotonic_time_ns);
+        }
+        if let Some(arrivals) = &mut self.arrivals {
+            arrivals.note(block, now_ns);
         }
     }
 

@@ -5,6 +5,7 @@
 //! a terminal sends to everyone at once, is left to the supervisor, unless the operator has the
 //! consumer itself in the foreground.
 
+mod arrivals;
 mod health;
 mod source;
 mod stop;

@@ -20,7 +20,7 @@ use streams::Streams;
 use update::Cadence;
 
 /// How often the queue is looked at. It holds eight seconds.
-const POLL_INTERVAL: Duration = Duration::from_millis(5);
+const POLL_INTERVAL: Duration = Duration::from_micros(500);
 
 /// Fits the model to the stream while the run goes on.
 #[derive(clap::Parser)]

@@ -25,8 +25,9 @@ use std::time::Duration;
 
 use clap::Parser as _;
 
-/// How often the queues are looked at. They hold eight seconds.
-const POLL_INTERVAL: Duration = Duration::from_millis(2);
+/// How often the queues are looked at. They hold eight seconds; with the publisher's millisecond this keeps a sample's way
+/// below two.
+const POLL_INTERVAL: Duration = Duration::from_micros(500);
 
 /// Writes what a run publishes into one MCAP archive.
 #[derive(clap::Parser)]

@@ -1,5 +1,6 @@
 //! The real-time process: parse, take the rig, start the loop, publish, stop.
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -13,10 +14,14 @@ use rt_loop::control::ControlState;
 use rt_loop::drilled_apparatus::DrilledApparatus;
 use rt_loop::plan::{Options, Plan};
 use rt_loop::publisher::StreamPublisher;
-use rt_loop::realtime::{Permission, SharedState, TickLoop, WakefulProcessors, keep_off_core};
+use rt_loop::realtime::{
+    CallWatch, Permission, SharedState, TickLog, TickLoop, WATCH_CALLS_VARIABLE, WakefulProcessors, block_signals,
+    keep_off_core,
+};
 use rt_loop::rig_lock::RigLock;
 use shared_types::RunDescription;
 use shared_types::drill::{self, Drill};
+use shared_types::rig::TIMINGS_VARIABLE;
 
 fn main() -> ExitCode {
     shared_types::rig::keep_files_private();
@@ -58,12 +63,15 @@ fn run(options: &Options) -> anyhow::Result<()> {
         None => plan.apparatus,
     };
     let drill = Drill::listen(drill::SERVING_THREAD)?;
-    let (tick_loop, port) = TickLoop::new(apparatus, control, plan.control.rate_hz);
+    let (mut tick_loop, port) = TickLoop::new(apparatus, control, plan.control.rate_hz);
+    let tick_log = tick_log(&mut tick_loop)?;
+    let call_watch = call_watch(&mut tick_loop)?;
     let shared = Arc::clone(&port.shared);
     let (tell_permission, permission) = mpsc::channel();
     let (start, may_start) = mpsc::channel::<()>();
     let core = plan.core;
     let real_time = std::thread::Builder::new().name("real-time".to_owned()).spawn(move || {
+        block_signals();
         let _ = tell_permission.send(Permission::acquire(core));
         // Until the stream is open; if it cannot be opened the amplifier stays off.
         if may_start.recv().is_err() {
@@ -79,6 +87,9 @@ fn run(options: &Options) -> anyhow::Result<()> {
     }
     let description = RunDescription { realtime: permission.granted, ..description };
     let mut publisher = StreamPublisher::new(port, &description, permission.core, admission)?;
+    if let Some(tick_log) = tick_log {
+        publisher.log_ticks(tick_log);
+    }
     start.send(()).context("the real-time thread ended before it began")?;
     let real_time = RunningLoop { shared, thread: Some(real_time) };
     publisher.serve(&stop_signal, || {
@@ -87,7 +98,15 @@ fn run(options: &Options) -> anyhow::Result<()> {
         }
         real_time.is_running()
     });
-    real_time.join()
+    real_time.join()?;
+    if let Some(tick_log) = publisher.into_tick_log() {
+        tick_log.finish().context("the timings cannot be written")?;
+    }
+    if let Some(call_watch) = call_watch {
+        call_watch.finish()?;
+        remark("the real-time thread made no system call but its sleep");
+    }
+    Ok(())
 }
 
 /// The real-time thread at work. However this thread ends, by a panic too, the loop ends first and switches the
@@ -119,9 +138,27 @@ impl Drop for RunningLoop {
     }
 }
 
+/// Where the timings of ticks go, if somebody wants them.
+fn tick_log(tick_loop: &mut TickLoop) -> anyhow::Result<Option<TickLog>> {
+    let Some(folder) = std::env::var_os(TIMINGS_VARIABLE) else { return Ok(None) };
+    let log = TickLog::create(Path::new(&folder), tick_loop.record_ticks());
+    log.map(Some).with_context(|| format!("no timings can be written to {}", folder.display()))
+}
+
+/// Watches the loop's system calls, if somebody wants it.
+fn call_watch(tick_loop: &mut TickLoop) -> anyhow::Result<Option<CallWatch>> {
+    if std::env::var_os(WATCH_CALLS_VARIABLE).is_none_or(|value| value != "1") {
+        return Ok(None);
+    }
+    let (watch, watched) = CallWatch::start()?;
+    tick_loop.watch_calls(watched);
+    Ok(Some(watch))
+}
+
 /// Tells the operator what will be otherwise than asked.
 #[allow(clippy::print_stderr, reason = "the one place where this process tells a remark")]
-fn remark(sentence: &String) {
+fn remark(sentence: impl AsRef<str>) {
+    let sentence = sentence.as_ref();
     eprintln!("{sentence}");
 }
 

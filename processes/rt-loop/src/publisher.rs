@@ -19,7 +19,7 @@ use shared_types::{CommandKind, ControlResponse, LoopState, LoopStatus, RunDescr
 use crate::admission::Admission;
 use crate::control::Request;
 use crate::model_exchange::ModelExchange;
-use crate::realtime::{LoopPort, SharedState};
+use crate::realtime::{LoopPort, SharedState, TickLog};
 
 /// Pause between two looks at the ring.
 const CYCLE: Duration = Duration::from_millis(1);
@@ -50,6 +50,7 @@ pub struct StreamPublisher {
     current: LoopStatus,
     was_armed: bool,
     shutdown: bool,
+    tick_log: Option<TickLog>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
 }
@@ -88,6 +89,7 @@ impl StreamPublisher {
             },
             was_armed: false,
             shutdown: false,
+            tick_log: None,
             _node: node,
         };
         let text =
@@ -102,6 +104,16 @@ impl StreamPublisher {
         Ok(publisher)
     }
 
+    /// Writes how every tick goes besides.
+    pub fn log_ticks(&mut self, tick_log: TickLog) {
+        self.tick_log = Some(tick_log);
+    }
+
+    /// The log of ticks, with everything in it once the loop has ended.
+    pub fn into_tick_log(self) -> Option<TickLog> {
+        self.tick_log
+    }
+
     /// Publishes until the process is asked to end, by request or by `stop_signal`, and the torque is
     /// down; or until the loop is no longer `alive`.
     pub fn serve(&mut self, stop_signal: &AtomicBool, alive: impl Fn() -> bool) {
@@ -110,6 +122,9 @@ impl StreamPublisher {
         loop {
             let state = self.shared.state();
             self.publish_samples();
+            if let Some(tick_log) = &mut self.tick_log {
+                tick_log.write_waiting();
+            }
             self.models.serve(state);
             self.answer_requests();
             if stop_signal.load(Ordering::Acquire) && !self.shutdown {

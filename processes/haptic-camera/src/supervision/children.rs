@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context as _;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
+use rt_loop::realtime::OffCore;
 use shared_types::{ProcessKind, rig};
 
 use super::loop_link::LoopLink;
@@ -118,6 +119,8 @@ impl Child {
 struct Consumer {
     kind: ProcessKind,
     arguments: Vec<String>,
+    /// The control loop's core, which it keeps off.
+    loop_core: u32,
     child: Child,
     restarts: u32,
     short_lives: u32,
@@ -125,9 +128,9 @@ struct Consumer {
 }
 
 impl Consumer {
-    fn start(kind: ProcessKind, arguments: Vec<String>) -> anyhow::Result<Self> {
-        let child = spawn(kind, &arguments, 0)?;
-        Ok(Self { kind, arguments, child, restarts: 0, short_lives: 0, given_up: false })
+    fn start(kind: ProcessKind, arguments: Vec<String>, loop_core: u32) -> anyhow::Result<Self> {
+        let child = spawn(kind, &arguments, loop_core, 0)?;
+        Ok(Self { kind, arguments, loop_core, child, restarts: 0, short_lives: 0, given_up: false })
     }
 
     /// Ends it if it hangs: it then counts as one that died. One that waits for a disk is left to wait.
@@ -158,7 +161,7 @@ impl Consumer {
             return;
         }
         self.restarts += 1;
-        match spawn(self.kind, &self.arguments, self.restarts) {
+        match spawn(self.kind, &self.arguments, self.loop_core, self.restarts) {
             Ok(child) => self.child = child,
             Err(error) => {
                 self.given_up = true;
@@ -172,7 +175,9 @@ impl Consumer {
     }
 }
 
-fn spawn(kind: ProcessKind, arguments: &[String], restarts: u32) -> anyhow::Result<Child> {
+/// Starts it off the control loop's core, where the end of its memory would be a tick's business too.
+fn spawn(kind: ProcessKind, arguments: &[String], loop_core: u32, restarts: u32) -> anyhow::Result<Child> {
+    let _elsewhere = OffCore::leave(loop_core);
     let mut command = program(kind.name())?;
     command.args(arguments).arg(format!("--restarts={restarts}"));
     if restarts > 0 {
@@ -189,9 +194,9 @@ pub(crate) struct Consumers {
 }
 
 impl Consumers {
-    /// Starts them. Only the recorder is indispensable.
-    pub(crate) fn start(archive: &Path, options: &RunOptions) -> anyhow::Result<Self> {
-        let recorder = Consumer::start(ProcessKind::Recorder, vec![format!("--out={}", archive.display())])?;
+    /// Starts them, off the control loop's core where there is another. Only the recorder is indispensable.
+    pub(crate) fn start(archive: &Path, options: &RunOptions, loop_core: u32) -> anyhow::Result<Self> {
+        let recorder = Consumer::start(ProcessKind::Recorder, vec![format!("--out={}", archive.display())], loop_core)?;
         let mut wanted = vec![(ProcessKind::LiveFitter, Vec::new())];
         if !options.no_viewer {
             let place = if options.native_viewer { "--native" } else { "--web" };
@@ -199,7 +204,7 @@ impl Consumers {
         }
         let mut others = Vec::new();
         for (kind, arguments) in wanted {
-            match Consumer::start(kind, arguments) {
+            match Consumer::start(kind, arguments, loop_core) {
                 Ok(consumer) => others.push(consumer),
                 Err(error) => remark(format!("going on without {}: {error:#}", kind.name())),
             }

@@ -129,7 +129,7 @@ impl SupervisedRun<'_> {
     /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
     fn supervise(&self, control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
-        let mut consumers = Consumers::start(&self.archive, self.options)?;
+        let mut consumers = Consumers::start(&self.archive, self.options, link.status().core)?;
         let ready_by = Instant::now() + RECORDER_READY;
         while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
             std::thread::sleep(CYCLE);

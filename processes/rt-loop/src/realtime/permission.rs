@@ -2,6 +2,7 @@
 
 use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
 use nix::sys::mman::{MlockAllFlags, mlockall};
+use nix::sys::signal::SigSet;
 use nix::unistd::Pid;
 use shared_types::realtime;
 
@@ -96,4 +97,35 @@ pub fn keep_off_core(core: usize) {
         // With one core only the set is empty and the call fails: then the core is shared.
         let _ = sched_setaffinity(Pid::from_raw(0), &allowed);
     }
+}
+
+/// Keeps the calling thread, and the processes that it starts, off a core for as long as this is held.
+#[derive(Debug)]
+pub struct OffCore {
+    before: Option<CpuSet>,
+}
+
+impl OffCore {
+    /// Leaves `core`, where there is another.
+    #[must_use]
+    pub fn leave(core: u32) -> Self {
+        let before = sched_getaffinity(Pid::from_raw(0)).ok();
+        keep_off_core(usize::try_from(core).unwrap_or(usize::MAX));
+        Self { before }
+    }
+}
+
+impl Drop for OffCore {
+    fn drop(&mut self) {
+        if let Some(before) = &self.before {
+            // What was permitted a moment ago is permitted still.
+            let _ = sched_setaffinity(Pid::from_raw(0), before);
+        }
+    }
+}
+
+/// Leaves the process's signals to its other threads: a handler on this one would take its time from a tick.
+pub fn block_signals() {
+    // Blocking all that can be blocked has no way to fail.
+    let _ = SigSet::all().thread_block();
 }

@@ -8,11 +8,13 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use shared_types::rig::monotonic_time_ns;
 use shared_types::{LoopState, Sample};
 
-use super::clock::wait_until;
+use super::call_watch::CallWatched;
 use super::model_rings::{ModelEnds, ModelPort};
+use super::schedule::Schedule;
+use super::tick_record::{self, TickRecord};
 use crate::control::{ControlState, Reading, Request};
 
-/// Seconds of samples that the ring to the publisher holds.
+/// Seconds that a ring to the publisher holds.
 const RING_S: f64 = 4.0;
 /// Requests that may wait for the loop.
 const REQUESTS: usize = 8;
@@ -57,6 +59,8 @@ struct LoopEnds {
     samples: Producer<Sample>,
     requests: Consumer<Request>,
     models: ModelEnds,
+    /// How ticks went, where somebody wants to know.
+    records: Option<Producer<TickRecord>>,
 }
 
 /// The publisher's ends of the rings.
@@ -76,9 +80,10 @@ pub struct LoopPort {
 pub struct TickLoop {
     apparatus: Box<dyn Apparatus>,
     control: ControlState,
-    period_ns: f64,
+    rate_hz: f64,
     ends: LoopEnds,
     shared: Arc<SharedState>,
+    watched: Option<CallWatched>,
 }
 
 impl TickLoop {
@@ -87,23 +92,34 @@ impl TickLoop {
     /// Everything that the loop will touch is allocated here.
     #[must_use]
     pub fn new(apparatus: Box<dyn Apparatus>, control: ControlState, rate_hz: f64) -> (Self, LoopPort) {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive, small number")]
-        let capacity = (RING_S * rate_hz) as usize;
-        let (mut sample_producer, mut sample_consumer) = RingBuffer::new(capacity);
+        let (mut sample_producer, mut sample_consumer) = RingBuffer::new(ring_capacity(rate_hz));
         let (request_producer, request_consumer) = RingBuffer::new(REQUESTS);
         // Touch every page of the ring now, so that the loop does not fault them in one by one.
         while sample_producer.push(Sample::default()).is_ok() {}
         while sample_consumer.pop().is_ok() {}
         let shared = Arc::new(SharedState::default());
         let (models, model_port) = ModelEnds::new();
-        let ends = LoopEnds { samples: sample_producer, requests: request_consumer, models };
+        let ends = LoopEnds { samples: sample_producer, requests: request_consumer, models, records: None };
         let port = LoopPort {
             samples: sample_consumer,
             requests: request_producer,
             models: model_port,
             shared: Arc::clone(&shared),
         };
-        (Self { apparatus, control, period_ns: 1e9 / rate_hz, ends, shared }, port)
+        (Self { apparatus, control, rate_hz, ends, shared, watched: None }, port)
+    }
+
+    /// Records how every tick goes, from the first to the last, captured or not; the records come out here.
+    #[must_use]
+    pub fn record_ticks(&mut self) -> Consumer<TickRecord> {
+        let (producer, consumer) = tick_record::ring(ring_capacity(self.rate_hz));
+        self.ends.records = Some(producer);
+        consumer
+    }
+
+    /// Has the system calls of the loop watched.
+    pub fn watch_calls(&mut self, watched: CallWatched) {
+        self.watched = Some(watched);
     }
 
     /// Runs until told to quit. The amplifier is on from here and off when this returns, and also when it panics.
@@ -112,51 +128,53 @@ impl TickLoop {
     ///
     /// # Errors
     /// The apparatus's error when the amplifier does not come on.
-    pub fn run(mut self) -> Result<(), hal::ApparatusError> {
+    pub fn run(&mut self) -> Result<(), hal::ApparatusError> {
         self.apparatus.enable()?;
         self.control.arm();
+        if let Some(watched) = &self.watched {
+            watched.begin();
+        }
         self.tick_until_quit();
+        if let Some(watched) = &self.watched {
+            watched.end();
+        }
+        self.apparatus.disable();
         Ok(())
     }
 
     fn tick_until_quit(&mut self) {
-        let origin_ns = monotonic_time_ns() + 1_000_000;
-        let mut tick: u64 = 0;
+        let mut schedule = Schedule::starting_now(self.rate_hz);
         let mut push_ns = 0;
         let mut dropped_samples = 0;
         while !self.shared.quit.load(Ordering::Acquire) {
-            let begun_ns = wait_until(self.due_ns(origin_ns, tick));
-            // After a stall the newest tick that is due is served; those before it are missed.
-            let newest = self.ticks_at(origin_ns, begun_ns).max(tick);
-            let elapsed_ticks = newest - tick + 1;
-            tick = newest;
-            let due_ns = self.due_ns(origin_ns, tick);
-
-            let measurement = self.apparatus.read(due_ns);
+            let tick = schedule.wait();
+            let measurement = self.apparatus.read(tick.due_ns);
             let read_ns = monotonic_time_ns();
             while let Ok(request) = self.ends.requests.pop() {
                 self.control.request(request);
             }
             self.ends.models.offer(&mut self.control);
-            let output = self.control.step(&Reading { elapsed_ticks, measurement });
+            let output = self.control.step(&Reading { elapsed_ticks: tick.elapsed, measurement });
             let stepped_ns = monotonic_time_ns();
             // A refused torque shows as an error of the next read.
             let _ = self.apparatus.write_torque(output.torque_mnm);
             if self.control.state() == LoopState::Fault {
                 self.apparatus.disable();
             }
+            let (sensor_read_ns, control_ns) =
+                (saturating_u32(read_ns - tick.begun_ns), saturating_u32(stepped_ns - read_ns));
             if let Some(sample) = output.sample {
                 let sample = Sample {
-                    monotonic_time_ns: due_ns,
-                    lateness_ns: begun_ns.saturating_sub(due_ns),
-                    sensor_read_ns: saturating_u32(read_ns - begun_ns),
-                    control_ns: saturating_u32(stepped_ns - read_ns),
+                    monotonic_time_ns: tick.due_ns,
+                    lateness_ns: tick.begun_ns.saturating_sub(tick.due_ns),
+                    sensor_read_ns,
+                    control_ns,
                     push_ns,
                     dropped_samples,
                     ..sample
                 };
                 if sample.flags & Sample::MODEL_TAKEN != 0 {
-                    self.ends.models.tell_felt(sample.tick, due_ns);
+                    self.ends.models.tell_felt(sample.tick, tick.due_ns);
                 }
                 match self.ends.samples.push(sample) {
                     Ok(()) => dropped_samples = 0,
@@ -166,7 +184,11 @@ impl TickLoop {
             self.ends.models.give_back(&mut self.control);
             self.show(measurement.map_or(f64::NAN, |measurement| measurement.angle_rad));
             push_ns = saturating_u32(monotonic_time_ns() - stepped_ns);
-            tick += 1;
+            if let Some(records) = &mut self.ends.records {
+                // A ring that is full for want of a reader must not hold up the loop: the file shows the gap.
+                let state = self.control.state().code();
+                let _ = records.push(TickRecord { sensor_read_ns, control_ns, push_ns, state, ..TickRecord::of(tick) });
+            }
         }
     }
 
@@ -175,26 +197,12 @@ impl TickLoop {
         self.shared.fault.store(self.control.fault().map_or(0, shared_types::Fault::code), Ordering::Release);
         self.shared.state.store(self.control.state().code(), Ordering::Release);
     }
+}
 
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "ticks and their nanoseconds stay far below 2^53"
-    )]
-    fn due_ns(&self, origin_ns: u64, tick: u64) -> u64 {
-        origin_ns + (tick as f64 * self.period_ns) as u64
-    }
-
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "ticks and their nanoseconds stay far below 2^53"
-    )]
-    fn ticks_at(&self, origin_ns: u64, now_ns: u64) -> u64 {
-        (now_ns.saturating_sub(origin_ns) as f64 / self.period_ns) as u64
-    }
+/// Ticks that a ring to the publisher holds.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a positive, small number")]
+fn ring_capacity(rate_hz: f64) -> usize {
+    (RING_S * rate_hz) as usize
 }
 
 impl Drop for TickLoop {

@@ -1,0 +1,35 @@
+//! When each sample arrived, for measuring the way from the tick to a consumer.
+
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+
+use shared_types::rig::TIMINGS_VARIABLE;
+use shared_types::{ProcessKind, Sample};
+
+/// A file of pairs of CLOCK_MONOTONIC times in ns, as `u64` in little endian: when the tick was due, and when its sample
+/// was taken from the queue.
+#[derive(Debug)]
+pub(crate) struct Arrivals {
+    file: BufWriter<File>,
+}
+
+impl Arrivals {
+    /// A file named for this process in the folder that [`TIMINGS_VARIABLE`] names, if it names one.
+    pub(crate) fn wanted(kind: ProcessKind) -> Option<Self> {
+        let folder = std::path::PathBuf::from(std::env::var_os(TIMINGS_VARIABLE)?);
+        let path = folder.join(format!("arrivals-{}-{}", kind.name(), std::process::id()));
+        // Whoever measures misses the file; whoever records shall not be kept from it.
+        let file = File::create(path).ok()?;
+        Some(Self { file: BufWriter::with_capacity(1 << 18, file) })
+    }
+
+    pub(crate) fn note(&mut self, block: &[Sample], now_ns: u64) {
+        for sample in block {
+            let mut pair = [0; 16];
+            pair[..8].copy_from_slice(&sample.monotonic_time_ns.to_le_bytes());
+            pair[8..].copy_from_slice(&now_ns.to_le_bytes());
+            // As above: a measurement that fails shows by what it lacks.
+            let _ = self.file.write_all(&pair);
+        }
+    }
+}

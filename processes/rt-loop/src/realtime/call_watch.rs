@@ -1,0 +1,150 @@
+//! Watches that the loop makes no system call but its sleep: off unless asked for, since it changes what a call costs.
+//!
+//! The kernel tells a thread beside the loop of every call of the loop's thread but the sleep and holds it until it is
+//! answered. Between [`CallWatched::begin`] and [`CallWatched::end`] calls are counted; all of them are let pass.
+//! A lock shows when it is contended (`futex`), memory when the allocator asks the kernel for it, a log line as `write`.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use super::seccomp::{Heard, Listener, tell_own_calls};
+
+/// Set to 1, has the loop's system calls watched, and the process fail when there was one.
+pub const WATCH_CALLS_VARIABLE: &str = "HAPTIC_CAMERA_WATCH_CALLS";
+
+/// How long the watching thread waits at once.
+const PATIENCE: Duration = Duration::from_millis(1);
+
+/// Why nothing is known of the loop's calls, or what is.
+#[derive(Debug, thiserror::Error)]
+pub enum CallWatchError {
+    /// The kernel, or what contains this process, does not let calls be watched.
+    #[error("system calls cannot be watched here ({0}); Linux 5.5 or newer is needed, and leave to use seccomp")]
+    Refused(io::Error),
+    /// The thread was to be watched and never said that it began.
+    #[error("the real-time thread ended before its system calls were watched")]
+    NeverBegun,
+    /// The loop made calls.
+    #[error("the real-time thread made system calls besides its sleep: {0}")]
+    CallsMade(String),
+}
+
+/// What the two threads share.
+#[derive(Debug, Default)]
+struct Shared {
+    /// The listener's descriptor plus one, a negated error number, or 0 before either.
+    opened: AtomicI32,
+    counting: AtomicBool,
+    over: AtomicBool,
+}
+
+/// The end of the thread that is watched.
+#[derive(Debug)]
+pub struct CallWatched(Arc<Shared>);
+
+impl CallWatched {
+    /// From now on the calling thread's calls are counted.
+    pub fn begin(&self) {
+        match tell_own_calls() {
+            // No call may come between: nobody listens before this is stored.
+            Ok(descriptor) => self.0.opened.store(descriptor + 1, Ordering::Release),
+            Err(error) => self.0.opened.store(-error.raw_os_error().unwrap_or(libc::EINVAL), Ordering::Release),
+        }
+        self.0.counting.store(true, Ordering::Release);
+    }
+
+    /// From now on they are not.
+    pub fn end(&self) {
+        self.0.counting.store(false, Ordering::Release);
+    }
+}
+
+/// The end of whoever watches.
+#[derive(Debug)]
+pub struct CallWatch {
+    shared: Arc<Shared>,
+    thread: JoinHandle<Result<BTreeMap<i64, u64>, CallWatchError>>,
+}
+
+impl CallWatch {
+    /// Starts the watching thread; the other end goes to the thread that is to be watched.
+    ///
+    /// # Errors
+    /// The system's, when there can be no further thread.
+    pub fn start() -> io::Result<(Self, CallWatched)> {
+        let shared = Arc::new(Shared::default());
+        let watching = Arc::clone(&shared);
+        let thread = std::thread::Builder::new().name("call-watch".to_owned()).spawn(move || watch(&watching))?;
+        Ok((Self { shared: Arc::clone(&shared), thread }, CallWatched(shared)))
+    }
+
+    /// Once the watched thread has ended: `Ok` when it made no call.
+    ///
+    /// # Errors
+    /// [`CallWatchError`]: the calls that it made, or why that is not known.
+    pub fn finish(self) -> Result<(), CallWatchError> {
+        self.shared.over.store(true, Ordering::Release);
+        let counts = self.thread.join().map_err(|_| CallWatchError::NeverBegun)??;
+        if counts.is_empty() {
+            return Ok(());
+        }
+        let told: Vec<String> =
+            counts.iter().map(|(&number, count)| format!("{} ({count} times)", call_name(number))).collect();
+        Err(CallWatchError::CallsMade(told.join(", ")))
+    }
+}
+
+/// Counts calls by number until the watched thread has ended.
+fn watch(shared: &Shared) -> Result<BTreeMap<i64, u64>, CallWatchError> {
+    let listener = loop {
+        match shared.opened.load(Ordering::Acquire) {
+            0 if shared.over.load(Ordering::Acquire) => return Err(CallWatchError::NeverBegun),
+            0 => std::thread::sleep(PATIENCE),
+            error if error < 0 => return Err(CallWatchError::Refused(io::Error::from_raw_os_error(-error))),
+            opened => break Listener::new(opened - 1),
+        }
+    };
+    let mut counts = BTreeMap::new();
+    loop {
+        match listener.wait(PATIENCE) {
+            Heard::Call { number, id } => {
+                if shared.counting.load(Ordering::Acquire) {
+                    *counts.entry(number).or_insert(0) += 1;
+                }
+                listener.let_pass(id);
+            }
+            Heard::Nothing if shared.over.load(Ordering::Acquire) => return Ok(counts),
+            Heard::Nothing => {}
+            Heard::End => return Ok(counts),
+        }
+    }
+}
+
+/// The names of the calls that are likeliest to slip in.
+fn call_name(number: i64) -> String {
+    let known = [
+        (libc::SYS_futex, "futex, a contended lock or a wake-up"),
+        (libc::SYS_write, "write"),
+        (libc::SYS_read, "read"),
+        (libc::SYS_mmap, "mmap, memory from the kernel"),
+        (libc::SYS_munmap, "munmap, memory to the kernel"),
+        (libc::SYS_brk, "brk, memory from the kernel"),
+        (libc::SYS_madvise, "madvise"),
+        (libc::SYS_mprotect, "mprotect"),
+        (libc::SYS_clock_gettime, "clock_gettime of another clock"),
+        (libc::SYS_sched_yield, "sched_yield"),
+        (libc::SYS_ioctl, "ioctl"),
+        (libc::SYS_openat, "openat"),
+        (libc::SYS_close, "close"),
+        (libc::SYS_getpid, "getpid"),
+        (libc::SYS_gettid, "gettid"),
+        (libc::SYS_getrandom, "getrandom"),
+        (libc::SYS_rt_sigreturn, "rt_sigreturn, the end of a signal handler"),
+    ];
+    let found = known.iter().find(|(known, _)| *known == number);
+    found.map_or_else(|| format!("number {number}"), |(_, name)| (*name).to_owned())
+}
