@@ -11,6 +11,7 @@
 //! - [`realtime`]: permission, clock and the loop itself.
 //! - [`publisher`]: the other thread; ring to shared memory, status, commands, models.
 //! - [`admission`]: what a model must pass before it is rendered.
+//! - [`nearest`]: the nearest model that passes.
 //! - [`stability`]: what can be rendered on a rig without shaking.
 //! - [`plan`]: what the process was asked to do, checked against the rig.
 //!
@@ -21,6 +22,7 @@ pub mod admission;
 pub mod control;
 mod hand;
 mod model_exchange;
+pub mod nearest;
 pub mod plan;
 pub mod publisher;
 pub mod realtime;
