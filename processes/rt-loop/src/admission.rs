@@ -51,6 +51,11 @@ impl Admission {
         Ok(Admitted { rendered: Box::new(rendered), remarks })
     }
 
+    /// What detents and springs leave of the largest torque, mNm.
+    pub(crate) fn room_for_friction_mnm(&self, model: &Model) -> f64 {
+        self.bounds.room_for_friction_mnm(model)
+    }
+
     /// Stiffness, mNm/rad, and damping, mNm·s/rad, nearest to those of the model's contact or shaft; see
     /// [`Bounds::nearest_contact`].
     pub(crate) fn nearest_contact(&self, model: &Model) -> Option<[f64; 2]> {

@@ -5,7 +5,7 @@ use dynamics::{Effect, EffectKind, Model, Part};
 use crate::admission::{Admission, Admitted};
 use crate::control::rendering::Unrenderable;
 use crate::plan::PlanError;
-use crate::stability::{BoundExceeded, Bounded};
+use crate::stability::{BoundExceeded, Bounded, FASTEST_RAD_S};
 
 /// A model that the rig can render, and what it took.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ impl Admission {
     /// by one, each by what it bounds alone.
     ///
     /// Of a light knob the inertia is raised in front of its gap, what is inside stays; a contact becomes as stiff as can be,
-    /// and no more damped than that takes; too large a torque is first taken off what the knob bears at rest. What has no place
+    /// and no more damped than that takes; too large a torque is first taken off viscous friction and what the knob bears at rest. What has no place
     /// in the renderer is left out.
     ///
     /// # Errors
@@ -70,7 +70,10 @@ impl Admission {
                 _ => viscous,
             }),
             Bounded::Stiffness => scale_torques(model, share * MOVING),
-            Bounded::Torque => lower_torque(model, value - bound, share),
+            Bounded::Torque => {
+                let room_mnm = (1.0 - INSIDE) * self.room_for_friction_mnm(model);
+                lower_torque(model, room_mnm, share)
+            },
             Bounded::Contact => {
                 let Some([stiffness_mnm_rad, damping]) = self.nearest_contact(model) else { return false };
                 let own = model.coupling().map_or(0.0, |coupling| coupling.stiffness_mnm_rad);
@@ -145,32 +148,33 @@ fn scale_torques(model: &mut Model, share: f64) -> bool {
     })
 }
 
-/// Takes `excess_mnm` off what the knob bears at rest, or else off all torques alike.
-fn lower_torque(model: &mut Model, excess_mnm: f64, share: f64) -> bool {
-    let borne_mnm = model
-        .effects
-        .iter()
-        .filter(|effect| matches!(effect.kind().part, Part::Stick(_)))
-        .flat_map(Effect::parameters)
-        .filter(|(parameter, _)| parameter.unit == "mNm")
-        .fold(0.0_f64, |most, (_, value)| most.max(value));
-    let sliding_mnm = model
-        .effects
-        .iter()
-        .filter(|effect| matches!(effect.kind().part, Part::Friction(_)))
-        .flat_map(Effect::parameters)
-        .filter(|(parameter, _)| parameter.unit == "mNm")
-        .fold(0.0_f64, |most, (_, value)| most.max(value));
-    let borne_then_mnm = borne_mnm - excess_mnm * (1.0 + INSIDE);
-    if borne_then_mnm > sliding_mnm {
-        return change(model, |kind, _, unit, value| match (kind.part, unit) {
-            (Part::Stick(_), "mNm") => value.min(borne_then_mnm),
-            _ => value,
-        });
+/// Lowers friction to `room_mnm`, what detents and springs leave: what the knob bears at rest, and viscous friction at the fastest
+/// motion of a hand. Where that is not it, or the Coulomb friction alone is more, all torques become a `share` of theirs.
+fn lower_torque(model: &mut Model, room_mnm: f64, share: f64) -> bool {
+    let borne = change(model, |kind, _, unit, value| match (kind.part, unit) {
+        (Part::Stick(_), "mNm") if room_mnm > 0.0 => value.min(room_mnm),
+        _ => value,
+    });
+    let mut viscous = false;
+    for effect in &mut model.effects {
+        if effect.kind().name == dynamics::effects::friction::KIND.name
+            && let [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive] = effect.values_mut()
+        {
+            for (coulomb_mnm, damping) in [(coulomb_negative, viscous_negative), (coulomb_positive, viscous_positive)] {
+                let most = (room_mnm - *coulomb_mnm) / FASTEST_RAD_S;
+                if most > 0.0 && *damping > most {
+                    *damping = most;
+                    viscous = true;
+                }
+            }
+        }
+    }
+    if borne || viscous {
+        return true;
     }
     let torques = scale_torques(model, share);
     change(model, |kind, _, unit, value| match (kind.part, unit) {
-        (Part::Stick(_) | Part::Friction(_), "mNm") => share * value,
+        (Part::Stick(_), "mNm") | (Part::Friction(_), "mNm" | "mNm s/rad") => share * value,
         _ => value,
     }) || torques
 }

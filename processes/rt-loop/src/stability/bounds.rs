@@ -169,6 +169,12 @@ impl Bounds {
         Ok(())
     }
 
+    /// What detents and springs of a model leave of the largest torque, mNm; below zero where they pass it.
+    #[must_use]
+    pub fn room_for_friction_mnm(&self, model: &Model) -> f64 {
+        self.largest_torque_mnm - Demands::of(model).free_mnm
+    }
+
     fn contact(&self, model: &Model, demands: &Demands) -> Option<Contact> {
         let dampings =
             [demands.least_damping, demands.least_damping + demands.coulomb_damping(model.inertia())];
@@ -211,7 +217,7 @@ const LOOKED_AT_RAD: f64 = std::f64::consts::TAU;
 /// Step of looking, rad: a thirtieth of the finest detent that a finger counts.
 const LOOKED_AT_STEP_RAD: f64 = 2e-4;
 /// Fastest that a hand turns a knob, rad/s.
-const FASTEST_RAD_S: f64 = 40.0;
+pub(crate) const FASTEST_RAD_S: f64 = 40.0;
 /// Largest acceleration that a hand gives a knob, rad/s²: 0.25 rad at 10 Hz, the fastest voluntary motion of fingers.
 const FASTEST_RAD_S2: f64 = 1_000.0;
 /// Speeds looked at, each way.

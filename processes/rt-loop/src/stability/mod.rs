@@ -4,5 +4,6 @@ mod bounds;
 mod contact;
 mod port;
 
+pub(crate) use bounds::FASTEST_RAD_S;
 pub use bounds::{BoundExceeded, Bounded, Bounds, driving_speed_rad_s};
 pub use port::{Hands, InnerPart, LinearModel, Port};

@@ -35,7 +35,9 @@ pub struct Rendered {
     pub torque_mnm: f64,
     /// Angle of the virtual body at the reading, rad.
     pub angle_rad: f64,
-    /// Whether the virtual body is at rest.
+    /// Angle at the reading of what friction and detents act on, rad: the same, or that of the inner body of two.
+    pub inner_angle_rad: f64,
+    /// Whether that is at rest.
     pub stuck: bool,
     /// Whether another model begins to be felt.
     pub begins_another: bool,
@@ -127,6 +129,7 @@ impl Renderer {
     pub fn step(&mut self, felt: &Felt<'_>) -> Rendered {
         let Felt { measurement, velocity_rad_s, elapsed_ticks, time_s, step_s } = *felt;
         self.catch_up(elapsed_ticks, velocity_rad_s, step_s);
+        let inner_start_rad = self.knob.inner_angle_rad();
         let begins_another = self.fade.advance(step_s);
         let (start_rad, start_rad_s) = (self.knob.angle_rad(), self.knob.velocity_rad_s());
         let way_rad = measurement.angle_rad
@@ -149,6 +152,7 @@ impl Renderer {
         Rendered {
             torque_mnm: rendered_mnm + correction_mnm + self.coulomb_mnm * self.knob.sliding(),
             angle_rad: start_rad,
+            inner_angle_rad: inner_start_rad,
             stuck: self.knob.is_stuck(),
             begins_another,
             guarded: correction_mnm != 0.0,

@@ -33,6 +33,11 @@ impl VirtualKnob {
         self.cap_rad
     }
 
+    /// Angle of what friction and detents act on, rad.
+    pub(super) fn inner_angle_rad(&self) -> f64 {
+        self.inner.angle_rad
+    }
+
     /// Velocity of what the hand turns, rad/s.
     pub(super) fn velocity_rad_s(&self) -> f64 {
         self.cap_rad_s
