@@ -73,7 +73,7 @@ impl Admission {
             Bounded::Torque => {
                 let room_mnm = (1.0 - INSIDE) * self.room_for_friction_mnm(model);
                 lower_torque(model, room_mnm, share)
-            },
+            }
             Bounded::Contact => {
                 let Some([stiffness_mnm_rad, damping]) = self.nearest_contact(model) else { return false };
                 let own = model.coupling().map_or(0.0, |coupling| coupling.stiffness_mnm_rad);
@@ -199,7 +199,8 @@ fn told(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
             .collect();
         if !changes.is_empty() {
             let origin = rendered.origin().map_or_else(String::new, |origin| format!("{origin}; "));
-            *rendered = rendered.with_origin(&format!("{origin}clipped to what the rig renders: {}", changes.join(", ")));
+            *rendered =
+                rendered.with_origin(&format!("{origin}clipped to what the rig renders: {}", changes.join(", ")));
             clipped.extend(changes);
         }
     }

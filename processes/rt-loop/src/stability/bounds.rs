@@ -154,8 +154,7 @@ impl Bounds {
     fn check_contact(&self, model: &Model, demands: &Demands) -> Result<(), BoundExceeded> {
         let Some(contact) = self.contact(model, demands) else { return Ok(()) };
         let bound = self.largest_inertia(0.0);
-        let exceeded =
-            |what, value, bound, unit, remedy| Err(BoundExceeded { what, value, bound, unit, remedy });
+        let exceeded = |what, value, bound, unit, remedy| Err(BoundExceeded { what, value, bound, unit, remedy });
         if contact.cap_inertia > bound {
             let remedy = "lower `inertia` or raise `backlash_inner_share`";
             return exceeded(Bounded::CapInertia, contact.cap_inertia, bound, "mNm·s²/rad", remedy);
@@ -176,8 +175,7 @@ impl Bounds {
     }
 
     fn contact(&self, model: &Model, demands: &Demands) -> Option<Contact> {
-        let dampings =
-            [demands.least_damping, demands.least_damping + demands.coulomb_damping(model.inertia())];
+        let dampings = [demands.least_damping, demands.least_damping + demands.coulomb_damping(model.inertia())];
         let coupling = model.coupling()?;
         Some(Contact::new(&coupling, model.inertia(), self.least_inertia, dampings, demands.stiffness_mnm_rad))
     }

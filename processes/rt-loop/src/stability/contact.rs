@@ -41,11 +41,7 @@ impl Contact {
         let cap_inertia = if shaft { least_inertia } else { inertia * (1.0 - coupling.inner_share) };
         let inner_inertia = inertia - cap_inertia;
         let sliding = InnerPart { inertia: inner_inertia, damping: sliding_damping, stiffness_mnm_rad: 0.0 };
-        let in_detent = InnerPart {
-            damping: detent_damping,
-            stiffness_mnm_rad: detent_stiffness_mnm_rad,
-            ..sliding
-        };
+        let in_detent = InnerPart { damping: detent_damping, stiffness_mnm_rad: detent_stiffness_mnm_rad, ..sliding };
         let Coupling { half_gap_rad, stiffness_mnm_rad, damping, .. } = *coupling;
         Self { cap_inertia, half_gap_rad, stiffness_mnm_rad, damping, sliding, in_detent }
     }

@@ -54,7 +54,9 @@ pub enum Unrenderable {
         share: f64,
     },
     /// An inner body without inertia.
-    #[error("an inner body without inertia cannot be rendered; the least backlash_inner_share that would do is {share:.2e}")]
+    #[error(
+        "an inner body without inertia cannot be rendered; the least backlash_inner_share that would do is {share:.2e}"
+    )]
     Inner {
         /// The least share that would do.
         share: f64,

@@ -138,8 +138,7 @@ impl Renderer {
         // The sensor reads what the rig puts into the gripper; the hand puts in the opposite.
         let slow_mnm = self.slow.run(self.torque_zero_mnm - measurement.torque_mnm);
         let ahead_rad = measurement.angle_rad + self.gains.lead_s * velocity_rad_s - start_rad;
-        let spring_mnm =
-            self.gains.stiffness_mnm_rad * ahead_rad + self.gains.damping * (velocity_rad_s - start_rad_s);
+        let spring_mnm = self.gains.stiffness_mnm_rad * ahead_rad + self.gains.damping * (velocity_rad_s - start_rad_s);
         let coupling_mnm = self.notch.as_mut().map_or(spring_mnm, |notch| notch.run(spring_mnm));
         // The body feels no more than the motor can pass on: otherwise a clipped command would give out energy.
         let drive_mnm = (slow_mnm + coupling_mnm).clamp(-self.motor_torque_mnm, self.motor_torque_mnm);
