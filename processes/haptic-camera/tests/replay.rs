@@ -76,7 +76,8 @@ fn what_the_rig_cannot_render_is_refused_with_the_nearest_that_would_do() {
                backlash_stiffness = 1e5\nbacklash_damping = 2.0\n";
     assert!(tried("0.05", gap).contains("the stiffness of contact or shaft is 100000.0000 mNm/rad"));
     assert!(tried("0.02", gap).contains("a cap of 0.01 mNm·s²/rad"));
-    let bristles = "[[effects]]\neffect = \"presliding-hysteresis\"\nbristle_deflection = 0.01\nbristle_damping = 0.0\n";
+    let bristles =
+        "[[effects]]\neffect = \"presliding-hysteresis\"\nbristle_deflection = 0.01\nbristle_damping = 0.0\n";
     assert!(tried("0.05", bristles).contains("'presliding-hysteresis' cannot be rendered"));
     assert!(refused(folder, "3 --rate-hz 3000").contains("5000 to 20000 Hz"));
     assert!(refused(folder, "7").contains("no shipped knob 7"));

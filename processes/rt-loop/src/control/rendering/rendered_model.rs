@@ -87,7 +87,7 @@ impl RenderedModel {
             return Err(Unrenderable::Effect { effect: effect.kind().name });
         }
         let joints = || model.effects.iter().filter(|effect| matches!(effect.kind().part, Part::Coupling(_)));
-        if let (2.., Some(effect)) = (joints().count(), joints().last()) {
+        if let (2.., Some(effect)) = (joints().count(), joints().next_back()) {
             return Err(Unrenderable::Joints { count: joints().count(), effect: effect.kind().name });
         }
         let least = calibration.gripper_inertia + calibration.motor_inertia;

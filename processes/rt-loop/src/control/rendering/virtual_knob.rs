@@ -7,7 +7,7 @@ use super::virtual_body::{Load, VirtualBody};
 /// Most times that a tick is done again because the bodies met or parted in it.
 const CORRECTIONS: u32 = 3;
 /// Speed from which a cap has all of the motor's friction taken off, rad/s.
-const MOVING_RAD_S: f64 = 0.02;
+const MOVING_RAD_S: f64 = 0.01;
 
 /// What a model turns: inner body and cap, which in a knob of one body is the same.
 #[derive(Clone, Copy, Debug)]
@@ -47,14 +47,13 @@ impl VirtualKnob {
         self.inner.is_stuck()
     }
 
-    /// Share of the motor's own friction that is taken off, with the sign of the motion.
+    /// Share of the motor's own friction that is taken off, with the sign of the motion: none while the knob is held.
     ///
-    /// A body at rest has none taken off. A cap never comes to rest exactly: its share goes with its speed.
+    /// A cap never comes to rest exactly: its share goes with its speed.
     pub(super) fn sliding(&self) -> f64 {
-        match self.joint {
-            Some(_) => (self.cap_rad_s / MOVING_RAD_S).clamp(-1.0, 1.0),
-            None => direction(self.cap_rad_s),
-        }
+        let Some(joint) = &self.joint else { return direction(self.cap_rad_s) };
+        let touching = (self.cap_rad - self.inner.angle_rad).abs() >= joint.half_gap_rad;
+        if touching && self.is_stuck() { 0.0 } else { (self.cap_rad_s / MOVING_RAD_S).clamp(-1.0, 1.0) }
     }
 
     /// Goes on by a way that nobody held it on: what sticks stays where it is, and a cap goes on as far as its gap lets it.
