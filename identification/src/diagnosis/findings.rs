@@ -71,6 +71,10 @@ pub struct Diagnosis {
     /// The model with all that was added.
     #[serde(skip)]
     pub model: Model,
+    /// Values of the model without further effects, refined on the training capture, with their intervals; empty unless a
+    /// model was given to start from.
+    #[serde(skip)]
+    pub refined: BTreeMap<&'static str, Value>,
     /// The model without further effects, and then with each step's more.
     #[serde(skip)]
     pub chain: Vec<Model>,

@@ -94,6 +94,9 @@ impl Search<'_> {
             band_hz: self.train.band.edge_hz,
             notes: Vec::new(),
             model: last.structure.model(),
+            refined: self.options.model.as_ref().map_or_else(Default::default, |_| {
+                intervals::of(&first.structure, self.train).into_iter().flatten().collect()
+            }),
             chain: found.chain.iter().map(|judged| judged.structure.model()).collect(),
             rows: rows::of(first, last, [self.train, self.heldout]),
         };

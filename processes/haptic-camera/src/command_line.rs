@@ -27,7 +27,8 @@ pub enum Command {
     Capture(CaptureOptions),
     /// Make the rig feel like a model, and record what the hand does
     #[command(after_help = "Examples:\n  haptic-camera replay 3\n  \
-        haptic-camera replay composed.toml --hand multisine --duration-s 10\n\n\
+        haptic-camera replay composed.toml --hand multisine --duration-s 10\n  \
+        haptic-camera replay 5 --nearest\n\n\
         While it runs, `haptic-camera tune` turns the model's parameters.")]
     Replay(ReplayOptions),
     /// Turn a parameter of the model that a running replay renders, or change over to another model
@@ -191,6 +192,10 @@ pub struct ReplayOptions {
     /// The model to feel like: a model file, or 1 to 5 for the paper's knobs
     #[arg(value_name = "1…5|MODEL.toml")]
     pub model: String,
+    /// Render the nearest that the rig can instead of refusing a model that passes its bounds, and say what was clipped, from what
+    /// to what
+    #[arg(long)]
+    pub nearest: bool,
     /// What the hand on the simulated rig wants: a sweep's name, the angles recorded in a CSV file, or none to let go
     #[arg(long, default_value = "none", value_name = "SWEEP|FILE.csv|none")]
     pub hand: String,

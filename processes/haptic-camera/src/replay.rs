@@ -45,6 +45,9 @@ fn task(options: &ReplayOptions, duration_s: Option<f64>) -> Vec<String> {
         format!("--grip={}", options.grip),
         format!("--duration-s={}", duration_s.unwrap_or(OPEN_ENDED_S)),
     ];
+    if options.nearest {
+        task.push("--nearest".to_owned());
+    }
     if let Some(torque_mnm) = options.hand_torque {
         task.push(format!("--hand-torque={torque_mnm}"));
     }

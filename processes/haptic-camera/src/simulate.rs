@@ -45,15 +45,16 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
 }
 
 /// Columns of a simulated capture.
-struct Simulated {
+pub(crate) struct Simulated {
     angle_rad: Vec<f64>,
     velocity_rad_s: Vec<f64>,
     acceleration_rad_s2: Vec<f64>,
-    torque_mnm: Vec<f64>,
+    /// Torque that the sensor reads, mNm.
+    pub(crate) torque_mnm: Vec<f64>,
 }
 
 /// What the sensor reads of the model along a given motion, what turns with the knob included.
-fn along_motion(model: &Model, gripper_inertia: f64, motions: &[Motion]) -> Simulated {
+pub(crate) fn along_motion(model: &Model, gripper_inertia: f64, motions: &[Motion]) -> Simulated {
     let mut torque_mnm = model.readings_mnm(motions);
     let slips_at_once = model.coupling().is_none() && model.bristles().is_none();
     for (torque_mnm, motion) in torque_mnm.iter_mut().zip(motions) {
@@ -111,7 +112,7 @@ fn along_torque(
 }
 
 /// The captured torque without the sensor's zero.
-fn torque_at_knob(like: &LoadedCapture) -> Vec<f64> {
+pub(crate) fn torque_at_knob(like: &LoadedCapture) -> Vec<f64> {
     let zero = like.calibration.as_ref().map_or(0.0, |known| known.torque_zero_mnm);
     like.capture.torque_mnm.iter().map(|torque| torque - zero).collect()
 }

@@ -105,10 +105,30 @@ fn what_the_rig_cannot_render_is_refused_with_the_nearest_that_would_do() {
     assert!(tried("0.05", &detent(40.0, 0.01)).contains("the steepest rise of torque over angle is 4000.0"));
     let gap = "[[effects]]\neffect = \"backlash\"\nbacklash_half_gap = 0.01\nbacklash_inner_share = 0.5\n\
                backlash_stiffness = 1e5\nbacklash_damping = 2.0\n";
-    assert!(tried("0.05", gap).contains("'backlash' cannot be rendered"));
+    assert!(tried("0.05", gap).contains("the stiffness of contact or shaft is 100000.0000 mNm/rad"));
+    assert!(tried("0.02", gap).contains("a cap of 0.01 mNm·s²/rad"));
+    let bristles =
+        "[[effects]]\neffect = \"presliding-hysteresis\"\nbristle_deflection = 0.01\nbristle_damping = 0.0\n";
+    assert!(tried("0.05", bristles).contains("'presliding-hysteresis' cannot be rendered"));
     assert!(refused(folder, "3 --rate-hz 3000").contains("5000 to 20000 Hz"));
     assert!(refused(folder, "7").contains("no shipped knob 7"));
     assert!(refused(folder, "3 --hand backwards").contains("no sweep 'backwards'"));
+}
+
+#[test]
+fn the_nearest_that_the_rig_renders_is_rendered_and_told_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    refused(folder.path(), "5");
+    let output = replay(folder.path(), "5 --nearest --duration-s 1");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("inertia = 0.02085 mNm s²/rad instead of 0.0019"), "{said}");
+    let archive = folder.path().join("captures").read_dir().unwrap().next().unwrap().unwrap().path();
+    let run = archive::Capture::load(&archive).unwrap().description.unwrap();
+    assert!(run.notes.iter().any(|(_, note)| note.contains("instead of 0.0019")), "{:?}", run.notes);
+    let rendered = dynamics::Model::from_toml(&run.rendered_model_toml.unwrap(), "the archive").unwrap();
+    assert!((rendered.inertia() - 0.02085).abs() < 1e-6, "the model as rendered is the clipped one");
+    assert!(rendered.coupling().is_some());
 }
 
 #[test]

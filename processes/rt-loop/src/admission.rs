@@ -41,7 +41,24 @@ impl Admission {
             return Err(PlanError::TooLong { bytes });
         }
         let rendered = RenderedModel::new(model, &self.calibration)?;
-        let remarks = self.bounds.check(model)?;
+        let mut remarks = self.bounds.check(model)?;
+        if model.coupling().is_some_and(|shaft| shaft.half_gap_rad == 0.0) {
+            remarks.push(format!(
+                "{:.4} mNm·s²/rad of the inertia are felt before the shaft, not behind it: gripper and rotor",
+                self.bounds.least_inertia
+            ));
+        }
         Ok(Admitted { rendered: Box::new(rendered), remarks })
+    }
+
+    /// What detents and springs leave of the largest torque, mNm.
+    pub(crate) fn room_for_friction_mnm(&self, model: &Model) -> f64 {
+        self.bounds.room_for_friction_mnm(model)
+    }
+
+    /// Stiffness, mNm/rad, and damping, mNm·s/rad, nearest to those of the model's contact or shaft; see
+    /// [`Bounds::nearest_contact`].
+    pub(crate) fn nearest_contact(&self, model: &Model) -> Option<[f64; 2]> {
+        self.bounds.nearest_contact(model)
     }
 }

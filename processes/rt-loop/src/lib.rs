@@ -11,6 +11,7 @@
 //! - [`realtime`]: permission, clock and the loop itself.
 //! - [`publisher`]: the other thread; ring to shared memory, status, commands, models.
 //! - [`admission`]: what a model must pass before it is rendered.
+//! - [`nearest`]: the nearest model that passes.
 //! - [`recomputation`]: a recorded rendering fed through the control step again.
 //! - [`stability`]: what can be rendered on a rig without shaking.
 //! - [`motor_cogging`]: the cogging that the simulated rig's motor is to have.
@@ -25,6 +26,7 @@ pub mod drilled_apparatus;
 mod hand;
 mod model_exchange;
 pub mod motor_cogging;
+pub mod nearest;
 pub mod plan;
 pub mod publisher;
 pub mod realtime;

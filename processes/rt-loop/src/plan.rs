@@ -16,6 +16,7 @@ use crate::control::rendering::{self, RenderGains, Renderer, Unrenderable};
 use crate::control::{ControlPlan, ServoGains};
 use crate::hand::hand;
 use crate::motor_cogging::MotorCogging;
+use crate::nearest::Nearest;
 use crate::recomputation::ControlDescription;
 use crate::stability::BoundExceeded;
 
@@ -49,6 +50,9 @@ pub struct Options {
     /// Feel like this model instead of following a sweep: a model file, or 1 to 5 for the paper's knobs.
     #[arg(long, value_name = "MODEL.toml")]
     pub render: Option<String>,
+    /// Where the rig cannot render the model, render the nearest that it can, and say what was clipped.
+    #[arg(long, requires = "render")]
+    pub nearest: bool,
     /// What the hand on the simulated rig wants while a model is rendered: a sweep's name, an angle column recorded in a
     /// CSV file, or `none` to let the gripper go.
     #[arg(long, default_value = "none", requires = "render", value_name = "SWEEP|FILE.csv|none")]
@@ -167,7 +171,7 @@ pub enum PlanError {
 
 /// A model ready to be rendered.
 pub struct Rendering {
-    /// The model as it was asked for.
+    /// The model as it is rendered: the one asked for, or the nearest to it that the rig renders.
     pub model: Model,
     /// The renderer with it.
     pub renderer: Renderer,
@@ -286,8 +290,7 @@ impl Plan {
             rate_hz: options.rate_hz,
             planned_ticks,
         };
-        let rendering =
-            options.render.as_deref().map(|name| make_rendering(name, &rig, options.rate_hz)).transpose()?;
+        let rendering = options.render.as_deref().map(|name| make_rendering(name, &rig, options)).transpose()?;
         Ok(Self {
             apparatus: Box::new(apparatus),
             rig,
@@ -346,7 +349,8 @@ fn calibration(path: &Path) -> Result<Calibration, PlanError> {
 }
 
 /// The model called `name`, made ready to be rendered on the rig.
-fn make_rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
+fn make_rendering(name: &str, rig: &RigDescription, options: &Options) -> Result<Rendering, PlanError> {
+    let rate_hz = options.rate_hz;
     let model = mounted_knob(name)?;
     if rig.calibration.motor_coulomb_mnm.is_none() {
         return Err(PlanError::Uncalibrated);
@@ -359,7 +363,14 @@ fn make_rendering(name: &str, rig: &RigDescription, rate_hz: f64) -> Result<Rend
     };
     let gains = RenderGains::at_rate(rate_hz).ok_or_else(too_slow)?;
     let admission = Admission::new(&gains, &rig.calibration, &rig.limits, rate_hz);
-    let Admitted { rendered, remarks } = admission.admit(&model)?;
+    let (model, Admitted { rendered, remarks }) = if options.nearest {
+        let Nearest { model, admitted, clipped } = admission.nearest(&model)?;
+        let clipped = clipped.into_iter().map(|change| format!("clipped to what the rig renders: {change}"));
+        (model, Admitted { remarks: clipped.chain(admitted.remarks).collect(), ..admitted })
+    } else {
+        let admitted = admission.admit(&model)?;
+        (model, admitted)
+    };
     let renderer =
         Renderer::new(rendered, gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
     Ok(Rendering { model, renderer, gains, remarks, admission })

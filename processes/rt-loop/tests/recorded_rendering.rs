@@ -21,7 +21,7 @@ const CHANGED: u64 = 9_000;
 
 /// The models that are changed over to.
 fn models(bench: &Bench) -> [Box<RenderedModel>; 2] {
-    [bench.tuned("detent", 0, 4.0), bench.tuned("friction", 1, 6.0)]
+    [bench.two_bodies(), bench.tuned("friction", 1, 6.0)]
 }
 
 /// What a recorder would have of a rendering with stalls and two changes of its model.

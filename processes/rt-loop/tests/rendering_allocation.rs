@@ -14,7 +14,7 @@ fn a_tick_of_a_rendering_never_touches_the_heap_nor_does_a_change_of_model() {
     let mut bench = Bench::on_rig(&["--hand=multisine", "--duration-s=3", "--motor-cogging=48:1.5"], |known| {
         known.motor_cogging = Some(vec![CoggingHarmonic { per_turn: 48, torque_mnm: 1.5, phase_rad: 0.0 }]);
     });
-    let mut waiting = vec![bench.tuned("friction", 1, 6.0), bench.tuned("detent", 0, 4.0)];
+    let mut waiting = vec![bench.tuned("friction", 1, 6.0), bench.two_bodies()];
     // More than can wait at once: it comes back to whoever sent it.
     let mut too_many = Some(bench.tuned("inertia", 0, 0.05));
     let mut retired = Vec::with_capacity(4);

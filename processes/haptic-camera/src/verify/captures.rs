@@ -10,6 +10,7 @@ use identification::{Fit, FitOptions};
 use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};
+use super::two_bodies;
 use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Limits, Verification};
 use crate::check::Threshold;
 use crate::load::LoadedCapture;
@@ -65,17 +66,20 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
     let heldout = capture("heldout", &hand("stepped-amplitude", amplitude_rad), SWEEP_S)?;
     let creep = capture("creep", &hand("slow-turn", CREEP.0), CREEP.1)?;
 
-    let fit = fit(&train, model)?;
-    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
-    let parameters = parameters(model, &fit, &thresholds);
-    let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, &fit);
-    let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
     let held_still = match holding_torque_mnm(model) {
         Some(torque_mnm) => {
             Some(held_still(torque_mnm, &capture("hold", &[format!("--hand-torque={torque_mnm}")], HOLD_S)?))
         }
         None => None,
     };
+    if model.coupling().is_some() {
+        return two_bodies::verification(model, rate_hz, captures, [&train, &heldout, &creep], held_still);
+    }
+    let fit = fit(&train, model)?;
+    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
+    let parameters = parameters(model, &fit, &thresholds);
+    let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, &fit);
+    let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
     let mut notes = fit.notes.clone();
     let added = match added(model, &train, &heldout) {
         Ok(added) => Some(added),
@@ -95,6 +99,7 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         torque_error_rms_mnm,
         torque_rms_mnm,
         torque_error_percent,
+        lost_motion: None,
         held_still,
         added,
         limits: Limits::default(),
@@ -125,13 +130,7 @@ fn added(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyho
         ..DiagnoseOptions::default()
     };
     let found = diagnose(&train.samples(), Some(&heldout.samples()), &options)?;
-    Ok(Added {
-        verdict: found.verdict,
-        effects: found.effects.iter().map(ToString::to_string).collect(),
-        heldout_rms_before: found.heldout_rms_before,
-        heldout_rms_after: found.heldout_rms_after,
-        noise_floor_rms: found.noise_floor_rms,
-    })
+    Ok(Added::of(&found))
 }
 
 /// A torque in the middle of what the knob bears at the angle at which it starts; `None` where it bears none.

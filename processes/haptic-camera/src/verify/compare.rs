@@ -4,6 +4,9 @@ use dynamics::{Effect, Model, Motion, Part, effects};
 use identification::Fit;
 use serde::Serialize;
 
+use crate::load::LoadedCapture;
+use crate::simulate::{along_motion, torque_at_knob};
+
 use super::{LARGEST_DIFFERENCE_PERCENT, LARGEST_STATIC_DIFFERENCE_PERCENT};
 use crate::check::Threshold;
 use crate::parameter_table::true_value;
@@ -31,7 +34,13 @@ pub struct Verified {
 }
 
 impl Verified {
-    fn new(name: &'static str, unit: &'static str, intended: f64, rendered: f64, ci95: Option<[f64; 2]>) -> Self {
+    pub(super) fn new(
+        name: &'static str,
+        unit: &'static str,
+        intended: f64,
+        rendered: f64,
+        ci95: Option<[f64; 2]>,
+    ) -> Self {
         let difference_percent = if unit == "rad" && name.ends_with("phase") {
             let turn = std::f64::consts::TAU;
             100.0 * ((rendered - intended + 0.5 * turn).rem_euclid(turn) / turn - 0.5)
@@ -53,7 +62,7 @@ impl Verified {
         }
     }
 
-    fn untold(name: &'static str, unit: &'static str, intended: f64, reason: String) -> Self {
+    pub(super) fn untold(name: &'static str, unit: &'static str, intended: f64, reason: String) -> Self {
         Self {
             name,
             unit,
@@ -124,4 +133,31 @@ pub(super) fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
         sums[1] += intended_mnm * intended_mnm;
     }
     sums.map(|sum| (sum / fit.points.len().max(1) as f64).sqrt())
+}
+
+/// Length of the means in which torques of a knob of two bodies are compared, s: the band of a diagnosis, 200 Hz.
+const MEAN_S: f64 = 0.0025;
+
+/// RMS of captured minus simulated torque over means of the capture, and of the captured torque, mNm: the model as it is, its inner
+/// body simulated behind the measured motion of the cap.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "a few samples"
+)]
+pub(super) fn along_motion_mnm(model: &Model, capture: &LoadedCapture) -> anyhow::Result<[f64; 2]> {
+    let gripper_inertia = capture.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
+    let motions = identification::knob_motion(&capture.samples(), capture.calibration.as_ref())?;
+    let simulated_mnm = along_motion(model, gripper_inertia, &motions).torque_mnm;
+    let captured_mnm = torque_at_knob(capture);
+    let length = ((MEAN_S * capture.capture.rate_hz) as usize).max(1);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let mut sums = [0.0; 2];
+    for (captured, simulated) in captured_mnm.chunks_exact(length).zip(simulated_mnm.chunks_exact(length)) {
+        sums[0] += (mean(captured) - mean(simulated)).powi(2);
+        sums[1] += mean(captured).powi(2);
+    }
+    let count = (captured_mnm.len() / length).max(1) as f64;
+    Ok(sums.map(|sum| (sum / count).sqrt()))
 }

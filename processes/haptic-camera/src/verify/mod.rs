@@ -4,13 +4,15 @@ mod captures;
 mod compare;
 mod page;
 mod table;
+mod two_bodies;
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
-use dynamics::knobs;
-use identification::diagnosis::Verdict;
+use clap::Parser as _;
+use dynamics::{Model, knobs};
+use identification::diagnosis::{Diagnosis, Verdict};
 use serde::Serialize;
 
 use crate::command_line::{ReplayOptions, RunOptions};
@@ -43,6 +45,9 @@ pub struct Verification {
     pub torque_rms_mnm: f64,
     /// Their ratio, %.
     pub torque_error_percent: f64,
+    /// The gap of a model with lost motion; `None` for one without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost_motion: Option<LostMotion>,
     /// The knob held by a torque inside its stick band; `None` where it bears none at rest.
     pub held_still: Option<HeldStill>,
     /// What the rendering adds that the model does not have; `None` with the reason in `notes` where that cannot be told.
@@ -77,6 +82,19 @@ impl Default for Limits {
     }
 }
 
+/// The gap of a rendered knob, as it shows without a fit and as a diagnosis names it.
+#[derive(Clone, Debug, Serialize)]
+pub struct LostMotion {
+    /// The model's gap, from contact to contact, rad.
+    pub intended_rad: f64,
+    /// Free ways that the creep shows, from contact to contact or from or to one, rad.
+    pub free_ways_rad: Vec<f64>,
+    /// What a diagnosis calls missing that starts from the model without its gap or shaft.
+    pub named: Added,
+    /// Effects that explain part of what that diagnosis cannot name, with the share of the gap in torque, %.
+    pub partly: Vec<(String, f64)>,
+}
+
 /// How still a sticking knob is held.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct HeldStill {
@@ -103,12 +121,35 @@ pub struct Added {
     pub noise_floor_rms: f64,
 }
 
+impl Added {
+    fn of(found: &Diagnosis) -> Self {
+        Self {
+            verdict: found.verdict,
+            effects: found.effects.iter().map(ToString::to_string).collect(),
+            heldout_rms_before: found.heldout_rms_before,
+            heldout_rms_after: found.heldout_rms_after,
+            noise_floor_rms: found.noise_floor_rms,
+        }
+    }
+}
+
+/// The model that is to be felt: the one asked for, or the nearest to it that the rig renders.
+fn intended(options: &ReplayOptions) -> anyhow::Result<Model> {
+    if !options.nearest {
+        return Ok(knobs::named(&options.model)?);
+    }
+    let asked = ["rt-loop".to_owned(), format!("--render={}", options.model), "--nearest".to_owned()];
+    let arguments = asked.into_iter().chain(options.run.loop_arguments());
+    let plan = rt_loop::plan::Plan::new(&rt_loop::plan::Options::try_parse_from(arguments)?)?;
+    Ok(plan.rendering.context("no model is rendered")?.model)
+}
+
 /// Verifies a rendering and tells the result; failed if the rendered knob is not the model's.
 ///
 /// # Errors
 /// What keeps a capture from being made, read or fitted.
 pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
-    let model = knobs::named(&options.model)?;
+    let model = intended(options)?;
     let folder = archive_path(&options.run.out, &options.model, "verify-")?.with_extension("");
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", folder.display()))?;
@@ -118,6 +159,9 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     let mut make = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<PathBuf> {
         let archive = folder.join(format!("{name}.mcap"));
         let mut task = vec![format!("--render={}", options.model), format!("--duration-s={duration_s}")];
+        if options.nearest {
+            task.push("--nearest".to_owned());
+        }
         if remarks_told {
             task.push("--without-remarks".to_owned());
         }

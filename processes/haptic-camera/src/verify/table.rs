@@ -3,7 +3,7 @@
 use comfy_table::{CellAlignment, Table, presets};
 use identification::diagnosis::Verdict;
 
-use super::{Added, LARGEST_TORQUE_ERROR_PERCENT, Verification, Verified};
+use super::{Added, LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification, Verified};
 
 /// The verification line by line.
 pub fn lines(verification: &Verification) -> Vec<String> {
@@ -24,6 +24,9 @@ pub fn lines(verification: &Verification) -> Vec<String> {
         "torque   rendered minus intended {torque_error_rms_mnm:.3} of {torque_rms_mnm:.2} mNm RMS, \
          {torque_error_percent:.2} % (at most {LARGEST_TORQUE_ERROR_PERCENT} %)"
     ));
+    if let Some(lost) = &verification.lost_motion {
+        lines.extend(lost_motion(lost));
+    }
     if let Some(held) = &verification.held_still {
         lines.push(format!(
             "held     under {:.1} mNm for {:.1} s: {:.1} steps of the encoder",
@@ -52,6 +55,24 @@ fn row(parameter: &Verified) -> [String; 6] {
             Some(false) => "✗".to_owned(),
             None => "not told".to_owned(),
         },
+    ]
+}
+
+fn lost_motion(lost: &LostMotion) -> [String; 2] {
+    let mut ways = lost.free_ways_rad.clone();
+    ways.sort_by(f64::total_cmp);
+    let seen = match (ways.last(), ways.get(ways.len() / 2)) {
+        (Some(longest), Some(middle)) => {
+            format!("{} free ways in the creep, {middle:.4} rad in the middle, {longest:.4} at most", ways.len())
+        }
+        _ => "no free way in the creep".to_owned(),
+    };
+    let partly: Vec<String> =
+        lost.partly.iter().map(|(effect, percent)| format!("{effect} {percent:.0} % of it")).collect();
+    let partly = if partly.is_empty() { String::new() } else { format!("; {}", partly.join(", ")) };
+    [
+        format!("gap      {:.4} rad intended; {seen}", lost.intended_rad),
+        format!("without  the gap a diagnosis misses {}{partly}", in_words(&lost.named)),
     ]
 }
 

@@ -15,7 +15,8 @@ mod passivity;
 #[path = "../../tests/rendering/random_knob.rs"]
 mod random_knob;
 
-use hal::simulated::Cogging;
+use dynamics::Model;
+use hal::simulated::{Cogging, Hand};
 use rt_loop::control::rendering::RenderGains;
 
 fn main() {
@@ -23,18 +24,19 @@ fn main() {
         |index: usize, usual: f64| std::env::args().nth(index).and_then(|text| text.parse().ok()).unwrap_or(usual);
     let (knobs, rate_hz) = (argument(1, 1000.0), argument(2, 10_000.0));
     if std::env::args().nth(3).is_some_and(|motor| motor == "cogging") {
-        inside(knobs, rate_hz, &passivity::SLOTTED);
+        inside("one body", passivity::inside, knobs, rate_hz, &passivity::SLOTTED);
     } else {
-        inside(knobs, rate_hz, &[]);
+        inside("one body", passivity::inside, knobs, rate_hz, &[]);
+        inside("a gap or a shaft", passivity::inside_with_two_bodies, knobs, rate_hz, &[]);
         outside();
     }
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of knobs")]
-fn inside(knobs: f64, rate_hz: f64, cogging: &[Cogging]) {
+fn inside(what: &str, drawn: impl Fn(u64, f64) -> (Model, Hand), knobs: f64, rate_hz: f64, cogging: &[Cogging]) {
     let (mut grown, mut given_out, mut guarded) = (0, Vec::new(), 0);
     for seed in 0..knobs as u64 {
-        let (model, hand) = passivity::inside(seed, rate_hz);
+        let (model, hand) = drawn(seed, rate_hz);
         let gains = RenderGains::at_rate(rate_hz).unwrap();
         let seen = passivity::behaviour_on(cogging, &model, gains, hand, rate_hz, seed);
         if passivity::grew(&seen) {
@@ -47,7 +49,7 @@ fn inside(knobs: f64, rate_hz: f64, cogging: &[Cogging]) {
     given_out.sort_by(f64::total_cmp);
     let at = |share: f64| given_out[((given_out.len() - 1) as f64 * share) as usize];
     println!(
-        "inside the bounds, {knobs} knobs and hands at {rate_hz} Hz: {grown} swings grow, the guard acts in {guarded}"
+        "inside the bounds, {knobs} knobs with {what} and hands at {rate_hz} Hz: {grown} swings grow, the guard acts in {guarded}"
     );
     println!(
         "energy given out beyond what was put in, mNm·rad: median {:.2e}, 99 % {:.2e}, largest {:.2e} (slack {})",

@@ -3,6 +3,7 @@
 use dynamics::{Calibration, Direction, Model, Motion};
 use hal::Limits;
 
+use super::contact::Contact;
 use super::port::{Hands, LinearModel, Port};
 use crate::control::rendering::RenderGains;
 
@@ -11,7 +12,7 @@ use crate::control::rendering::RenderGains;
 #[error("{what} is {value:.4} {unit}, but the rig renders at most {bound:.4} {unit}: {remedy}")]
 pub struct BoundExceeded {
     /// What passes its bound.
-    pub what: &'static str,
+    pub what: Bounded,
     /// Its value in the model.
     pub value: f64,
     /// The nearest that would do.
@@ -20,6 +21,36 @@ pub struct BoundExceeded {
     pub unit: &'static str,
     /// What to change.
     pub remedy: &'static str,
+}
+
+/// What has a bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bounded {
+    /// Inertia of the whole.
+    Inertia,
+    /// Inertia of the cap of a knob of two bodies.
+    CapInertia,
+    /// Rise of friction over speed.
+    Damping,
+    /// Rise of torque over angle.
+    Stiffness,
+    /// Torque.
+    Torque,
+    /// Stiffness of what joins two bodies, at its damping.
+    Contact,
+}
+
+impl std::fmt::Display for Bounded {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(match self {
+            Self::Inertia => "the inertia",
+            Self::CapInertia => "the inertia of the cap",
+            Self::Damping => "the steepest rise of friction over speed",
+            Self::Stiffness => "the steepest rise of torque over angle",
+            Self::Torque => "the largest torque",
+            Self::Contact => "the stiffness of contact or shaft",
+        })
+    }
 }
 
 /// What can be rendered without any hand of the class being able to make it swing, and within the motor's torque.
@@ -101,19 +132,62 @@ impl Bounds {
             }
         };
         let bound = self.largest_inertia(demands.least_damping);
-        at_most("the inertia", inertia, bound, "mNm·s²/rad", "lower `inertia`")?;
+        at_most(Bounded::Inertia, inertia, bound, "mNm·s²/rad", "lower `inertia`")?;
         let bound = self.largest_damping(inertia);
         let remedy = "lower the viscous friction";
-        at_most("the steepest rise of friction over speed", demands.largest_damping, bound, "mNm·s/rad", remedy)?;
+        at_most(Bounded::Damping, demands.largest_damping, bound, "mNm·s/rad", remedy)?;
         let bound = self.largest_stiffness_mnm_rad(inertia, demands.least_damping + demands.coulomb_damping(inertia));
         let remedy = "lower the amplitude, widen the period or add friction";
-        at_most("the steepest rise of torque over angle", demands.stiffness_mnm_rad, bound, "mNm/rad", remedy)?;
+        at_most(Bounded::Stiffness, demands.stiffness_mnm_rad, bound, "mNm/rad", remedy)?;
         let remedy = "lower the amplitude, the static or the Coulomb friction";
-        at_most("the largest torque", demands.torque_mnm, self.largest_torque_mnm, "mNm", remedy)?;
+        at_most(Bounded::Torque, demands.torque_mnm, self.largest_torque_mnm, "mNm", remedy)?;
+        self.check_contact(model, &demands)?;
         let drives = demands.drives_from_rad_s.map(|speed_rad_s| {
             format!("friction would drive the knob from {speed_rad_s:.1} rad/s on; it is held at zero there")
         });
         Ok(drives.into_iter().collect())
+    }
+}
+
+impl Bounds {
+    /// Checks what joins the bodies of a model of two.
+    fn check_contact(&self, model: &Model, demands: &Demands) -> Result<(), BoundExceeded> {
+        let Some(contact) = self.contact(model, demands) else { return Ok(()) };
+        let bound = self.largest_inertia(0.0);
+        let exceeded = |what, value, bound, unit, remedy| Err(BoundExceeded { what, value, bound, unit, remedy });
+        if contact.cap_inertia > bound {
+            let remedy = "lower `inertia` or raise `backlash_inner_share`";
+            return exceeded(Bounded::CapInertia, contact.cap_inertia, bound, "mNm·s²/rad", remedy);
+        }
+        let value = contact.stiffness_mnm_rad;
+        let bound = contact.stiffest_mnm_rad(&self.port, &self.hands, SAFETY, value);
+        if bound < value {
+            let remedy = "lower it, or change the damping beside it";
+            return exceeded(Bounded::Contact, value, bound, "mNm/rad", remedy);
+        }
+        Ok(())
+    }
+
+    /// What detents and springs of a model leave of the largest torque, mNm; below zero where they pass it.
+    #[must_use]
+    pub fn room_for_friction_mnm(&self, model: &Model) -> f64 {
+        self.largest_torque_mnm - Demands::of(model).free_mnm
+    }
+
+    fn contact(&self, model: &Model, demands: &Demands) -> Option<Contact> {
+        let dampings = [demands.least_damping, demands.least_damping + demands.coulomb_damping(model.inertia())];
+        let coupling = model.coupling()?;
+        Some(Contact::new(&coupling, model.inertia(), self.least_inertia, dampings, demands.stiffness_mnm_rad))
+    }
+
+    /// Stiffness, mNm/rad, and damping, mNm·s/rad, of contact or shaft that are nearest to the model's and can be rendered; the
+    /// stiffness is zero where none can. `None` for a model of one body.
+    #[must_use]
+    pub fn nearest_contact(&self, model: &Model) -> Option<[f64; 2]> {
+        let demands = Demands::of(model);
+        let contact = self.contact(model, &demands)?;
+        let most_damping = self.largest_damping(contact.cap_inertia);
+        Some(contact.nearest(&self.port, &self.hands, SAFETY, most_damping))
     }
 }
 
@@ -141,7 +215,7 @@ const LOOKED_AT_RAD: f64 = std::f64::consts::TAU;
 /// Step of looking, rad: a thirtieth of the finest detent that a finger counts.
 const LOOKED_AT_STEP_RAD: f64 = 2e-4;
 /// Fastest that a hand turns a knob, rad/s.
-const FASTEST_RAD_S: f64 = 40.0;
+pub(crate) const FASTEST_RAD_S: f64 = 40.0;
 /// Largest acceleration that a hand gives a knob, rad/s²: 0.25 rad at 10 Hz, the fastest voluntary motion of fingers.
 const FASTEST_RAD_S2: f64 = 1_000.0;
 /// Speeds looked at, each way.

@@ -1,7 +1,9 @@
 //! What can be rendered on a rig without shaking: computed from its calibration, rate and gains.
 
 mod bounds;
+mod contact;
 mod port;
 
-pub use bounds::{BoundExceeded, Bounds, driving_speed_rad_s};
-pub use port::{Hands, LinearModel, Port};
+pub(crate) use bounds::FASTEST_RAD_S;
+pub use bounds::{BoundExceeded, Bounded, Bounds, driving_speed_rad_s};
+pub use port::{Hands, InnerPart, LinearModel, Port};

@@ -21,6 +21,28 @@ pub enum LinearModel {
     },
     /// It sticks.
     Stuck,
+    /// A cap behind which an inner body turns, or sticks, on a contact or a shaft.
+    TwoBodies {
+        /// Inertia of the cap with rotor and gripper, mNm·s²/rad.
+        cap_inertia: f64,
+        /// Stiffness of the contact, mNm/rad.
+        stiffness_mnm_rad: f64,
+        /// Damping of the contact, mNm·s/rad.
+        damping: f64,
+        /// The inner body; `None` where it sticks.
+        inner: Option<InnerPart>,
+    },
+}
+
+/// What turns behind a contact or a shaft, as far as small motions go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InnerPart {
+    /// Inertia, mNm·s²/rad.
+    pub inertia: f64,
+    /// Damping, mNm·s/rad.
+    pub damping: f64,
+    /// Stiffness, mNm/rad.
+    pub stiffness_mnm_rad: f64,
 }
 
 /// The rig with its loop, seen from the gripper.
@@ -88,6 +110,17 @@ impl Port {
                     + damping * z
                     + stiffness_mnm_rad * (angle_per_velocity + 0.5 * step_s),
             ),
+            LinearModel::TwoBodies { cap_inertia, stiffness_mnm_rad, damping, inner } => {
+                // Spring at the middle of a tick, damper at its end.
+                let contact = stiffness_mnm_rad * (angle_per_velocity + 0.25 * step_s * (z + 1.0)) + damping * z;
+                let behind = inner.map_or(contact, |inner| {
+                    let inner = inner.inertia * (z - 1.0) / step_s
+                        + inner.damping * z
+                        + inner.stiffness_mnm_rad * (angle_per_velocity + 0.5 * step_s);
+                    contact * inner / (contact + inner)
+                });
+                Some((cap_inertia - self.gripper_inertia) * (z - 1.0) / step_s + behind)
+            }
         };
         // drive = −slow·Ts + of_rotor·θ − of_body·ω_body; the command is J·(z − 1)/T·ω_body − drive.
         let (drive_of_sensor, drive_of_rotor, body_of_sensor, body_of_rotor) = match body {

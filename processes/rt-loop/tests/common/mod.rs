@@ -74,6 +74,11 @@ impl Bench {
         self.admission.admit(&model).unwrap().rendered
     }
 
+    /// The nearest to knob 5, which has an inner body behind a gap, ready for the renderer.
+    pub fn two_bodies(&self) -> Box<RenderedModel> {
+        self.admission.nearest(&knobs::paper_knob(5).unwrap()).unwrap().admitted.rendered
+    }
+
     /// Knob 3 with another parameter, ready for the renderer.
     pub fn tuned(&self, effect: &str, index: usize, value: f64) -> Box<RenderedModel> {
         let mut model: Model = knobs::paper_knob(3).unwrap();

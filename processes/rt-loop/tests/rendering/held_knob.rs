@@ -84,6 +84,14 @@ impl HeldKnob {
     }
 }
 
+/// What the spring of a model's contact or shaft holds, the cap being ahead of the inner body by `ahead_rad`, mNm·rad.
+pub fn held_by_contact(model: &Model, ahead_rad: f64) -> f64 {
+    model.coupling().map_or(0.0, |coupling| {
+        let beyond_rad = ahead_rad.abs() - coupling.half_gap_rad;
+        0.5 * coupling.stiffness_mnm_rad * beyond_rad.max(0.0).powi(2)
+    })
+}
+
 /// What detents and springs of a model hold at an angle beyond what they hold at zero, mNm·rad.
 #[allow(clippy::cast_possible_truncation, reason = "a small number of steps")]
 pub fn held_by_springs(model: &Model, angle_rad: f64) -> f64 {

@@ -5,9 +5,9 @@ use hal::simulated::{Cogging, Grip, Hand, Intention, RigParameters, SimulatedRig
 use rt_loop::control::rendering::RenderGains;
 use rt_loop::stability::Bounds;
 
-use crate::held_knob::{HeldKnob, held_by_springs};
+use crate::held_knob::{HeldKnob, held_by_contact, held_by_springs};
 use crate::numbers::Numbers;
-use crate::random_knob::{random_hand, random_knob};
+use crate::random_knob::{random_hand, random_knob, random_two_bodies};
 
 /// How a knob behaved in a hand that moves about for a second and then keeps still.
 #[derive(Debug)]
@@ -48,14 +48,26 @@ pub fn behaviour_on(
     let wanted_rad = angle_rad.last().unwrap() - angle_rad[0];
     let grip = hand.grip;
     let mut knob = HeldKnob::on_motor(cogging, model, gains, Some(hand), rate_hz, seed);
+    let mut inner_rad = 0.0;
     let mut seen = Behaviour { least_energy: f64::INFINITY, swings: [0.0; 2], guarded: 0 };
     while knob.time_s() < LASTS_S {
         let time_s = knob.time_s();
-        seen.guarded += u32::from(knob.step().guarded);
+        let rendered = knob.step();
+        seen.guarded += u32::from(rendered.guarded);
         let truth = knob.rig.truth();
-        let springs = held_by_springs(model, truth.knob_angle_rad);
+        let springs = if model.coupling().is_some() {
+            held_by_springs(model, rendered.inner_angle_rad)
+                + held_by_contact(model, rendered.angle_rad - rendered.inner_angle_rad)
+        } else {
+            held_by_springs(model, truth.knob_angle_rad)
+        };
         seen.least_energy = seen.least_energy.min(knob.work_of_hand - springs);
-        let moving = 0.5 * (model.inertia() + grip.inertia) * truth.knob_velocity_rad_s.powi(2);
+        // Of two bodies the inner one may be much slower or faster than the cap: as much as that.
+        let inner_rad_s = (rendered.inner_angle_rad - inner_rad) * rate_hz;
+        inner_rad = rendered.inner_angle_rad;
+        let inner_inertia = model.coupling().map_or(0.0, |coupling| coupling.inner_share.min(0.99) * model.inertia());
+        let moving = 0.5 * (model.inertia() - inner_inertia + grip.inertia) * truth.knob_velocity_rad_s.powi(2)
+            + 0.5 * inner_inertia * inner_rad_s.powi(2);
         let gripped = 0.5 * grip.stiffness_mnm_rad * (truth.knob_angle_rad - wanted_rad).powi(2);
         let now = moving + springs + gripped;
         if time_s < MOVES_S + 0.1 {
@@ -87,6 +99,18 @@ pub fn inside(seed: u64, rate_hz: f64) -> (dynamics::Model, Hand) {
     }
 }
 
+/// The same with lost motion, or a shaft that twists.
+pub fn inside_with_two_bodies(seed: u64, rate_hz: f64) -> (dynamics::Model, Hand) {
+    let bounds = bounds(rate_hz);
+    let mut numbers = Numbers(0x5eed_0000 + seed);
+    loop {
+        let model = random_two_bodies(&mut numbers, bounds.least_inertia, bounds.largest_inertia(0.0));
+        if bounds.check(&model).is_ok() {
+            return (model, random_hand(&mut numbers, MOVES_S, LASTS_S));
+        }
+    }
+}
+
 /// Most energy that may come out, mNm·rad: the guard's slack.
 pub const SLACK: f64 = 1.0;
 
@@ -111,6 +135,15 @@ fn neither_does_it_on_a_motor_whose_cogging_is_taken_out() {
         let gains = RenderGains::at_rate(10_000.0).unwrap();
         let seen = behaviour_on(&SLOTTED, &model, gains, hand, 10_000.0, seed);
         assert!(seen.least_energy > -SLACK && !grew(&seen), "seed {seed}: {seen:?}");
+    }
+}
+
+#[test]
+fn inside_the_bounds_lost_motion_and_shafts_make_no_swing_grow_and_no_energy_come_out() {
+    for seed in 0..16 {
+        let (model, hand) = inside_with_two_bodies(seed, 10_000.0);
+        let seen = behaviour(&model, RenderGains::at_rate(10_000.0).unwrap(), hand, 10_000.0, seed);
+        assert!(seen.least_energy > -SLACK && !grew(&seen), "seed {seed}: {seen:?} of {model:?}");
     }
 }
 

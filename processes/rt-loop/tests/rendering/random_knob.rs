@@ -27,6 +27,24 @@ pub fn random_knob(numbers: &mut Numbers, largest_inertia: f64) -> Model {
     knob
 }
 
+/// The same with an inner body behind a gap, or behind a shaft: gap, inertias, stiffness and damping over decades.
+pub fn random_two_bodies(numbers: &mut Numbers, least_inertia: f64, largest_inertia: f64) -> Model {
+    let mut knob = random_knob(numbers, largest_inertia);
+    let cap_inertia = numbers.between(1.000_001 * least_inertia, largest_inertia);
+    let inner_inertia = numbers.between(1e-4, 0.1);
+    let [stiffness, damping] = [numbers.between(300.0, 1e5), numbers.between(0.05, 20.0)];
+    if numbers.unit() < 0.75 {
+        knob.effects[0].values_mut()[0] = cap_inertia + inner_inertia;
+        let share = inner_inertia / (cap_inertia + inner_inertia);
+        let half_gap = numbers.between(1e-3, 0.1);
+        knob.effects.push(Effect::new(&effects::backlash::KIND, &[half_gap, share, stiffness, damping]));
+    } else {
+        knob.effects[0].values_mut()[0] = least_inertia + inner_inertia;
+        knob.effects.push(Effect::new(&effects::shaft_compliance::KIND, &[stiffness, damping]));
+    }
+    knob
+}
+
 /// A hand of the class, or none: it moves about for `moves_s` and then wants to be where it is.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "some samples")]
 pub fn random_hand(numbers: &mut Numbers, moves_s: f64, lasts_s: f64) -> Hand {

@@ -5,7 +5,8 @@
 //!  hand ══ gripper ══════╪══════ rotor ─────────────┤
 //!                        │ slow part     spring and damper (coupling)
 //!                        ▼                          │
-//!                   virtual body: the model's inertia, friction, stick and detents
+//!                   virtual knob: the model's inertia, friction, stick and detents
+//!                   [ cap ══ gap, contact, shaft ══ inner body with friction, stick and detents ]
 //! ```
 //!
 //! A virtual body has all that the model has and moves by the model's own equation. It is held to the rotor by a virtual
@@ -17,16 +18,19 @@
 //!
 //! - [`RenderedModel`]: a model checked to be one that can be rendered.
 //! - [`Renderer`]: the step.
-//! - `virtual_body`: Karnopp's friction that comes to rest exactly; `cross_fade`: from one model to the next;
+//! - `virtual_knob`: one body, or a cap with an inner body behind a `joint`, the gap or the shaft of the model, both in one
+//!   implicit step; `virtual_body`: Karnopp's friction that comes to rest exactly; `cross_fade`: from one model to the next;
 //!   `passivity`: the guard that sees to it that the coupling gives out no energy.
 
 mod cross_fade;
 mod gains;
+mod joint;
 mod passivity;
 mod rendered_model;
 mod renderer;
 mod slow_part;
 mod virtual_body;
+mod virtual_knob;
 
 pub use gains::{RenderGains, SLOWEST_RATE_HZ};
 pub use rendered_model::{RenderedModel, Unrenderable};

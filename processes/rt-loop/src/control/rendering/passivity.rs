@@ -5,8 +5,8 @@
 ///
 /// A command is constant over a tick, so that torque times the way gone until the next reading is exact (J.-H. Ryu, Y. S. Kim
 /// and B. Hannaford, *Sampled- and continuous-time passivity and stability of virtual environments*, IEEE Trans. Robotics
-/// 20, 2004). From what the rotor puts in is taken off what the model itself keeps or gives: the virtual body's kinetic
-/// energy and the work of its detents and springs. The rest can only be dissipated; where it becomes negative the loop
+/// 20, 2004). From what the rotor puts in is taken off what the model itself keeps or gives: the virtual knob's kinetic
+/// energy, what a contact or shaft in it holds, and the work of its detents and springs. The rest can only be dissipated; where it becomes negative the loop
 /// made energy, and the rotor is damped until it is gone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PassivityObserver {
@@ -14,8 +14,8 @@ pub(super) struct PassivityObserver {
     balance: f64,
     /// What was commanded for the present tick to feel like the model, mNm.
     rendered_mnm: f64,
-    /// Kinetic energy of the virtual body beyond the rotor's, mNm·rad.
-    kinetic: f64,
+    /// Energy that the virtual knob keeps beyond the rotor's kinetic one, mNm·rad.
+    kept: f64,
     slack: f64,
     most_damping: f64,
 }
@@ -25,8 +25,8 @@ pub(super) struct PassivityObserver {
 pub(super) struct Tick {
     /// Torque commanded to feel like the model, the compensation of the rig's friction apart, mNm.
     pub(super) rendered_mnm: f64,
-    /// Kinetic energy of the virtual body beyond the rotor's at its end, mNm·rad.
-    pub(super) kinetic: f64,
+    /// Energy that the virtual knob keeps at its end beyond the rotor's kinetic one, mNm·rad: in motion and in a contact.
+    pub(super) kept: f64,
     /// Work of the virtual body against detents and springs, mNm·rad.
     pub(super) work: f64,
 }
@@ -34,7 +34,7 @@ pub(super) struct Tick {
 impl PassivityObserver {
     /// An observer that permits `slack`, mNm·rad, to come out and damps with at most `most_damping`, mNm·s/rad.
     pub(super) fn new(slack: f64, most_damping: f64) -> Self {
-        Self { balance: 0.0, rendered_mnm: 0.0, kinetic: 0.0, slack, most_damping }
+        Self { balance: 0.0, rendered_mnm: 0.0, kept: 0.0, slack, most_damping }
     }
 
     /// Torque on the rotor that takes back what came out too much, mNm, after the rotor went on by `way_rad`.
@@ -51,8 +51,8 @@ impl PassivityObserver {
 
     /// Notes what is done until the next reading.
     pub(super) fn note(&mut self, tick: &Tick) {
-        self.balance -= tick.work + tick.kinetic - self.kinetic;
-        self.kinetic = tick.kinetic;
+        self.balance -= tick.work + tick.kept - self.kept;
+        self.kept = tick.kept;
         self.rendered_mnm = tick.rendered_mnm;
     }
 }

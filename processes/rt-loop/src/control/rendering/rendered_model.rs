@@ -2,12 +2,16 @@
 
 use dynamics::{Calibration, Direction, Model, Motion, Part, StickLimits};
 
+use super::joint::Joint;
+
 /// A model as the renderer takes it: on the rig's side of the torque sensor, and never driven by its friction.
 #[derive(Clone, Debug)]
 pub struct RenderedModel {
     model: Model,
     /// Inertia on the rig's side of the torque sensor, rotor included, mNm·s²/rad.
     inertia: f64,
+    /// What joins its two bodies, if it has two.
+    joint: Option<Joint>,
     /// The motor's viscous friction, which is felt anyway, mNm·s/rad.
     motor_viscous: f64,
 }
@@ -34,7 +38,41 @@ pub enum Unrenderable {
         /// The least that would do, mNm·s²/rad.
         least: f64,
     },
+    /// A cap that the gripper alone outweighs.
+    #[error(
+        "a cap of {cap} mNm·s²/rad before its gap cannot be rendered: gripper and rotor have {least:.4} already; the least that \
+         would do is inertia = {inertia:.5} with backlash_inner_share = {share:.4}"
+    )]
+    Cap {
+        /// The model's, mNm·s²/rad.
+        cap: f64,
+        /// The least that would do, mNm·s²/rad.
+        least: f64,
+        /// The inertia of the whole with such a cap, mNm·s²/rad.
+        inertia: f64,
+        /// The share of it that is then inside.
+        share: f64,
+    },
+    /// An inner body without inertia.
+    #[error(
+        "an inner body without inertia cannot be rendered; the least backlash_inner_share that would do is {share:.2e}"
+    )]
+    Inner {
+        /// The least share that would do.
+        share: f64,
+    },
+    /// More than one gap or shaft.
+    #[error("a model with {count} gaps and shafts cannot be rendered, one can; leave '{effect}' out")]
+    Joints {
+        /// How many it has.
+        count: usize,
+        /// The last one.
+        effect: &'static str,
+    },
 }
+
+/// Least inertia of an inner body, mNm·s²/rad: a thousandth of that of the lightest knob of Swindells and MacLean.
+const LEAST_INNER_INERTIA: f64 = 2e-6;
 
 impl RenderedModel {
     /// `model` on a rig with this calibration.
@@ -44,12 +82,16 @@ impl RenderedModel {
     /// # Errors
     /// [`Unrenderable`].
     pub fn new(model: &Model, calibration: &Calibration) -> Result<Self, Unrenderable> {
-        let unrenderable =
-            model.effects.iter().find(|effect| matches!(effect.kind().part, Part::Coupling(_) | Part::Bristles(_)));
+        let unrenderable = model.effects.iter().find(|effect| matches!(effect.kind().part, Part::Bristles(_)));
         if let Some(effect) = unrenderable {
             return Err(Unrenderable::Effect { effect: effect.kind().name });
         }
+        let joints = || model.effects.iter().filter(|effect| matches!(effect.kind().part, Part::Coupling(_)));
+        if let (2.., Some(effect)) = (joints().count(), joints().next_back()) {
+            return Err(Unrenderable::Joints { count: joints().count(), effect: effect.kind().name });
+        }
         let least = calibration.gripper_inertia + calibration.motor_inertia;
+        let joint = joint(model, calibration, least)?;
         if model.inertia() < least {
             return Err(Unrenderable::Inertia { inertia: model.inertia(), least });
         }
@@ -57,6 +99,7 @@ impl RenderedModel {
         model.effects.retain(|effect| !matches!(effect.kind().part, Part::Reading(_) | Part::ReadingDelay(_)));
         Ok(Self {
             inertia: model.inertia() - calibration.gripper_inertia,
+            joint,
             motor_viscous: calibration.motor_viscous.unwrap_or(0.0),
             model,
         })
@@ -71,6 +114,42 @@ impl RenderedModel {
     pub(super) fn forces(&self) -> Forces<'_> {
         Forces { from: self, to: self, share: 0.0 }
     }
+}
+
+/// What joins the bodies of a model of two; `None` for one of one body.
+///
+/// A shaft has all of its knob's inertia behind it, but rotor and gripper are before it: they count as part of that inertia.
+fn joint(model: &Model, calibration: &Calibration, least: f64) -> Result<Option<Joint>, Unrenderable> {
+    let Some(coupling) = model.coupling() else { return Ok(None) };
+    let inertia = model.inertia();
+    let shaft = coupling.half_gap_rad == 0.0;
+    let cap = if shaft { least } else { inertia * (1.0 - coupling.inner_share) };
+    let inner = inertia - cap;
+    // Rounding of a share that was made to fit.
+    if cap < least * (1.0 - 1e-9) {
+        let [inertia, share] = with_least_cap(inner, least);
+        return Err(Unrenderable::Cap { cap, least, inertia, share });
+    }
+    if inner < LEAST_INNER_INERTIA {
+        return Err(if shaft {
+            Unrenderable::Inertia { inertia, least: least + LEAST_INNER_INERTIA }
+        } else {
+            Unrenderable::Inner { share: LEAST_INNER_INERTIA / inertia }
+        });
+    }
+    Ok(Some(Joint {
+        cap_inertia: cap.max(least) - calibration.gripper_inertia,
+        inner_inertia: inner,
+        half_gap_rad: coupling.half_gap_rad,
+        stiffness_mnm_rad: coupling.stiffness_mnm_rad,
+        damping: coupling.damping,
+    }))
+}
+
+/// Inertia of the whole, mNm·s²/rad, and the share of it that is inside, of an inner body behind the lightest cap.
+fn with_least_cap(inner: f64, least: f64) -> [f64; 2] {
+    let inner = inner.max(LEAST_INNER_INERTIA);
+    [least + inner, inner / (least + inner)]
 }
 
 /// What a body feels: one model, or two while one gives way to the other.
@@ -91,6 +170,12 @@ impl Forces<'_> {
     /// Inertia on the rig's side of the torque sensor, mNm·s²/rad.
     pub(super) fn inertia(&self) -> f64 {
         self.mixed(|rendered| rendered.inertia)
+    }
+
+    /// What joins the two bodies, unless both models have but one.
+    pub(super) fn joint(&self) -> Option<Joint> {
+        let of = |rendered: &RenderedModel| (rendered.joint, rendered.inertia);
+        if self.share == 0.0 { self.from.joint } else { Joint::between(of(self.from), of(self.to), self.share) }
     }
 
     /// Torque of detents, springs and the like, mNm.

@@ -11,7 +11,7 @@ use super::gains::RenderGains;
 use super::passivity::{PassivityObserver, Tick};
 use super::rendered_model::RenderedModel;
 use super::slow_part::slow_part;
-use super::virtual_body::VirtualBody;
+use super::virtual_knob::VirtualKnob;
 
 /// What a tick begins with.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +35,9 @@ pub struct Rendered {
     pub torque_mnm: f64,
     /// Angle of the virtual body at the reading, rad.
     pub angle_rad: f64,
-    /// Whether the virtual body is at rest.
+    /// Angle at the reading of what friction and detents act on, rad: the same, or that of the inner body of two.
+    pub inner_angle_rad: f64,
+    /// Whether that is at rest.
     pub stuck: bool,
     /// Whether another model begins to be felt.
     pub begins_another: bool,
@@ -66,7 +68,7 @@ pub struct Renderer {
     notch: Option<DirectForm2Transposed<f64>>,
     slow: DirectForm2Transposed<f64>,
     fade: CrossFade,
-    body: VirtualBody,
+    knob: VirtualKnob,
     observer: PassivityObserver,
     previous_angle_rad: Option<f64>,
 }
@@ -90,7 +92,7 @@ impl Renderer {
             notch: notch(gains.notch_hz, gains.notch_depth, gains.notch_width, rate_hz).map(DirectForm2Transposed::new),
             slow: DirectForm2Transposed::new(slow_part(gains.slow_edge_hz, gains.slow_damping, rate_hz)?),
             fade: CrossFade::new(model),
-            body: VirtualBody::at_rest(0.0),
+            knob: VirtualKnob::at_rest(0.0),
             observer: PassivityObserver::new(gains.slack, gains.damping),
             previous_angle_rad: None,
         })
@@ -98,7 +100,7 @@ impl Renderer {
 
     /// Begins at this angle, at rest.
     pub fn begin(&mut self, angle_rad: f64) {
-        self.body = VirtualBody::at_rest(angle_rad);
+        self.knob = VirtualKnob::at_rest(angle_rad);
     }
 
     /// Takes a model that is to be felt from now on; `Err` gives it back while the one before still waits.
@@ -118,9 +120,8 @@ impl Renderer {
     /// the whole way at once. One that sticks stays where it is.
     #[allow(clippy::cast_precision_loss, reason = "a stall is a small number of ticks")]
     fn catch_up(&mut self, elapsed_ticks: u64, velocity_rad_s: f64, step_s: f64) {
-        if elapsed_ticks > 1 && !self.body.is_stuck() {
-            let way_rad = velocity_rad_s * step_s * (elapsed_ticks - 1) as f64;
-            self.body.angle_rad += way_rad;
+        if elapsed_ticks > 1 {
+            self.knob.carry_on(velocity_rad_s * step_s * (elapsed_ticks - 1) as f64);
         }
     }
 
@@ -128,36 +129,32 @@ impl Renderer {
     pub fn step(&mut self, felt: &Felt<'_>) -> Rendered {
         let Felt { measurement, velocity_rad_s, elapsed_ticks, time_s, step_s } = *felt;
         self.catch_up(elapsed_ticks, velocity_rad_s, step_s);
+        let inner_start_rad = self.knob.inner_angle_rad();
         let begins_another = self.fade.advance(step_s);
-        let start = self.body;
+        let (start_rad, start_rad_s) = (self.knob.angle_rad(), self.knob.velocity_rad_s());
         let way_rad = measurement.angle_rad
             - self.previous_angle_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
         let correction_mnm = self.observer.correction_mnm(way_rad, step_s);
         // The sensor reads what the rig puts into the gripper; the hand puts in the opposite.
         let slow_mnm = self.slow.run(self.torque_zero_mnm - measurement.torque_mnm);
-        let ahead_rad = measurement.angle_rad + self.gains.lead_s * velocity_rad_s - start.angle_rad;
-        let spring_mnm =
-            self.gains.stiffness_mnm_rad * ahead_rad + self.gains.damping * (velocity_rad_s - start.velocity_rad_s);
+        let ahead_rad = measurement.angle_rad + self.gains.lead_s * velocity_rad_s - start_rad;
+        let spring_mnm = self.gains.stiffness_mnm_rad * ahead_rad + self.gains.damping * (velocity_rad_s - start_rad_s);
         let coupling_mnm = self.notch.as_mut().map_or(spring_mnm, |notch| notch.run(spring_mnm));
         // The body feels no more than the motor can pass on: otherwise a clipped command would give out energy.
         let drive_mnm = (slow_mnm + coupling_mnm).clamp(-self.motor_torque_mnm, self.motor_torque_mnm);
         let forces = self.fade.forces();
-        let work = self.body.advance(&forces, drive_mnm, time_s, step_s);
-        let acceleration_rad_s2 = (self.body.velocity_rad_s - start.velocity_rad_s) / step_s;
+        let work = self.knob.advance(&forces, drive_mnm, time_s, step_s);
+        let acceleration_rad_s2 = (self.knob.velocity_rad_s() - start_rad_s) / step_s;
         let rendered_mnm = self.motor_inertia * acceleration_rad_s2 - drive_mnm;
-        let kinetic = 0.5 * (forces.inertia() - self.motor_inertia) * self.body.velocity_rad_s.powi(2);
-        self.observer.note(&Tick { rendered_mnm: rendered_mnm + correction_mnm, kinetic, work });
+        let kept = self.knob.kept(&forces, self.motor_inertia);
+        self.observer.note(&Tick { rendered_mnm: rendered_mnm + correction_mnm, kept, work });
         Rendered {
-            torque_mnm: rendered_mnm + correction_mnm + self.coulomb_mnm * direction(self.body.velocity_rad_s),
-            angle_rad: start.angle_rad,
-            stuck: self.body.is_stuck(),
+            torque_mnm: rendered_mnm + correction_mnm + self.coulomb_mnm * self.knob.sliding(),
+            angle_rad: start_rad,
+            inner_angle_rad: inner_start_rad,
+            stuck: self.knob.is_stuck(),
             begins_another,
             guarded: correction_mnm != 0.0,
         }
     }
-}
-
-/// −1, 0 or +1.
-fn direction(velocity_rad_s: f64) -> f64 {
-    if velocity_rad_s == 0.0 { 0.0 } else { velocity_rad_s.signum() }
 }

@@ -15,6 +15,17 @@ enum Contact {
     Sliding(Direction),
 }
 
+/// What acts on a body over a tick, its friction apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Load {
+    /// Inertia of the body, mNm·s²/rad.
+    pub(super) inertia: f64,
+    /// Torque on it if it is at rest at the end of the tick, mNm.
+    pub(super) torque_mnm: f64,
+    /// What the torque is less for each rad/s that it then has, mNm·s/rad.
+    pub(super) yielding: f64,
+}
+
 /// Least speed over which the slope of friction is taken, rad/s.
 const SLOW_RAD_S: f64 = 1e-3;
 
@@ -41,56 +52,70 @@ impl VirtualBody {
         self.contact == Contact::Stuck
     }
 
-    /// One tick from `time_s` on under `drive_mnm` from outside; gives its work against detents and springs, mNm·rad.
-    ///
-    /// Torques of the angle are taken in the middle of the way that the present velocity leads, friction at its end by
-    /// its slope, so that neither stiff detents nor strong damping gain energy from the step.
-    pub(super) fn advance(&mut self, forces: &Forces<'_>, drive_mnm: f64, time_s: f64, step_s: f64) -> f64 {
-        let middle = Motion {
+    /// Where torques of the angle are taken over a tick that begins at `time_s`: in the middle of the way that the present
+    /// velocity leads, so that stiff detents gain no energy from the step.
+    pub(super) fn middle(&self, time_s: f64, step_s: f64) -> Motion {
+        Motion {
             time_s: time_s + 0.5 * step_s,
             angle_rad: self.angle_rad + 0.5 * step_s * self.velocity_rad_s,
             velocity_rad_s: self.velocity_rad_s,
             acceleration_rad_s2: 0.0,
-        };
-        let free_mnm = forces.free_mnm(&middle);
-        let load_mnm = drive_mnm - free_mnm;
-        let limits = forces.stick_limits(&Motion { velocity_rad_s: 0.0, ..middle });
-        let held = (-limits.negative_mnm..=limits.positive_mnm).contains(&load_mnm);
-        let mobility = step_s / forces.inertia();
-        if self.contact == Contact::Stuck {
-            if held {
-                return 0.0;
-            }
-            self.contact = Contact::BreakingAway(Direction::of(load_mnm));
         }
-        let (Contact::BreakingAway(direction) | Contact::Sliding(direction)) = self.contact else { return 0.0 };
-        let start_rad_s = self.velocity_rad_s;
+    }
+
+    /// One tick from `time_s` on under `drive_mnm` from outside; gives its work against detents and springs, mNm·rad.
+    pub(super) fn advance(&mut self, forces: &Forces<'_>, drive_mnm: f64, time_s: f64, step_s: f64) -> f64 {
+        let middle = self.middle(time_s, step_s);
+        let free_mnm = forces.free_mnm(&middle);
+        let load = Load { inertia: forces.inertia(), torque_mnm: drive_mnm - free_mnm, yielding: 0.0 };
+        let before_rad_s = self.velocity_rad_s;
+        *self = self.turned(forces, &middle, &load, step_s);
+        let way_rad = 0.5 * step_s * (before_rad_s + self.velocity_rad_s);
+        free_mnm * way_rad
+    }
+
+    /// The body after a tick under a load.
+    ///
+    /// Friction is taken at the end of the tick by its slope, so that strong damping gains no energy from the step.
+    pub(super) fn turned(&self, forces: &Forces<'_>, middle: &Motion, load: &Load, step_s: f64) -> Self {
+        let mut body = *self;
+        let limits = forces.stick_limits(&Motion { velocity_rad_s: 0.0, ..*middle });
+        let held = (-limits.negative_mnm..=limits.positive_mnm).contains(&load.torque_mnm);
+        let mobility = step_s / load.inertia;
+        if body.contact == Contact::Stuck {
+            if held {
+                return body;
+            }
+            body.contact = Contact::BreakingAway(Direction::of(load.torque_mnm));
+        }
+        let (Contact::BreakingAway(direction) | Contact::Sliding(direction)) = body.contact else { return body };
+        let start_rad_s = body.velocity_rad_s;
         let coming_to_rest =
-            matches!(self.contact, Contact::Sliding(_)) && held && start_rad_s.abs() < limits.velocity_rad_s;
+            matches!(body.contact, Contact::Sliding(_)) && held && start_rad_s.abs() < limits.velocity_rad_s;
         let end_rad_s = if coming_to_rest {
             let braking_mnm = match direction {
                 Direction::Negative => -limits.negative_mnm,
                 Direction::Positive => limits.positive_mnm,
             };
-            start_rad_s + mobility * (load_mnm - braking_mnm)
+            (start_rad_s + mobility * (load.torque_mnm - braking_mnm)) / (1.0 + mobility * load.yielding)
         } else {
-            let at = |velocity_rad_s: f64| forces.friction_mnm(&Motion { velocity_rad_s, ..middle }, direction);
+            let at = |velocity_rad_s: f64| forces.friction_mnm(&Motion { velocity_rad_s, ..*middle }, direction);
             let speed_rad_s = direction.sign() * start_rad_s.abs().max(SLOW_RAD_S);
             let slope = ((at(speed_rad_s) - at(0.0)) / speed_rad_s).max(0.0);
             let friction_mnm = at(start_rad_s);
-            (start_rad_s + mobility * (load_mnm - friction_mnm + slope * start_rad_s)) / (1.0 + mobility * slope)
+            (start_rad_s + mobility * (load.torque_mnm - friction_mnm + slope * start_rad_s))
+                / (1.0 + mobility * (slope + load.yielding))
         };
         if end_rad_s * direction.sign() <= 0.0 {
-            self.contact = Contact::Stuck;
-            self.velocity_rad_s = 0.0;
+            body.contact = Contact::Stuck;
+            body.velocity_rad_s = 0.0;
         } else {
             if end_rad_s.abs() >= limits.velocity_rad_s {
-                self.contact = Contact::Sliding(direction);
+                body.contact = Contact::Sliding(direction);
             }
-            self.velocity_rad_s = end_rad_s;
+            body.velocity_rad_s = end_rad_s;
         }
-        let way_rad = 0.5 * step_s * (start_rad_s + self.velocity_rad_s);
-        self.angle_rad += way_rad;
-        free_mnm * way_rad
+        body.angle_rad += 0.5 * step_s * (start_rad_s + body.velocity_rad_s);
+        body
     }
 }

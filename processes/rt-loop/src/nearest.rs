@@ -1,0 +1,225 @@
+//! The model nearest to one that the rig cannot render that it can.
+
+use dynamics::{Effect, EffectKind, Model, Part};
+
+use crate::admission::{Admission, Admitted};
+use crate::control::rendering::Unrenderable;
+use crate::plan::PlanError;
+use crate::stability::{BoundExceeded, Bounded, FASTEST_RAD_S};
+
+/// A model that the rig can render, and what it took.
+#[derive(Clone, Debug)]
+pub struct Nearest {
+    /// The model.
+    pub model: Model,
+    /// Ready for the renderer.
+    pub admitted: Admitted,
+    /// What was changed, from what to what, in sentences; empty where nothing had to be.
+    pub clipped: Vec<String>,
+}
+
+/// Most bounds that are met one after the other: each moves others.
+const ROUNDS: u32 = 40;
+/// How far a value stays inside its bound, as a share: rounding.
+const INSIDE: f64 = 1e-9;
+/// Share that is taken off where a bound moves with what it bounds.
+const MOVING: f64 = 0.99;
+
+impl Admission {
+    /// The model itself, or one with inertia, friction, stiffness and torque clipped to what the rig renders: the bounds are met one
+    /// by one, each by what it bounds alone.
+    ///
+    /// Of a light knob the inertia is raised in front of its gap, what is inside stays; a contact becomes as stiff as can be,
+    /// and no more damped than that takes; too large a torque is first taken off viscous friction and what the knob bears at rest. What has no place
+    /// in the renderer is left out.
+    ///
+    /// # Errors
+    /// The refusal of a model that does not come inside the bounds so.
+    pub fn nearest(&self, model: &Model) -> Result<Nearest, PlanError> {
+        let mut tried = model.clone();
+        for _ in 0..ROUNDS {
+            match self.admit(&tried) {
+                Ok(admitted) => return Ok(told(model, tried, admitted)),
+                Err(error) => {
+                    let changed = match &error {
+                        PlanError::Unrenderable(error) => make_renderable(&mut tried, error),
+                        PlanError::Unsafe(error) => self.meet(&mut tried, error),
+                        _ => false,
+                    };
+                    if !changed {
+                        return Err(error);
+                    }
+                }
+            }
+        }
+        self.admit(&tried).map(|admitted| told(model, tried, admitted))
+    }
+
+    /// Brings what passes a bound to it; `false` where the model has nothing that would do so.
+    fn meet(&self, model: &mut Model, exceeded: &BoundExceeded) -> bool {
+        let BoundExceeded { what, value, bound, .. } = *exceeded;
+        if !value.is_finite() {
+            return false;
+        }
+        let share = bound / value * (1.0 - INSIDE);
+        match what {
+            Bounded::Inertia => set_inertia(model, share * model.inertia()),
+            Bounded::CapInertia => set_cap(model, share * value),
+            Bounded::Damping => change(model, |kind, _, unit, viscous| match (kind.part, unit) {
+                (Part::Friction(_), "mNm s/rad") => viscous.min(bound * (1.0 - INSIDE)),
+                _ => viscous,
+            }),
+            Bounded::Stiffness => scale_torques(model, share * MOVING),
+            Bounded::Torque => {
+                let room_mnm = (1.0 - INSIDE) * self.room_for_friction_mnm(model);
+                lower_torque(model, room_mnm, share)
+            }
+            Bounded::Contact => {
+                let Some([stiffness_mnm_rad, damping]) = self.nearest_contact(model) else { return false };
+                let own = model.coupling().map_or(0.0, |coupling| coupling.stiffness_mnm_rad);
+                // The same again would not be admitted either.
+                let stiffness_mnm_rad = stiffness_mnm_rad.min(own * (1.0 - INSIDE));
+                stiffness_mnm_rad > 0.0
+                    && change(model, |kind, _, unit, value| match (kind.part, unit) {
+                        (Part::Coupling(_), "mNm/rad") => stiffness_mnm_rad,
+                        (Part::Coupling(_), "mNm s/rad") => damping,
+                        _ => value,
+                    })
+            }
+        }
+    }
+}
+
+fn make_renderable(model: &mut Model, error: &Unrenderable) -> bool {
+    match *error {
+        Unrenderable::Effect { effect } | Unrenderable::Joints { effect, .. } => leave_out(model, effect),
+        Unrenderable::Inertia { least, .. } => set_inertia(model, least),
+        Unrenderable::Cap { inertia, share, .. } => set_inertia(model, inertia) && set_share(model, share),
+        Unrenderable::Inner { share } => set_share(model, share),
+    }
+}
+
+fn leave_out(model: &mut Model, effect: &str) -> bool {
+    let last = model.effects.iter().rposition(|known| known.kind().name == effect);
+    last.map(|index| model.effects.remove(index)).is_some()
+}
+
+/// Gives every parameter the value that `of` makes of its kind, name, unit and value; says whether any changed.
+fn change(model: &mut Model, of: impl Fn(&EffectKind, &str, &str, f64) -> f64) -> bool {
+    let mut changed = false;
+    for effect in &mut model.effects {
+        let kind = effect.kind();
+        for (parameter, value) in kind.parameters.iter().zip(effect.values_mut()) {
+            let new = of(kind, parameter.name, parameter.unit, *value);
+            changed |= new != *value;
+            *value = new;
+        }
+    }
+    changed
+}
+
+fn set_inertia(model: &mut Model, inertia: f64) -> bool {
+    let now = model.inertia();
+    if now > 0.0 {
+        let times = inertia / now;
+        return change(model, |kind, _, _, value| if let Part::Inertia(_) = kind.part { times * value } else { value });
+    }
+    let without = |effect: &Effect| !matches!(effect.kind().part, Part::Inertia(_));
+    model.effects.retain(without);
+    model.effects.insert(0, Effect::new(&dynamics::effects::inertia::KIND, &[inertia]));
+    true
+}
+
+fn set_share(model: &mut Model, share: f64) -> bool {
+    change(model, |_, name, _, value| if name == "backlash_inner_share" { share } else { value })
+}
+
+/// Another cap before the same inner body.
+fn set_cap(model: &mut Model, cap: f64) -> bool {
+    let inner = model.coupling().map_or(0.0, |coupling| coupling.inner_share) * model.inertia();
+    set_inertia(model, cap + inner) && set_share(model, inner / (cap + inner))
+}
+
+/// Torques of the angle made weaker as a whole, so that they keep their shape.
+fn scale_torques(model: &mut Model, share: f64) -> bool {
+    change(model, |kind, name, unit, value| {
+        let of_angle = kind.steepest_mnm_rad.is_some() && (unit.starts_with("mNm") || name == "table_scale");
+        if of_angle { share * value } else { value }
+    })
+}
+
+/// Lowers friction to `room_mnm`, what detents and springs leave: what the knob bears at rest, and viscous friction at the fastest
+/// motion of a hand. Where that is not it, or the Coulomb friction alone is more, all torques become a `share` of theirs.
+fn lower_torque(model: &mut Model, room_mnm: f64, share: f64) -> bool {
+    let borne = change(model, |kind, _, unit, value| match (kind.part, unit) {
+        (Part::Stick(_), "mNm") if room_mnm > 0.0 => value.min(room_mnm),
+        _ => value,
+    });
+    let mut viscous = false;
+    for effect in &mut model.effects {
+        if effect.kind().name == dynamics::effects::friction::KIND.name
+            && let [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive] = effect.values_mut()
+        {
+            for (coulomb_mnm, damping) in [(coulomb_negative, viscous_negative), (coulomb_positive, viscous_positive)] {
+                let most = (room_mnm - *coulomb_mnm) / FASTEST_RAD_S;
+                if most > 0.0 && *damping > most {
+                    *damping = most;
+                    viscous = true;
+                }
+            }
+        }
+    }
+    if borne || viscous {
+        return true;
+    }
+    let torques = scale_torques(model, share);
+    change(model, |kind, _, unit, value| match (kind.part, unit) {
+        (Part::Stick(_), "mNm") | (Part::Friction(_), "mNm" | "mNm s/rad") => share * value,
+        _ => value,
+    }) || torques
+}
+
+/// What became of `asked`, with a note at every effect that was changed.
+fn told(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
+    let mut clipped = Vec::new();
+    for effect in &asked.effects {
+        let name = effect.kind().name;
+        let Some(rendered) = model.effects.iter_mut().find(|known| known.kind().name == name) else {
+            clipped.push(format!("{name} is left out: it has no place in the renderer"));
+            continue;
+        };
+        let changes: Vec<String> = effect
+            .parameters()
+            .zip(rendered.values())
+            .filter(|((_, from), to)| from != *to)
+            .map(|((parameter, from), to)| {
+                let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
+                format!("{} = {}{unit} instead of {}", parameter.name, rounded(*to), rounded(from))
+            })
+            .collect();
+        if !changes.is_empty() {
+            let origin = rendered.origin().map_or_else(String::new, |origin| format!("{origin}; "));
+            *rendered =
+                rendered.with_origin(&format!("{origin}clipped to what the rig renders: {}", changes.join(", ")));
+            clipped.extend(changes);
+        }
+    }
+    if asked.inertia() == 0.0 {
+        clipped.push(format!("inertia = {} mNm s²/rad instead of none", rounded(model.inertia())));
+    }
+    if !clipped.is_empty() {
+        model.name = format!("{}, the nearest that the rig renders", model.name);
+    }
+    Nearest { model, admitted, clipped }
+}
+
+/// Four significant digits.
+fn rounded(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of digits")]
+    let digits = (3.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
