@@ -115,7 +115,8 @@ impl StreamPublisher {
             if stop_signal.load(Ordering::Acquire) && !self.shutdown {
                 self.begin_shutdown();
             }
-            self.has_run |= matches!(state, LoopState::Running | LoopState::Fault);
+            // A run shorter than a stall of this thread is never seen running, but its samples are there.
+            self.has_run |= has_run(state, self.current.published_samples);
             let at_rest = matches!(state, LoopState::Idle | LoopState::Fault);
             // `state` was read before the ring was emptied: nothing of the run can still be in it.
             let finished = self.has_run && at_rest;
@@ -203,6 +204,11 @@ impl StreamPublisher {
     }
 }
 
+/// Whether the run has begun, by what the loop does now and by what it has left in the ring.
+fn has_run(state: LoopState, published_samples: u64) -> bool {
+    matches!(state, LoopState::Running | LoopState::Fault) || published_samples > 0
+}
+
 /// Adds one sample to the counts of the status.
 fn count(status: &mut LoopStatus, sample: &Sample) {
     status.published_samples += 1;
@@ -217,4 +223,16 @@ fn count(status: &mut LoopStatus, sample: &Sample) {
     let lateness_ns = sample.lateness_ns + stall_ns;
     status.max_lateness_ns = status.max_lateness_ns.max(lateness_ns);
     status.lateness_counts[LoopStatus::lateness_bin(lateness_ns)] += 1;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_came_and_went_while_the_publisher_had_no_processor_is_known_by_its_samples() {
+        assert!(!has_run(LoopState::Armed, 0), "nothing has begun");
+        assert!(has_run(LoopState::Running, 0));
+        assert!(has_run(LoopState::Idle, 9_965), "armed when last looked at, at rest now, samples between");
+    }
 }
