@@ -48,7 +48,7 @@ pub struct StreamPublisher {
     requests: Producer<Request>,
     shared: Arc<SharedState>,
     current: LoopStatus,
-    was_armed: bool,
+    has_run: bool,
     shutdown: bool,
     tick_log: Option<TickLog>,
     // Last, since ports go before the node they belong to.
@@ -87,7 +87,7 @@ impl StreamPublisher {
                 process_id: std::process::id(),
                 ..LoopStatus::default()
             },
-            was_armed: false,
+            has_run: false,
             shutdown: false,
             tick_log: None,
             _node: node,
@@ -130,11 +130,11 @@ impl StreamPublisher {
             if stop_signal.load(Ordering::Acquire) && !self.shutdown {
                 self.begin_shutdown();
             }
-            // Not "is running": a run of a second can begin and end while this thread waits for a processor.
-            self.was_armed |= state != LoopState::Idle;
+            // A run shorter than a stall of this thread is never seen running, but its samples are there.
+            self.has_run |= has_run(state, self.current.published_samples);
             let at_rest = matches!(state, LoopState::Idle | LoopState::Fault);
             // `state` was read before the ring was emptied: nothing of the run can still be in it.
-            let finished = self.was_armed && at_rest;
+            let finished = self.has_run && at_rest;
             let now_ns = monotonic_time_ns();
             if now_ns >= next_status_ns || state != shown || finished != (self.current.finished == 1) {
                 self.current.finished = u32::from(finished);
@@ -219,6 +219,11 @@ impl StreamPublisher {
     }
 }
 
+/// Whether the run has begun, by what the loop does now and by what it has left in the ring.
+fn has_run(state: LoopState, published_samples: u64) -> bool {
+    matches!(state, LoopState::Running | LoopState::Fault) || published_samples > 0
+}
+
 /// Adds one sample to the counts of the status.
 fn count(status: &mut LoopStatus, sample: &Sample) {
     status.published_samples += 1;
@@ -233,4 +238,16 @@ fn count(status: &mut LoopStatus, sample: &Sample) {
     let lateness_ns = sample.lateness_ns + stall_ns;
     status.max_lateness_ns = status.max_lateness_ns.max(lateness_ns);
     status.lateness_counts[LoopStatus::lateness_bin(lateness_ns)] += 1;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_came_and_went_while_the_publisher_had_no_processor_is_known_by_its_samples() {
+        assert!(!has_run(LoopState::Armed, 0), "nothing has begun");
+        assert!(has_run(LoopState::Running, 0));
+        assert!(has_run(LoopState::Idle, 9_965), "armed when last looked at, at rest now, samples between");
+    }
 }
