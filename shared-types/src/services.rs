@@ -29,10 +29,11 @@ use crate::{
 
 /// Most samples in one block: 1.6 ms at 20 kHz.
 pub const SAMPLES_PER_BLOCK: usize = 32;
-/// Blocks kept for a subscriber that comes later: about 4 s, since a block is sent every millisecond.
-pub const SAMPLE_HISTORY_BLOCKS: usize = 4096;
-/// Blocks that a stalled subscriber may leave waiting: about 8 s. Then the oldest go first.
-pub const SAMPLE_QUEUE_BLOCKS: usize = 8192;
+/// Blocks kept for a subscriber that comes later: about 8 s, since a block is sent every millisecond. A consumer that hangs is
+/// noticed, ended and brought back in half of it, a busy machine included.
+pub const SAMPLE_HISTORY_BLOCKS: usize = 8192;
+/// Blocks that a stalled subscriber may leave waiting: about 16 s. Then the oldest go first.
+pub const SAMPLE_QUEUE_BLOCKS: usize = 16384;
 /// Longest run description, bytes of JSON.
 pub const DESCRIPTION_MAX_BYTES: usize = 64 * 1024;
 /// Longest [`ModelChange`](crate::ModelChange) or [`ModelAnswer`](crate::ModelAnswer), bytes of JSON: a line break or a

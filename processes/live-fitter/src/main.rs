@@ -19,7 +19,7 @@ use identification::live::{LiveFit, LiveSample};
 use streams::Streams;
 use update::Cadence;
 
-/// How often the queue is looked at. It holds eight seconds.
+/// How often the queue is looked at. It holds sixteen seconds.
 const POLL_INTERVAL: Duration = Duration::from_micros(500);
 
 /// Fits the model to the stream while the run goes on.

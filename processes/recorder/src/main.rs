@@ -25,7 +25,7 @@ use std::time::Duration;
 
 use clap::Parser as _;
 
-/// How often the queues are looked at. They hold eight seconds; with the publisher's millisecond this keeps a sample's way
+/// How often the queues are looked at. They hold sixteen seconds; with the publisher's millisecond this keeps a sample's way
 /// below two.
 const POLL_INTERVAL: Duration = Duration::from_micros(500);
 

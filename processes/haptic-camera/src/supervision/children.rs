@@ -22,7 +22,7 @@ const SHORT_LIFE: Duration = Duration::from_secs(1);
 const SHORT_LIVES: u32 = 5;
 
 /// Silence of a consumer, which reports twice a second, after which it counts as hung. What it missed until it is
-/// back must still lie in the stream's history of four seconds.
+/// back must still lie in the stream's history of eight seconds.
 const HUNG: Duration = Duration::from_millis(2_500);
 /// A consumer may take so long until its first report.
 const FIRST_WORD: Duration = Duration::from_secs(10);
