@@ -126,6 +126,7 @@ fn blank_description() -> RunDescription {
         calibration_toml: String::new(),
         simulated_knob_toml: None,
         rendered_model_toml: None,
+        control_toml: None,
         notes: Vec::new(),
     }
 }

@@ -50,7 +50,7 @@ fn the_amplifier_is_off_after_a_panic_of_the_real_time_thread() {
     let control = ControlState::new(plan.control, &plan.rig.calibration).unwrap();
     let is_on = Arc::new(AtomicBool::new(false));
     let apparatus = Box::new(Panicking { rig: plan.apparatus, readings: 0, is_on: Arc::clone(&is_on) });
-    let (tick_loop, mut port) = TickLoop::new(apparatus, control, plan.control.rate_hz);
+    let (mut tick_loop, mut port) = TickLoop::new(apparatus, control, plan.control.rate_hz);
     let outcome = std::thread::spawn(move || tick_loop.run()).join();
     assert!(outcome.is_err(), "the panic is not swallowed");
     assert!(!is_on.load(Ordering::SeqCst));

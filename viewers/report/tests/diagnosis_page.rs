@@ -70,6 +70,7 @@ fn spring() -> Diagnosis {
     Diagnosis {
         verdict: Verdict::Effects,
         effects: vec!["return-spring"],
+        refined: std::collections::BTreeMap::new(),
         summary: "Missing: return-spring (or mass-imbalance: a tie).".to_owned(),
         train_rms_before: 2.412,
         train_rms_after: 0.2215,

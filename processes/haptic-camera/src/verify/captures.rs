@@ -41,7 +41,7 @@ pub struct Captured {
     pub verification: Verification,
     /// The capture that was fitted.
     pub train: LoadedCapture,
-    /// Its fit.
+    /// Its fit as a knob of one body.
     pub fit: Fit,
 }
 
@@ -72,10 +72,11 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         }
         None => None,
     };
-    if model.coupling().is_some() {
-        return two_bodies::verification(model, rate_hz, captures, [&train, &heldout, &creep], held_still);
-    }
     let fit = fit(&train, model)?;
+    if model.coupling().is_some() {
+        let verification = two_bodies::verification(model, rate_hz, captures, [&train, &heldout, &creep], held_still)?;
+        return Ok(Captured { verification, train, fit });
+    }
     let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
     let parameters = parameters(model, &fit, &thresholds);
     let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, &fit);

@@ -5,6 +5,7 @@ use report::{AddedByRendering, CaptureFacts, RenderedParameter, RenderingPage};
 
 use super::captures::Captured;
 use super::compare::Verified;
+use super::table::lost_motion_in_words;
 use super::{Added, HeldStill, Verification};
 
 /// The page as HTML.
@@ -17,6 +18,7 @@ pub(super) fn page(model: &Model, captured: &Captured) -> String {
         torque_error_rms_mnm,
         torque_rms_mnm,
         torque_error_percent,
+        lost_motion,
         held_still,
         added,
         limits,
@@ -54,7 +56,7 @@ pub(super) fn page(model: &Model, captured: &Captured) -> String {
                 noise_floor_rms: *noise_floor_rms,
             }
         }),
-        notes: notes.clone(),
+        notes: lost_motion.iter().flat_map(lost_motion_in_words).chain(notes.iter().cloned()).collect(),
         passed: *passed,
     })
 }

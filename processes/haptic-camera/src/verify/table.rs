@@ -25,7 +25,7 @@ pub fn lines(verification: &Verification) -> Vec<String> {
          {torque_error_percent:.2} % (at most {LARGEST_TORQUE_ERROR_PERCENT} %)"
     ));
     if let Some(lost) = &verification.lost_motion {
-        lines.extend(lost_motion(lost));
+        lines.extend(lost_motion_in_words(lost));
     }
     if let Some(held) = &verification.held_still {
         lines.push(format!(
@@ -58,7 +58,8 @@ fn row(parameter: &Verified) -> [String; 6] {
     ]
 }
 
-fn lost_motion(lost: &LostMotion) -> [String; 2] {
+/// What was seen of a gap.
+pub(super) fn lost_motion_in_words(lost: &LostMotion) -> [String; 2] {
     let mut ways = lost.free_ways_rad.clone();
     ways.sort_by(f64::total_cmp);
     let seen = match (ways.last(), ways.get(ways.len() / 2)) {

@@ -7,7 +7,7 @@ use identification::checks::{FreeTravel, free_travel};
 use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
 
 use super::compare::{Verified, along_motion_mnm};
-use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification};
+use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Limits, LostMotion, Verification};
 use crate::load::LoadedCapture;
 
 /// Compares the captures of a sweep, another motion and a creep with a model of two bodies.
@@ -66,6 +66,7 @@ pub(super) fn verification(
         lost_motion,
         held_still,
         added: Some(Added::of(&whole)),
+        limits: Limits::default(),
         notes: whole.notes,
         passed,
     })
