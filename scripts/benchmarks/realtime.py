@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import dataclasses
+import functools
 import shutil
 import sys
 import tempfile
@@ -54,7 +55,7 @@ def measure(row, core, seconds, folder):
             return read_ticks(rig.bare_loop(core, row.rate_hz, seconds, folder), row.rate_hz)
         if row.kind == IDLE:
             return read_ticks(rig.idle_loop(core, row.rate_hz, seconds, folder), row.rate_hz, ARMED)
-        meanwhile = rig.kills if row.killed else contextlib.nullcontext
+        meanwhile = functools.partial(rig.kills, seconds=seconds) if row.killed else contextlib.nullcontext
         rig.capture(row.rate_hz, seconds, folder, meanwhile)
         return read_ticks(rig.ticks_file(folder), row.rate_hz, RUNNING)
 

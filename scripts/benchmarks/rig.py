@@ -76,19 +76,24 @@ def processes(folder, names=CONSUMERS):
 
 
 @contextlib.contextmanager
-def kills(folder):
-    """Kills every consumer whenever it has lived long enough: about three kills a second in all."""
+def kills(folder, seconds):
+    """Kills every consumer whenever it has lived long enough: about three kills a second in all, while the run goes on.
+
+    Afterwards the recorder is left to close the archive, which on a loaded core takes longer than such a life.
+    """
     over = threading.Event()
 
     def run():
         born = {}
         while not over.wait(0.05):
             now = time.monotonic()
+            if born and now - min(born.values()) > seconds:
+                return
             for process, _ in processes(folder):
                 if now - born.setdefault(process, now) > LIFE_S:
                     with contextlib.suppress(ProcessLookupError):
                         os.kill(process, signal.SIGKILL)
-                    born.pop(process)
+                    born[process] = now
 
     thread = threading.Thread(target=run)
     thread.start()

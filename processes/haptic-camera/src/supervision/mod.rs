@@ -1,6 +1,7 @@
 //! A run of the rig: the control loop and its consumers, started, watched and ended together.
 
-mod children;
+mod child;
+mod consumers;
 mod loop_link;
 mod progress;
 mod run_end;
@@ -17,8 +18,9 @@ use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realt
 use crate::command_line::RunOptions;
 use crate::offline_run;
 use crate::outcome::{remark, say};
-pub(crate) use children::program_path;
-use children::{Child, Consumers, program};
+pub(crate) use child::program_path;
+use child::{Child, program};
+use consumers::Consumers;
 use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;

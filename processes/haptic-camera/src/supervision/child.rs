@@ -1,0 +1,97 @@
+//! A process that this one starts, and its end.
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::Context as _;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+
+/// The command that starts one of our programs, which lie beside this one.
+///
+/// # Errors
+/// When it is not there.
+pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
+    let path = program_path(name)?;
+    anyhow::ensure!(path.exists(), "the program {} is missing; build the whole workspace", path.display());
+    let mut command = Command::new(path);
+    // A Ctrl-C at the terminal reaches this program alone, which then ends the run in order.
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    command.stdin(Stdio::null());
+    Ok(command)
+}
+
+/// Where one of our programs lies: beside this one.
+///
+/// # Errors
+/// When the system does not tell where this program lies.
+pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
+    Ok(std::env::current_exe().context("where this program lies is unknown")?.with_file_name(name))
+}
+
+/// A process that this one started.
+pub(crate) struct Child {
+    process: std::process::Child,
+    started: Instant,
+    exit: Option<Option<i32>>,
+}
+
+impl Child {
+    pub(crate) fn start(command: &mut Command) -> anyhow::Result<Self> {
+        let process = command
+            .spawn()
+            .with_context(|| format!("{} cannot be started", command.get_program().to_string_lossy()))?;
+        Ok(Self { process, started: Instant::now(), exit: None })
+    }
+
+    pub(crate) fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    pub(crate) fn age(&self) -> Duration {
+        self.started.elapsed()
+    }
+
+    /// Whether it has ended; reaps it.
+    pub(crate) fn has_ended(&mut self) -> bool {
+        if self.exit.is_none()
+            && let Ok(Some(status)) = self.process.try_wait()
+        {
+            self.exit = Some(status.code());
+        }
+        self.exit.is_some()
+    }
+
+    /// Its exit code, `None` while it runs or when a signal ended it.
+    pub(crate) fn exit_code(&self) -> Option<i32> {
+        self.exit.flatten()
+    }
+
+    /// Asks it to end, and after `patience` makes it.
+    pub(crate) fn end(&mut self, patience: Duration) {
+        if !self.has_ended() {
+            let _ = kill(self.pid(), Signal::SIGTERM);
+        }
+        if !self.wait(patience) {
+            let _ = kill(self.pid(), Signal::SIGKILL);
+            self.wait(Duration::from_secs(1));
+        }
+    }
+
+    /// Waits for its end; `false` when it has not come within `patience`.
+    pub(crate) fn wait(&mut self, patience: Duration) -> bool {
+        let deadline = Instant::now() + patience;
+        while !self.has_ended() {
+            if Instant::now() >= deadline {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        true
+    }
+
+    pub(super) fn pid(&self) -> Pid {
+        Pid::from_raw(i32::try_from(self.process.id()).unwrap_or(i32::MAX))
+    }
+}
