@@ -85,15 +85,17 @@ def kills(folder, seconds):
 
     def run():
         born = {}
+        begun = None
         while not over.wait(0.05):
             now = time.monotonic()
-            if born and now - min(born.values()) > seconds:
+            if begun and now - begun > seconds:
                 return
             for process, _ in processes(folder):
+                begun = begun or now
                 if now - born.setdefault(process, now) > LIFE_S:
                     with contextlib.suppress(ProcessLookupError):
                         os.kill(process, signal.SIGKILL)
-                    born[process] = now
+                    born.pop(process)
 
     thread = threading.Thread(target=run)
     thread.start()
