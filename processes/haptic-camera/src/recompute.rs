@@ -7,7 +7,7 @@ use archive::Capture;
 use hal::Measurement;
 use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
-use shared_types::{LoopState, ModelChange, Sample};
+use shared_types::{LoopState, ModelChange, RunDescription, Sample};
 
 use crate::command_line::RecomputeOptions;
 use crate::fit::{to_output, write_json};
@@ -58,7 +58,7 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     if description.software_version != env!("CARGO_PKG_VERSION") {
         remark(format!("the replay was made by version {}, which may compute otherwise", description.software_version));
     }
-    let recomputed = recompute(&capture)?;
+    let recomputed = recompute(&capture, description)?;
     if !to_output(options.json.as_deref()) {
         lines(&recomputed, description.rate_hz).iter().for_each(say);
     }
@@ -71,8 +71,7 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
 }
 
 /// Feeds what was recorded through the control step.
-fn recompute(capture: &Capture) -> anyhow::Result<Recomputed> {
-    let run = capture.description.as_ref().context("the archive has no description")?;
+fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomputed> {
     let lacks = |column: &str| format!("the archive's samples have no {column}, which the control step needs");
     let commanded_mnm = capture.commanded_torque_mnm.as_ref().with_context(|| lacks("commanded_torque_mnm"))?;
     let acceleration = capture.acceleration_rad_s2.as_ref().with_context(|| lacks("acceleration_rad_s2"))?;

@@ -126,9 +126,8 @@ impl Recording {
             Some(Ok(())) => self.unflushed.clear(),
             Some(Err(error)) => self.fall_back(&error),
             None => {
-                if self.go_on().is_ok() {
-                    let part = self.part.as_ref().map(|part| part.path.display().to_string()).unwrap_or_default();
-                    tracing::error!("there is room again; recording goes on in {part}");
+                if let Ok(part) = self.go_on() {
+                    tracing::error!("there is room again; recording goes on in {}", part.display());
                 }
             }
         }
@@ -141,10 +140,7 @@ impl Recording {
         }
         self.flushed = Instant::now();
         match self.go_on() {
-            Ok(()) => {
-                let part = self.part.as_ref().map(|part| part.path.display().to_string()).unwrap_or_default();
-                tracing::error!("{error:#}; recording goes on in {part}");
-            }
+            Ok(part) => tracing::error!("{error:#}; recording goes on in {}", part.display()),
             Err(nowhere) => tracing::error!(
                 "{error:#}, and no other place is left ({nowhere:#}): make room; samples are kept in memory for 100 s at \
                  10 kHz"
@@ -152,13 +148,14 @@ impl Recording {
         }
     }
 
-    /// Begins a part where everything that waits can be written.
-    fn go_on(&mut self) -> anyhow::Result<()> {
+    /// Begins a part where everything that waits can be written; gives its file.
+    fn go_on(&mut self) -> anyhow::Result<PathBuf> {
         let [first, second] = &self.directories;
         let part = self.begin_part_in(second).or_else(|error| self.begin_part_in(first).map_err(|_| error))?;
+        let path = part.path.clone();
         self.part = Some(part);
         self.unflushed.clear();
-        Ok(())
+        Ok(path)
     }
 
     fn begin_part_in(&self, directory: &Path) -> anyhow::Result<Part> {

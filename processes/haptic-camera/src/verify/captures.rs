@@ -11,7 +11,7 @@ use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};
 use super::two_bodies;
-use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Limits, Verification};
+use super::{Added, HeldStill, Limits, Verification, passes};
 use crate::check::Threshold;
 use crate::load::LoadedCapture;
 
@@ -89,9 +89,7 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
             None
         }
     };
-    let passed = parameters.iter().all(|parameter| parameter.passed != Some(false))
-        && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
-        && held_still.is_none_or(|held| held.encoder_steps < 1.0);
+    let passed = passes(&parameters, torque_error_percent, held_still.as_ref());
     let verification = Verification {
         model: model.name.clone(),
         rate_hz,

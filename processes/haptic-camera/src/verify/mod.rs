@@ -121,6 +121,13 @@ pub struct Added {
     pub noise_floor_rms: f64,
 }
 
+/// Whether a rendered knob is its model's: in its parameters, in its torque, and in how still it is held.
+fn passes(parameters: &[Verified], torque_error_percent: f64, held_still: Option<&HeldStill>) -> bool {
+    parameters.iter().all(|parameter| parameter.passed != Some(false))
+        && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
+        && held_still.is_none_or(|held| held.encoder_steps < 1.0)
+}
+
 impl Added {
     fn of(found: &Diagnosis) -> Self {
         Self {

@@ -7,7 +7,7 @@ use identification::checks::{FreeTravel, free_travel};
 use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
 
 use super::compare::{Verified, along_motion_mnm};
-use super::{Added, HeldStill, LARGEST_TORQUE_ERROR_PERCENT, Limits, LostMotion, Verification};
+use super::{Added, HeldStill, Limits, LostMotion, Verification, passes};
 use crate::load::LoadedCapture;
 
 /// Compares the captures of a sweep, another motion and a creep with a model of two bodies.
@@ -36,9 +36,7 @@ pub(super) fn verification(
     let parameters = parameters(model, &whole);
     let [torque_error_rms_mnm, torque_rms_mnm] = along_motion_mnm(model, train)?;
     let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
-    let passed = parameters.iter().all(|parameter| parameter.passed != Some(false))
-        && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
-        && held_still.is_none_or(|held| held.encoder_steps < 1.0);
+    let passed = passes(&parameters, torque_error_percent, held_still.as_ref());
     let gap = model.coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
     let lost_motion = match gap {
         Some(coupling) => {
