@@ -183,20 +183,22 @@ def long_run(minutes, folder):
 def main():
     parser = argparse.ArgumentParser(prog="scripts/bench-datapath", description=__doc__)
     parser.add_argument("--seconds", type=int, default=10, help="length of each capture and flood (default 10)")
-    parser.add_argument("--rounds", type=int, default=3, help="rounds (default 3)")
+    parser.add_argument("--rounds", type=int, default=3, help="rounds (default 3; 0 leaves them out)")
     parser.add_argument("--minutes", type=float, default=3, help="length of the long run (default 3; 0 leaves it out)")
     parser.add_argument("--hours", type=float, help="length of the long run in hours instead")
     asked = parser.parse_args()
     minutes = asked.hours * 60 if asked.hours else asked.minutes
-    head = f"{markdown.machine()}; medians of {asked.rounds} rounds of {asked.seconds} s."
-    parts, goals = [head], []
+    rounds = f"medians of {asked.rounds} rounds of {asked.seconds} s" if asked.rounds else "the long run alone"
+    parts, goals = [f"{markdown.machine()}; {rounds}."], []
     with tempfile.TemporaryDirectory(prefix="haptic-camera-bench-") as name:
         folder = Path(name)
-        for text, reached in (
-            latency(asked.seconds, (5_000, 10_000, 20_000), asked.rounds, folder),
-            recording(asked.seconds, asked.rounds, folder),
-            *([long_run(minutes, folder)] if minutes else []),
-        ):
+        measured = []
+        if asked.rounds:
+            measured.append(latency(asked.seconds, (5_000, 10_000, 20_000), asked.rounds, folder))
+            measured.append(recording(asked.seconds, asked.rounds, folder))
+        if minutes:
+            measured.append(long_run(minutes, folder))
+        for text, reached in measured:
             parts.append(text)
             goals += reached
     markdown.keep("datapath", "\n\n".join([*parts, markdown.goals_table(goals)]))
