@@ -17,7 +17,7 @@ use iceoryx2::port::client::Client;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::server::Server;
 use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::{SignalHandlingMode, ZeroCopySend, ipc};
+use iceoryx2::prelude::{LogLevel, SignalHandlingMode, ZeroCopySend, ipc, set_log_level_from_env_or};
 use iceoryx2::service::attribute::AttributeVerifier;
 use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError};
 use iceoryx2::service::builder::request_response::{RequestResponseOpenError, RequestResponseOpenOrCreateError};
@@ -169,6 +169,8 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
 /// # Errors
 /// [`ServiceError::Unavailable`] when the runtime directory or shared memory cannot be used.
 pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
+    // What it warns of, such as what a killed process left behind, is in order here; `IOX2_LOG_LEVEL` asks for more.
+    set_log_level_from_env_or(LogLevel::Error);
     let name = process_name.try_into().map_err(|error| unavailable("node", &error))?;
     let node = NodeBuilder::new()
         .name(&name)

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use realfft::{RealFftPlanner, num_complex::Complex};
 
 use crate::scan::FEWEST_PERIODS;
@@ -22,6 +22,37 @@ const MARGIN: f64 = 14.0;
 const WORTHWHILE_SHARE: f64 = 0.25;
 const WORTHWHILE_AMPLITUDE: f64 = 0.1;
 
+/// What a transform takes besides its work, kept from scan to scan: its plan, and pages that need not be mapped anew.
+#[derive(Default)]
+struct Transform {
+    planner: RealFftPlanner<f64>,
+    input: Vec<f64>,
+    output: Vec<Complex<f64>>,
+    scratch: Vec<Complex<f64>>,
+}
+
+impl Transform {
+    /// The first `count` of Σ value·exp(ikn), the values padded with zeros to `length`.
+    fn start_of(&mut self, values: impl Iterator<Item = f64>, length: usize, count: usize) -> Vec<Complex<f64>> {
+        let plan = self.planner.plan_fft_forward(length);
+        self.input.clear();
+        self.input.extend(values);
+        self.input.resize(length, 0.0);
+        self.output.resize(plan.complex_len(), Complex::ZERO);
+        self.scratch.resize(plan.get_scratch_len(), Complex::ZERO);
+        if plan.process_with_scratch(&mut self.input, &mut self.output, &mut self.scratch).is_err() {
+            self.output.fill(Complex::ZERO);
+        }
+        self.output[..count].iter().map(Complex::conj).collect()
+    }
+}
+
+impl std::fmt::Debug for Transform {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Transform").field("length", &self.input.len()).finish_non_exhaustive()
+    }
+}
+
 /// Sums of unfiltered columns and torque by angle.
 #[derive(Debug)]
 pub(super) struct AngleBins {
@@ -33,6 +64,7 @@ pub(super) struct AngleBins {
     sums: Vec<f64>,
     bins: usize,
     gram: Vec<f64>,
+    transform: Transform,
 }
 
 /// The best period of a scan.
@@ -47,7 +79,15 @@ pub(super) struct Scan {
 impl AngleBins {
     /// For rows of `width` columns, the last of them the torque.
     pub(super) fn new(width: usize) -> Self {
-        Self { width, bin_rad: FIRST_WIDTH_RAD, first: 0, sums: Vec::new(), bins: 0, gram: vec![0.0; width * width] }
+        Self {
+            width,
+            bin_rad: FIRST_WIDTH_RAD,
+            first: 0,
+            sums: Vec::new(),
+            bins: 0,
+            gram: vec![0.0; width * width],
+            transform: Transform::default(),
+        }
     }
 
     /// Distance between the outermost angles, rad.
@@ -150,7 +190,7 @@ impl AngleBins {
         clippy::cast_sign_loss,
         reason = "indices of wavenumbers"
     )]
-    pub(super) fn scan(&self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
+    pub(super) fn scan(&mut self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
         let columns = self.width - 1;
         let length = (OVERSAMPLING * self.bins).next_power_of_two();
         let spacing = TAU / (length as f64 * self.bin_rad);
@@ -163,24 +203,31 @@ impl AngleBins {
         }
         let gram = DMatrix::from_fn(columns, columns, |row, column| self.gram[row * self.width + column]);
         let inverse = told_inverse(&gram);
-        let spectra = self.spectra(length);
+        let spectra = self.spectra(length, 2 * last + 1);
         let (weights, torque) = (&spectra[0], &spectra[self.width]);
+        // Room for one wavenumber's products, taken once: there are thousands of them.
+        let mut base = [DVector::zeros(columns), DVector::zeros(columns)];
+        let mut projected = base.clone();
         let powers: Vec<f64> = (first..=last)
             .map(|index| {
-                let base = DMatrix::from_fn(columns, 2, |row, part| {
+                for row in 0..columns {
                     let value = spectra[1 + row][index];
-                    if part == 0 { value.im } else { value.re }
-                });
+                    base[0][row] = value.im;
+                    base[1][row] = value.re;
+                }
+                for (projected, base) in projected.iter_mut().zip(&base) {
+                    inverse.mul_to(base, projected);
+                }
+                let explained = |left: usize, right: usize| base[left].dot(&projected[right]);
                 let residual =
                     (0..columns).fold(torque[index], |sum, row| sum - spectra[1 + row][index] * coefficients[row]);
                 let products = Vector2::new(residual.im, residual.re);
-                let explained = base.transpose() * &inverse * &base;
                 let (weight, twice) = (weights[0].re, weights[2 * index]);
                 let detent = Matrix2::new(
-                    0.5 * (weight - twice.re) - explained[(0, 0)] + 3e-3 * weight,
-                    0.5 * twice.im - explained[(0, 1)],
-                    0.5 * twice.im - explained[(1, 0)],
-                    0.5 * (weight + twice.re) - explained[(1, 1)] + 3e-3 * weight,
+                    0.5 * (weight - twice.re) - explained(0, 0) + 3e-3 * weight,
+                    0.5 * twice.im - explained(0, 1),
+                    0.5 * twice.im - explained(1, 0),
+                    0.5 * (weight + twice.re) - explained(1, 1) + 3e-3 * weight,
                 );
                 if detent[(0, 0)] <= 0.0 || detent.determinant() <= 0.0 {
                     return 0.0;
@@ -220,22 +267,14 @@ impl AngleBins {
         sum.max(0.0)
     }
 
-    /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin.
-    fn spectra(&self, length: usize) -> Vec<Vec<Complex<f64>>> {
+    /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin: the `count` longest waves.
+    fn spectra(&mut self, length: usize, count: usize) -> Vec<Vec<Complex<f64>>> {
+        let Self { sums, transform, .. } = self;
         let stride = self.width + 1;
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
-        let mut buffer = transform.make_input_vec();
         (0..stride)
             .map(|column| {
-                buffer.fill(0.0);
-                for (slot, sums) in buffer.iter_mut().zip(self.sums.chunks_exact(stride)) {
-                    *slot = sums[column];
-                }
-                let mut bins = transform.make_output_vec();
-                if transform.process(&mut buffer, &mut bins).is_err() {
-                    bins.fill(Complex::new(0.0, 0.0));
-                }
-                bins.iter().map(Complex::conj).collect()
+                let values = sums.chunks_exact(stride).map(|sums| sums[column]);
+                transform.start_of(values, length, count)
             })
             .collect()
     }

@@ -7,10 +7,12 @@
 
 mod arrivals;
 mod health;
+mod priority;
 mod source;
 mod stop;
 
 pub use health::Health;
+pub use priority::prefer;
 pub use source::SourceWatch;
 pub use stop::{Stop, StopError};
 use tracing_subscriber::EnvFilter;

@@ -20,7 +20,7 @@ use streams::Streams;
 use update::Cadence;
 
 /// How often the queue is looked at. It holds sixteen seconds.
-const POLL_INTERVAL: Duration = Duration::from_micros(500);
+const POLL_INTERVAL: Duration = Duration::from_micros(250);
 
 /// Fits the model to the stream while the run goes on.
 #[derive(clap::Parser)]
@@ -34,6 +34,7 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     consumer::start_log();
+    consumer::prefer();
     match fit_stream(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -27,7 +27,7 @@ use clap::Parser as _;
 
 /// How often the queues are looked at. They hold sixteen seconds; with the publisher's millisecond this keeps a sample's way
 /// below two.
-const POLL_INTERVAL: Duration = Duration::from_micros(500);
+const POLL_INTERVAL: Duration = Duration::from_micros(250);
 
 /// Writes what a run publishes into one MCAP archive.
 #[derive(clap::Parser)]
@@ -44,6 +44,7 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     consumer::start_log();
+    consumer::prefer();
     shared_types::rig::keep_files_private();
     match record(&arguments) {
         Ok(0) => ExitCode::SUCCESS,
