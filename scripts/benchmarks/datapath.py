@@ -147,11 +147,11 @@ def slope_per_hour(time_s, resident_mib):
     return line.slope * 3600, 2 * line.stderr * 3600
 
 
-def long_run(minutes, folder):
+def long_run(minutes, folder, core):
     """Rows and goals of a long capture: memory over time, CPU, size of the archive."""
     print(f"a capture of {minutes:g} minutes", file=sys.stderr, flush=True)
     readings, place = {}, folder / "long"
-    rig.capture(10_000, minutes * 60, place, lambda rig_folder: watch(rig_folder, readings), timed=False)
+    rig.capture(10_000, minutes * 60, place, lambda rig_folder: watch(rig_folder, readings), timed=False, core=core)
     (archive,) = (place / "captures").glob("*.mcap")
     rows, goals = [], []
     for name, values in readings.items():
@@ -186,6 +186,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=3, help="rounds (default 3; 0 leaves them out)")
     parser.add_argument("--minutes", type=float, default=3, help="length of the long run (default 3; 0 leaves it out)")
     parser.add_argument("--hours", type=float, help="length of the long run in hours instead")
+    parser.add_argument("--core", type=int, help="core of the loop in the long run (default: the last)")
     asked = parser.parse_args()
     minutes = asked.hours * 60 if asked.hours else asked.minutes
     rounds = f"medians of {asked.rounds} rounds of {asked.seconds} s" if asked.rounds else "the long run alone"
@@ -197,7 +198,7 @@ def main():
             measured.append(latency(asked.seconds, (5_000, 10_000, 20_000), asked.rounds, folder))
             measured.append(recording(asked.seconds, asked.rounds, folder))
         if minutes:
-            measured.append(long_run(minutes, folder))
+            measured.append(long_run(minutes, folder, asked.core))
         for text, reached in measured:
             parts.append(text)
             goals += reached

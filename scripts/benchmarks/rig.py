@@ -45,13 +45,14 @@ def idle_loop(core, rate_hz, seconds, folder):
     return ticks_file(folder)
 
 
-def capture(rate_hz, seconds, folder, meanwhile=contextlib.nullcontext, timed=True):
+def capture(rate_hz, seconds, folder, meanwhile=contextlib.nullcontext, timed=True, core=None):
     """A capture with all consumers; its ticks and arrivals lie in `folder / "timings"` if it is timed."""
     (folder / "timings").mkdir(parents=True, exist_ok=True)
     with open(folder / "said", "w+") as said:
         process = subprocess.Popen(
             [PROGRAMS / "haptic-camera", "capture", f"--duration-s={seconds}", f"--rate-hz={rate_hz}"]
-            + ["--out", str(folder / "captures")],
+            + ["--out", str(folder / "captures")]
+            + ([] if core is None else [f"--core={core}"]),
             env=environment(folder, timed),
             stdout=said,
             stderr=subprocess.STDOUT,

@@ -6,6 +6,7 @@
 //! leaves behind can be found.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Names the directory that stands for the rig.
 pub const RUNTIME_DIR_VARIABLE: &str = "HAPTIC_CAMERA_RUNTIME_DIR";
@@ -113,6 +114,14 @@ pub fn process_state(process_id: u32) -> Option<char> {
     let stat = std::fs::read_to_string(format!("/proc/{process_id}/stat")).ok()?;
     // `pid (name) state ...`; the name may hold anything, brackets too.
     stat.rsplit(')').next()?.trim_start().chars().next()
+}
+
+/// How long a process's main thread has waited for a processor, all told (`/proc/PID/schedstat`, second field); zero where
+/// the kernel keeps no such account.
+#[must_use]
+pub fn processor_wait(process_id: u32) -> Duration {
+    let account = std::fs::read_to_string(format!("/proc/{process_id}/schedstat")).unwrap_or_default();
+    Duration::from_nanos(account.split_whitespace().nth(1).and_then(|field| field.parse().ok()).unwrap_or(0))
 }
 
 /// CLOCK_MONOTONIC now, ns: the clock of every `monotonic_time_ns`.

@@ -164,3 +164,58 @@ fn a_disk_that_stalls_for_three_seconds_costs_no_sample() {
     let archive = captures.iter().find(|path| path.extension().is_some_and(|ending| ending == "mcap")).unwrap();
     assert_whole(&bench, &Capture::load(archive).unwrap());
 }
+
+/// Ends a capture whose recorder meets, from its third second on, this error of the system's at these calls.
+///
+/// The calls are made to fail by libfiu (`fiu-utils`), which stands between the programs and the C library.
+fn capture_with_failing_calls(bench: &Bench, calls: &[&str], error: nix::errno::Errno, how: &str) -> Child {
+    std::fs::create_dir(bench.path("other")).unwrap();
+    let mut command = bench
+        .command(&["capture", "--duration-s", &SECONDS.to_string(), "--no-viewer", "--out", "out"])
+        .unwrap();
+    let child = command
+        .env("TMPDIR", bench.path("other"))
+        .env("LD_PRELOAD", "/usr/lib/fiu/fiu_run_preload.so /usr/lib/fiu/fiu_posix_preload.so")
+        .env("FIU_CTRL_FIFO", bench.path("control"))
+        .spawn()
+        .unwrap();
+    let recorder = bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    for call in calls {
+        let told = Command::new("fiu-ctrl")
+            .arg("-f")
+            .arg(bench.path("control"))
+            .args(["-c", &format!("enable name={call},failinfo={}{how}", error as i32), &recorder.to_string()])
+            .status();
+        assert!(told.is_ok_and(|status| status.success()), "fiu-ctrl is missing: scripts/set-up tests installs it");
+    }
+    child
+}
+
+#[test]
+fn what_a_disk_took_and_lost_is_written_again() {
+    let bench = Bench::new().unwrap();
+    let calls = ["posix/io/sync/fdatasync"];
+    let child = capture_with_failing_calls(&bench, &calls, nix::errno::Errno::EIO, ",onetime");
+    ended(child, 0, &["Input/output error", "recording goes on in"]);
+    // Whole in whatever parts: merged into the folder that was asked for.
+    assert_whole(&bench, &Capture::load(&bench.only_archive("out").unwrap()).unwrap());
+}
+
+#[test]
+fn a_disk_that_fails_at_the_very_end_costs_nothing() {
+    let bench = Bench::new().unwrap();
+    let calls = ["posix/io/sync/fsync"];
+    let child = capture_with_failing_calls(&bench, &calls, nix::errno::Errno::EIO, ",onetime");
+    ended(child, 0, &["Input/output error", "written once more"]);
+    assert_whole(&bench, &Capture::load(&bench.only_archive("out").unwrap()).unwrap());
+}
+
+#[test]
+fn a_used_up_quota_is_a_full_disk() {
+    let bench = Bench::new().unwrap();
+    let calls = ["posix/io/rw/write"];
+    let child = capture_with_failing_calls(&bench, &calls, nix::errno::Errno::EDQUOT, ",onetime");
+    ended(child, 0, &["Disk quota exceeded", "recording goes on in"]);
+    assert_whole(&bench, &Capture::load(&bench.only_archive("out").unwrap()).unwrap());
+}

@@ -15,6 +15,8 @@ pub use health::Health;
 pub use priority::prefer;
 pub use source::SourceWatch;
 pub use stop::{Stop, StopError};
+use std::io::IsTerminal as _;
+
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::filter::LevelFilter;
 
@@ -32,6 +34,7 @@ pub fn start_log_with(directives: &str) {
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty()))
         .with_target(false)
         .without_time()
         .init();

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -26,7 +26,16 @@ pub(crate) struct Part {
     file: File,
     disk: Disk,
     /// When the disk was last asked to take what the operating system holds.
-    synced: Instant,
+    asked: Instant,
+}
+
+/// How far a flush has brought what was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Flushed {
+    /// The disk has taken what it was last asked to take.
+    pub(crate) taken: bool,
+    /// The disk is now asked to take everything that was written so far.
+    pub(crate) asked: bool,
 }
 
 impl Part {
@@ -38,7 +47,7 @@ impl Part {
         let disk = Disk::new(file.try_clone().with_context(place)?).with_context(place)?;
         let buffer = BufWriter::with_capacity(BUFFER_BYTES, file.try_clone().with_context(place)?);
         let writer = CaptureWriter::new(buffer, run).with_context(place)?;
-        let mut part = Self { path: path.to_owned(), writer, file, disk, synced: Instant::now() };
+        let mut part = Self { path: path.to_owned(), writer, file, disk, asked: Instant::now() };
         part.flush()?;
         archive::whole_file::sync_directory(path)?;
         Ok(part)
@@ -46,14 +55,16 @@ impl Part {
 
     /// Closes the chunk, hands it to the operating system and has it brought to the disk, without
     /// waiting for the disk.
-    pub(crate) fn flush(&mut self) -> anyhow::Result<()> {
-        self.writer.flush().with_context(|| self.path.display().to_string())?;
-        if self.synced.elapsed() >= SYNC_INTERVAL {
-            self.synced = Instant::now();
-            self.disk.sync_soon().with_context(|| self.path.display().to_string())?;
+    pub(crate) fn flush(&mut self) -> anyhow::Result<Flushed> {
+        let place = || self.path.display().to_string();
+        self.writer.flush().with_context(place)?;
+        let taken = self.disk.has_taken().with_context(place)?;
+        let asked = self.asked.elapsed() >= SYNC_INTERVAL && self.disk.ask();
+        if asked {
+            self.asked = Instant::now();
         }
         ensure!(!self.has_vanished(), "{} was removed or moved while it was written", self.path.display());
-        Ok(())
+        Ok(Flushed { taken, asked })
     }
 
     /// True when the file no longer lies where it was made: it is gone once it is closed.
@@ -68,7 +79,7 @@ impl Part {
     /// Gives the part up after a failure; its file, if that is gone from its place and can be saved elsewhere.
     pub(crate) fn give_up(self) -> Option<File> {
         let vanished = self.has_vanished();
-        let Self { path: _, writer, file, disk, synced: _ } = self;
+        let Self { path: _, writer, file, disk, asked: _ } = self;
         // It tries to end the file, which may fail: what was flushed is sound without.
         drop(writer);
         drop(disk);
@@ -77,7 +88,7 @@ impl Part {
 
     /// Ends the part and waits until it is on the disk.
     pub(crate) fn finish(self) -> anyhow::Result<(PathBuf, WriteSummary)> {
-        let Self { path, writer, file: _, disk, synced: _ } = self;
+        let Self { path, writer, file: _, disk, asked: _ } = self;
         let (summary, buffer) = writer.finish().with_context(|| path.display().to_string())?;
         let file = buffer
             .into_inner()
@@ -89,43 +100,45 @@ impl Part {
     }
 }
 
-/// Brings a file to the disk from a thread of its own, since a disk can take seconds.
+/// Brings a file to the disk from a thread of its own, since a disk can take seconds: one request at a time.
 struct Disk {
     requests: SyncSender<()>,
-    failures: Receiver<std::io::Error>,
+    results: Receiver<std::io::Result<()>>,
+    at_work: bool,
     thread: JoinHandle<()>,
 }
 
 impl Disk {
     fn new(file: File) -> std::io::Result<Self> {
         let (requests, wanted) = sync_channel::<()>(1);
-        let (report, failures) = channel();
+        let (report, results) = channel();
         let thread = std::thread::Builder::new().name("disk".to_owned()).spawn(move || {
             while wanted.recv().is_ok() {
-                if let Err(error) = file.sync_data() {
-                    // The other end may be gone already; then finishing reports the failure.
-                    let _ = report.send(error);
+                // The other end may be gone already; then finishing reports a failure.
+                if report.send(file.sync_data()).is_err() {
                     break;
                 }
             }
         })?;
-        Ok(Self { requests, failures, thread })
+        Ok(Self { requests, results, at_work: false, thread })
     }
 
-    /// Asks for the file to be brought to the disk; the failure of an earlier request, if any.
-    fn sync_soon(&self) -> std::io::Result<()> {
-        match self.requests.try_send(()) {
-            // A request that waits already covers this one.
-            Ok(()) | Err(TrySendError::Full(())) => {}
-            Err(TrySendError::Disconnected(())) => {
-                return Err(self.failures.recv().unwrap_or_else(|_| std::io::Error::other("the disk thread is gone")));
-            }
-        }
-        self.failures.try_recv().map_or(Ok(()), Err)
+    /// Asks for the file to be brought to the disk, unless that is under way; whether it is asked.
+    fn ask(&mut self) -> bool {
+        let asked = !self.at_work && self.requests.try_send(()).is_ok();
+        self.at_work |= asked;
+        asked
+    }
+
+    /// Whether what was asked for is done since this was last called.
+    fn has_taken(&mut self) -> std::io::Result<bool> {
+        let Ok(result) = self.results.try_recv() else { return Ok(false) };
+        self.at_work = false;
+        result.map(|()| true)
     }
 
     fn join(self) {
-        let Self { requests, failures: _, thread } = self;
+        let Self { requests, results: _, at_work: _, thread } = self;
         drop(requests);
         // It does not panic, and its failures show in the last sync.
         let _ = thread.join();

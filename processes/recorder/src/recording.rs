@@ -9,7 +9,7 @@ use archive::whole_file::put_in_place;
 use archive::{ArchiveError, SequenceLedger};
 use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
 
-use crate::part::Part;
+use crate::part::{Flushed, Part};
 use crate::parts;
 use crate::rescue::Rescue;
 
@@ -29,7 +29,7 @@ pub(crate) enum Entry {
 
 /// How often a place is looked for while there is none.
 const RETRY_INTERVAL: Duration = Duration::from_secs(2);
-/// Most messages kept in memory while no place takes them: 100 s at 10 kHz, 150 MB.
+/// Most messages kept in memory while no disk has them: 100 s at 10 kHz, 150 MB.
 const MOST_KEPT: usize = 1_000_000;
 
 /// Writes the parts of one archive.
@@ -42,8 +42,11 @@ pub(crate) struct Recording {
     part: Option<Part>,
     /// Every sample that this process received, over all its parts.
     received: SequenceLedger,
-    /// What the operating system has not yet taken: written again when the part fails.
-    unflushed: VecDeque<Entry>,
+    /// What the disk has not yet taken: written again when the part fails, be it that a write does or that the disk
+    /// could not take what the operating system had.
+    unsaved: VecDeque<Entry>,
+    /// How many of these the disk is at work on.
+    at_disk: usize,
     /// When the part was flushed, or a place was looked for.
     flushed: Instant,
     /// Copies of parts that were removed while they were written.
@@ -70,7 +73,8 @@ impl Recording {
             directories,
             part: Some(part),
             received: SequenceLedger::default(),
-            unflushed: VecDeque::new(),
+            unsaved: VecDeque::new(),
+            at_disk: 0,
             flushed: Instant::now(),
             rescues: Vec::new(),
         })
@@ -102,13 +106,14 @@ impl Recording {
             return;
         }
         let written = self.part.as_mut().map_or(Ok(()), |part| write_entry(part, &entry));
-        self.unflushed.push_back(entry);
+        self.unsaved.push_back(entry);
         if let Err(error) = written {
             self.fall_back(&error);
         }
-        if self.part.is_none() && self.unflushed.len() > MOST_KEPT {
-            // The gap that this leaves is told in the end.
-            self.unflushed.pop_front();
+        if self.unsaved.len() > MOST_KEPT {
+            // Lost if the part fails, or while there is none: the gap that this leaves is told in the end.
+            self.unsaved.pop_front();
+            self.at_disk = self.at_disk.saturating_sub(1);
         }
     }
 
@@ -123,13 +128,24 @@ impl Recording {
     fn flush(&mut self) {
         self.flushed = Instant::now();
         match self.part.as_mut().map(Part::flush) {
-            Some(Ok(())) => self.unflushed.clear(),
+            Some(Ok(flushed)) => self.forget(flushed),
             Some(Err(error)) => self.fall_back(&error),
             None => {
                 if let Ok(part) = self.go_on() {
                     tracing::error!("there is room again; recording goes on in {}", part.display());
                 }
             }
+        }
+    }
+
+    /// Lets go of what the disk has.
+    fn forget(&mut self, flushed: Flushed) {
+        if flushed.taken {
+            self.unsaved.drain(..self.at_disk);
+            self.at_disk = 0;
+        }
+        if flushed.asked {
+            self.at_disk = self.unsaved.len();
         }
     }
 
@@ -154,15 +170,25 @@ impl Recording {
         let part = self.begin_part_in(second).or_else(|error| self.begin_part_in(first).map_err(|_| error))?;
         let path = part.path.clone();
         self.part = Some(part);
-        self.unflushed.clear();
+        // What was under way is nothing to the new part's disk.
+        self.at_disk = 0;
         Ok(path)
+    }
+
+    /// Writes what the disk may not have into one more part, when the last one failed at its end.
+    fn end_elsewhere(&mut self, error: &anyhow::Error) {
+        tracing::error!("{error:#}; what the disk may not have is written once more");
+        let ended = self.go_on().and_then(|_| self.part.take().map_or(Ok(()), |part| part.finish().map(drop)));
+        if let Err(error) = ended {
+            tracing::error!("{error:#}; the archive is made of what was written before");
+        }
     }
 
     fn begin_part_in(&self, directory: &Path) -> anyhow::Result<Part> {
         let path = parts::next_free(&self.out, directory)?;
         let begin = || {
             let mut part = Part::create(&path, &self.run)?;
-            self.unflushed.iter().try_for_each(|entry| write_entry(&mut part, entry))?;
+            self.unsaved.iter().try_for_each(|entry| write_entry(&mut part, entry))?;
             part.flush()?;
             Ok(part)
         };
@@ -186,26 +212,25 @@ impl Recording {
     pub(crate) fn finish(mut self, published_samples: u64) -> anyhow::Result<u64> {
         self.flush();
         self.rescues.drain(..).for_each(Rescue::finish);
-        let parts = self.parts();
-        let alone = parts.len() == 1 && !self.out.exists();
-        let Self { out, directories, part, unflushed, received, .. } = self;
-        if let Some(mut part) = part {
+        let alone = self.parts().len() == 1 && !self.out.exists();
+        if let Some(mut part) = self.part.take() {
             if alone {
                 part.writer.published(published_samples);
             }
             match part.finish() {
-                Ok((path, summary)) if alone && path.parent() == Some(&directories[0]) => {
-                    put_in_place(&path, &out)?;
-                    return Ok(tell(&out, &summary.ledger));
+                Ok((path, summary)) if alone && path.parent() == Some(&self.directories[0]) => {
+                    put_in_place(&path, &self.out)?;
+                    return Ok(tell(&self.out, &summary.ledger));
                 }
                 Ok(_) => {}
                 // What was flushed is sound without an end, and is merged like any other part.
-                Err(error) => tracing::error!("{error:#}; the archive is made of what was written before"),
+                Err(error) => self.end_elsewhere(&error),
             }
         } else {
-            tracing::error!("{} messages found no place to the end and are lost", unflushed.len());
+            tracing::error!("{} messages found no place to the end and are lost", self.unsaved.len());
         }
-        let mut sources = parts;
+        let mut sources = self.parts();
+        let Self { out, directories, received, .. } = self;
         if out.exists() {
             // An earlier start had ended this run's archive already; this one adds to it.
             sources.insert(0, out.clone());

@@ -19,8 +19,8 @@ const RESTART_PAUSE: Duration = Duration::from_millis(100);
 const SHORT_LIFE: Duration = Duration::from_secs(1);
 /// Short lives in a row after which a process is given up.
 const SHORT_LIVES: u32 = 5;
-/// Silence of a consumer, which reports twice a second, after which it counts as hung. What it missed until it is
-/// back must still lie in the stream's history of eight seconds.
+/// Silence of a consumer, which reports twice a second, after which it counts as hung; the time that it waited for a
+/// processor does not count. What it missed until it is back must still lie in the stream's history of eight seconds.
 const HUNG: Duration = Duration::from_millis(2_500);
 /// A consumer may take so long until its first report.
 const FIRST_WORD: Duration = Duration::from_secs(10);
@@ -32,24 +32,49 @@ struct Consumer {
     /// The control loop's core, which it keeps off.
     loop_core: u32,
     child: Child,
+    /// When it last said how it is or was started, and how long it had waited for a processor until then.
+    heard: Heard,
     restarts: u32,
     short_lives: u32,
     given_up: bool,
 }
 
+#[derive(Clone, Copy)]
+struct Heard {
+    /// CLOCK_MONOTONIC, ns.
+    at_ns: u64,
+    processor_wait: Duration,
+}
+
+impl Heard {
+    fn at_its_start() -> Self {
+        Self { at_ns: rig::monotonic_time_ns(), processor_wait: Duration::ZERO }
+    }
+
+    /// Silence since, for which the process had a processor.
+    fn silence(&self, process_id: u32) -> Duration {
+        let waited = rig::processor_wait(process_id).saturating_sub(self.processor_wait);
+        Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(self.at_ns)).saturating_sub(waited)
+    }
+}
+
 impl Consumer {
     fn start(kind: ProcessKind, arguments: Vec<String>, loop_core: u32) -> anyhow::Result<Self> {
         let child = spawn(kind, &arguments, loop_core, 0)?;
-        Ok(Self { kind, arguments, loop_core, child, restarts: 0, short_lives: 0, given_up: false })
+        let heard = Heard::at_its_start();
+        Ok(Self { kind, arguments, loop_core, child, heard, restarts: 0, short_lives: 0, given_up: false })
     }
 
     /// Ends it if it hangs: it then counts as one that died. One that waits for a disk is left to wait.
     fn end_if_hung(&mut self, link: &LoopLink) {
-        let silent = match link.silence_of(self.child.id()) {
-            Some(silence) => silence > HUNG,
-            None => self.child.age() > FIRST_WORD,
-        };
-        if silent && !self.child.has_ended() && rig::process_state(self.child.id()) != Some('D') {
+        let process_id = self.child.id();
+        let last_word = link.last_word_of(process_id);
+        if let Some(at_ns) = last_word.filter(|at_ns| *at_ns > self.heard.at_ns) {
+            self.heard = Heard { at_ns, processor_wait: rig::processor_wait(process_id) };
+        }
+        let patience = if last_word.is_some() { HUNG } else { FIRST_WORD };
+        let hangs = self.heard.silence(process_id) > patience && rig::process_state(process_id) != Some('D');
+        if hangs && !self.child.has_ended() {
             remark(format!("{} no longer answers and is started again", self.kind.name()));
             let _ = kill(self.child.pid(), Signal::SIGKILL);
             self.child.wait(Duration::from_secs(1));
@@ -72,7 +97,10 @@ impl Consumer {
         }
         self.restarts += 1;
         match spawn(self.kind, &self.arguments, self.loop_core, self.restarts) {
-            Ok(child) => self.child = child,
+            Ok(child) => {
+                self.heard = Heard::at_its_start();
+                self.child = child;
+            }
             Err(error) => {
                 self.given_up = true;
                 remark(format!("{} cannot be started again: {error:#}", self.kind.name()));

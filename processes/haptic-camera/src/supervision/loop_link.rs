@@ -111,10 +111,9 @@ impl LoopLink {
         self.health.iter().any(|health| health.process == kind.code())
     }
 
-    /// How long ago a consumer's process last said how it is; `None` when it never has.
-    pub(crate) fn silence_of(&self, process_id: u32) -> Option<Duration> {
-        let last = self.health.iter().find(|health| health.process_id == process_id)?;
-        Some(Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(last.monotonic_time_ns)))
+    /// When a consumer's process last said how it is, CLOCK_MONOTONIC, ns; `None` when it never has.
+    pub(crate) fn last_word_of(&self, process_id: u32) -> Option<u64> {
+        self.health.iter().find(|health| health.process_id == process_id).map(|health| health.monotonic_time_ns)
     }
 
     /// How long ago the loop last said how it is.
