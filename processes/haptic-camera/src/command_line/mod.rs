@@ -1,0 +1,113 @@
+//! The command line: the commands' names; each command's options in a file of their own.
+
+mod calibrate;
+mod capture;
+mod check;
+mod compose;
+mod diagnose;
+mod fit;
+mod recompute;
+mod recover;
+mod replay;
+mod rig;
+mod rig_test;
+mod run;
+mod simulate;
+mod tune;
+mod view;
+
+pub use calibrate::{CalibrateOptions, CalibrationKind};
+pub use capture::CaptureOptions;
+pub use check::CheckOptions;
+pub use compose::ComposeOptions;
+pub use diagnose::DiagnoseOptions;
+pub use fit::FitOptions;
+pub use recompute::RecomputeOptions;
+pub use recover::RecoverOptions;
+pub use replay::ReplayOptions;
+pub use rig::RigOptions;
+pub use rig_test::RigTestOptions;
+pub use run::RunOptions;
+pub use simulate::{SimulateOptions, SimulationDrive};
+pub use tune::TuneOptions;
+pub use view::ViewOptions;
+
+use clap::{Parser, Subcommand};
+
+/// Captures how a mechanical knob feels, as numbers.
+#[derive(Debug, Parser)]
+/// Captures how a mechanical knob feels, as numbers.
+#[derive(Debug, Parser)]
+#[command(name = "haptic-camera", version, propagate_version = true)]
+#[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.")]
+pub struct CommandLine {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What the program can do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Turn a knob through a sweep, watch it live, and keep an archive and a fitted model
+    #[command(after_help = "Examples:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures\n  \
+        haptic-camera capture --knob 5 --diagnose --budget 5")]
+    Capture(CaptureOptions),
+    /// Make the rig feel like a model, and record what the hand does
+    #[command(after_help = "Examples:\n  haptic-camera replay 3\n  \
+        haptic-camera replay composed.toml --hand multisine --duration-s 10\n  \
+        haptic-camera replay 5 --nearest\n\n\
+        While it runs, `haptic-camera tune` turns the model's parameters.")]
+    Replay(ReplayOptions),
+    /// Turn a parameter of the model that a running replay renders, or change over to another model
+    #[command(after_help = "Examples:\n  haptic-camera tune detent_amplitude=8 coulomb_positive=5\n  \
+        haptic-camera tune --model 1\n  haptic-camera tune")]
+    Tune(TuneOptions),
+    /// Fit a model to a capture, or one model to several captures of the same knob
+    #[command(after_help = "Example:\n  haptic-camera fit captures/20261121-101500-knob-3.mcap --report knob-3.html")]
+    Fit(FitOptions),
+    /// Find where a model and a capture disagree, name the missing effect, add it and show the gap shrink
+    #[command(after_help = "Example:\n  \
+        haptic-camera diagnose train.csv --heldout heldout.csv --report diagnosis.html")]
+    Diagnose(DiagnoseOptions),
+    /// Find the rig's zeros, gravity, delays, the gripper's inertia or the motor's friction
+    #[command(
+        after_help = "Takes given captures, or turns the rig itself (nothing on the gripper). In this order:\n  \
+        haptic-camera calibrate zero --out rig.toml\n  \
+        haptic-camera calibrate gravity --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate latency --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate gripper --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate friction --calibration rig.toml --out rig.toml\n  \
+        haptic-camera capture --calibration rig.toml --knob 3"
+    )]
+    Calibrate(CalibrateOptions),
+    /// Try the rig without a knob: how far what it measures lies from what it was told to do
+    #[command(after_help = "Example:\n  haptic-camera rig-test --offline --json rig-test.json")]
+    RigTest(RigTestOptions),
+    /// Check a fit by what a capture shows without one: detents counted, breakaways read off
+    #[command(after_help = "Example:\n  \
+        haptic-camera capture --knob 3 --sweep slow-turn --duration-s 15\n  \
+        haptic-camera capture --knob 3 --sweep slow-turn --amplitude 0.1 --duration-s 15\n  \
+        haptic-camera check TURN.mcap CREEP.mcap --model knob-3.toml")]
+    Check(CheckOptions),
+    /// Simulate a model along a capture's motion or torque
+    #[command(after_help = "Example:\n  haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
+    Simulate(SimulateOptions),
+    /// Compose a model of one knob's inertia, another's friction and a third one's detents
+    #[command(after_help = "Examples:\n  \
+        haptic-camera compose --inertia 2 --friction 1 --detents 3 --out mix.toml\n  \
+        haptic-camera compose --inertia 2 --friction 4 --detents drawn.csv --set table_scale=1.5 --out new.toml\n\n\
+        Inertia is what resists acceleration; friction what resists turning, its stick and what modulates it; detents \
+        are the torques that repeat along the angle, of every waveform. All else is taken one by one, by --extra.")]
+    Compose(ComposeOptions),
+    /// Open the live view of the running capture, or look at a finished one
+    View(ViewOptions),
+    /// Compute the torques of a recorded replay again and say whether they are equal, bit for bit
+    #[command(after_help = "Example:\n  haptic-camera recompute captures/20261121-101500-replay-knob-3.mcap")]
+    Recompute(RecomputeOptions),
+    /// Make a whole archive of one that was cut short or damaged
+    #[command(after_help = "Example:\n  haptic-camera recover broken.mcap --out whole.mcap")]
+    Recover(RecoverOptions),
+    /// Check what this machine permits: real-time priority, memory, shared memory, programs
+    Doctor,
+}
