@@ -49,6 +49,7 @@ mod error;
 mod losses;
 mod mcap_file;
 pub mod merge;
+mod overview;
 mod records;
 pub mod recover;
 pub mod schema;
@@ -62,6 +63,7 @@ pub use description::{CAPTURE_METADATA, GAPS_METADATA, RECOVERY_METADATA, attach
 pub use error::ArchiveError;
 pub use losses::{Loss, Place};
 pub use merge::{MergeSummary, merge, run_id};
+pub use overview::Overview;
 pub use recover::{RecoverySummary, Unchecked, recover};
 pub use sequence::{Gap, SequenceLedger};
 pub use write::{CaptureWriter, WriteSummary};

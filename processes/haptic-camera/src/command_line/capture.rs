@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::capture::Budget;
 use crate::command_line::RunOptions;
+use crate::until_ci::Share;
 
 /// Options of `capture`.
 #[derive(Clone, Debug, Args)]
@@ -26,6 +27,13 @@ pub struct CaptureOptions {
     /// Length of the capture, s
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     pub duration_s: f64,
+    /// End the sweep once every parameter is known within this share of its value, as 1%; --duration-s is then the longest.
+    ///
+    /// What counts is half the width of the 95 % interval, as fitted live. It must hold while the data grow by a tenth. A phase
+    /// is judged by the share of one radian; a parameter whose whole interval makes less torque than one step of the torque
+    /// sensor is settled.
+    #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_negative_numbers = true)]
+    pub until_ci: Option<Share>,
     /// Rig, rate, archive and view
     #[command(flatten)]
     pub run: RunOptions,

@@ -6,6 +6,7 @@ mod check;
 mod compose;
 mod diagnose;
 mod fit;
+mod list;
 mod recompute;
 mod recover;
 mod replay;
@@ -22,6 +23,7 @@ pub use check::CheckOptions;
 pub use compose::ComposeOptions;
 pub use diagnose::DiagnoseOptions;
 pub use fit::FitOptions;
+pub use list::ListOptions;
 pub use recompute::RecomputeOptions;
 pub use recover::RecoverOptions;
 pub use replay::ReplayOptions;
@@ -34,8 +36,6 @@ pub use view::ViewOptions;
 
 use clap::{Parser, Subcommand};
 
-/// Captures how a mechanical knob feels, as numbers.
-#[derive(Debug, Parser)]
 /// Captures how a mechanical knob feels, as numbers.
 #[derive(Debug, Parser)]
 #[command(name = "haptic-camera", version, propagate_version = true)]
@@ -100,6 +100,9 @@ pub enum Command {
         Inertia is what resists acceleration; friction what resists turning, its stick and what modulates it; detents \
         are the torques that repeat along the angle, of every waveform. All else is taken one by one, by --extra.")]
     Compose(ComposeOptions),
+    /// List the captures of a folder by time: knob, length, how good the fit is, whether the archive is whole
+    #[command(after_help = "Examples:\n  haptic-camera list\n  haptic-camera list captures --json")]
+    List(ListOptions),
     /// Open the live view of the running capture, or look at a finished one
     View(ViewOptions),
     /// Compute the torques of a recorded replay again and say whether they are equal, bit for bit
