@@ -59,7 +59,7 @@ pub mod whole_file;
 pub mod write;
 
 pub use capture::Capture;
-pub use description::{CAPTURE_METADATA, GAPS_METADATA, RECOVERY_METADATA, attachment};
+pub use description::{CAPTURE_METADATA, GAPS_METADATA, RECOVERY_METADATA, attachment, unit_of};
 pub use error::ArchiveError;
 pub use losses::{Loss, Place};
 pub use merge::{MergeSummary, merge, run_id};

@@ -10,10 +10,12 @@ mod compose;
 mod diagnose;
 mod diagnosis_text;
 mod doctor;
+mod export;
 mod fit;
 mod harmonic_table;
 mod list;
 mod load;
+mod manual;
 mod offline_run;
 mod outcome;
 mod parameter_table;
@@ -57,6 +59,9 @@ fn main() -> ExitCode {
         Command::Check(options) => check::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Compose(options) => compose::run(&options),
+        Command::Export(options) => export::run(&options),
+        Command::Completions(options) => manual::completions(&options),
+        Command::Man(options) => manual::pages(&options),
         Command::List(options) => list::run(&options),
         Command::View(options) => view::run(&options),
         Command::Recompute(options) => recompute::run(&options),

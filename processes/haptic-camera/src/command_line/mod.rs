@@ -5,8 +5,10 @@ mod capture;
 mod check;
 mod compose;
 mod diagnose;
+mod export;
 mod fit;
 mod list;
+mod manual;
 mod recompute;
 mod recover;
 mod replay;
@@ -22,8 +24,10 @@ pub use capture::CaptureOptions;
 pub use check::CheckOptions;
 pub use compose::ComposeOptions;
 pub use diagnose::DiagnoseOptions;
+pub use export::{ExportOptions, TableSpan};
 pub use fit::FitOptions;
 pub use list::ListOptions;
+pub use manual::{CompletionsOptions, ManOptions};
 pub use recompute::RecomputeOptions;
 pub use recover::RecoverOptions;
 pub use replay::ReplayOptions;
@@ -39,7 +43,15 @@ use clap::{Parser, Subcommand};
 /// Captures how a mechanical knob feels, as numbers.
 #[derive(Debug, Parser)]
 #[command(name = "haptic-camera", version, propagate_version = true)]
-#[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.")]
+#[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.\n\n\
+    Environment:\n  \
+    RUST_LOG                    what the programs log to standard error, as in RUST_LOG=info or RUST_LOG=recorder=debug\n  \
+    NO_COLOR                    no colours in the log; there are none anyway where it is no terminal\n  \
+    HAPTIC_CAMERA_RUNTIME_DIR   the rig: two directories are two rigs [default: one in $XDG_RUNTIME_DIR]\n\n\
+    First steps:\n  \
+    haptic-camera doctor\n  \
+    haptic-camera capture --knob 3 --duration-s 10\n  \
+    haptic-camera list")]
 pub struct CommandLine {
     /// What to do.
     #[command(subcommand)]
@@ -51,6 +63,7 @@ pub struct CommandLine {
 pub enum Command {
     /// Turn a knob through a sweep, watch it live, and keep an archive and a fitted model
     #[command(after_help = "Examples:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures\n  \
+        haptic-camera capture --knob 3 --until-ci 1% --duration-s 60\n  \
         haptic-camera capture --knob 5 --diagnose --budget 5")]
     Capture(CaptureOptions),
     /// Make the rig feel like a model, and record what the hand does
@@ -104,13 +117,34 @@ pub enum Command {
     #[command(after_help = "Examples:\n  haptic-camera list\n  haptic-camera list captures --json")]
     List(ListOptions),
     /// Open the live view of the running capture, or look at a finished one
+    #[command(
+        after_help = "Examples:\n  haptic-camera view\n  haptic-camera view captures/20261121-101500-knob-3.mcap --native"
+    )]
     View(ViewOptions),
     /// Compute the torques of a recorded replay again and say whether they are equal, bit for bit
     #[command(after_help = "Example:\n  haptic-camera recompute captures/20261121-101500-replay-knob-3.mcap")]
     Recompute(RecomputeOptions),
+    /// Write a capture as CSV or Parquet, or a model's torque over the angle as CSV or as a C header for firmware
+    #[command(
+        after_help = "Examples:\n  haptic-camera export captures/20261121-101500-knob-3.mcap --out knob-3.csv\n  \
+        haptic-camera export captures/20261121-101500-knob-3.mcap --out knob-3.parquet\n  \
+        haptic-camera export captures/20261121-101500-knob-3.toml --out knob-3.h --points 128\n  \
+        haptic-camera export 4 --out knob-4.csv --over turn"
+    )]
+    Export(ExportOptions),
     /// Make a whole archive of one that was cut short or damaged
     #[command(after_help = "Example:\n  haptic-camera recover broken.mcap --out whole.mcap")]
     Recover(RecoverOptions),
     /// Check what this machine permits: real-time priority, memory, shared memory, programs
+    #[command(after_help = "Example:\n  haptic-camera doctor")]
     Doctor,
+    /// Print the completions of a shell
+    #[command(after_help = "Examples:\n  \
+        haptic-camera completions bash > ~/.local/share/bash-completion/completions/haptic-camera\n  \
+        haptic-camera completions zsh > ~/.zfunc/_haptic-camera\n  \
+        haptic-camera completions fish > ~/.config/fish/completions/haptic-camera.fish")]
+    Completions(CompletionsOptions),
+    /// Write manual pages, one a command
+    #[command(after_help = "Example:\n  haptic-camera man ~/.local/share/man/man1 && man haptic-camera-capture")]
+    Man(ManOptions),
 }

@@ -61,7 +61,7 @@ fn cells(known: Option<&Known>) -> [String; 3] {
         Some(known) if known.absent => nothing("none"),
         Some(Known { value: Some(value), half_width: Some(half_width), .. }) => {
             let digits = digits(*half_width);
-            let share = 100.0 * half_width / value.abs();
+            let share = 100.0 * known.and_then(Known::share).unwrap_or(f64::INFINITY);
             let share = if share < 1000.0 { format!("{share:.2} %") } else { "-".to_owned() };
             [format!("{value:.digits$}"), format!("± {half_width:.digits$}"), share]
         }

@@ -19,6 +19,14 @@ pub struct Known {
     pub absent: bool,
 }
 
+impl Known {
+    /// The half width as a share of the value; of a phase, of one radian. `None` while there is no interval.
+    pub fn share(&self) -> Option<f64> {
+        let scale = if is_phase(self.name) { 1.0 } else { self.value?.abs() };
+        Some(self.half_width? / scale)
+    }
+}
+
 /// What an estimate knows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Knowledge {
@@ -65,9 +73,9 @@ impl Yardstick {
         if known.absent {
             return Standing::Absent;
         }
-        let (Some(value), Some(half_width)) = (known.value, known.half_width) else { return Standing::Wanting(None) };
-        let scale = if is_phase(known.name) { 1.0 } else { value.abs() };
-        let share = half_width / scale;
+        let (Some(value), Some(half_width), Some(share)) = (known.value, known.half_width, known.share()) else {
+            return Standing::Wanting(None);
+        };
         if share <= self.share.get() {
             return Standing::Enough(share);
         }
