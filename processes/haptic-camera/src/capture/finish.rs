@@ -48,7 +48,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
 
 /// What a run that goes on until enough is known came to, and how long it took of the planned sweep.
 pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
-    let share = achieved.yardstick.share;
+    let share = achieved.asked;
     let Some(ended_s) = achieved.ended_s else {
         let wanting: Vec<String> = achieved.wanting().into_iter().map(wanting_words).collect();
         return format!(
@@ -66,7 +66,7 @@ pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
 /// Holds the fit of the archive against what the sweep was ended for.
 fn tell_precision(achieved: &Achieved, fitted: &Fit) {
     let Some(verification) = achieved.verify(fitted) else { return };
-    let share = achieved.yardstick.share;
+    let share = achieved.asked;
     if !verification.wanting.is_empty() {
         let wanting: Vec<String> = verification.wanting.into_iter().map(wanting_words).collect();
         remark(format!("the fit of the archive does not know within {share}: {}", wanting.join(", ")));

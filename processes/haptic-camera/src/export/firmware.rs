@@ -16,7 +16,7 @@ use super::torque_over_angle::TorqueOverAngle;
 const PER_LINE: usize = 6;
 
 /// The header; `name` is what its names begin with.
-pub(super) fn header(model: &Model, table: &TorqueOverAngle, source: &str, name: &str) -> String {
+pub(super) fn header(model: &Model, table: Option<&TorqueOverAngle>, source: &str, name: &str) -> String {
     let upper = identifier(name).to_uppercase();
     let mut text = String::new();
     let _ = write!(
@@ -31,8 +31,10 @@ pub(super) fn header(model: &Model, table: &TorqueOverAngle, source: &str, name:
         comment(source),
     );
     constants(model, &upper, &mut text);
-    smart_knob(model, table, &upper, &mut text);
-    write_table(table, &upper, &mut text);
+    if let Some(table) = table {
+        smart_knob(model, table, &upper, &mut text);
+        write_table(table, &upper, &mut text);
+    }
     let _ = writeln!(text, "\n#endif");
     text
 }

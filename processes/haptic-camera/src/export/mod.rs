@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use archive::{attachment, whole_file};
-use dynamics::{Model, knobs};
+use dynamics::knobs;
 
 use crate::command_line::ExportOptions;
 use crate::fit::write;
@@ -84,24 +84,22 @@ fn capture_as_parquet(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
 }
 
 fn model_table(options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let (_, table) = tabulated(options)?;
+    let table = TorqueOverAngle::of(&knobs::named(&options.source)?, options.points, options.over)?;
     write(&options.out, &table.to_csv())?;
     say(format!("{}: {}", options.out.display(), table.in_words()));
     Ok(Outcome::Done)
 }
 
+/// Of a knob without any torque of the angle the header has its inertia and friction alone.
 fn firmware_header(options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let (model, table) = tabulated(options)?;
-    let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    write(&options.out, &firmware::header(&model, &table, &options.source, &guard))?;
-    say(format!("{}: {}", options.out.display(), table.in_words()));
-    Ok(Outcome::Done)
-}
-
-fn tabulated(options: &ExportOptions) -> anyhow::Result<(Model, TorqueOverAngle)> {
     let model = knobs::named(&options.source)?;
-    let table = TorqueOverAngle::of(&model, options.points, options.over)?;
-    Ok((model, table))
+    let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
+    let table = has_table.then(|| TorqueOverAngle::of(&model, options.points, options.over)).transpose()?;
+    let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    write(&options.out, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
+    let words = table.map_or_else(|| "no torque of the angle, so no table".to_owned(), |table| table.in_words());
+    say(format!("{}: {words}", options.out.display()));
+    Ok(Outcome::Done)
 }
 
 /// Attachments of an archive that go along as metadata.

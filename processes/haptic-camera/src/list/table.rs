@@ -5,7 +5,9 @@ use comfy_table::{CellAlignment, Table, presets};
 use super::entry::{Entry, Health};
 
 /// Most of a name that fits.
-const NAME_LETTERS: usize = 30;
+const NAME_LETTERS: usize = 27;
+/// Most of a knob's name that fits.
+const KNOB_LETTERS: usize = 7;
 
 /// The table, and a sentence on each file that is no whole capture.
 pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
@@ -19,7 +21,7 @@ pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
         let percent = entry.quality.relative_error_percent.map(|error| format!("{error:.1} %"));
         table.add_row([
             shortened(&entry.file, NAME_LETTERS),
-            shortened(entry.knob.as_deref().unwrap_or("-"), 8),
+            shortened(entry.knob.as_deref().unwrap_or("-"), KNOB_LETTERS),
             entry.captured_at.as_deref().and_then(minutes).unwrap_or_else(|| "-".to_owned()),
             number(entry.duration_s, 1),
             percent.unwrap_or_else(|| "-".to_owned()),
@@ -39,9 +41,9 @@ pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
     lines
 }
 
-/// Month to minute: what tells captures of a folder apart.
+/// Date and time to the minute.
 fn minutes(date: &str) -> Option<String> {
-    Some(format!("{} {}", date.get(5..10)?, date.get(11..16)?))
+    Some(format!("{} {}", date.get(..10)?, date.get(11..16)?))
 }
 
 /// A name that fits; its end tells more than its middle.
@@ -69,6 +71,10 @@ fn word(entry: &Entry) -> &'static str {
 }
 
 fn remark(entry: &Entry) -> Option<String> {
+    // What is no capture needs no advice.
+    if entry.health == Health::Foreign {
+        return None;
+    }
     if let Some(problem) = &entry.problem {
         return Some(format!("- {problem}"));
     }
@@ -96,9 +102,9 @@ mod tests {
 
     #[test]
     fn a_long_name_keeps_its_beginning_and_its_end() {
-        assert_eq!(shortened("20261121-101500-knob-3.mcap", 30), "20261121-101500-knob-3.mcap");
-        let long = shortened("20261121-101500-a-knob-with-a-long-name.mcap", 30);
-        assert!(long.starts_with("20261121-1015") && long.ends_with("ong-name.mcap"), "{long}");
-        assert!(long.chars().count() <= 30);
+        assert_eq!(shortened("20261121-101500-knob-3.mcap", 27), "20261121-101500-knob-3.mcap");
+        let long = shortened("20261121-101500-a-knob-with-a-long-name.mcap", 27);
+        assert!(long.starts_with("20261121-1") && long.ends_with("name.mcap"), "{long}");
+        assert!(long.chars().count() <= 27);
     }
 }

@@ -35,7 +35,7 @@ fn widest(knowledge: &Knowledge, yardstick: &Yardstick) -> String {
         width(one.1).total_cmp(&width(other.1))
     });
     match widest {
-        None => format!("all within {}", yardstick.share),
+        None => format!("all within ± {:.2} %", 100.0 * yardstick.share),
         Some((name, share)) => format!("{name} {}", standing_words(Standing::Wanting(share))),
     }
 }

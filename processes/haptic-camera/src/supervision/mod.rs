@@ -75,6 +75,9 @@ pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
 
 /// Where an archive goes: a name that sorts by time and says what was on the rig, a knob's number or file.
 ///
+/// The time is the operator's. A further archive of the same second ends in `_02`, which sorts behind the first's `.mcap` as a
+/// dash would not.
+///
 /// # Errors
 /// When the folder cannot be made.
 pub(crate) fn archive_path(out: &Path, knob: &str, before: &str) -> anyhow::Result<PathBuf> {
@@ -87,7 +90,7 @@ pub(crate) fn archive_path(out: &Path, knob: &str, before: &str) -> anyhow::Resu
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
     let free = (1..).map(|number| match number {
         1 => out.join(format!("{time}-{before}{knob}.mcap")),
-        _ => out.join(format!("{time}-{before}{knob}-{number}.mcap")),
+        _ => out.join(format!("{time}-{before}{knob}_{number:02}.mcap")),
     });
     free.into_iter().find(|path| !path.exists()).context("no free name for the archive")
 }

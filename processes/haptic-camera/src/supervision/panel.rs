@@ -32,8 +32,8 @@ pub(super) fn below(link: &LoopLink, yardstick: Option<&Yardstick>) -> String {
 }
 
 fn table(fit: Option<&FitUpdate>, yardstick: Option<&Yardstick>) -> String {
-    let asked = yardstick.map_or_else(String::new, |yardstick| format!("asked {}", yardstick.share));
-    let mut text = format!("{:<18}{:>12}{:>13}{:>9}  {:<13}{asked}\n", "parameter", "so far", "95 %", "share", "unit");
+    let asked = yardstick.map_or_else(String::new, |yardstick| format!("needs ± {:.2} %", 100.0 * yardstick.share));
+    let mut text = format!("{:<18}{:>12}{:>13}{:>9}  {:<12}{asked}\n", "parameter", "so far", "95 %", "share", "unit");
     let knowledge = fit.map(Knowledge::from);
     for kind in parameters() {
         let known = knowledge.as_ref().and_then(|all| all.parameters.iter().find(|known| known.name == kind.name));
@@ -42,7 +42,7 @@ fn table(fit: Option<&FitUpdate>, yardstick: Option<&Yardstick>) -> String {
             (Some(yardstick), Some(known), Some(all)) => word(yardstick.standing(known, all)),
             _ => "",
         };
-        let line = format!("{:<18}{value:>12}{half_width:>13}{share:>9}  {:<13}{word}", kind.name, kind.unit);
+        let line = format!("{:<18}{value:>12}{half_width:>13}{share:>9}  {:<12}{word}", kind.name, kind.unit);
         let _ = writeln!(text, "{}", line.trim_end());
     }
     text

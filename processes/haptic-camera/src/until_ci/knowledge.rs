@@ -4,8 +4,6 @@ use identification::live::{LiveEstimate, Verdict as LiveVerdict};
 use identification::{Fit, Parameter};
 use shared_types::{FitUpdate, Verdict};
 
-use super::Share;
-
 /// A parameter as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
@@ -61,8 +59,8 @@ impl Standing {
 /// What parameters are measured by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yardstick {
-    /// The share that half an interval may be wide.
-    pub share: Share,
+    /// The share that half an interval may be wide, below one.
+    pub share: f64,
     /// One step of the torque sensor, mNm.
     pub torque_step_mnm: f64,
 }
@@ -76,7 +74,7 @@ impl Yardstick {
         let (Some(value), Some(half_width), Some(share)) = (known.value, known.half_width, known.share()) else {
             return Standing::Wanting(None);
         };
-        if share <= self.share.get() {
+        if share <= self.share {
             return Standing::Enough(share);
         }
         let most_mnm = torque_per_unit(known.name, of).map(|torque| (value.abs() + half_width) * torque);
