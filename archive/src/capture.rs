@@ -61,19 +61,7 @@ impl Capture {
     /// # Errors
     /// [`ArchiveError`], one sentence that names file, row and column where there is one.
     pub fn load(path: &Path) -> Result<Self, ArchiveError> {
-        let first_bytes = first_bytes(path)?;
-        if first_bytes.is_empty() {
-            return Err(ArchiveError::Empty { path: path.to_owned() });
-        }
-        let capture = if first_bytes == mcap::MAGIC {
-            mcap_file::load(path)?
-        } else if mcap::MAGIC.starts_with(&first_bytes) {
-            return Err(ArchiveError::Truncated { path: path.to_owned() });
-        } else if first_bytes.contains(&0) || path.extension().is_some_and(|extension| extension == "mcap") {
-            return Err(ArchiveError::NotACapture { path: path.to_owned() });
-        } else {
-            csv_file::load(path)?
-        };
+        let capture = if is_mcap(path)? { mcap_file::load(path)? } else { csv_file::load(path)? };
         capture.validate()?;
         Ok(capture)
     }
@@ -293,6 +281,27 @@ fn media_type(name: &str) -> &'static str {
         Some("csv") => "text/csv",
         _ => "application/octet-stream",
     }
+}
+
+/// Whether a file is an MCAP archive, by its content; otherwise it is text.
+///
+/// # Errors
+/// For a file that is neither.
+pub(crate) fn is_mcap(path: &Path) -> Result<bool, ArchiveError> {
+    let first_bytes = first_bytes(path)?;
+    if first_bytes.is_empty() {
+        return Err(ArchiveError::Empty { path: path.to_owned() });
+    }
+    if first_bytes == mcap::MAGIC {
+        return Ok(true);
+    }
+    if mcap::MAGIC.starts_with(&first_bytes) {
+        return Err(ArchiveError::Truncated { path: path.to_owned() });
+    }
+    if first_bytes.contains(&0) || path.extension().is_some_and(|extension| extension == "mcap") {
+        return Err(ArchiveError::NotACapture { path: path.to_owned() });
+    }
+    Ok(false)
 }
 
 fn first_bytes(path: &Path) -> Result<Vec<u8>, ArchiveError> {

@@ -124,7 +124,8 @@ pub(crate) fn gaps_metadata(ledger: &SequenceLedger) -> Result<Option<mcap::reco
 }
 
 /// The unit that a column's name carries; `None` for counts and codes.
-pub(crate) fn unit_of(column: &str) -> Option<&'static str> {
+#[must_use]
+pub fn unit_of(column: &str) -> Option<&'static str> {
     // The longest ending comes first: `_rad_s2` also ends like a shorter one would.
     [("_rad_s2", "rad/s^2"), ("_rad_s", "rad/s"), ("_rad", "rad"), ("_mnm", "mNm"), ("_ns", "ns"), ("_s", "s")]
         .into_iter()

@@ -21,6 +21,17 @@ use crate::sequence::{Gap, SequenceLedger};
 
 /// Reads an archive that must be whole; every checksum is compared.
 pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
+    let mut content = Content::new(path);
+    read_records(path, |opcode, body| content.record(opcode, body))?;
+    content.into_capture()
+}
+
+/// Hands over every record of an archive that must be whole, those in chunks too, up to the end of the messages; what
+/// follows only repeats. Every checksum is compared.
+pub(crate) fn read_records(
+    path: &Path,
+    mut take: impl FnMut(u8, &[u8]) -> Result<(), ArchiveError>,
+) -> Result<(), ArchiveError> {
     let file = File::open(path).map_err(|error| ArchiveError::file(path, error))?;
     let mut file = BufReader::with_capacity(1 << 20, file);
     let mut reader = LinearReader::new_with_options(
@@ -30,17 +41,26 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
             .with_validate_summary_section_crc(true)
             .with_record_length_limit(MAX_RECORD_BYTES),
     );
-    let mut content = Content::new(path);
+    let mut past_the_messages = false;
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| broken(path, &error))? {
             LinearReadEvent::ReadRequest(need) => {
                 let read = file.read(reader.insert(need.max(1))).map_err(|error| ArchiveError::file(path, error))?;
                 reader.notify_read(read);
             }
-            LinearReadEvent::Record { data, opcode } => content.record(opcode, data)?,
+            LinearReadEvent::Record { data, opcode } => {
+                past_the_messages |= opcode == op::DATA_END;
+                if !past_the_messages {
+                    if opcode == op::ATTACHMENT && attachment_body_length(data) != Some(data.len() as u64) {
+                        let reason = "an attachment's lengths do not fit its record".to_owned();
+                        return Err(ArchiveError::Damaged { path: path.to_owned(), reason });
+                    }
+                    take(opcode, data)?;
+                }
+            }
         }
     }
-    content.into_capture()
+    Ok(())
 }
 
 fn broken(path: &Path, error: &McapError) -> ArchiveError {
@@ -62,7 +82,6 @@ struct Content<'a> {
     rows: Rows,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
-    past_the_messages: bool,
 }
 
 impl<'a> Content<'a> {
@@ -76,19 +95,10 @@ impl<'a> Content<'a> {
             rows: Rows::default(),
             metadata: BTreeMap::new(),
             attachments: BTreeMap::new(),
-            past_the_messages: false,
         }
     }
 
     fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), ArchiveError> {
-        // Past this point schemas and channels are only repeated.
-        self.past_the_messages |= opcode == op::DATA_END;
-        if self.past_the_messages {
-            return Ok(());
-        }
-        if opcode == op::ATTACHMENT && attachment_body_length(body) != Some(body.len() as u64) {
-            return Err(self.damaged("an attachment's lengths do not fit its record"));
-        }
         match mcap::parse_record(opcode, body).map_err(|error| broken(self.path, &error))? {
             Record::Schema { header, data } => {
                 self.schemas.insert(header.id, (header.encoding, String::from_utf8_lossy(&data).into_owned()));
@@ -143,17 +153,7 @@ impl<'a> Content<'a> {
     }
 
     fn into_capture(self) -> Result<Capture, ArchiveError> {
-        let Self {
-            path,
-            schemas: _,
-            samples,
-            model_channels: _,
-            models,
-            rows,
-            metadata,
-            attachments,
-            past_the_messages: _,
-        } = self;
+        let Self { path, schemas: _, samples, model_channels: _, models, rows, metadata, attachments } = self;
         if samples.is_empty() {
             return Err(ArchiveError::NoSamples { path: path.to_owned() });
         }
@@ -209,7 +209,7 @@ impl<'a> Content<'a> {
 }
 
 /// The gaps that the writer noted; it also knew what is missing at the end.
-fn recorded_gaps(metadata: &BTreeMap<String, BTreeMap<String, String>>) -> Option<Vec<Gap>> {
+pub(crate) fn recorded_gaps(metadata: &BTreeMap<String, BTreeMap<String, String>>) -> Option<Vec<Gap>> {
     serde_json::from_str(metadata.get(GAPS_METADATA)?.get("gaps")?).ok()
 }
 

@@ -37,6 +37,10 @@ wire_message! {
         pub update_ns: u64,
         /// RMS of the torque that the model leaves unexplained, mNm.
         pub residual_rms_mnm: f64,
+        /// RMS of the velocity while the knob slid, rad/s; NaN before the first estimate.
+        pub speed_rms_rad_s: f64,
+        /// RMS of the acceleration while the knob slid, rad/s^2; NaN before the first estimate.
+        pub acceleration_rms_rad_s2: f64,
         /// Inertia of the knob, mNm s^2/rad.
         pub inertia: Estimate,
         /// Coulomb friction when turning in the negative direction, mNm.

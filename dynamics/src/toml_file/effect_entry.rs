@@ -17,7 +17,7 @@ pub(super) fn write(effect: &Effect, text: &mut String) {
     let kind = effect.kind();
     let _ = writeln!(text, "\n# {}\n[[effects]]\n{NAME} = \"{}\"", kind.description, kind.name);
     if let Some(origin) = effect.origin() {
-        let _ = writeln!(text, "{ORIGIN} = {}", toml::Value::from(origin));
+        let _ = writeln!(text, "{ORIGIN} = {}  # the knob that it was taken from", toml::Value::from(origin));
     }
     for (parameter, value) in effect.parameters() {
         let value = toml::Value::from(value);
@@ -28,9 +28,13 @@ pub(super) fn write(effect: &Effect, text: &mut String) {
         );
     }
     if let Some(table) = effect.table() {
-        let _ = writeln!(text, "{PERIOD} = {}", toml::Value::from(table.period_rad()));
-        for (name, values) in [(ANGLES, table.angle_rad()), (TORQUES, table.points_mnm())] {
-            let _ = writeln!(text, "{name} = {}", toml::Value::from(values.to_vec()));
+        let period = toml::Value::from(table.period_rad());
+        let _ = writeln!(text, "{PERIOD} = {period}  # rad: angle after which the table repeats");
+        for (name, values, meaning) in [
+            (ANGLES, table.angle_rad(), "rad: angles of the points, rising"),
+            (TORQUES, table.points_mnm(), "mNm: torque drawn at each of them"),
+        ] {
+            let _ = writeln!(text, "# {meaning}\n{name} = {}", toml::Value::from(values.to_vec()));
         }
     }
 }

@@ -49,6 +49,10 @@ pub struct LiveEstimate {
     pub residual_rms_mnm: Option<f64>,
     /// RMS of the torque itself in that band.
     pub torque_rms_mnm: Option<f64>,
+    /// RMS of the velocity while the knob slid, rad/s; `None` before the first row.
+    pub speed_rms_rad_s: Option<f64>,
+    /// RMS of the acceleration while the knob slid, rad/s²; `None` before the first row.
+    pub acceleration_rms_rad_s2: Option<f64>,
     /// Samples taken in.
     pub samples: u64,
     /// Samples left out because they were not numbers or did not come later than the last.
@@ -118,15 +122,23 @@ pub(super) fn estimate(
         return estimate;
     };
     let mut start = 0;
+    let mut square_speed = 0.0;
     for effect in base_effects {
         for (position, kind) in effect.kind().parameters.iter().enumerate() {
             let column = start + position;
             let subtract = if matches!(effect.kind().part, Part::Inertia(_)) { gripper_inertia } else { 0.0 };
             let half = CRITICAL * solution.covariance[(column, column)].max(0.0).sqrt();
             estimate.parameters.push(parameter(kind, column, half, subtract, &solution, excitation));
+            match kind.name {
+                "inertia" => estimate.acceleration_rms_rad_s2 = Some(solution.column_rms[column]),
+                // The column of a direction is the velocity in that direction, and zero in the other.
+                "viscous_negative" | "viscous_positive" => square_speed += solution.column_rms[column].powi(2),
+                _ => {}
+            }
         }
         start += effect.kind().regressors.map_or(0, |regressors| regressors.columns);
     }
+    estimate.speed_rms_rad_s = Some(square_speed.sqrt());
     estimate.residual_rms_mnm = Some(solution.residual_rms);
     estimate.torque_rms_mnm = Some(solution.torque_rms);
     estimate.rows = solution.rows;

@@ -1,7 +1,8 @@
 //! Captures and models as the analysis wants them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use anyhow::Context as _;
 use archive::{Capture, attachment};
 use dynamics::{Calibration, Model};
 use identification::{Fit, Samples};
@@ -18,17 +19,17 @@ pub struct LoadedCapture {
 }
 
 impl LoadedCapture {
-    /// Reads a capture and its attachments.
+    /// Reads a capture and its attachments; of a table, the calibration that an export put beside it.
     ///
     /// # Errors
     /// One sentence on what is wrong with the file.
     pub fn load(path: &Path) -> anyhow::Result<Self> {
         let capture = Capture::load(path)?.of_knob();
-        let calibration = capture
-            .attached_text(attachment::CALIBRATION)
-            .filter(|text| !text.is_empty())
-            .map(Calibration::from_toml)
-            .transpose()?;
+        let calibration = match capture.attached_text(attachment::CALIBRATION).filter(|text| !text.is_empty()) {
+            Some(text) => Some(Calibration::from_toml(text)?),
+            None if capture.description.is_none() => read_calibration_beside(path)?,
+            None => None,
+        };
         let truth = capture
             .attached_text(attachment::MODEL)
             .map(|text| Model::from_toml(text, &format!("the model in {}", path.display())))
@@ -94,6 +95,25 @@ impl LoadedCapture {
             real_time: Some(run.realtime & shared_types::realtime::FULL == shared_types::realtime::FULL),
             ..facts
         }
+    }
+}
+
+/// Where the calibration of an exported table lies.
+pub fn calibration_beside(table: &Path) -> PathBuf {
+    table.with_extension("calibration.toml")
+}
+
+/// The calibration of an exported table; `None` for a table that came without one.
+fn read_calibration_beside(table: &Path) -> anyhow::Result<Option<Calibration>> {
+    let path = calibration_beside(table);
+    match std::fs::read_to_string(&path) {
+        Ok(text) => {
+            let known =
+                Calibration::from_toml(&text).with_context(|| format!("{} is no calibration", path.display()))?;
+            Ok(Some(known))
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error).with_context(|| format!("{} cannot be read", path.display())),
     }
 }
 

@@ -10,9 +10,12 @@ mod compose;
 mod diagnose;
 mod diagnosis_text;
 mod doctor;
+mod export;
 mod fit;
 mod harmonic_table;
+mod list;
 mod load;
+mod manual;
 mod offline_run;
 mod outcome;
 mod parameter_table;
@@ -25,7 +28,9 @@ mod rig_run;
 mod rig_test;
 mod simulate;
 mod supervision;
+mod terminal;
 mod tune;
+mod until_ci;
 mod verify;
 mod view;
 
@@ -41,6 +46,7 @@ fn main() -> ExitCode {
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
         .with_writer(std::io::stderr)
+        .with_ansi(terminal::log_may_be_coloured())
         .init();
     let result = match CommandLine::parse().command {
         Command::Capture(options) => capture::run(&options),
@@ -53,6 +59,10 @@ fn main() -> ExitCode {
         Command::Check(options) => check::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Compose(options) => compose::run(&options),
+        Command::Export(options) => export::run(&options),
+        Command::Completions(options) => manual::completions(&options),
+        Command::Man(options) => manual::pages(&options),
+        Command::List(options) => list::run(&options),
         Command::View(options) => view::run(&options),
         Command::Recompute(options) => recompute::run(&options),
         Command::Recover(options) => recover::run(&options),

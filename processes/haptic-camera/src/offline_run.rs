@@ -6,14 +6,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context as _;
 use archive::{CaptureWriter, whole_file};
 use clap::Parser as _;
+use identification::live::{LiveFit, LiveSample};
 use rt_loop::control::{ControlState, Reading, Request};
 use rt_loop::plan::{Options, Plan};
 use shared_types::{Fault, LoopState, ModelChange, RunDescription, Sample};
 
 use crate::outcome::remark;
+use crate::until_ci::{Achieved, Knowledge, Share, StopRule};
 
 /// Time for which the rig is armed before the run begins, s.
 const ARMED_S: f64 = 0.3;
+/// Time between two estimates of what is known, as in a live run, s.
+const ESTIMATES_S: f64 = 0.04;
 
 /// How an offline run went.
 #[derive(Clone, Debug)]
@@ -26,15 +30,23 @@ pub struct OfflineRun {
     pub rendered: Option<String>,
     /// Ticks in which the guard of a rendering took energy back.
     pub guarded_ticks: u64,
+    /// What became known, if the run was to end once enough is.
+    pub achieved: Option<Achieved>,
 }
 
 /// Makes the run that the control loop's `arguments` ask for, and keeps its archive at `path`.
 ///
-/// Once `stop` is set the torque is ramped down as in a live run, and the archive ends there.
+/// Once `stop` is set, or every parameter is known within the share `until`, the torque is ramped down as in a live run,
+/// and the archive ends there.
 ///
 /// # Errors
 /// What keeps the run from being made, and an archive that cannot be written.
-pub fn archive(arguments: &[String], path: &Path, stop: &AtomicBool) -> anyhow::Result<OfflineRun> {
+pub fn archive(
+    arguments: &[String],
+    path: &Path,
+    stop: &AtomicBool,
+    until: Option<Share>,
+) -> anyhow::Result<OfflineRun> {
     let options = Options::try_parse_from([&["rt-loop".to_owned()], arguments].concat())?;
     let plan = Plan::new(&options)?;
     let mut description = plan.description()?;
@@ -43,7 +55,8 @@ pub fn archive(arguments: &[String], path: &Path, stop: &AtomicBool) -> anyhow::
     if !options.without_remarks {
         plan.rendering.iter().flat_map(|rendering| &rendering.remarks).for_each(remark);
     }
-    let (samples, fault) = samples_of(plan, stop)?;
+    let mut watch = until.map(|share| Watch::new(share, &plan));
+    let (samples, fault) = samples_of(plan, stop, watch.as_mut())?;
     whole_file::write_whole(path, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;
         if let Some(model) = first_model(&description) {
@@ -55,7 +68,40 @@ pub fn archive(arguments: &[String], path: &Path, stop: &AtomicBool) -> anyhow::
         writer.finish().map(drop)
     })?;
     let guarded_ticks = samples.iter().filter(|sample| sample.flags & Sample::GUARDED != 0).count() as u64;
-    Ok(OfflineRun { samples: samples.len(), fault, rendered, guarded_ticks })
+    let achieved = watch.map(|watch| watch.rule.achieved());
+    Ok(OfflineRun { samples: samples.len(), fault, rendered, guarded_ticks, achieved })
+}
+
+/// Fits what is captured as it comes, as the live fitter does, and says when enough is known.
+struct Watch {
+    fit: LiveFit,
+    rule: StopRule,
+    rate_hz: f64,
+    next_s: f64,
+}
+
+impl Watch {
+    fn new(share: Share, plan: &Plan) -> Self {
+        let (rate_hz, calibration) = (plan.control.rate_hz, &plan.rig.calibration);
+        Self {
+            fit: LiveFit::new(rate_hz, Some(calibration)),
+            rule: StopRule::new(share, calibration.torque_step_mnm),
+            rate_hz,
+            next_s: ESTIMATES_S,
+        }
+    }
+
+    /// Takes a sample; true once the run may end.
+    fn take(&mut self, sample: &Sample) -> bool {
+        let time_s = sample.time_s(self.rate_hz);
+        let (angle_rad, torque_mnm) = (sample.angle_rad, sample.torque_mnm);
+        self.fit.push(&LiveSample { time_s, angle_rad, torque_mnm });
+        if time_s < self.next_s || self.rule.has_ended() {
+            return false;
+        }
+        self.next_s = time_s + ESTIMATES_S;
+        self.rule.take(time_s, Knowledge::from(&self.fit.estimate()))
+    }
 }
 
 /// The model with which a rendering begins.
@@ -82,7 +128,11 @@ fn dated(sample: &Sample, run: &RunDescription) -> Sample {
     clippy::cast_precision_loss,
     reason = "ticks of a run of minutes"
 )]
-fn samples_of(plan: Plan, stop: &AtomicBool) -> anyhow::Result<(Vec<Sample>, Option<Fault>)> {
+fn samples_of(
+    plan: Plan,
+    stop: &AtomicBool,
+    mut watch: Option<&mut Watch>,
+) -> anyhow::Result<(Vec<Sample>, Option<Fault>)> {
     let Plan { mut apparatus, rig, control, rendering, .. } = plan;
     let state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
     let mut state = match rendering {
@@ -103,6 +153,11 @@ fn samples_of(plan: Plan, stop: &AtomicBool) -> anyhow::Result<(Vec<Sample>, Opt
         let measurement = apparatus.read((tick as f64 * 1e9 / control.rate_hz).round() as u64);
         let output = state.step(&Reading { elapsed_ticks: 1, measurement });
         let _ = apparatus.write_torque(output.torque_mnm);
+        if let (Some(watch), Some(sample)) = (&mut watch, &output.sample)
+            && watch.take(sample)
+        {
+            state.request(Request::Stop);
+        }
         samples.extend(output.sample);
         match state.state() {
             LoopState::Armed | LoopState::Running | LoopState::Stopping => {}

@@ -1,6 +1,12 @@
 //! How a command ended, as an exit status.
 
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
+
+use indicatif::ProgressBar;
+
+/// The panel that is on the screen: it is taken away while something else is printed, and drawn again below.
+static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,11 +43,29 @@ pub fn tell_error(error: &anyhow::Error) {
 /// A closed pipe is no reason to fail: whoever reads has seen enough.
 pub fn say(line: impl std::fmt::Display) {
     use std::io::Write as _;
-    let _ = writeln!(std::io::stdout(), "{line}");
+    beside_panel(|| drop(writeln!(std::io::stdout(), "{line}")));
 }
 
 /// Prints a remark for the operator on standard error, apart from results.
 pub fn remark(line: impl std::fmt::Display) {
     use std::io::Write as _;
-    let _ = writeln!(std::io::stderr(), "{line}");
+    beside_panel(|| drop(writeln!(std::io::stderr(), "{line}")));
+}
+
+/// Keeps what is printed from now on apart from a panel on the same terminal.
+pub fn hold_panel(panel: &ProgressBar) {
+    *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = Some(panel.clone());
+}
+
+/// The panel is gone.
+pub fn release_panel() {
+    *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = None;
+}
+
+fn beside_panel(print: impl FnOnce()) {
+    let panel = PANEL.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    match panel {
+        Some(panel) => panel.suspend(print),
+        None => print(),
+    }
 }

@@ -30,6 +30,7 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
         options: &options.run,
         archive: archive_path(&options.run.out, &options.model, "replay-")?,
         duration_s,
+        until: None,
         shown: Shown::Rendering,
     };
     match run.take(&interrupted)? {

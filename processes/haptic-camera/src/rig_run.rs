@@ -100,7 +100,7 @@ impl RigRun {
     /// The same control step on the simulated rig, as fast as the processor goes.
     fn offline(&self, rig: &RigOptions, folder: &Path) -> anyhow::Result<PathBuf> {
         let path = folder.join(format!("{}.mcap", self.knob));
-        let run = offline_run::archive(&self.arguments(rig), &path, &AtomicBool::new(false))?;
+        let run = offline_run::archive(&self.arguments(rig), &path, &AtomicBool::new(false), None)?;
         match run.fault {
             Some(fault) => anyhow::bail!("the run ended in a fault after {} samples: {fault}", run.samples),
             None => Ok(path),

@@ -45,6 +45,8 @@ pub fn measured(run_id: u64, estimate: impl FnOnce() -> LiveEstimate) -> FitUpda
         samples: estimate.samples,
         update_ns: cpu_time_ns().saturating_sub(begun_ns),
         residual_rms_mnm: estimate.residual_rms_mnm.unwrap_or(f64::NAN),
+        speed_rms_rad_s: estimate.speed_rms_rad_s.unwrap_or(f64::NAN),
+        acceleration_rms_rad_s2: estimate.acceleration_rms_rad_s2.unwrap_or(f64::NAN),
         inertia: parameter("inertia"),
         coulomb_negative: parameter("coulomb_negative"),
         coulomb_positive: parameter("coulomb_positive"),

@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use identification::Fit;
+
 use crate::fit;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
 use crate::supervision::RunEnd;
+use crate::until_ci::Achieved;
 
 /// Gaps that are told one by one.
 const TOLD_GAPS: usize = 5;
@@ -13,25 +16,83 @@ const TOLD_GAPS: usize = 5;
 /// Tells how the run went, fits the archive and writes model and report beside it.
 ///
 /// # Errors
-/// When the archive cannot be read or the results not written.
-pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
-    let Some((loaded, outcome)) = read_back(archive, end)? else { return Ok(end.outcome_without_archive()) };
-    let archive = loaded.capture.source.as_path();
+/// When the archive cannot be read. Results that cannot be written are told, and the run has failed unless worse happened.
+pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::Result<Outcome> {
+    if let Some(achieved) = &end.achieved {
+        say(end_of_sweep(achieved, planned_s));
+    }
+    let Some((loaded, mut outcome)) = read_back(archive, end)? else { return Ok(end.outcome_without_archive()) };
+    let archive = loaded.capture.source.display();
     match fit::fit_capture(&loaded) {
         Ok(fitted) => {
-            let (model, report) = (archive.with_extension("toml"), archive.with_extension("html"));
-            fit::write(&model, &fitted.model(&loaded.title()).to_toml())?;
-            fit::write(&report, &loaded.report_page(&fitted))?;
-            say(format!("model    {}", model.display()));
-            say(format!("report   {}", report.display()));
-            say(format!("view     haptic-camera view {}", archive.display()));
+            if let Err(error) = keep(&loaded, &fitted) {
+                remark(format!("{error:#}; the archive is there: `haptic-camera fit {archive}` makes them again"));
+                if outcome == Outcome::Done {
+                    outcome = Outcome::Failed;
+                }
+            }
+            say(format!("view     haptic-camera view {archive}"));
             say("");
             fit::show(&loaded, &fitted);
+            if let Some(achieved) = &end.achieved {
+                tell_precision(achieved, &fitted);
+            }
         }
         // The capture is kept and whole; that it tells no model is a finding, not a failure.
         Err(error) => remark(format!("no model: {error:#}")),
     }
     Ok(outcome)
+}
+
+/// Writes model, report and figures beside the archive.
+fn keep(loaded: &LoadedCapture, fitted: &FittedCapture) -> anyhow::Result<()> {
+    let beside = |extension| loaded.capture.source.with_extension(extension);
+    let (model, report) = (beside("toml"), beside("html"));
+    fit::write(&model, &fitted.model(&loaded.title()).to_toml())?;
+    say(format!("model    {}", model.display()));
+    fit::write(&report, &loaded.report_page(fitted))?;
+    say(format!("report   {}", report.display()));
+    // For `list`, and for whoever computes with the intervals.
+    fit::write_json(Some(&beside("json")), fitted)
+}
+
+/// What a run that goes on until enough is known came to, and how long it took of the planned sweep.
+pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
+    let share = achieved.asked;
+    let Some(ended_s) = achieved.ended_s else {
+        let wanting: Vec<String> = achieved.wanting().into_iter().map(wanting_words).collect();
+        return format!(
+            "not known within {share} by the end: {}; give it longer with --duration-s, or a larger share",
+            if wanting.is_empty() { "there was no steady estimate".to_owned() } else { wanting.join(", ") }
+        );
+    };
+    let saved_s = planned_s - ended_s;
+    format!(
+        "known within {share} after {ended_s:.2} s of {planned_s} s planned: {saved_s:.2} s saved, {:.0} %",
+        100.0 * saved_s / planned_s
+    )
+}
+
+/// Holds the fit of the archive against what the sweep was ended for.
+fn tell_precision(achieved: &Achieved, fitted: &Fit) {
+    let Some(verification) = achieved.verify(fitted) else { return };
+    let share = achieved.asked;
+    if !verification.wanting.is_empty() {
+        let wanting: Vec<String> = verification.wanting.into_iter().map(wanting_words).collect();
+        remark(format!("the fit of the archive does not know within {share}: {}", wanting.join(", ")));
+    } else if let Some((name, widest)) = verification.widest {
+        say(format!(
+            "every parameter is known within {share}; the widest interval is {name}'s, ± {:.2} %",
+            100.0 * widest
+        ));
+    }
+}
+
+fn wanting_words((name, share): (&str, Option<f64>)) -> String {
+    match share {
+        Some(share) => format!("{name} (± {:.2} %)", 100.0 * share),
+        None => format!("{name} (cannot be told)"),
+    }
 }
 
 /// Tells how the run went and reads its archive; `None` when there is none.

@@ -22,7 +22,7 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     }
     let run = supervised(options)?;
     match run.take(&interrupted)? {
-        Some(end) => finish::conclude(&run.archive, &end),
+        Some(end) => finish::conclude(&run.archive, &end, options.duration_s),
         None => Ok(Outcome::Failed),
     }
 }
@@ -46,6 +46,7 @@ fn supervised(options: &CaptureOptions) -> anyhow::Result<SupervisedRun<'_>> {
         options: &options.run,
         archive: archive_path(&options.run.out, &options.knob, "")?,
         duration_s: Some(options.duration_s),
+        until: options.until_ci,
         shown: Shown::Fit,
     })
 }
@@ -56,5 +57,7 @@ fn in_words(options: &CaptureOptions) -> String {
         format!(" of {amplitude:.3} {}", if options.torque { "mNm" } else { "rad" })
     });
     let CaptureOptions { knob, sweep, duration_s, run, .. } = options;
-    format!("capturing knob {knob} with {sweep}{amplitude} at {} Hz for {duration_s} s", run.rate_hz)
+    let until =
+        options.until_ci.map_or_else(|| "for ".to_owned(), |share| format!("until known within {share}, at most "));
+    format!("capturing knob {knob} with {sweep}{amplitude} at {} Hz {until}{duration_s} s", run.rate_hz)
 }

@@ -10,8 +10,10 @@ use shared_types::{ProcessKind, rig};
 
 use super::child::{Child, program};
 use super::loop_link::LoopLink;
+use super::words::Words;
 use crate::command_line::RunOptions;
 use crate::outcome::remark;
+use crate::terminal;
 
 /// Pause before a process that died is started again.
 const RESTART_PAUSE: Duration = Duration::from_millis(100);
@@ -59,8 +61,8 @@ impl Heard {
 }
 
 impl Consumer {
-    fn start(kind: ProcessKind, arguments: Vec<String>, loop_core: u32) -> anyhow::Result<Self> {
-        let child = spawn(kind, &arguments, loop_core, 0)?;
+    fn start(kind: ProcessKind, arguments: Vec<String>, loop_core: u32, words: &Words) -> anyhow::Result<Self> {
+        let child = spawn(kind, &arguments, loop_core, 0, words)?;
         let heard = Heard::at_its_start();
         Ok(Self { kind, arguments, loop_core, child, heard, restarts: 0, short_lives: 0, given_up: false })
     }
@@ -82,7 +84,7 @@ impl Consumer {
     }
 
     /// Starts it again if it died. A clean end is left as it is.
-    fn revive(&mut self) {
+    fn revive(&mut self, words: &Words) {
         if self.given_up || !self.child.has_ended() || self.ended_in_order() {
             return;
         }
@@ -96,7 +98,7 @@ impl Consumer {
             return;
         }
         self.restarts += 1;
-        match spawn(self.kind, &self.arguments, self.loop_core, self.restarts) {
+        match spawn(self.kind, &self.arguments, self.loop_core, self.restarts, words) {
             Ok(child) => {
                 self.heard = Heard::at_its_start();
                 self.child = child;
@@ -114,10 +116,17 @@ impl Consumer {
 }
 
 /// Starts it off the control loop's core, where the end of its memory would be a tick's business too.
-fn spawn(kind: ProcessKind, arguments: &[String], loop_core: u32, restarts: u32) -> anyhow::Result<Child> {
+fn spawn(
+    kind: ProcessKind,
+    arguments: &[String],
+    loop_core: u32,
+    restarts: u32,
+    words: &Words,
+) -> anyhow::Result<Child> {
     let _elsewhere = OffCore::leave(loop_core);
     let mut command = program(kind.name())?;
     command.args(arguments).arg(format!("--restarts={restarts}"));
+    words.take_from(&mut command);
     if restarts > 0 {
         // What it had to say at its start has been said.
         command.stdout(Stdio::null());
@@ -129,12 +138,15 @@ fn spawn(kind: ProcessKind, arguments: &[String], loop_core: u32, restarts: u32)
 pub(crate) struct Consumers {
     recorder: Consumer,
     others: Vec<Consumer>,
+    words: Words,
 }
 
 impl Consumers {
     /// Starts them, off the control loop's core where there is another. Only the recorder is indispensable.
     pub(crate) fn start(archive: &Path, options: &RunOptions, loop_core: u32) -> anyhow::Result<Self> {
-        let recorder = Consumer::start(ProcessKind::Recorder, vec![format!("--out={}", archive.display())], loop_core)?;
+        let words = Words::apart_from_panel(terminal::size().is_some());
+        let out = vec![format!("--out={}", archive.display())];
+        let recorder = Consumer::start(ProcessKind::Recorder, out, loop_core, &words)?;
         let mut wanted = vec![(ProcessKind::LiveFitter, Vec::new())];
         if !options.no_viewer {
             let place = if options.native_viewer { "--native" } else { "--web" };
@@ -142,19 +154,21 @@ impl Consumers {
         }
         let mut others = Vec::new();
         for (kind, arguments) in wanted {
-            match Consumer::start(kind, arguments, loop_core) {
+            match Consumer::start(kind, arguments, loop_core, &words) {
                 Ok(consumer) => others.push(consumer),
                 Err(error) => remark(format!("going on without {}: {error:#}", kind.name())),
             }
         }
-        Ok(Self { recorder, others })
+        Ok(Self { recorder, others, words })
     }
 
     /// Starts again what has died or hangs.
     pub(crate) fn revive(&mut self, link: &LoopLink) {
-        for consumer in self.others.iter_mut().chain([&mut self.recorder]) {
+        let Self { recorder, others, words } = self;
+        words.tell();
+        for consumer in others.iter_mut().chain([recorder]) {
             consumer.end_if_hung(link);
-            consumer.revive();
+            consumer.revive(words);
         }
     }
 
@@ -163,7 +177,8 @@ impl Consumers {
         let deadline = Instant::now() + patience;
         while Instant::now() < deadline {
             meanwhile();
-            self.recorder.revive();
+            self.words.tell();
+            self.recorder.revive(&self.words);
             if self.recorder.given_up || (self.recorder.child.has_ended() && self.recorder.ended_in_order()) {
                 return self.recorder.child.exit_code();
             }
@@ -184,6 +199,7 @@ impl Consumers {
             restarts.push((consumer.kind, consumer.restarts));
         }
         self.recorder.child.end(Duration::from_secs(2));
+        self.words.tell();
         restarts
     }
 }

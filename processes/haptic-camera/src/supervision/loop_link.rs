@@ -29,6 +29,7 @@ pub(crate) struct LoopLink {
     fit: Option<FitUpdate>,
     health: Vec<ProcessHealth>,
     torque_zero_mnm: f64,
+    torque_step_mnm: f64,
     models: Vec<FeltModel>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
@@ -50,6 +51,7 @@ impl LoopLink {
             fit: None,
             health: Vec::new(),
             torque_zero_mnm: 0.0,
+            torque_step_mnm: 0.0,
             models: Vec::new(),
             _node: node,
         })
@@ -73,6 +75,7 @@ impl LoopLink {
             let run = serde_json::from_slice::<RunDescription>(json.payload()).ok();
             if let Some(known) = run.and_then(|run| Calibration::from_toml(&run.calibration_toml).ok()) {
                 self.torque_zero_mnm = known.torque_zero_mnm;
+                self.torque_step_mnm = known.torque_step_mnm;
             }
         }
         while let Ok(Some(json)) = self.model_changes.receive() {
@@ -96,9 +99,25 @@ impl LoopLink {
         self.torque_zero_mnm - self.status.torque_mnm
     }
 
+    /// One step of the torque sensor, mNm; 0 where it is not known.
+    pub(crate) fn torque_step_mnm(&self) -> f64 {
+        self.torque_step_mnm
+    }
+
+    /// What the consumers last said of themselves.
+    pub(crate) fn consumers(&self) -> &[ProcessHealth] {
+        &self.health
+    }
+
     /// The loop's last status.
     pub(crate) fn status(&self) -> &LoopStatus {
         &self.status
+    }
+
+    /// Time in the run at the loop's last status, s.
+    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    pub(crate) fn elapsed_s(&self) -> f64 {
+        (self.status.published_samples + self.status.missed_ticks) as f64 / self.status.rate_hz.max(1.0)
     }
 
     /// The live fitter's last word on this run.

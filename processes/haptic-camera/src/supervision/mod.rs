@@ -2,9 +2,12 @@
 
 mod child;
 mod consumers;
+mod lines;
 mod loop_link;
+mod panel;
 mod progress;
 mod run_end;
+mod words;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,6 +21,7 @@ use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realt
 use crate::command_line::RunOptions;
 use crate::offline_run;
 use crate::outcome::{remark, say};
+use crate::until_ci::{Knowledge, Share, StopRule};
 pub(crate) use child::program_path;
 use child::{Child, program};
 use consumers::Consumers;
@@ -52,6 +56,8 @@ pub(crate) struct SupervisedRun<'a> {
     pub(crate) archive: PathBuf,
     /// Length, s; `None` where the operator ends it.
     pub(crate) duration_s: Option<f64>,
+    /// Ends the run once every parameter is known within this share.
+    pub(crate) until: Option<Share>,
     /// What the operator sees while it goes on.
     pub(crate) shown: Shown,
 }
@@ -69,6 +75,9 @@ pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
 
 /// Where an archive goes: a name that sorts by time and says what was on the rig, a knob's number or file.
 ///
+/// The time is the operator's. A further archive of the same second ends in `_02`, which sorts behind the first's `.mcap` as a
+/// dash would not.
+///
 /// # Errors
 /// When the folder cannot be made.
 pub(crate) fn archive_path(out: &Path, knob: &str, before: &str) -> anyhow::Result<PathBuf> {
@@ -81,7 +90,7 @@ pub(crate) fn archive_path(out: &Path, knob: &str, before: &str) -> anyhow::Resu
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
     let free = (1..).map(|number| match number {
         1 => out.join(format!("{time}-{before}{knob}.mcap")),
-        _ => out.join(format!("{time}-{before}{knob}-{number}.mcap")),
+        _ => out.join(format!("{time}-{before}{knob}_{number:02}.mcap")),
     });
     free.into_iter().find(|path| !path.exists()).context("no free name for the archive")
 }
@@ -110,7 +119,7 @@ impl SupervisedRun<'_> {
     /// The same without clock and other processes.
     fn offline(&self, interrupted: &AtomicBool) -> anyhow::Result<RunEnd> {
         say(format!("{}, offline", self.in_words));
-        let run = offline_run::archive(&self.loop_arguments(), &self.archive, interrupted)?;
+        let run = offline_run::archive(&self.loop_arguments(), &self.archive, interrupted, self.until)?;
         Ok(RunEnd {
             status: LoopStatus {
                 published_samples: run.samples as u64,
@@ -124,6 +133,7 @@ impl SupervisedRun<'_> {
             restarts: Vec::new(),
             models: run.rendered.into_iter().map(|name| FeltModel { tick: 0, name }).collect(),
             interrupted: interrupted.load(Ordering::Acquire),
+            achieved: run.achieved,
             loop_died: false,
         })
     }
@@ -144,7 +154,8 @@ impl SupervisedRun<'_> {
             consumers.end();
             return Err(error);
         }
-        let mut progress = Progress::new(self.shown, self.duration_s);
+        let mut rule = self.until.map(|share| StopRule::new(share, link.torque_step_mnm()));
+        let mut progress = Progress::new(self, rule.as_ref().map(StopRule::yardstick));
         let (mut stopped_by_operator, mut loop_died) = (false, false);
         let drill = Drill::listen(drill::SERVING_THREAD)?;
         loop {
@@ -155,12 +166,12 @@ impl SupervisedRun<'_> {
             link.listen();
             consumers.revive(&link);
             progress.show(&link);
+            if !stopped_by_operator && is_enough_known(rule.as_mut(), &link) {
+                stop(&link, control_loop);
+            }
             if interrupted.load(Ordering::Acquire) && !stopped_by_operator {
                 stopped_by_operator = true;
-                if let Err(error) = link.request(CommandKind::Stop) {
-                    remark(format!("{error:#}"));
-                    control_loop.end(LOOP_ENDS);
-                }
+                stop(&link, control_loop);
             }
             if link.status().finished == 1 {
                 break;
@@ -181,7 +192,8 @@ impl SupervisedRun<'_> {
         let restarts = consumers.end();
         let interrupted = stopped_by_operator;
         let models = link.models().to_vec();
-        Ok(Some(RunEnd { status: *link.status(), recorder_exit, restarts, models, interrupted, loop_died }))
+        let achieved = rule.map(StopRule::achieved);
+        Ok(Some(RunEnd { status: *link.status(), recorder_exit, restarts, models, interrupted, achieved, loop_died }))
     }
 
     fn tell_start(&self, status: &LoopStatus) {
@@ -189,6 +201,22 @@ impl SupervisedRun<'_> {
         if status.realtime & realtime::FULL != realtime::FULL {
             remark("without full real-time permission: ticks may be late, and the capture is marked so");
         }
+    }
+}
+
+/// Whether the live fitter's newest word ends a run that goes on until enough is known; true once at most.
+fn is_enough_known(rule: Option<&mut StopRule>, link: &LoopLink) -> bool {
+    let Some((rule, fit)) = rule.filter(|rule| !rule.has_ended()).zip(link.fit()) else { return false };
+    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    let time_s = fit.latest_tick as f64 / link.status().rate_hz.max(1.0);
+    rule.take(time_s, Knowledge::from(fit))
+}
+
+/// Has the loop take the torque down and end; by force if it does not answer.
+fn stop(link: &LoopLink, control_loop: &mut Child) {
+    if let Err(error) = link.request(CommandKind::Stop) {
+        remark(format!("{error:#}"));
+        control_loop.end(LOOP_ENDS);
     }
 }
 

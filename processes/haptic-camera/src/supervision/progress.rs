@@ -1,18 +1,25 @@
-//! What the operator sees while a run goes on: a bar on a terminal, plain lines elsewhere.
+//! What the operator sees while a run goes on: a panel on a terminal, plain lines elsewhere.
 
-use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use shared_types::{FitUpdate, LoopStatus, Sample, Verdict};
 
+use super::SupervisedRun;
+use super::lines::{fit_line, rendering_line};
 use super::loop_link::LoopLink;
-use crate::outcome::say;
+use super::panel::{self, FIT_LINES};
+use crate::outcome::{hold_panel, release_panel, say};
+use crate::terminal;
+use crate::until_ci::Yardstick;
 
-/// Time between two plain lines.
+/// Time between two plain lines, at least …
 const LINE_INTERVAL: Duration = Duration::from_secs(2);
+/// … and as a share of a run of known length, so that an hour does not fill a log.
+const LINES_PER_RUN: f64 = 60.0;
 /// Steps of the bar per second of the run.
 const STEPS_PER_S: f64 = 20.0;
+/// Time between two pictures of the panel: numbers that change faster cannot be read.
+const PANEL_INTERVAL: Duration = Duration::from_millis(200);
 
 /// What is shown of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,72 +33,77 @@ pub(crate) enum Shown {
 /// Shows how far the run is and how it goes.
 pub(crate) struct Progress {
     shown: Shown,
+    yardstick: Option<Yardstick>,
     bar: Option<ProgressBar>,
-    next_line: Instant,
+    whole_panel: bool,
+    next: Instant,
+    line_interval: Duration,
 }
 
 impl Progress {
-    /// For a run of so many seconds, or one that the operator ends.
-    pub(crate) fn new(shown: Shown, duration_s: Option<f64>) -> Self {
-        let bar = std::io::stdout().is_terminal().then(|| {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the loop checked the duration")]
-            let (bar, template) = match duration_s {
-                Some(duration_s) => (ProgressBar::new((duration_s * STEPS_PER_S).ceil() as u64), "{bar:24} {msg}"),
-                None => (ProgressBar::no_length(), "{msg}"),
+    /// For a run that has just begun.
+    pub(crate) fn new(run: &SupervisedRun<'_>, yardstick: Option<Yardstick>) -> Self {
+        let (shown, duration_s) = (run.shown, run.duration_s);
+        let size = terminal::size();
+        // A panel that does not fit would scroll instead of staying where it is.
+        let whole_panel = shown == Shown::Fit && size.is_some_and(|size| size.rows > FIT_LINES && size.columns >= 80);
+        let bar = size.map(|_| {
+            let bar = duration_s.map_or_else(ProgressBar::no_length, |duration_s| ProgressBar::new(steps(duration_s)));
+            let template = match (duration_s, whole_panel) {
+                (Some(_), true) => "{bar:38}  {prefix}\n{msg}",
+                (Some(_), false) => "{bar:16} {msg}",
+                (None, _) => "{msg}",
             };
             bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            hold_panel(&bar);
             bar
         });
-        Self { shown, bar, next_line: Instant::now() + LINE_INTERVAL }
+        let line_interval = duration_s.map_or(LINE_INTERVAL, |duration_s| {
+            Duration::try_from_secs_f64(duration_s / LINES_PER_RUN).map_or(LINE_INTERVAL, |one| one.max(LINE_INTERVAL))
+        });
+        let next = Instant::now() + if bar.is_some() { Duration::ZERO } else { line_interval };
+        Self { shown, yardstick, bar, whole_panel, next, line_interval }
     }
 
     pub(crate) fn show(&mut self, link: &LoopLink) {
-        let line = match self.shown {
-            Shown::Fit => fit_line(link.status(), link.fit()),
+        if Instant::now() < self.next {
+            return;
+        }
+        self.next = Instant::now() + if self.bar.is_some() { PANEL_INTERVAL } else { self.line_interval };
+        let line = || match self.shown {
+            Shown::Fit => fit_line(link, self.yardstick.as_ref()),
             Shown::Rendering => rendering_line(link),
         };
-        if let Some(bar) = &self.bar {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "time in the run is positive")]
-            bar.set_position((elapsed_s(link.status()) * STEPS_PER_S) as u64);
-            bar.set_message(line);
-        } else if Instant::now() >= self.next_line {
-            self.next_line = Instant::now() + LINE_INTERVAL;
-            say(line);
+        match &self.bar {
+            None => say(line()),
+            Some(bar) => {
+                if self.whole_panel {
+                    bar.set_prefix(panel::time(link, bar.length()));
+                    bar.set_message(panel::below(link, self.yardstick.as_ref()));
+                } else {
+                    bar.set_message(line());
+                }
+                bar.set_position(steps(link.elapsed_s()));
+            }
         }
     }
 
     pub(crate) fn close(&self) {
         if let Some(bar) = &self.bar {
+            release_panel();
             bar.finish_and_clear();
         }
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
-fn elapsed_s(status: &LoopStatus) -> f64 {
-    (status.published_samples + status.missed_ticks) as f64 / status.rate_hz.max(1.0)
+/// However the run ends, the terminal is left as it was.
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.close();
+    }
 }
 
-fn fit_line(status: &LoopStatus, fit: Option<&FitUpdate>) -> String {
-    let known = fit.map_or_else(String::new, |fit| {
-        let enough = fit.estimates().iter().filter(|(_, e)| e.verdict == Verdict::Enough.code()).count();
-        let told = fit.estimates().iter().filter(|(_, e)| e.verdict != Verdict::Absent.code()).count();
-        format!(", residual {:.2} mNm, {enough} of {told} known", fit.residual_rms_mnm)
-    });
-    format!("{:5.1} s, {} missed{known}", elapsed_s(status), status.missed_ticks)
-}
-
-#[allow(clippy::cast_precision_loss, reason = "for display")]
-fn rendering_line(link: &LoopLink) -> String {
-    let status = link.status();
-    let contact = if status.flags & Sample::STUCK == 0 { "sliding" } else { "stuck" };
-    let model = link.models().last().map_or("", |model| model.name.as_str());
-    format!(
-        "{:5.1} s, {:+.3} rad, {contact}, hand {:+.1} mNm, late by {:.3} ms at most, {} missed, {model}",
-        elapsed_s(status),
-        status.angle_rad,
-        link.hand_torque_mnm(),
-        status.max_lateness_ns as f64 / 1e6,
-        status.missed_ticks
-    )
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the loop checked the duration")]
+fn steps(time_s: f64) -> u64 {
+    (time_s * STEPS_PER_S).ceil() as u64
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use shared_types::{Fault, LoopStatus, ProcessKind};
 
 use crate::outcome::{Outcome, remark, say};
+use crate::until_ci::Achieved;
 
 /// How a run ended.
 pub(crate) struct RunEnd {
@@ -18,6 +19,8 @@ pub(crate) struct RunEnd {
     pub(crate) models: Vec<FeltModel>,
     /// Whether the operator ended it early.
     pub(crate) interrupted: bool,
+    /// What became known, if the run was to end once enough is.
+    pub(crate) achieved: Option<Achieved>,
     /// Whether the control loop died before the run had ended.
     pub(crate) loop_died: bool,
 }

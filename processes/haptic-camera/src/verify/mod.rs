@@ -179,6 +179,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
             options: &run_options,
             archive: archive.clone(),
             duration_s: Some(duration_s),
+            until: None,
             shown: Shown::Rendering,
         };
         let end = run.take(interrupted)?.context("the control loop could not run")?;

@@ -1,0 +1,174 @@
+//! What a capture is and whether it is whole, without keeping its samples.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use mcap::records::Record;
+use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
+use shared_types::{LoopState, RunDescription};
+
+use crate::capture::Capture;
+use crate::channels::ChannelDefinition;
+use crate::description::{RECOVERY_METADATA, attachment};
+use crate::error::ArchiveError;
+use crate::mcap_file::{read_records, recorded_gaps};
+use crate::schema::{FieldLayout, Layout};
+use crate::sequence::SequenceLedger;
+
+/// What a capture is and whether it is whole.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overview {
+    /// Samples that are there.
+    pub samples: u64,
+    /// Sample rate, Hz.
+    pub rate_hz: f64,
+    /// From the first tick to the last, s.
+    pub duration_s: f64,
+    /// Runs of samples that were taken and are not there.
+    pub gaps: u64,
+    /// Samples that were taken and are not there.
+    pub lost_samples: u64,
+    /// Ticks that the loop missed; `None` from a table.
+    pub missed_ticks: Option<u64>,
+    /// Whether the run ended in a fault.
+    pub fault: bool,
+    /// Whether the archive was made of a broken one.
+    pub recovered: bool,
+    /// The run's description; `None` from a table.
+    pub description: Option<RunDescription>,
+}
+
+impl Overview {
+    /// Reads a capture from end to end, comparing every checksum, in memory that does not grow with its length.
+    ///
+    /// # Errors
+    /// As [`Capture::load`], one sentence that names the file.
+    pub fn read(path: &Path) -> Result<Self, ArchiveError> {
+        if !crate::capture::is_mcap(path)? {
+            return Capture::load(path).map(|table| Self::of_table(&table));
+        }
+        let mut content = Content::default();
+        read_records(path, |opcode, body| content.record(path, opcode, body))?;
+        content.into_overview(path)
+    }
+
+    fn of_table(table: &Capture) -> Self {
+        let duration_s = match (table.t_s.first(), table.t_s.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        };
+        Self { samples: table.len() as u64, rate_hz: table.rate_hz, duration_s, ..Self::default() }
+    }
+}
+
+/// What was read so far.
+#[derive(Default)]
+struct Content {
+    schemas: HashMap<u16, (String, String)>,
+    channels: HashMap<u16, Fields>,
+    ledger: SequenceLedger,
+    missed_ticks: u64,
+    first_tick: Option<u64>,
+    last_tick: u64,
+    last_state: u64,
+    metadata: std::collections::BTreeMap<String, std::collections::BTreeMap<String, String>>,
+    description: Option<RunDescription>,
+}
+
+/// Where the fields lie that are looked at.
+struct Fields {
+    seq: FieldLayout,
+    tick: FieldLayout,
+    missed_ticks: Option<FieldLayout>,
+    state: Option<FieldLayout>,
+}
+
+impl Content {
+    fn record(&mut self, path: &Path, opcode: u8, body: &[u8]) -> Result<(), ArchiveError> {
+        let damaged = |reason: String| ArchiveError::Damaged { path: path.to_owned(), reason };
+        match mcap::parse_record(opcode, body).map_err(|error| damaged(error.to_string()))? {
+            Record::Schema { header, data } => {
+                self.schemas.insert(header.id, (header.encoding, String::from_utf8_lossy(&data).into_owned()));
+            }
+            Record::Channel(channel) => {
+                let (schema_encoding, schema_text) = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                let definition = ChannelDefinition {
+                    topic: channel.topic,
+                    message_encoding: channel.message_encoding,
+                    metadata: channel.metadata,
+                    schema_name: String::new(),
+                    schema_encoding,
+                    schema_text,
+                };
+                if definition.holds_samples()
+                    && let Some(fields) = Fields::find(path, &definition.schema_text)?
+                {
+                    self.channels.insert(channel.id, fields);
+                }
+            }
+            Record::Message { header, data } => {
+                if let Some(fields) = self.channels.get(&header.channel_id) {
+                    let numbers = data.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER).and_then(|body| fields.numbers(body));
+                    let [seq, tick, missed, state] = numbers.ok_or_else(|| {
+                        damaged("a sample is shorter than its schema says, or not little-endian CDR".to_owned())
+                    })?;
+                    // One that comes again is counted once.
+                    let _ = self.ledger.admit(seq);
+                    self.first_tick.get_or_insert(tick);
+                    (self.last_tick, self.last_state) = (tick, state);
+                    self.missed_ticks += missed;
+                }
+            }
+            Record::Attachment { header, data, .. } if header.name == attachment::RUN => {
+                self.description = serde_json::from_slice(&data).ok();
+            }
+            Record::Metadata(record) => {
+                self.metadata.insert(record.name, record.metadata);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    fn into_overview(self, path: &Path) -> Result<Overview, ArchiveError> {
+        if self.channels.is_empty() {
+            return Err(ArchiveError::NoSamples { path: path.to_owned() });
+        }
+        let rate_hz = self.description.as_ref().map(|run| run.rate_hz).filter(|rate| rate.is_finite() && *rate > 0.0);
+        let rate_hz = rate_hz.ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
+        let (gaps, lost_samples) = match recorded_gaps(&self.metadata) {
+            Some(gaps) => (gaps.len() as u64, gaps.iter().map(|gap| gap.count).sum()),
+            None => (self.ledger.gaps().len() as u64, self.ledger.missing()),
+        };
+        let ticks = self.first_tick.map_or(0, |first| self.last_tick.saturating_sub(first));
+        Ok(Overview {
+            samples: self.ledger.admitted(),
+            rate_hz,
+            duration_s: ticks as f64 / rate_hz,
+            gaps,
+            lost_samples,
+            missed_ticks: Some(self.missed_ticks),
+            fault: self.last_state == u64::from(LoopState::Fault.code()),
+            recovered: self.metadata.contains_key(RECOVERY_METADATA),
+            description: self.description,
+        })
+    }
+}
+
+impl Fields {
+    /// `None` where the samples have no number or tick: they are then no capture of ours.
+    fn find(path: &Path, schema_text: &str) -> Result<Option<Self>, ArchiveError> {
+        let layout =
+            Layout::parse(schema_text).map_err(|error| ArchiveError::Schema { path: path.to_owned(), error })?;
+        let [seq, tick, missed_ticks, state] =
+            ["seq", "tick", "missed_ticks", "state"].map(|name| layout.field(name).cloned());
+        Ok(seq.zip(tick).map(|(seq, tick)| Self { seq, tick, missed_ticks, state }))
+    }
+
+    /// Number, tick, ticks missed before and state; zero for what the samples do not have.
+    fn numbers(&self, body: &[u8]) -> Option<[u64; 4]> {
+        let optional = |field: &Option<FieldLayout>| field.as_ref().map_or(Some(0), |field| field.as_u64(body));
+        Some([self.seq.as_u64(body)?, self.tick.as_u64(body)?, optional(&self.missed_ticks)?, optional(&self.state)?])
+    }
+}

@@ -1,0 +1,44 @@
+//! The options of `calibrate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::command_line::RigOptions;
+
+/// Options of `calibrate`.
+#[derive(Debug, Args)]
+pub struct CalibrateOptions {
+    /// What to calibrate
+    #[arg(value_enum, value_name = "WHAT")]
+    pub what: CalibrationKind,
+    /// Captures made for it; without any the rig is turned, with nothing on the gripper
+    #[arg(value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// Where the calibration goes; may be the file given as --calibration
+    #[arg(long, value_name = "CALIBRATION.toml")]
+    pub out: PathBuf,
+    /// What is known so far, instead of what the captures say of their rig
+    #[arg(long, value_name = "PREVIOUS.toml")]
+    pub calibration: Option<PathBuf>,
+    /// How the rig is turned where no capture is given
+    #[command(flatten)]
+    pub rig: RigOptions,
+}
+
+/// What `calibrate` can find.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum CalibrationKind {
+    /// Gravity in the acceleration signal, from a slow turn of more than 360°.
+    Gravity,
+    /// The readings of torque sensor and accelerometer at rest, with nothing on the gripper.
+    Zero,
+    /// The gripper's inertia, from a sweep of the gripper alone.
+    Gripper,
+    /// How late torque and acceleration come, from fast sines of the gripper alone.
+    Latency,
+    /// The motor's cogging, from slow turns of the gripper alone in both directions.
+    Cogging,
+    /// The motor's own inertia and friction, from a sweep of the gripper alone.
+    Friction,
+}

@@ -1,0 +1,63 @@
+//! The options of `capture`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::capture::Budget;
+use crate::command_line::RunOptions;
+use crate::until_ci::Share;
+
+/// Options of `capture`.
+#[derive(Clone, Debug, Args)]
+pub struct CaptureOptions {
+    /// The knob on the simulated rig: 1 to 5 for the paper's, a model file, or none or locked for the gripper alone
+    #[arg(long, default_value = "3", value_name = "1…5|FILE.toml|none|locked")]
+    pub knob: String,
+    /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
+    /// torque-ramp, tone or hold
+    #[arg(long, default_value = "linear-chirp")]
+    pub sweep: String,
+    /// Command a torque instead of an angle
+    #[arg(long)]
+    pub torque: bool,
+    /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it]
+    #[arg(long, allow_negative_numbers = true)]
+    pub amplitude: Option<f64>,
+    /// Length of the capture, s
+    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
+    pub duration_s: f64,
+    /// End the sweep once every parameter is known within this share of its value, as 1%; --duration-s is then the longest.
+    ///
+    /// What counts is half the width of the 95 % interval, as fitted live. It must hold while the data grow by a tenth. A phase
+    /// is judged by the share of one radian; a parameter whose whole interval makes less torque than one step of the torque
+    /// sensor is settled.
+    #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_negative_numbers = true)]
+    pub until_ci: Option<Share>,
+    /// Rig, rate, archive and view
+    #[command(flatten)]
+    pub run: RunOptions,
+    /// Diagnose what is captured, and run the experiments that tell rivals apart until one name is left.
+    ///
+    /// The first capture is the sweep asked for, the second another motion that is held out. While effects are tied,
+    /// the experiment on which they differ most is run and joins the evidence. Every capture is kept as a file of
+    /// its own; model and report page of the diagnosis lie beside the first.
+    #[arg(long, conflicts_with = "torque")]
+    pub diagnose: bool,
+    /// Most that the knob is turned for a diagnosis: captures, as in 5, or seconds of turning, as in 60s. The first two
+    /// captures count, and are made in any case
+    #[arg(long, requires = "diagnose", default_value = "5", value_name = "CAPTURES|SECONDSs")]
+    pub budget: Budget,
+    /// How far from its start the knob may be turned to tell rivals apart, rad [default: as far as the first two captures]
+    #[arg(long, requires = "diagnose", value_name = "RAD", allow_negative_numbers = true)]
+    pub reach: Option<f64>,
+    /// Write the diagnosis as JSON; `-` for standard output
+    #[arg(long, requires = "diagnose", value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page of the diagnosis here, instead of beside the first capture
+    #[arg(long, requires = "diagnose", value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write the diagnosis as a rerun file
+    #[arg(long, requires = "diagnose", value_name = "FILE.rrd")]
+    pub recording: Option<PathBuf>,
+}

@@ -1,0 +1,31 @@
+//! The options of `diagnose`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Options of `diagnose`.
+#[derive(Debug, Args)]
+pub struct DiagnoseOptions {
+    /// The capture that models are fitted to, an archive or a CSV file
+    #[arg(value_name = "CAPTURE")]
+    pub train: PathBuf,
+    /// A capture of the same knob with another motion, to judge by; without one, stretches of the first are held out
+    #[arg(long, value_name = "CAPTURE")]
+    pub heldout: Option<PathBuf>,
+    /// The model to start from [default: inertia, friction and detents, fitted]
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Write the diagnosis as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the model with what was missing
+    #[arg(long, value_name = "MODEL.toml")]
+    pub out: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write a rerun file: torque measured and predicted, the residual's maps, each effect beside its rivals
+    #[arg(long, value_name = "FILE.rrd")]
+    pub recording: Option<PathBuf>,
+}

@@ -1,0 +1,31 @@
+//! The options of `export`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Options of `export`.
+#[derive(Debug, Args)]
+pub struct ExportOptions {
+    /// What is exported: a capture, or a model as file or as 1 to 5 for the paper's knobs
+    #[arg(value_name = "CAPTURE|MODEL.toml|1…5")]
+    pub source: String,
+    /// Where it goes; the ending says as what: a capture as .csv or .parquet, a model's torque over the angle as .csv or .h
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Points of a model's table
+    #[arg(long, default_value_t = 256, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=65_536))]
+    pub points: u32,
+    /// Angle that a model's table goes over [default: one period of the detents, a turn without detents]
+    #[arg(long, value_enum, value_name = "SPAN")]
+    pub over: Option<TableSpan>,
+}
+
+/// The angle that a table goes over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TableSpan {
+    /// From one detent to the next.
+    Period,
+    /// Once around, with springs and end stops.
+    Turn,
+}

@@ -1,0 +1,150 @@
+//! The command line: the commands' names; each command's options in a file of their own.
+
+mod calibrate;
+mod capture;
+mod check;
+mod compose;
+mod diagnose;
+mod export;
+mod fit;
+mod list;
+mod manual;
+mod recompute;
+mod recover;
+mod replay;
+mod rig;
+mod rig_test;
+mod run;
+mod simulate;
+mod tune;
+mod view;
+
+pub use calibrate::{CalibrateOptions, CalibrationKind};
+pub use capture::CaptureOptions;
+pub use check::CheckOptions;
+pub use compose::ComposeOptions;
+pub use diagnose::DiagnoseOptions;
+pub use export::{ExportOptions, TableSpan};
+pub use fit::FitOptions;
+pub use list::ListOptions;
+pub use manual::{CompletionsOptions, ManOptions};
+pub use recompute::RecomputeOptions;
+pub use recover::RecoverOptions;
+pub use replay::ReplayOptions;
+pub use rig::RigOptions;
+pub use rig_test::RigTestOptions;
+pub use run::RunOptions;
+pub use simulate::{SimulateOptions, SimulationDrive};
+pub use tune::TuneOptions;
+pub use view::ViewOptions;
+
+use clap::{Parser, Subcommand};
+
+/// Captures how a mechanical knob feels, as numbers.
+#[derive(Debug, Parser)]
+#[command(name = "haptic-camera", version, propagate_version = true)]
+#[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.\n\n\
+    Environment:\n  \
+    RUST_LOG                    what the programs log to standard error, as in RUST_LOG=info or RUST_LOG=recorder=debug\n  \
+    NO_COLOR                    no colours in the log; there are none anyway where it is no terminal\n  \
+    HAPTIC_CAMERA_RUNTIME_DIR   the rig: two directories are two rigs [default: one in $XDG_RUNTIME_DIR]\n\n\
+    First steps:\n  \
+    haptic-camera doctor\n  \
+    haptic-camera capture --knob 3 --duration-s 10\n  \
+    haptic-camera list")]
+pub struct CommandLine {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What the program can do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Turn a knob through a sweep, watch it live, and keep an archive and a fitted model
+    #[command(after_help = "Examples:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures\n  \
+        haptic-camera capture --knob 3 --until-ci 1% --duration-s 60\n  \
+        haptic-camera capture --knob 5 --diagnose --budget 5")]
+    Capture(CaptureOptions),
+    /// Make the rig feel like a model, and record what the hand does
+    #[command(after_help = "Examples:\n  haptic-camera replay 3\n  \
+        haptic-camera replay composed.toml --hand multisine --duration-s 10\n  \
+        haptic-camera replay 5 --nearest\n\n\
+        While it runs, `haptic-camera tune` turns the model's parameters.")]
+    Replay(ReplayOptions),
+    /// Turn a parameter of the model that a running replay renders, or change over to another model
+    #[command(after_help = "Examples:\n  haptic-camera tune detent_amplitude=8 coulomb_positive=5\n  \
+        haptic-camera tune --model 1\n  haptic-camera tune")]
+    Tune(TuneOptions),
+    /// Fit a model to a capture, or one model to several captures of the same knob
+    #[command(after_help = "Example:\n  haptic-camera fit captures/20261121-101500-knob-3.mcap --report knob-3.html")]
+    Fit(FitOptions),
+    /// Find where a model and a capture disagree, name the missing effect, add it and show the gap shrink
+    #[command(after_help = "Example:\n  \
+        haptic-camera diagnose train.csv --heldout heldout.csv --report diagnosis.html")]
+    Diagnose(DiagnoseOptions),
+    /// Find the rig's zeros, gravity, delays, the gripper's inertia or the motor's friction
+    #[command(
+        after_help = "Takes given captures, or turns the rig itself (nothing on the gripper). In this order:\n  \
+        haptic-camera calibrate zero --out rig.toml\n  \
+        haptic-camera calibrate gravity --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate latency --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate gripper --calibration rig.toml --out rig.toml\n  \
+        haptic-camera calibrate friction --calibration rig.toml --out rig.toml\n  \
+        haptic-camera capture --calibration rig.toml --knob 3"
+    )]
+    Calibrate(CalibrateOptions),
+    /// Try the rig without a knob: how far what it measures lies from what it was told to do
+    #[command(after_help = "Example:\n  haptic-camera rig-test --offline --json rig-test.json")]
+    RigTest(RigTestOptions),
+    /// Check a fit by what a capture shows without one: detents counted, breakaways read off
+    #[command(after_help = "Example:\n  \
+        haptic-camera capture --knob 3 --sweep slow-turn --duration-s 15\n  \
+        haptic-camera capture --knob 3 --sweep slow-turn --amplitude 0.1 --duration-s 15\n  \
+        haptic-camera check TURN.mcap CREEP.mcap --model knob-3.toml")]
+    Check(CheckOptions),
+    /// Simulate a model along a capture's motion or torque
+    #[command(after_help = "Example:\n  haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
+    Simulate(SimulateOptions),
+    /// Compose a model of one knob's inertia, another's friction and a third one's detents
+    #[command(after_help = "Examples:\n  \
+        haptic-camera compose --inertia 2 --friction 1 --detents 3 --out mix.toml\n  \
+        haptic-camera compose --inertia 2 --friction 4 --detents drawn.csv --set table_scale=1.5 --out new.toml\n\n\
+        Inertia is what resists acceleration; friction what resists turning, its stick and what modulates it; detents \
+        are the torques that repeat along the angle, of every waveform. All else is taken one by one, by --extra.")]
+    Compose(ComposeOptions),
+    /// List the captures of a folder by time: knob, length, how good the fit is, whether the archive is whole
+    #[command(after_help = "Examples:\n  haptic-camera list\n  haptic-camera list captures --json")]
+    List(ListOptions),
+    /// Open the live view of the running capture, or look at a finished one
+    #[command(
+        after_help = "Examples:\n  haptic-camera view\n  haptic-camera view captures/20261121-101500-knob-3.mcap --native"
+    )]
+    View(ViewOptions),
+    /// Compute the torques of a recorded replay again and say whether they are equal, bit for bit
+    #[command(after_help = "Example:\n  haptic-camera recompute captures/20261121-101500-replay-knob-3.mcap")]
+    Recompute(RecomputeOptions),
+    /// Write a capture as CSV or Parquet, or a model's torque over the angle as CSV or as a C header for firmware
+    #[command(
+        after_help = "Examples:\n  haptic-camera export captures/20261121-101500-knob-3.mcap --out knob-3.csv\n  \
+        haptic-camera export captures/20261121-101500-knob-3.mcap --out knob-3.parquet\n  \
+        haptic-camera export captures/20261121-101500-knob-3.toml --out knob-3.h --points 128\n  \
+        haptic-camera export 4 --out knob-4.csv --over turn"
+    )]
+    Export(ExportOptions),
+    /// Make a whole archive of one that was cut short or damaged
+    #[command(after_help = "Example:\n  haptic-camera recover broken.mcap --out whole.mcap")]
+    Recover(RecoverOptions),
+    /// Check what this machine permits: real-time priority, memory, shared memory, programs
+    #[command(after_help = "Example:\n  haptic-camera doctor")]
+    Doctor,
+    /// Print the completions of a shell
+    #[command(after_help = "Examples:\n  \
+        haptic-camera completions bash > ~/.local/share/bash-completion/completions/haptic-camera\n  \
+        haptic-camera completions zsh > ~/.zfunc/_haptic-camera\n  \
+        haptic-camera completions fish > ~/.config/fish/completions/haptic-camera.fish")]
+    Completions(CompletionsOptions),
+    /// Write manual pages, one a command
+    #[command(after_help = "Example:\n  haptic-camera man ~/.local/share/man/man1 && man haptic-camera-capture")]
+    Man(ManOptions),
+}

@@ -1,0 +1,27 @@
+//! The options of `rig-test`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::command_line::RigOptions;
+
+/// Options of `rig-test`.
+#[derive(Debug, Args)]
+pub struct RigTestOptions {
+    /// The reading of the paper's sweep: paper (as printed) or linear-chirp
+    #[arg(long, default_value = "paper")]
+    pub sweep: String,
+    /// Samples per second
+    #[arg(long, default_value_t = 5_000.0, allow_negative_numbers = true)]
+    pub rate_hz: f64,
+    /// The rig's calibration, instead of the one that it comes with
+    #[arg(long, value_name = "CALIBRATION.toml")]
+    pub calibration: Option<PathBuf>,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// How the rig is turned
+    #[command(flatten)]
+    pub rig: RigOptions,
+}

@@ -1,0 +1,31 @@
+//! The options of `simulate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Options of `simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateOptions {
+    /// The model
+    #[arg(value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// The capture whose motion or torque is followed
+    #[arg(long, value_name = "CAPTURE")]
+    pub like: PathBuf,
+    /// Where the simulated capture goes: an archive, or CSV if the name ends in .csv
+    #[arg(long, value_name = "CAPTURE")]
+    pub out: PathBuf,
+    /// What is taken from the capture: its motion, giving the torque, or its torque, giving the motion
+    #[arg(long, value_enum, default_value = "motion")]
+    pub drive: SimulationDrive,
+}
+
+/// What a simulation takes from a capture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SimulationDrive {
+    /// The motion: the model's torque is simulated.
+    Motion,
+    /// The torque: the model's motion is simulated forward.
+    Torque,
+}

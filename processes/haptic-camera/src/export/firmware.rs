@@ -1,0 +1,166 @@
+//! A model as a C header for firmware that renders detents, SmartKnob's for one.
+//!
+//! SmartKnob (<https://github.com/scottbez1/smartknob>, `firmware/src/motor_task.cpp` and `proto/smartknob.proto`) has no table
+//! of its own: it draws the knob to the middle of the nearest position by a voltage of 4 · `detent_strength_unit` per radian, and
+//! changes over to the next position at `snap_point` · `position_width_radians`. The header gives these figures, and the table
+//! for firmware that takes one.
+
+use std::fmt::Write as _;
+
+use dynamics::effects::end_stop;
+use dynamics::{Model, ParameterKind};
+
+use super::torque_over_angle::TorqueOverAngle;
+
+/// Numbers in a line.
+const PER_LINE: usize = 6;
+
+/// The header; `name` is what its names begin with.
+pub(super) fn header(model: &Model, table: Option<&TorqueOverAngle>, source: &str, name: &str) -> String {
+    let upper = identifier(name).to_uppercase();
+    let mut text = String::new();
+    let _ = write!(
+        text,
+        "/* {} as numbers, made by haptic-camera {} from {}.\n *\n\
+         \x20* Torque is what the knob takes from whoever turns it: positive at an angle from which it pulls back towards\n\
+         \x20* smaller angles. A motor that is to feel like the knob gives the opposite.\n\
+         \x20* Angles count from the knob's zero. Units are in the names: mNm, rad, s.\n */\n\
+         #ifndef {upper}_H\n#define {upper}_H\n",
+        comment(&model.name),
+        env!("CARGO_PKG_VERSION"),
+        comment(source),
+    );
+    constants(model, &upper, &mut text);
+    if let Some(table) = table {
+        smart_knob(model, table, &upper, &mut text);
+        write_table(table, &upper, &mut text);
+    }
+    let _ = writeln!(text, "\n#endif");
+    text
+}
+
+/// Every parameter of the model, with its meaning.
+fn constants(model: &Model, upper: &str, text: &mut String) {
+    for effect in &model.effects {
+        let _ = writeln!(text, "\n/* {}: {} */", effect.kind().name, comment(effect.kind().description));
+        for (kind, value) in effect.parameters() {
+            let _ = writeln!(
+                text,
+                "#define {upper}_{} {}  /* {}, {} */",
+                macro_name(kind),
+                float(value),
+                comment(kind.description),
+                comment(kind.unit)
+            );
+        }
+    }
+}
+
+/// What SmartKnob's configuration takes.
+fn smart_knob(model: &Model, table: &TorqueOverAngle, upper: &str, text: &mut String) {
+    let Some(stiffness) = table.detent_stiffness_mnm_rad.filter(|_| table.is_period) else { return };
+    let _ = write!(
+        text,
+        "\n/* SmartKnob (github.com/scottbez1/smartknob, firmware/src/motor_task.cpp): its motor is given 4 V per radian off the\n\
+         \x20* middle of a position and unit of strength. MOTOR_MNM_PER_V is the torque of your motor per volt. Its detents are\n\
+         \x20* straight springs; a snap point of half a position changes over where this knob does. */\n\
+         #define {upper}_SMARTKNOB_POSITION_WIDTH_RADIANS {}\n\
+         #define {upper}_SMARTKNOB_SNAP_POINT 0.5f\n\
+         #define {upper}_DETENT_STIFFNESS_MNM_PER_RAD {}\n\
+         #define {upper}_SMARTKNOB_DETENT_STRENGTH_UNIT(MOTOR_MNM_PER_V) \\\n    \
+         ({upper}_DETENT_STIFFNESS_MNM_PER_RAD / (4.0f * (MOTOR_MNM_PER_V)))\n",
+        float(table.span_rad),
+        float(stiffness)
+    );
+    let stiffest = model.effect(end_stop::KIND.name).map(|stop| stop.values()[2].max(stop.values()[3]));
+    if let Some(stiffest) = stiffest {
+        let _ = write!(
+            text,
+            "#define {upper}_SMARTKNOB_ENDSTOP_STRENGTH_UNIT(MOTOR_MNM_PER_V) \\\n    ({} / (4.0f * (MOTOR_MNM_PER_V)))\n",
+            float(stiffest)
+        );
+    }
+}
+
+fn write_table(table: &TorqueOverAngle, upper: &str, text: &mut String) {
+    let lower = upper.to_lowercase();
+    let points = table.torque_mnm.len();
+    let over = if table.is_period { "one period of the detents" } else { "one turn" };
+    let _ = write!(
+        text,
+        "\n/* {} over {over}: point i is at i * SPAN / POINTS. */\n\
+         #define {upper}_TABLE_POINTS {points}\n#define {upper}_TABLE_SPAN_RAD {}\n\
+         static const float {lower}_torque_mnm[{upper}_TABLE_POINTS] = {{\n",
+        comment(&table.effects.join(" + ")),
+        float(table.span_rad)
+    );
+    for line in table.torque_mnm.chunks(PER_LINE) {
+        let numbers: Vec<String> = line.iter().map(|&torque| float(torque)).collect();
+        let _ = writeln!(text, "    {},", numbers.join(", "));
+    }
+    let _ = write!(
+        text,
+        "}};\n\n/* Torque at any angle: straight lines between the points; it repeats after SPAN. */\n\
+         static inline float {lower}_torque_at_mnm(float angle_rad)\n{{\n    \
+         float place = angle_rad * ({upper}_TABLE_POINTS / {upper}_TABLE_SPAN_RAD);\n    \
+         long whole = (long)place - (place < (float)(long)place);\n    \
+         float part = place - (float)whole;\n    \
+         long first = ((whole % {upper}_TABLE_POINTS) + {upper}_TABLE_POINTS) % {upper}_TABLE_POINTS;\n    \
+         long second = (first + 1) % {upper}_TABLE_POINTS;\n    \
+         return {lower}_torque_mnm[first] + part * ({lower}_torque_mnm[second] - {lower}_torque_mnm[first]);\n}}\n"
+    );
+}
+
+/// The parameter's name with its unit: `COULOMB_POSITIVE_MNM`, `VISCOUS_POSITIVE_MNM_S_PER_RAD`.
+fn macro_name(kind: &ParameterKind) -> String {
+    let unit = kind.unit.replace('²', "2").replace('/', "_per_").replace([' ', '·'], "_");
+    let unit = if unit == "1" { String::new() } else { format!("_{unit}") };
+    format!("{}{unit}", kind.name).to_uppercase()
+}
+
+/// The shortest literal that is the same single-precision number.
+#[allow(clippy::cast_possible_truncation, reason = "firmware computes in single precision")]
+fn float(value: f64) -> String {
+    format!("{:?}f", value as f32)
+}
+
+/// What may stand in a comment.
+fn comment(text: &str) -> String {
+    text.replace("*/", "* /").replace('\n', " ")
+}
+
+/// What C takes for a name.
+fn identifier(name: &str) -> String {
+    let letters: String =
+        name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' }).collect();
+    if letters.starts_with(|first: char| first.is_ascii_digit()) || letters.is_empty() {
+        format!("knob_{letters}")
+    } else {
+        letters
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{float, identifier, macro_name};
+
+    #[test]
+    fn names_carry_the_unit() {
+        let kinds = dynamics::effects::ALL.iter().flat_map(|kind| kind.parameters);
+        let names: Vec<String> = kinds.map(macro_name).collect();
+        for name in ["INERTIA_MNM_S2_PER_RAD", "COULOMB_NEGATIVE_MNM", "VISCOUS_POSITIVE_MNM_S_PER_RAD", "TABLE_SCALE"]
+        {
+            assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
+        }
+        assert!(names.iter().all(|name| name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')), "{names:?}");
+    }
+
+    #[test]
+    fn what_a_file_is_called_becomes_a_name_that_c_takes() {
+        assert_eq!(identifier("knob-3"), "knob_3");
+        assert_eq!(identifier("3"), "knob_3");
+        assert_eq!(identifier(""), "knob_");
+        assert_eq!(float(0.1), "0.1f");
+        assert_eq!(float(2.0), "2.0f");
+    }
+}

@@ -1,0 +1,108 @@
+//! A model's torque as a table over the angle.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use dynamics::{Effect, Model, Motion, Role};
+
+use crate::command_line::TableSpan;
+
+/// Relative difference up to which two periods are one.
+const SAME_PERIOD: f64 = 1e-9;
+/// Points in which a rest and the slope there are looked for.
+const FINE_POINTS: u32 = 1 << 14;
+
+/// Torque that the knob takes at rest, over one period of its detents or a turn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TorqueOverAngle {
+    /// Angle that the table goes over, rad; it begins at zero.
+    pub(super) span_rad: f64,
+    /// Whether that is one period of the detents.
+    pub(super) is_period: bool,
+    /// Torques at even steps of the angle, mNm; the one at the end of the span is not repeated.
+    pub(super) torque_mnm: Vec<f64>,
+    /// Names of the effects that are in it.
+    pub(super) effects: Vec<&'static str>,
+    /// Slope of the torque where it holds the knob best, mNm/rad; none where it nowhere does.
+    pub(super) detent_stiffness_mnm_rad: Option<f64>,
+}
+
+impl TorqueOverAngle {
+    /// Tabulates a model at so many points.
+    ///
+    /// # Errors
+    /// When the model has no torque of the angle, or no single period although one was asked for.
+    pub(super) fn of(model: &Model, points: u32, over: Option<TableSpan>) -> anyhow::Result<Self> {
+        let period_rad = period_rad(model);
+        let span_rad = match over {
+            Some(TableSpan::Turn) => TAU,
+            Some(TableSpan::Period) => period_rad.ok_or_else(|| {
+                anyhow::anyhow!("{} has no detents of one single period; take --over turn", model.name)
+            })?,
+            None => period_rad.unwrap_or(TAU),
+        };
+        let is_period = over != Some(TableSpan::Turn) && period_rad.is_some();
+        // A spring or a stop does not repeat with the detents.
+        let taken = |effect: &&Effect| {
+            effect.kind().steepest_mnm_rad.is_some() && (!is_period || effect.kind().role == Role::Detents)
+        };
+        let effects: Vec<&Effect> = model.effects.iter().filter(taken).collect();
+        anyhow::ensure!(!effects.is_empty(), "{} has no torque of the angle, so there is no table of it", model.name);
+        let torque_mnm = |angle_rad: f64| -> f64 {
+            let motion = Motion { angle_rad, ..Motion::default() };
+            effects.iter().map(|effect| effect.free_torque_mnm(&motion)).sum()
+        };
+        let at = |index: u32, points: u32| span_rad * f64::from(index) / f64::from(points);
+        let fine: Vec<f64> = (0..=FINE_POINTS).map(|index| torque_mnm(at(index, FINE_POINTS))).collect();
+        let step_rad = span_rad / f64::from(FINE_POINTS);
+        let rests = fine.windows(2).filter(|pair| pair[0] <= 0.0 && pair[1] > 0.0);
+        Ok(Self {
+            span_rad,
+            is_period,
+            torque_mnm: (0..points).map(|index| torque_mnm(at(index, points))).collect(),
+            effects: effects.iter().map(|effect| effect.kind().name).collect(),
+            detent_stiffness_mnm_rad: rests.map(|pair| (pair[1] - pair[0]) / step_rad).max_by(f64::total_cmp),
+        })
+    }
+
+    /// Angle of a point, rad.
+    #[allow(clippy::cast_precision_loss, reason = "points are few")]
+    pub(super) fn angle_rad(&self, index: usize) -> f64 {
+        self.span_rad * index as f64 / self.torque_mnm.len() as f64
+    }
+
+    /// Two columns; over a period the last point repeats the first, as `compose --detents` reads it.
+    pub(super) fn to_csv(&self) -> String {
+        let mut text = "angle_rad,torque_mnm\n".to_owned();
+        let points = self.torque_mnm.len();
+        let repeated = usize::from(self.is_period);
+        for index in 0..points + repeated {
+            let _ = writeln!(text, "{},{}", self.angle_rad(index), self.torque_mnm[index % points]);
+        }
+        text
+    }
+
+    /// What the table is, in a line.
+    pub(super) fn in_words(&self) -> String {
+        let over = if self.is_period { "one period of the detents" } else { "one turn" };
+        let (points, span_rad) = (self.torque_mnm.len(), self.span_rad);
+        format!("{} at {points} points over {over}, {span_rad:.6} rad", self.effects.join(" + "))
+    }
+}
+
+/// The angle after which the detents repeat, rad; `None` without detents and with several periods.
+fn period_rad(model: &Model) -> Option<f64> {
+    let detents = model.effects.iter().filter(|effect| effect.kind().role == Role::Detents);
+    let periods: Option<Vec<f64>> = detents.map(effect_period_rad).collect();
+    let periods = periods?;
+    let first = *periods.first()?;
+    periods.iter().all(|period| (period / first - 1.0).abs() < SAME_PERIOD).then_some(first)
+}
+
+fn effect_period_rad(effect: &Effect) -> Option<f64> {
+    if let Some(table) = effect.table() {
+        return Some(table.period_rad());
+    }
+    // Detents are written as functions of θ/P.
+    effect.parameters().find(|(kind, _)| kind.name.ends_with("_period")).map(|(_, value)| TAU * value)
+}

@@ -1,0 +1,157 @@
+//! One file of the list.
+
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+
+use archive::{ArchiveError, Overview};
+use serde::Serialize;
+
+use super::quality::Quality;
+
+/// What a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Health {
+    /// Every sample is there.
+    Whole,
+    /// Samples are missing.
+    SamplesLost,
+    /// The run ended in a fault.
+    Fault,
+    /// The file ends in the middle.
+    Truncated,
+    /// The file contradicts itself.
+    Damaged,
+    /// It is no capture.
+    Foreign,
+    /// The system does not let it be read.
+    Unreadable,
+}
+
+/// A file of the folder.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Entry {
+    /// Name in the folder.
+    pub(super) file: String,
+    /// Whether it is whole.
+    pub(super) health: Health,
+    /// What is wrong with a file that cannot be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) problem: Option<String>,
+    /// When the run began; of a table and of a file that cannot be read, when it was written.
+    pub(super) captured_at: Option<String>,
+    /// The knob, or the model of a replay.
+    pub(super) knob: Option<String>,
+    /// Whether a hand felt a rendered model.
+    pub(super) replay: bool,
+    /// Length, s.
+    pub(super) duration_s: Option<f64>,
+    /// Sample rate, Hz.
+    pub(super) rate_hz: Option<f64>,
+    /// Samples that are there.
+    pub(super) samples: Option<u64>,
+    /// Runs of samples that are not.
+    pub(super) gaps: Option<u64>,
+    /// Samples that are not.
+    pub(super) lost_samples: Option<u64>,
+    /// Ticks that the loop missed; none from a table.
+    pub(super) missed_ticks: Option<u64>,
+    /// Whether it was made of a broken archive.
+    pub(super) recovered: bool,
+    /// How good its fit is.
+    #[serde(flatten)]
+    pub(super) quality: Quality,
+    /// When, ns since 1970: what the list is sorted by.
+    #[serde(skip)]
+    captured_at_ns: u128,
+}
+
+impl Entry {
+    /// Looks at a file, whatever it is.
+    pub(super) fn of(path: &Path) -> Self {
+        match Overview::read(path) {
+            Ok(overview) => Self::of_capture(path, overview),
+            Err(error) => Self::of_other(path, &error),
+        }
+    }
+
+    fn of_capture(path: &Path, overview: Overview) -> Self {
+        let Overview { samples, rate_hz, duration_s, gaps, lost_samples, missed_ticks, fault, recovered, description } =
+            overview;
+        let begun_ns = description.as_ref().map(|run| u128::from(run.clock.wall_clock_time_ns));
+        let captured_at_ns = begun_ns.filter(|&time| time > 0).unwrap_or_else(|| written_ns(path));
+        let health = match () {
+            () if fault => Health::Fault,
+            () if lost_samples > 0 => Health::SamplesLost,
+            () => Health::Whole,
+        };
+        Self {
+            file: name(path),
+            health,
+            problem: None,
+            captured_at: date(captured_at_ns),
+            replay: description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some()),
+            knob: description.map(|run| run.knob),
+            duration_s: Some(duration_s),
+            rate_hz: Some(rate_hz),
+            samples: Some(samples),
+            gaps: Some(gaps),
+            lost_samples: Some(lost_samples),
+            missed_ticks,
+            recovered,
+            quality: Quality::of(path, samples),
+            captured_at_ns,
+        }
+    }
+
+    fn of_other(path: &Path, error: &ArchiveError) -> Self {
+        let health = match error {
+            ArchiveError::Truncated { .. } => Health::Truncated,
+            ArchiveError::Missing { .. } | ArchiveError::File { .. } => Health::Unreadable,
+            ArchiveError::Empty { .. }
+            | ArchiveError::NotACapture { .. }
+            | ArchiveError::NoSamples { .. }
+            | ArchiveError::WrongHeader { .. } => Health::Foreign,
+            _ => Health::Damaged,
+        };
+        let captured_at_ns = written_ns(path);
+        Self {
+            file: name(path),
+            health,
+            problem: Some(error.to_string()),
+            captured_at: date(captured_at_ns),
+            knob: None,
+            replay: false,
+            duration_s: None,
+            rate_hz: None,
+            samples: None,
+            gaps: None,
+            lost_samples: None,
+            missed_ticks: None,
+            recovered: false,
+            quality: Quality::default(),
+            captured_at_ns,
+        }
+    }
+
+    /// By time, then by name.
+    pub(super) fn order(&self) -> (u128, &str) {
+        (self.captured_at_ns, &self.file)
+    }
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// When a file was last written, ns since 1970.
+fn written_ns(path: &Path) -> u128 {
+    let time = std::fs::metadata(path).and_then(|file| file.modified()).ok();
+    time.and_then(|time| time.duration_since(UNIX_EPOCH).ok()).map_or(0, |time| time.as_nanos())
+}
+
+/// Date and time in the reader's time zone.
+fn date(since_1970_ns: u128) -> Option<String> {
+    let time = jiff::Timestamp::from_nanosecond(i128::try_from(since_1970_ns).ok()?).ok()?;
+    Some(time.to_zoned(jiff::tz::TimeZone::system()).strftime("%Y-%m-%dT%H:%M:%S%:z").to_string())
+}

@@ -1,0 +1,50 @@
+//! `list`: what captures a folder holds, of which knob, how good their fits are and whether they are whole.
+
+mod entry;
+mod quality;
+mod table;
+
+use anyhow::Context as _;
+use serde::Serialize;
+
+use crate::command_line::ListOptions;
+use crate::fit::{to_output, write_json};
+use crate::outcome::{Outcome, say};
+use entry::Entry;
+
+/// Endings of what lies beside a capture and was made of it: no captures, and no strangers.
+const RESULTS: [&str; 7] = ["toml", "json", "html", "rrd", "parquet", "h", "incomplete"];
+
+/// What the JSON holds.
+#[derive(Serialize)]
+struct Listing<'a> {
+    captures: &'a [Entry],
+}
+
+/// Lists the captures of a folder by time.
+///
+/// # Errors
+/// When the folder cannot be read; a file in it that cannot is an entry.
+pub fn run(options: &ListOptions) -> anyhow::Result<Outcome> {
+    let folder = options.folder.as_path();
+    let files = std::fs::read_dir(folder)
+        .with_context(|| format!("the folder {} cannot be read; name the folder of the captures", folder.display()))?;
+    let mut entries = Vec::new();
+    for file in files {
+        let path = file.with_context(|| format!("the folder {} cannot be read", folder.display()))?.path();
+        let is_result = path.extension().is_some_and(|ending| RESULTS.iter().any(|known| ending == *known));
+        if path.is_file() && !is_result {
+            entries.push(Entry::of(&path));
+        }
+    }
+    entries.sort_by(|one, other| one.order().cmp(&other.order()));
+    if !to_output(options.json.as_deref()) {
+        if entries.is_empty() {
+            say(format!("{} holds no captures; `haptic-camera capture --out {0}` makes one", folder.display()));
+        } else {
+            table::lines(&entries).iter().for_each(say);
+        }
+    }
+    write_json(options.json.as_deref(), &Listing { captures: &entries })?;
+    Ok(Outcome::Done)
+}

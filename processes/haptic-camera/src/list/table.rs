@@ -1,0 +1,110 @@
+//! The list as a table for an 80-column terminal.
+
+use comfy_table::{CellAlignment, Table, presets};
+
+use super::entry::{Entry, Health};
+
+/// Most of a name that fits.
+const NAME_LETTERS: usize = 27;
+/// Most of a knob's name that fits.
+const KNOB_LETTERS: usize = 7;
+
+/// The table, and a sentence on each file that is no whole capture.
+pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["file", "knob", "captured", "s", "error", "95 %", "health"]);
+    for entry in entries {
+        let number = |value: Option<f64>, digits: usize| {
+            value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+        };
+        let percent = entry.quality.relative_error_percent.map(|error| format!("{error:.1} %"));
+        table.add_row([
+            shortened(&entry.file, NAME_LETTERS),
+            shortened(entry.knob.as_deref().unwrap_or("-"), KNOB_LETTERS),
+            entry.captured_at.as_deref().and_then(minutes).unwrap_or_else(|| "-".to_owned()),
+            number(entry.duration_s, 1),
+            percent.unwrap_or_else(|| "-".to_owned()),
+            number(entry.quality.mean_ci95_mnm, 3),
+            word(entry).to_owned(),
+        ]);
+    }
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, 1));
+        if (3..=5).contains(&index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let mut lines: Vec<String> = table.lines().map(|line| line.trim_end().to_owned()).collect();
+    lines.push("s: length; error: residual as a share of the torque; 95 %: mean half width, mNm".to_owned());
+    lines.extend(entries.iter().filter_map(remark));
+    lines
+}
+
+/// Date and time to the minute.
+fn minutes(date: &str) -> Option<String> {
+    Some(format!("{} {}", date.get(..10)?, date.get(11..16)?))
+}
+
+/// A name that fits; its end tells more than its middle.
+fn shortened(name: &str, most: usize) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    if letters.len() <= most {
+        return name.to_owned();
+    }
+    let end = most / 2;
+    let (first, last) = (&letters[..most - end - 1], &letters[letters.len() - end..]);
+    first.iter().chain(&['…']).chain(last).collect()
+}
+
+fn word(entry: &Entry) -> &'static str {
+    match entry.health {
+        Health::Whole if entry.missed_ticks.is_some_and(|ticks| ticks > 0) => "late",
+        Health::Whole => "whole",
+        Health::SamplesLost => "lost",
+        Health::Fault => "fault",
+        Health::Truncated => "truncated",
+        Health::Damaged => "damaged",
+        Health::Foreign => "foreign",
+        Health::Unreadable => "unreadable",
+    }
+}
+
+fn remark(entry: &Entry) -> Option<String> {
+    // What is no capture needs no advice.
+    if entry.health == Health::Foreign {
+        return None;
+    }
+    if let Some(problem) = &entry.problem {
+        return Some(format!("- {problem}"));
+    }
+    let mut words = Vec::new();
+    if let (Some(gaps), Some(lost)) = (entry.gaps, entry.lost_samples)
+        && lost > 0
+    {
+        words.push(format!("{lost} samples lost in {gaps} gaps"));
+    }
+    if let Some(ticks) = entry.missed_ticks.filter(|&ticks| ticks > 0) {
+        words.push(format!("{ticks} ticks missed"));
+    }
+    if entry.health == Health::Fault {
+        words.push("the run ended in a fault".to_owned());
+    }
+    if entry.recovered {
+        words.push("recovered from a broken archive".to_owned());
+    }
+    (!words.is_empty()).then(|| format!("- {}: {}", entry.file, words.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shortened;
+
+    #[test]
+    fn a_long_name_keeps_its_beginning_and_its_end() {
+        assert_eq!(shortened("20261121-101500-knob-3.mcap", 27), "20261121-101500-knob-3.mcap");
+        let long = shortened("20261121-101500-a-knob-with-a-long-name.mcap", 27);
+        assert!(long.starts_with("20261121-1") && long.ends_with("name.mcap"), "{long}");
+        assert!(long.chars().count() <= 27);
+    }
+}

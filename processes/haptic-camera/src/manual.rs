@@ -1,0 +1,36 @@
+//! `completions` and `man`: what a shell and a pager are to know of this program.
+
+use anyhow::Context as _;
+use clap::CommandFactory as _;
+
+use crate::command_line::{CommandLine, CompletionsOptions, ManOptions};
+use crate::outcome::{Outcome, say};
+
+/// Prints the completions of a shell on standard output.
+///
+/// # Errors
+/// None.
+#[allow(clippy::unnecessary_wraps, reason = "every command gives the same")]
+pub fn completions(options: &CompletionsOptions) -> anyhow::Result<Outcome> {
+    let mut command = CommandLine::command();
+    let name = command.get_name().to_owned();
+    let mut script = Vec::new();
+    clap_complete::generate(options.shell, &mut command, name, &mut script);
+    say(String::from_utf8_lossy(&script).trim_end());
+    Ok(Outcome::Done)
+}
+
+/// Writes a manual page for the program and one for each command.
+///
+/// # Errors
+/// When the folder cannot be written to.
+pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
+    let folder = &options.folder;
+    std::fs::create_dir_all(folder)
+        .and_then(|()| clap_mangen::generate_to(CommandLine::command(), folder))
+        .with_context(|| {
+            format!("the manual pages cannot be written to {}; choose another folder", folder.display())
+        })?;
+    say(format!("the manual pages lie in {}; `man {0}/haptic-camera.1` shows the first", folder.display()));
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,179 @@
+//! The panel of a capture under way: what is known of the knob, how late the loop was, what was lost. 80 columns by 16 lines.
+
+use std::fmt::Write as _;
+
+use shared_types::{FitUpdate, LATENESS_BIN_EDGES_NS, LoopStatus, ProcessKind};
+
+use super::loop_link::LoopLink;
+use crate::repeatability::digits;
+use crate::until_ci::{Knowledge, Known, Standing, Yardstick};
+
+/// Lines of the panel: the bar, the table's head, eight parameters, and what follows.
+pub(super) const FIT_LINES: u16 = 14;
+
+/// Time in the run, beside the bar.
+pub(super) fn time(link: &LoopLink, planned_steps: Option<u64>) -> String {
+    let rate_hz = link.status().rate_hz.max(1.0);
+    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    let planned_s = planned_steps.map(|_| link.status().planned_ticks as f64 / rate_hz);
+    match planned_s {
+        Some(planned_s) if planned_s > 0.0 => format!("{:.1} of {planned_s:.1} s", link.elapsed_s()),
+        _ => format!("{:.1} s", link.elapsed_s()),
+    }
+}
+
+/// All below the bar.
+pub(super) fn below(link: &LoopLink, yardstick: Option<&Yardstick>) -> String {
+    let mut text = table(link.fit(), yardstick);
+    let residual = link.fit().map(|fit| fit.residual_rms_mnm).filter(|residual| residual.is_finite());
+    let residual = residual.map_or_else(|| "-".to_owned(), |residual| format!("{residual:.3} mNm RMS"));
+    let _ = write!(text, "residual  {residual}\nlateness  {}\nlosses    {}", lateness(link.status()), losses(link));
+    text
+}
+
+fn table(fit: Option<&FitUpdate>, yardstick: Option<&Yardstick>) -> String {
+    let asked = yardstick.map_or_else(String::new, |yardstick| format!("needs ± {:.2} %", 100.0 * yardstick.share));
+    let mut text = format!("{:<18}{:>12}{:>13}{:>9}  {:<12}{asked}\n", "parameter", "so far", "95 %", "share", "unit");
+    let knowledge = fit.map(Knowledge::from);
+    for kind in parameters() {
+        let known = knowledge.as_ref().and_then(|all| all.parameters.iter().find(|known| known.name == kind.name));
+        let [value, half_width, share] = cells(known);
+        let word = match (yardstick, known, &knowledge) {
+            (Some(yardstick), Some(known), Some(all)) => word(yardstick.standing(known, all)),
+            _ => "",
+        };
+        let line = format!("{:<18}{value:>12}{half_width:>13}{share:>9}  {:<12}{word}", kind.name, kind.unit);
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    text
+}
+
+/// The parameters of equation 1 in its order.
+fn parameters() -> impl Iterator<Item = &'static dynamics::ParameterKind> {
+    use dynamics::effects::{detent, friction, inertia};
+    [&inertia::KIND, &friction::KIND, &detent::KIND].into_iter().flat_map(|kind| kind.parameters)
+}
+
+/// Value, half width and its share of the value.
+fn cells(known: Option<&Known>) -> [String; 3] {
+    let nothing = |word: &str| [word.to_owned(), String::new(), String::new()];
+    match known {
+        Some(known) if known.absent => nothing("none"),
+        Some(Known { value: Some(value), half_width: Some(half_width), .. }) => {
+            let digits = digits(*half_width);
+            let share = 100.0 * known.and_then(Known::share).unwrap_or(f64::INFINITY);
+            let share = if share < 1000.0 { format!("{share:.2} %") } else { "-".to_owned() };
+            [format!("{value:.digits$}"), format!("± {half_width:.digits$}"), share]
+        }
+        _ => nothing("not yet"),
+    }
+}
+
+fn word(standing: Standing) -> &'static str {
+    match standing {
+        Standing::Enough(_) => "enough",
+        Standing::Negligible => "negligible",
+        Standing::Absent => "",
+        Standing::Wanting(_) => "wanting",
+    }
+}
+
+/// Where a parameter stands, in words.
+pub(super) fn standing_words(standing: Standing) -> String {
+    match standing {
+        Standing::Wanting(None) => "not told yet".to_owned(),
+        Standing::Wanting(Some(share)) | Standing::Enough(share) => format!("± {:.2} %", 100.0 * share),
+        Standing::Negligible => "negligible".to_owned(),
+        Standing::Absent => "not there".to_owned(),
+    }
+}
+
+/// Median, 99th percentile and maximum, the first two as upper edges of their bins.
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "for display")]
+fn lateness(status: &LoopStatus) -> String {
+    let ticks: u64 = status.lateness_counts.iter().sum();
+    let below = |share: f64| {
+        let wanted = (share * ticks as f64).ceil() as u64;
+        let mut counted = 0;
+        let bin = status.lateness_counts.iter().position(|count| {
+            counted += count;
+            counted >= wanted
+        });
+        let edge_ns = bin.and_then(|bin| LATENESS_BIN_EDGES_NS.get(bin)).copied();
+        edge_ns.map_or_else(|| "over 10 ms".to_owned(), |edge_ns| format!("up to {}", time_in_words(edge_ns)))
+    };
+    if ticks == 0 {
+        return "-".to_owned();
+    }
+    format!("half {}, 99 % {}, at most {}", below(0.5), below(0.99), time_in_words(status.max_lateness_ns))
+}
+
+#[allow(clippy::cast_precision_loss, reason = "for display")]
+fn time_in_words(ns: u64) -> String {
+    match ns {
+        0..1_000 => format!("{ns} ns"),
+        1_000..1_000_000 => format!("{:.0} µs", ns as f64 / 1e3),
+        _ => format!("{:.1} ms", ns as f64 / 1e6),
+    }
+}
+
+/// Ticks missed and samples lost, by whom.
+pub(super) fn losses(link: &LoopLink) -> String {
+    let status = link.status();
+    let lost_by = |kind: ProcessKind| {
+        link.consumers().iter().find(|health| health.process == kind.code()).map_or(0, |health| health.lost_samples)
+    };
+    let lost: Vec<(&str, u64)> = [ProcessKind::Recorder, ProcessKind::LiveFitter, ProcessKind::Viewer]
+        .into_iter()
+        .map(|kind| (kind.name(), lost_by(kind)))
+        .chain([("control loop", status.dropped_samples)])
+        .filter(|(_, samples)| *samples > 0)
+        .collect();
+    let restarts: u32 = link.consumers().iter().map(|health| health.restarts).sum();
+    let mut words = format!("{} ticks missed", status.missed_ticks);
+    if lost.is_empty() {
+        words += ", no sample lost";
+    }
+    for (who, samples) in lost {
+        let _ = write!(words, ", {samples} samples lost by {who}");
+    }
+    if restarts > 0 {
+        let _ = write!(words, ", {restarts} restarts");
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FIT_LINES, lateness, table};
+    use shared_types::{Estimate, FitUpdate, LoopStatus, Verdict};
+
+    #[test]
+    fn the_table_fits_a_terminal_of_80_columns_by_24_lines_whatever_is_known() {
+        let wide = Estimate {
+            value: -12_345.678,
+            ci95_low: -12_345.679,
+            ci95_high: -12_345.677,
+            verdict: Verdict::Enough.code(),
+            reserved: 0,
+        };
+        let absurd = Estimate { value: 1e-9, ci95_low: -1e6, ci95_high: 1e6, ..wide };
+        for one in [Estimate::default(), wide, absurd, Estimate { value: f64::NAN, ..wide }] {
+            let update = FitUpdate { inertia: one, coulomb_negative: one, detent_phase: one, ..FitUpdate::default() };
+            let text = table(Some(&update), None);
+            assert!(text.lines().all(|line| line.chars().count() <= 79), "{text}");
+            // The bar above; residual, lateness and losses below.
+            assert_eq!(text.lines().count() + 4, usize::from(FIT_LINES) - 1);
+        }
+    }
+
+    #[test]
+    fn lateness_is_told_by_the_bins_that_hold_half_and_nearly_all_ticks() {
+        let mut status = LoopStatus { max_lateness_ns: 250_000, ..LoopStatus::default() };
+        assert_eq!(lateness(&status), "-");
+        status.lateness_counts[1] = 90;
+        status.lateness_counts[4] = 9;
+        status.lateness_counts[8] = 1;
+        assert_eq!(lateness(&status), "half up to 100 ns, 99 % up to 3 µs, at most 250 µs");
+    }
+}
