@@ -45,7 +45,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
 }
 
 /// Writes model, report and figures beside the archive.
-fn keep(loaded: &LoadedCapture, fitted: &FittedCapture) -> anyhow::Result<()> {
+fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     let beside = |extension| loaded.capture.source.with_extension(extension);
     let (model, report) = (beside("toml"), beside("html"));
     fit::write(&model, &fitted.model(&loaded.title()).to_toml())?;
