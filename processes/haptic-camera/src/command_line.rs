@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 use rt_loop::motor_cogging::MotorCogging;
 
 use crate::capture::Budget;
+use crate::compare::CompareOptions;
 use crate::compose::{Assignment, Extra};
 
 /// Captures how a mechanical knob feels, as numbers.
@@ -62,6 +63,9 @@ pub enum Command {
         haptic-camera capture --knob 3 --sweep slow-turn --amplitude 0.1 --duration-s 15\n  \
         haptic-camera check TURN.mcap CREEP.mcap --model knob-3.toml")]
     Check(CheckOptions),
+    /// Compare captures and models in one table and page, as the paper's Tables 4 to 6 compare knobs
+    #[command(after_help = "Example:\n  haptic-camera compare captures/*.mcap mix.toml 3 --report knobs.html")]
+    Compare(CompareOptions),
     /// Simulate a model along a capture's motion or torque
     #[command(after_help = "Example:\n  haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
     Simulate(SimulateOptions),
@@ -376,6 +380,9 @@ pub struct RigTestOptions {
     /// Write the result as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
     /// How the rig is turned
     #[command(flatten)]
     pub rig: RigOptions,

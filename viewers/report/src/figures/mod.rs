@@ -22,8 +22,8 @@ use crate::ink::Ink;
 
 /// Axis titles, named like the columns `torque_mnm`, `angle_rad`, ….
 pub(crate) const TORQUE: &str = "torque (mNm)";
-const ANGLE: &str = "angle (rad)";
-const VELOCITY: &str = "velocity (rad/s)";
+pub(crate) const ANGLE: &str = "angle (rad)";
+pub(crate) const VELOCITY: &str = "velocity (rad/s)";
 const ACCELERATION: &str = "acceleration (rad/s²)";
 pub(crate) const TIME: &str = "t (s)";
 pub(crate) const RESIDUAL: &str = "residual (mNm)";
