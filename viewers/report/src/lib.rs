@@ -21,6 +21,7 @@ mod plot;
 mod preparation;
 mod rendering;
 mod rig_test;
+mod shown;
 mod themed_svg;
 mod verdict;
 
@@ -30,6 +31,7 @@ use identification::{Average, Fit};
 pub use comparison::{
     ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison, PaperKnob, PaperValue,
 };
+pub use shown::{FigureNumbers, FitNumbers};
 pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
 pub use rig_test::{ChannelDifference, ChannelLag, ChannelTrace, RigTest};
 
@@ -79,7 +81,14 @@ pub struct FitPage<'a> {
 /// dash and its point is left out of the plots.
 #[must_use]
 pub fn fit_page(page: &FitPage<'_>) -> String {
-    page::fit_page(page).into_string()
+    fit_page_with_numbers(page).0
+}
+
+/// The page of a fit with the numbers in the captions of its figures, by figure and name.
+#[must_use]
+pub fn fit_page_with_numbers(page: &FitPage<'_>) -> (String, FigureNumbers) {
+    let (markup, numbers) = page::fit_page(page);
+    (markup.into_string(), numbers)
 }
 
 /// Several captures of a knob and their mean with everything that their page tells.

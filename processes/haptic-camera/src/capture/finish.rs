@@ -21,7 +21,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> 
         Ok(fitted) => {
             let (model, report) = (archive.with_extension("toml"), archive.with_extension("html"));
             fit::write(&model, &fitted.model(&loaded.title()).to_toml())?;
-            fit::write(&report, &loaded.report_page(&fitted))?;
+            fit::write(&report, &loaded.report_page(&fitted).0)?;
             say(format!("model    {}", model.display()));
             say(format!("report   {}", report.display()));
             say(format!("view     haptic-camera view {}", archive.display()));

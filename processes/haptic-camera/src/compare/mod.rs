@@ -19,6 +19,9 @@ use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
 use crate::parameter_table::true_value;
 
+/// Longest name of a model that stands over a column, letters.
+const LONGEST_NAME: usize = 24;
+
 /// Fits every capture, averages those of one knob, and writes what was asked for.
 ///
 /// # Errors
@@ -124,22 +127,20 @@ fn of_model(file: String, model: Model) -> ComparedKnob {
     let mut parameters = ComparedParameters::new();
     for (kind, value) in model.parameters() {
         let value = Some(true_value(&model, kind.name).unwrap_or(value));
-        parameters.insert(kind.name, ComparedValue { value, unit: kind.unit, ci95: None, reason: None });
+        parameters.insert(kind.name, ComparedValue::new(value, kind.unit, None, None));
     }
-    let stem = Path::new(&file).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let name = if model.name.is_empty() { stem.unwrap_or_default() } else { model.name.clone() };
-    ComparedKnob {
+    // A fitted model's name is that of its capture; a shipped knob's number is no file.
+    let stem = Path::new(&file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let short = !model.name.is_empty() && model.name.chars().count() <= LONGEST_NAME;
+    let name = if short { model.name.clone() } else { stem };
+    let knob = ComparedKnob {
         name: format!("{name}, model"),
         model_file: Some(file),
         parameters,
-        quality: None,
-        captures: Vec::new(),
-        agreement: None,
-        repeatability: BTreeMap::new(),
         paper: paper::knob_of(&model),
-        notes: Vec::new(),
-        model,
-    }
+        ..ComparedKnob::default()
+    };
+    knob.with_model(model)
 }
 
 fn of_captures(group: Option<&Group>, fitted: &[(LoadedCapture, Fit)]) -> anyhow::Result<ComparedKnob> {
@@ -162,18 +163,19 @@ fn of_captures(group: Option<&Group>, fitted: &[(LoadedCapture, Fit)]) -> anyhow
         }
     };
     let paper = group.filter(|group| !group.rendered && group.is_paper_knob()).and_then(|group| paper::knob(&group.knob));
-    Ok(ComparedKnob {
-        model_file: None,
+    let model = fit.model(&name);
+    let knob = ComparedKnob {
+        name,
         parameters: values(&fit.parameters),
         quality: Some(quality(&fit)),
         captures,
         agreement,
         repeatability,
         paper,
-        notes: fit.notes.clone(),
-        model: fit.model(&name),
-        name,
-    })
+        notes: fit.notes,
+        ..ComparedKnob::default()
+    };
+    Ok(knob.with_model(model))
 }
 
 impl Group {
@@ -186,7 +188,7 @@ impl Group {
 
 fn values(parameters: &Parameters) -> ComparedParameters {
     let compared = parameters.0.iter().map(|told| {
-        (told.name, ComparedValue { value: told.value, unit: told.unit, ci95: told.ci95, reason: told.reason.clone() })
+        (told.name, ComparedValue::new(told.value, told.unit, told.ci95, told.reason.clone()))
     });
     compared.collect()
 }

@@ -1,6 +1,6 @@
 //! A comparison for an 80-column terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
 
 use crate::repeatability::digits;
@@ -42,12 +42,13 @@ fn width(table: &Table) -> usize {
 fn table(knobs: &[ComparedKnob]) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING);
-    let names = knobs.iter().map(|knob| knob.name.as_str());
-    table.set_header(["parameter"].into_iter().chain(names).chain(["unit"]));
+    let names = knobs.iter().map(|knob| knob.name.clone());
+    table.set_header(["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]));
     let kinds = dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);
     for kind in kinds {
         let own = knobs.iter().map(|knob| knob.parameters.get(kind.name));
-        if own.clone().any(|own| own.is_some()) {
+        // Models list every parameter of their effects, many of them zero.
+        if own.clone().flatten().any(|own| own.value != Some(0.0)) {
             table.add_row(row(kind.name, own.map(|own| own.map(cell)), kind.unit));
         }
         let printed = knobs.iter().map(|knob| knob.paper.as_ref()?.parameters.get(kind.name));
@@ -85,12 +86,19 @@ fn cell(own: &ComparedValue) -> String {
     match (own.value, own.ci95) {
         (Some(value), Some([low, high])) => {
             let half = (value - low).max(high - value);
-            let digits = digits(half);
+            let digits = interval_digits(half);
             format!("{value:.digits$}±{half:.digits$}")
         }
         (Some(value), None) => significant(value, DIGITS),
         (None, _) => "not told".to_owned(),
     }
+}
+
+/// Decimals that show a half width with one digit, or with two if the first is a 1.
+fn interval_digits(half_width: f64) -> usize {
+    let two_digits = digits(half_width);
+    let leading = half_width / 10_f64.powf(half_width.log10().floor());
+    if leading < 1.95 { two_digits } else { two_digits.saturating_sub(1) }
 }
 
 /// A value with so many significant digits.
@@ -117,7 +125,31 @@ fn origins(knob: &ComparedKnob) -> Vec<String> {
             agreement.birge_ratio
         )
     });
-    let untold = knob.parameters.iter().filter_map(|(name, own)| Some(format!("    {name}: {}", own.reason.as_ref()?)));
-    let notes = knob.notes.iter().map(|note| format!("    {note}"));
-    [format!("{}\n    {from}", knob.name)].into_iter().chain(agreement).chain(untold).chain(notes).collect()
+    let notes = untold(knob).into_iter().chain(knob.notes.iter().cloned()).flat_map(|note| paragraph(&note));
+    [format!("{}\n    {from}", knob.name)].into_iter().chain(agreement).chain(notes).collect()
+}
+
+/// Why parameters are not told, those of one reason together.
+fn untold(knob: &ComparedKnob) -> Vec<String> {
+    let mut reasons: Vec<(Vec<&str>, &str)> = Vec::new();
+    for (name, own) in &knob.parameters {
+        let Some(reason) = own.reason.as_deref() else { continue };
+        match reasons.iter_mut().find(|(_, known)| *known == reason) {
+            Some((names, _)) => names.push(name),
+            None => reasons.push((vec![name], reason)),
+        }
+    }
+    reasons.into_iter().map(|(names, reason)| format!("{}: {reason}", names.join(", "))).collect()
+}
+
+/// A note in lines that fit the terminal, under the knob's name.
+fn paragraph(text: &str) -> Vec<String> {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(u16::try_from(WIDTH).unwrap_or(u16::MAX));
+    table.add_row(["  -", text]);
+    table.column_iter_mut().for_each(|column| {
+        column.set_padding((0, 1));
+    });
+    table.lines().map(|line| line.trim_end().to_owned()).collect()
 }

@@ -79,20 +79,20 @@ pub(super) fn side_by_side(knob: &ComparedKnob) -> Markup {
                         tr {
                             th { "parameter" }
                             th { "symbol" }
-                            @for capture in captures { th.number { "capture " (capture.number) span.faint { "95 % interval" } } }
+                            @for capture in captures { th.number { "capture " (capture.number) span.faint { "± 95 %" } } }
                             th.number { "difference" span.faint { "over its 95 %" } }
                             th { "unit" }
                         }
                     }
                     tbody {
-                        @for (name, mean) in ordered(knob) {
+                        @for (name, unit) in ordered(knob) {
                             tr {
                                 (name_cells(name))
                                 @for capture in captures {
                                     td.number { @if let Some(own) = capture.parameters.get(name) { (value(own)) } @else { "–" } }
                                 }
                                 (difference(knob, name))
-                                td.unit { (mean) }
+                                td.unit { (unit) }
                             }
                         }
                     }
@@ -102,16 +102,24 @@ pub(super) fn side_by_side(knob: &ComparedKnob) -> Markup {
     }
 }
 
-/// The knob's parameters with their units, in the order in which a model lists them.
+/// The parameters that some capture tells with their units, in the order in which a model lists them.
 fn ordered(knob: &ComparedKnob) -> Vec<(&'static str, &'static str)> {
     let known = dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);
-    known.filter_map(|kind| Some((kind.name, knob.parameters.get(kind.name)?.unit))).collect()
+    let told = |name: &str| {
+        let of = |capture: &ComparedCapture| capture.parameters.get(name).is_some_and(|own| own.value.is_some());
+        knob.captures.iter().any(of)
+    };
+    known
+        .filter(|kind| told(kind.name))
+        .filter_map(|kind| Some((kind.name, knob.parameters.get(kind.name)?.unit)))
+        .collect()
 }
 
 /// Largest less smallest value, and how many times its interval that is.
 fn difference(knob: &ComparedKnob, name: &str) -> Markup {
     let Some(record) = knob.repeatability.get(name) else { return html! { td.number { "–" } } };
-    let digits = Digits::of_interval(record.difference, record.difference_ci95);
+    // As many decimals as the values, so that the difference can be checked by eye.
+    let digits = Digits::of_interval(record.mean.value, record.difference_ci95);
     html! {
         td.number {
             (digits.show(record.difference))

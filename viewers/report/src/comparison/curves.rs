@@ -75,15 +75,17 @@ fn angle_curve(knob: &ComparedKnob, reach_rad: f64) -> Curve {
     let points = ((POINTS_PER_DETENT * detents) as usize).clamp(FEWEST_POINTS, MOST_POINTS);
     (0..=points)
         .map(|step| reach_rad * (2.0 * real(step) / real(points) - 1.0))
-        .map(|angle_rad| (angle_rad, knob.model.free_torque_mnm(&Motion { angle_rad, ..Motion::default() })))
+        .filter_map(|angle_rad| {
+            let motion = Motion { angle_rad, ..Motion::default() };
+            Some((angle_rad, knob.model.as_ref()?.free_torque_mnm(&motion)))
+        })
         .filter(|(_, torque_mnm)| torque_mnm.is_finite())
         .collect()
 }
 
 /// Angle from one detent to the next, if the model has detents.
 fn detent_rad(knob: &ComparedKnob) -> Option<f64> {
-    let amplitude = knob.model.parameter("detent_amplitude").filter(|amplitude| *amplitude != 0.0);
-    amplitude.and(knob.model.parameter("detent_period")).map(|period_rad| TAU * period_rad.abs())
+    knob.detent_spacing_deg.map(f64::to_radians)
 }
 
 /// Friction turning negatively and positively, with the direction's end at zero velocity.
@@ -91,8 +93,9 @@ fn friction_curves(knob: &ComparedKnob) -> [Curve; 2] {
     [(Direction::Negative, -FASTEST_RAD_S), (Direction::Positive, FASTEST_RAD_S)].map(|(direction, farthest_rad_s)| {
         (0..=FEWEST_POINTS)
             .map(|step| farthest_rad_s * real(step) / real(FEWEST_POINTS))
-            .map(|velocity_rad_s| {
-                (velocity_rad_s, knob.model.friction_mnm(&Motion { velocity_rad_s, ..Motion::default() }, direction))
+            .filter_map(|velocity_rad_s| {
+                let motion = Motion { velocity_rad_s, ..Motion::default() };
+                Some((velocity_rad_s, knob.model.as_ref()?.friction_mnm(&motion, direction)))
             })
             .filter(|(_, torque_mnm)| torque_mnm.is_finite())
             .collect()
@@ -126,7 +129,7 @@ fn small_multiples(knobs: &[ComparedKnob], curves: &[Vec<Curve>], title: &str) -
     let y = Axis::around(TORQUE, all().map(|(_, torque)| *torque).chain([0.0]));
     html! {
         div.thirds {
-            @for (knob, curves) in knobs.iter().zip(curves) { (panel(knob, curves, &x, &y)) }
+            @for (knob, curves) in knobs.iter().zip(curves) { (panel(knob, curves, &x, &y, title == ANGLE)) }
         }
     }
 }
@@ -135,10 +138,10 @@ fn own_scale(knob: &ComparedKnob) -> Markup {
     let curve = angle_curve(knob, 0.5 * DETENTS * detent_rad(knob).unwrap_or(TAU));
     let x = Axis::around(ANGLE, curve.iter().map(|(at, _)| *at));
     let y = Axis::around(TORQUE, curve.iter().map(|(_, torque)| *torque));
-    panel(knob, &[curve], &x, &y)
+    panel(knob, &[curve], &x, &y, true)
 }
 
-fn panel(knob: &ComparedKnob, curves: &[Curve], x: &Axis, y: &Axis) -> Markup {
+fn panel(knob: &ComparedKnob, curves: &[Curve], x: &Axis, y: &Axis, with_detents: bool) -> Markup {
     let lines = curves.iter().map(|curve| Layer::Line(Ink::Model, curve.clone()));
     let plot = Plot {
         size: (THIRD.0, HEIGHT),
@@ -148,7 +151,7 @@ fn panel(knob: &ComparedKnob, curves: &[Curve], x: &Axis, y: &Axis) -> Markup {
     };
     html! {
         div.map {
-            p { strong { (knob.name) } span.faint { (in_a_turn(knob)) } }
+            p { strong { (knob.name) } @if with_detents { span.faint { (in_a_turn(knob)) } } }
             (plot.svg(&format!("Torque of {}", knob.name)))
         }
     }
@@ -156,7 +159,10 @@ fn panel(knob: &ComparedKnob, curves: &[Curve], x: &Axis, y: &Axis) -> Markup {
 
 /// How many detents a turn has.
 fn in_a_turn(knob: &ComparedKnob) -> String {
-    detent_rad(knob).map_or_else(|| "no detents".to_owned(), |detent_rad| {
-        format!("{} detents in a turn, {}° apart", three(TAU / detent_rad), three(detent_rad.to_degrees()))
-    })
+    match knob.detents_per_turn.zip(knob.detent_spacing_deg) {
+        Some((per_turn, spacing_deg)) => {
+            format!("{} detents in a turn, {}° apart", three(per_turn), three(spacing_deg))
+        }
+        None => "no detents".to_owned(),
+    }
 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::input::{ComparedKnob, ComparedValue, Comparison};
+use super::input::{ComparedCapture, ComparedKnob, ComparedValue, Comparison};
 use super::scale::Scale;
 
 /// Width of a plot, its room for row labels and its right margin, SVG units.
@@ -110,7 +110,8 @@ fn rows<'a>(name: &str, knobs: &'a [ComparedKnob]) -> (Vec<Row<'a>>, Vec<f64>, f
             rows.push(Row { label, own, sums_up, paper, y: top + 0.5 * ROW });
             top += ROW;
         };
-        if knob.captures.len() > 1 {
+        let told = |capture: &ComparedCapture| capture.parameters.get(name).is_some_and(|own| own.value.is_some());
+        if knob.captures.len() > 1 && knob.captures.iter().any(told) {
             for capture in &knob.captures {
                 add(format!("capture {}", capture.number), capture.parameters.get(name), false, None);
             }

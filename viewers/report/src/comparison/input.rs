@@ -1,6 +1,7 @@
 //! What the page of a comparison is made of; it serialises to what `compare --json` gives.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use dynamics::Model;
 use identification::{Agreement, Repeatability};
@@ -21,7 +22,7 @@ pub struct Comparison {
 pub type ComparedParameters = BTreeMap<&'static str, ComparedValue>;
 
 /// One knob: the mean of its captures, or a model.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct ComparedKnob {
     /// What it is called.
     pub name: String,
@@ -42,6 +43,12 @@ pub struct ComparedKnob {
     /// How each parameter repeats from capture to capture; empty of fewer than two.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub repeatability: BTreeMap<&'static str, Repeatability>,
+    /// Detents in a turn; `None` without detents.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detents_per_turn: Option<f64>,
+    /// Angle from one detent to the next, degrees; `None` without detents.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detent_spacing_deg: Option<f64>,
     /// What the paper prints of this knob; `None` of a knob that is not the paper's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<PaperKnob>,
@@ -50,7 +57,7 @@ pub struct ComparedKnob {
     pub notes: Vec<String>,
     /// The model that the curves are drawn of.
     #[serde(skip)]
-    pub model: Model,
+    pub model: Option<Model>,
 }
 
 /// A value with its interval, or why there is none.
@@ -62,6 +69,8 @@ pub struct ComparedValue {
     pub unit: &'static str,
     /// Its 95 % interval; `None` of a model, and where nothing bounds it.
     pub ci95: Option<[f64; 2]>,
+    /// From the value to the farther end of the interval.
+    pub ci95_half_width: Option<f64>,
     /// Why there is no value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
@@ -119,15 +128,29 @@ pub struct PaperValue {
     pub unit: &'static str,
 }
 
+impl ComparedValue {
+    /// A value with its interval, or why there is none.
+    #[must_use]
+    pub fn new(value: Option<f64>, unit: &'static str, ci95: Option<[f64; 2]>, reason: Option<String>) -> Self {
+        let half_width = value.zip(ci95).map(|(value, [low, high])| (value - low).max(high - value));
+        Self { value, unit, ci95, ci95_half_width: half_width, reason }
+    }
+
+    /// Whether there is anything to see: models list every parameter of their effects, many of them zero.
+    pub(super) fn is_worth_a_row(&self) -> bool {
+        self.value != Some(0.0)
+    }
+}
+
 impl Comparison {
-    /// Every parameter that a knob or the paper has, in the order in which a model lists them.
+    /// Every parameter that is anything but zero in a knob or in the paper, in the order in which a model lists them.
     pub(super) fn parameter_names(&self) -> Vec<&'static str> {
         let known = dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);
         known
             .map(|parameter| parameter.name)
             .filter(|name| {
                 self.knobs.iter().any(|knob| {
-                    knob.parameters.contains_key(name)
+                    knob.parameters.get(name).is_some_and(ComparedValue::is_worth_a_row)
                         || knob.paper.as_ref().is_some_and(|paper| paper.parameters.contains_key(name))
                 })
             })
@@ -142,6 +165,25 @@ impl ComparedKnob {
             0 => "model".to_owned(),
             1 => "one capture".to_owned(),
             many => format!("mean of {many} captures"),
+        }
+    }
+
+    /// How many detents a turn has, and their distance in degrees.
+    fn detents(model: &Model) -> Option<[f64; 2]> {
+        let amplitude = model.parameter("detent_amplitude").filter(|amplitude| *amplitude != 0.0);
+        let spacing_rad = amplitude.and(model.parameter("detent_period")).map(|period_rad| TAU * period_rad.abs());
+        spacing_rad.map(|spacing_rad| [TAU / spacing_rad, spacing_rad.to_degrees()])
+    }
+
+    /// What its curves are drawn of, with what follows from it.
+    #[must_use]
+    pub fn with_model(self, model: Model) -> Self {
+        let detents = Self::detents(&model);
+        Self {
+            detents_per_turn: detents.map(|[per_turn, _]| per_turn),
+            detent_spacing_deg: detents.map(|[_, spacing_deg]| spacing_deg),
+            model: Some(model),
+            ..self
         }
     }
 

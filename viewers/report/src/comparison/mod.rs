@@ -33,7 +33,7 @@ pub(crate) fn comparison_page(compared: &Comparison) -> Markup {
         .collect();
     let content = html! {
         header {
-            p.kind { "Comparison of " (counted(captures, "capture")) " and " (counted(models, "model")) }
+            p.kind { "Comparison of " (subjects(captures, models)) }
             h1 { (title) }
             @for sentence in ranges(compared) { p.verdict { (sentence) } }
         }
@@ -86,8 +86,8 @@ pub(crate) fn comparison_page(compared: &Comparison) -> Markup {
             }
             p {
                 "Tables 4 to 6 of Swindells and MacLean 2007 describe five knobs, the means of two captures each. Their static friction and \
-                 stick velocity were read off plots by hand; a fit of sliding motion does not tell them, " code { "haptic-camera check" }
-                " does, of a creeping knob."
+                 stick velocity were read off plots of torque against velocity by hand; here static friction is what the knob was seen \
+                 to break away at, where a capture shows that often enough."
             }
         }
         (footer(&compared.software_version, &sources.join(", ")))
@@ -95,17 +95,18 @@ pub(crate) fn comparison_page(compared: &Comparison) -> Markup {
     document(&title, &content)
 }
 
-fn counted(count: usize, what: &str) -> String {
-    match count {
-        0 => format!("no {what}"),
-        1 => format!("one {what}"),
-        many => format!("{many} {what}s"),
+fn subjects(captures: usize, models: usize) -> String {
+    let counted = |count: usize, what: &str| if count == 1 { format!("one {what}") } else { format!("{count} {what}s") };
+    match (captures, models) {
+        (captures, 0) => counted(captures, "capture"),
+        (0, models) => counted(models, "model"),
+        (captures, models) => format!("{} and {}", counted(captures, "capture"), counted(models, "model")),
     }
 }
 
 /// From which knob to which inertia, friction and detents reach.
 fn ranges(compared: &Comparison) -> Vec<String> {
-    let quantities = [("inertia", "inertia"), ("coulomb_positive", "Coulomb friction"), ("detent_amplitude", "detents")];
+    let quantities = [("inertia", "inertia"), ("coulomb_positive", "Coulomb friction turning positively"), ("detent_amplitude", "detents")];
     let reach = |(name, words): (&str, &str)| {
         let told = compared.knobs.iter().filter_map(|knob| {
             let own = knob.parameters.get(name)?;

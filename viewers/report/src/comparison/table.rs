@@ -18,7 +18,7 @@ pub(super) fn parameters(compared: &Comparison) -> Markup {
     html! {
         @for knobs in compared.knobs.chunks(MOST_COLUMNS) { (one_table(knobs, &names)) }
         p.note {
-            "Bold: the value. Below it the 95 % interval, which allows for residuals that are correlated in time, and of several \
+            "Bold: the value. Below it half its 95 % interval, which allows for residuals that are correlated in time, and of several \
              captures for how they differ. Friction is a magnitude in both directions; detents have a positive amplitude."
             @if any_paper {
                 " " span.paper { "Paper: " } "the value in Table 5 or 6 of Swindells and MacLean 2007, in the same signs; where the paper \
@@ -104,13 +104,13 @@ fn cell(knob: &ComparedKnob, name: &str) -> Markup {
 
 /// A value with its interval below it.
 pub(super) fn value(own: &ComparedValue) -> Markup {
-    let ComparedValue { value, ci95, .. } = own;
+    let ComparedValue { value, ci95_half_width, .. } = own;
     let Some(value) = *value else { return html! { span.untold { "cannot be told" } } };
-    let half = ci95.map_or(f64::NAN, |[low, high]| (value - low).max(high - value));
+    let half = ci95_half_width.unwrap_or(f64::NAN);
     let digits = if half > 0.0 { Digits::of_interval(value, half) } else { Digits::significant(value, DIGITS) };
     html! {
         strong { (digits.show(value)) }
-        @if let Some(interval) = ci95 { span.faint { (digits.span(*interval)) } }
+        @if half > 0.0 { span.faint { "±\u{a0}" (digits.show(half)) } }
     }
 }
 

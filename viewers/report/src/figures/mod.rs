@@ -7,6 +7,8 @@ mod residual;
 mod residual_order;
 mod torque;
 
+use std::collections::BTreeMap;
+
 use identification::{Fit, Point};
 use maud::{Markup, html};
 
@@ -52,6 +54,9 @@ impl Mark {
         }
     }
 }
+
+/// The numbers in a caption, by name.
+pub(crate) type Numbers = BTreeMap<&'static str, f64>;
 
 /// A plot with its words.
 pub(crate) struct Figure {

@@ -34,7 +34,8 @@ pub(super) fn sweep(test: &RigTest, number: usize) -> Markup {
             figcaption {
                 "Left: the last " (two(EXCERPT_S)) " s. The thin line is what the rig was told, the thick pale one behind it what it measured; \
                  where they part the rig is late or falls short. Right: the range of their difference over the whole sweep. A strip \
-                 that widens as the sweep gets faster is lag; one of even width is noise; one that lies off zero is a wrong zero."
+                 that widens as the sweep gets faster is lag; one of even width is noise; one that lies off zero is a wrong zero; levels that \
+                 change sign as the signal turns are friction between motor and sensor."
             }
         }
     }
@@ -52,7 +53,7 @@ pub(super) fn tone(test: &RigTest, number: usize) -> Markup {
                 }
             }
             figcaption {
-                "The last " (two(PERIODS)) " periods. The distance along the time axis is the lag of the table, the height of the thick line \
+                "Two periods. The distance along the time axis is the lag of the table, the height of the thick line \
                  beside that of the thin one the gain; what roughens the thick line is the channel’s noise."
             }
         }

@@ -13,7 +13,7 @@ use crate::page::{document, footer};
 
 pub(crate) fn rig_test_page(test: &RigTest) -> Markup {
     let rig = test.captures.first().map_or("", |capture| capture.rig.as_str());
-    let title = if rig.is_empty() { "Rig test".to_owned() } else { format!("Rig test of {rig}") };
+    let title = if rig.is_empty() { "Rig test".to_owned() } else { format!("Rig test: {rig}") };
     let version = test.captures.first().map_or("", |capture| capture.software_version.as_str());
     let sources: Vec<&str> = test.captures.iter().map(|capture| capture.source.as_str()).collect();
     let content = html! {

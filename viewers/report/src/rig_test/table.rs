@@ -5,9 +5,6 @@ use maud::{Markup, html};
 use super::RigTest;
 use crate::numbers::{Digits, count, printed, three};
 
-/// Digits that a standard deviation supports of its mean, as a share of it.
-const MEAN_DIGITS: f64 = 0.1;
-
 /// Original minus measured beside Table 3.
 pub(super) fn differences(test: &RigTest) -> Markup {
     html! {
@@ -28,7 +25,7 @@ pub(super) fn differences(test: &RigTest) -> Markup {
                     @for row in &test.differences {
                         tr {
                             th scope="row" { code { (row.channel) } }
-                            td.number { (Digits::of_interval(row.mean, MEAN_DIGITS * row.sd).show(row.mean)) }
+                            td.number { (Digits::significant(row.sd, 3).show(row.mean)) }
                             td.number.value { (three(row.sd)) }
                             td.number { (three(row.sd_filtered)) }
                             td.number.paper { (printed(row.paper_mean)) }
