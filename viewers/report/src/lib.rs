@@ -25,15 +25,16 @@ mod shown;
 mod themed_svg;
 mod verdict;
 
+pub use comparison::{
+    ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison, PaperKnob,
+    PaperValue,
+};
 use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use identification::{Average, Fit};
-pub use comparison::{
-    ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison, PaperKnob, PaperValue,
-};
-pub use shown::{FigureNumbers, FitNumbers};
 pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
 pub use rig_test::{ChannelDifference, ChannelLag, ChannelTrace, RigTest};
+pub use shown::{DiagnosisNumbers, FigureNumbers, FitNumbers, ModelValue};
 
 /// What is known of a capture besides its samples.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -130,7 +131,14 @@ pub struct DiagnosisPage<'a> {
 /// Numbers are written as on [`fit_page`].
 #[must_use]
 pub fn diagnosis_page(page: &DiagnosisPage<'_>) -> String {
-    diagnosis::diagnosis_page(page).into_string()
+    diagnosis_page_with_numbers(page).0
+}
+
+/// The page of a diagnosis with the numbers in the captions of its figures, by figure and name.
+#[must_use]
+pub fn diagnosis_page_with_numbers(page: &DiagnosisPage<'_>) -> (String, FigureNumbers) {
+    let (markup, numbers) = diagnosis::diagnosis_page(page);
+    (markup.into_string(), numbers)
 }
 
 /// The page of a rendering as HTML, complete from doctype to end: each parameter rendered beside the intended one, the torque error,

@@ -120,7 +120,8 @@ fn figures(page: &FitPage<'_>) -> (Markup, FigureNumbers) {
             }
         }
     };
-    let numbers = [("torque_over_time", in_excerpt), ("residual_by_size", in_histogram), ("residual_by_order", in_order)];
+    let numbers =
+        [("torque_over_time", in_excerpt), ("residual_by_size", in_histogram), ("residual_by_order", in_order)];
     (markup, numbers.into())
 }
 

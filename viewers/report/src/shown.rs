@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use dynamics::Model;
+use identification::diagnosis::{Diagnosis, ForwardFromCommand};
 use identification::{Fit, Parameter};
 use serde::Serialize;
 
@@ -33,9 +34,10 @@ impl FitNumbers {
     #[must_use]
     pub fn of(fit: &Fit, truth: Option<&Model>) -> Self {
         let value = |name: &str| fit.parameters.get(name).and_then(|told| told.value);
-        let true_values = truth.into_iter().flat_map(Model::parameters).filter_map(|(kind, _)| {
-            Some((kind.name, true_value(truth, kind.name, value(kind.name))?))
-        });
+        let true_values = truth
+            .into_iter()
+            .flat_map(Model::parameters)
+            .filter_map(|(kind, _)| Some((kind.name, true_value(truth, kind.name, value(kind.name))?)));
         let half_width = |told: &Parameter| told.ci95.map(|[low, high]| (told.name, 0.5 * (high - low)));
         let torque_noise_in_band_mnm = noise_in_band_mnm(fit);
         Self {
@@ -44,6 +46,63 @@ impl FitNumbers {
             torque_noise_in_band_mnm,
             residual_over_noise: torque_noise_in_band_mnm.map(|noise_mnm| fit.residual_rms_mnm / noise_mnm),
             detent_spacing_deg: value("detent_period").map(detent_spacing_deg),
+        }
+    }
+}
+
+/// A parameter of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ModelValue {
+    /// Its value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+/// Numbers on the page of a diagnosis that follow from it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct DiagnosisNumbers {
+    /// Parameters of the final model.
+    pub model_parameters: BTreeMap<&'static str, ModelValue>,
+    /// What is left of the held-out capture over the noise floor: by the first model, then with each effect more.
+    pub heldout_over_noise_floor: Vec<f64>,
+    /// How many times smaller what was added makes each gap; none if nothing was added.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub smaller_by: BTreeMap<&'static str, f64>,
+    /// Evidence of each effect less that of its closest rival, nats; `None` where every rival is ruled out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub evidence_over_closest_rival: Vec<Option<f64>>,
+}
+
+impl DiagnosisNumbers {
+    /// Of a diagnosis.
+    #[must_use]
+    pub fn of(found: &Diagnosis) -> Self {
+        let model_parameters =
+            found.model.parameters().map(|(kind, value)| (kind.name, ModelValue { value, unit: kind.unit }));
+        let after = found.steps.iter().map(|step| step.heldout_rms_after);
+        let levels = [found.heldout_rms_before].into_iter().chain(after);
+        let forward = found.forward_from_command.as_ref().and_then(ForwardFromCommand::before_and_after_rad);
+        let gaps = [
+            ("heldout_rms", Some([found.heldout_rms_before, found.heldout_rms_after])),
+            ("heldout_relative_error_percent", Some(found.heldout_relative_error_percent)),
+            ("train_rms", Some([found.train_rms_before, found.train_rms_after])),
+            ("forward_angle_rms_rad", found.forward_angle_rms_rad),
+            ("forward_from_command", forward),
+        ];
+        let smaller_by = gaps
+            .into_iter()
+            .filter(|_| !found.steps.is_empty())
+            .filter_map(|(name, gap)| gap.map(|[before, after]| (name, before / after)));
+        let over_closest = found.steps.iter().map(|step| {
+            let closest = step.rivals.iter().find(|rival| rival.disqualified.is_none())?;
+            Some(step.evidence - closest.evidence)
+        });
+        Self {
+            model_parameters: model_parameters.collect(),
+            heldout_over_noise_floor: levels.map(|rms_mnm| rms_mnm / found.noise_floor_rms).collect(),
+            smaller_by: smaller_by.collect(),
+            evidence_over_closest_rival: over_closest.collect(),
         }
     }
 }

@@ -162,7 +162,8 @@ fn of_captures(group: Option<&Group>, fitted: &[(LoadedCapture, Fit)]) -> anyhow
             (average.fit, average.agreement, average.repeatability)
         }
     };
-    let paper = group.filter(|group| !group.rendered && group.is_paper_knob()).and_then(|group| paper::knob(&group.knob));
+    let paper =
+        group.filter(|group| !group.rendered && group.is_paper_knob()).and_then(|group| paper::knob(&group.knob));
     let model = fit.model(&name);
     let knob = ComparedKnob {
         name,
@@ -187,9 +188,10 @@ impl Group {
 }
 
 fn values(parameters: &Parameters) -> ComparedParameters {
-    let compared = parameters.0.iter().map(|told| {
-        (told.name, ComparedValue::new(told.value, told.unit, told.ci95, told.reason.clone()))
-    });
+    let compared = parameters
+        .0
+        .iter()
+        .map(|told| (told.name, ComparedValue::new(told.value, told.unit, told.ci95, told.reason.clone())));
     compared.collect()
 }
 

@@ -103,7 +103,15 @@ impl Channel {
             .map_or_else(|_| differences.clone(), |filter| filter.filter_zero_phase(&differences));
         let (unit, paper_mean, paper_sd) = self.paper();
         let (mean, sd) = mean_and_sd(&differences);
-        ChannelDifference { channel: self.name(), unit, mean, sd, sd_filtered: mean_and_sd(&filtered).1, paper_mean, paper_sd }
+        ChannelDifference {
+            channel: self.name(),
+            unit,
+            mean,
+            sd,
+            sd_filtered: mean_and_sd(&filtered).1,
+            paper_mean,
+            paper_sd,
+        }
     }
 
     /// Phase and gain at 30 Hz, over a whole number of periods.

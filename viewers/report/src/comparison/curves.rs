@@ -117,7 +117,10 @@ fn flat_words(knobs: &[ComparedKnob], curves: &[Curve]) -> String {
         words.push(format!("Nothing in {} depends on the angle.", none.join(", ")));
     }
     if !small.is_empty() {
-        words.push(format!("The waves of {} are too small for this scale; the next figure shows them.", small.join(", ")));
+        words.push(format!(
+            "The waves of {} are too small for this scale; the next figure shows them.",
+            small.join(", ")
+        ));
     }
     words.join(" ")
 }

@@ -23,11 +23,24 @@ const LETTERS: usize = 18;
 /// What stands in one row.
 struct Row<'a> {
     label: String,
-    own: Option<&'a ComparedValue>,
-    /// Whether it is what the knob's column in the table shows.
-    sums_up: bool,
-    paper: Option<f64>,
+    content: Content<'a>,
     y: f64,
+}
+
+enum Content<'a> {
+    Capture(Option<&'a ComparedValue>),
+    /// What the knob's column in the table shows.
+    Knob(Option<&'a ComparedValue>),
+    Paper(f64),
+}
+
+impl<'a> Content<'a> {
+    fn own(&self) -> Option<&'a ComparedValue> {
+        match self {
+            Self::Capture(own) | Self::Knob(own) => *own,
+            Self::Paper(_) => None,
+        }
+    }
 }
 
 /// The plots with their words; `None` where there is nothing to compare.
@@ -62,7 +75,7 @@ pub(super) fn figure(compared: &Comparison, number: usize) -> Option<Markup> {
                     "Intervals without whiskers are narrower than their mark. Where the values of a parameter lie powers of ten apart \
                      the axis is logarithmic and says so."
                     @if any_paper {
-                        " A cross that lies off its diamond is no fault by itself: the paper gives two digits, and no intervals of \
+                        " A cross a little off its diamond is no fault by itself: the paper gives two digits, and no intervals of \
                          single parameters."
                     }
                 }
@@ -73,8 +86,9 @@ pub(super) fn figure(compared: &Comparison, number: usize) -> Option<Markup> {
 
 fn plot(name: &str, knobs: &[ComparedKnob]) -> Option<Markup> {
     let (rows, separators, bottom) = rows(name, knobs);
-    let told = || rows.iter().filter_map(|row| Some((row.own?.value?, row.own?.ci95)));
-    let papers = || rows.iter().filter_map(|row| row.paper);
+    let told = || rows.iter().filter_map(|row| Some((row.content.own()?.value?, row.content.own()?.ci95)));
+    let papers =
+        || rows.iter().filter_map(|row| if let Content::Paper(value) = row.content { Some(value) } else { None });
     if told().next().is_none() || told().count() + papers().count() < 2 {
         return None;
     }
@@ -106,49 +120,55 @@ fn rows<'a>(name: &str, knobs: &'a [ComparedKnob]) -> (Vec<Row<'a>>, Vec<f64>, f
             separators.push(top + 0.5 * BETWEEN);
             top += BETWEEN;
         }
-        let mut add = |label: String, own, sums_up, paper| {
-            rows.push(Row { label, own, sums_up, paper, y: top + 0.5 * ROW });
+        let mut add = |label: String, content| {
+            rows.push(Row { label, content, y: top + 0.5 * ROW });
             top += ROW;
         };
         let told = |capture: &ComparedCapture| capture.parameters.get(name).is_some_and(|own| own.value.is_some());
         if knob.captures.len() > 1 && knob.captures.iter().any(told) {
             for capture in &knob.captures {
-                add(format!("capture {}", capture.number), capture.parameters.get(name), false, None);
+                add(format!("capture {}", capture.number), Content::Capture(capture.parameters.get(name)));
             }
         }
-        let paper = knob.paper.as_ref().and_then(|paper| Some(paper.parameters.get(name)?.value));
-        add(shortened(&knob.name), knob.parameters.get(name), true, paper);
+        add(shortened(&knob.name), Content::Knob(knob.parameters.get(name)));
+        if let Some(printed) = knob.paper.as_ref().and_then(|paper| paper.parameters.get(name)) {
+            add("paper".to_owned(), Content::Paper(printed.value));
+        }
     }
     (rows, separators, top)
 }
 
 fn marks(row: &Row<'_>, x: &impl Fn(f64) -> String) -> Markup {
-    let Row { label, own, sums_up, paper, y } = row;
-    let value = own.and_then(|own| own.value);
+    let Row { label, content, y } = row;
     let y_text = short(*y);
+    let (class, ink) = match content {
+        Content::Capture(_) => ("label", "label"),
+        Content::Knob(_) => ("title", "model"),
+        Content::Paper(_) => ("reference", "reference"),
+    };
+    let value = content.own().and_then(|own| own.value);
     html! {
-        text class=(if *sums_up { "title" } else { "label" }) x=(LEFT - 10.0) y=(y_text) dy="0.35em" text-anchor="end" { (label) }
-        @if let (Some(value), Some([low, high])) = (value, own.and_then(|own| own.ci95)) {
-            path class={"line " (if *sums_up { "model" } else { "label" })} d={
+        text class=(class) x=(LEFT - 10.0) y=(y_text) dy="0.35em" text-anchor="end" { (label) }
+        @if let Some([low, high]) = content.own().and_then(|own| own.ci95) {
+            path class={"line " (ink)} d={
                 "M" (x(low)) " " (y_text) "H" (x(high)) "M" (x(low)) " " (short(y - END)) "v" (2.0 * END)
                 "M" (x(high)) " " (short(y - END)) "v" (2.0 * END)
             } {}
-            @if !sums_up { circle.point cx=(x(value)) cy=(y_text) r="3" {} }
         }
-        @if let (Some(value), true) = (value, *sums_up) {
-            path.diamond.model d={
+        @match (content, value) {
+            (Content::Capture(_), Some(value)) => circle.point cx=(x(value)) cy=(y_text) r="3" {},
+            (Content::Knob(_), Some(value)) => path.diamond.model d={
                 "M" (x(value)) " " (short(y - DIAMOND)) "l" (DIAMOND) " " (DIAMOND) "l" (-DIAMOND) " " (DIAMOND)
                 "l" (-DIAMOND) " " (-DIAMOND) "Z"
-            } {}
-        }
-        @if let Some(paper) = paper {
-            path.line.cross.reference d={
-                "M" (x(*paper)) " " (y_text) "m" (-CROSS) " " (-CROSS) "l" (2.0 * CROSS) " " (2.0 * CROSS)
+            } {},
+            (Content::Paper(value), _) => path.line.cross.reference d={
+                "M" (x(*value)) " " (y_text) "m" (-CROSS) " " (-CROSS) "l" (2.0 * CROSS) " " (2.0 * CROSS)
                 "m0 " (-2.0 * CROSS) "l" (-2.0 * CROSS) " " (2.0 * CROSS)
-            } {}
-        }
-        @if own.is_some() && value.is_none() {
-            text.label x=(LEFT) y=(y_text) dy="0.35em" { "cannot be told" }
+            } {},
+            (Content::Capture(Some(_)) | Content::Knob(Some(_)), None) => text.label x=(LEFT) y=(y_text) dy="0.35em" {
+                "cannot be told"
+            },
+            _ => {},
         }
     }
 }

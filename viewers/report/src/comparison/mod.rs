@@ -10,7 +10,8 @@ mod table;
 use maud::{Markup, html};
 
 pub use input::{
-    ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison, PaperKnob, PaperValue,
+    ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison, PaperKnob,
+    PaperValue,
 };
 
 use crate::numbers::three;
@@ -96,7 +97,8 @@ pub(crate) fn comparison_page(compared: &Comparison) -> Markup {
 }
 
 fn subjects(captures: usize, models: usize) -> String {
-    let counted = |count: usize, what: &str| if count == 1 { format!("one {what}") } else { format!("{count} {what}s") };
+    let counted =
+        |count: usize, what: &str| if count == 1 { format!("one {what}") } else { format!("{count} {what}s") };
     match (captures, models) {
         (captures, 0) => counted(captures, "capture"),
         (0, models) => counted(models, "model"),
@@ -106,7 +108,11 @@ fn subjects(captures: usize, models: usize) -> String {
 
 /// From which knob to which inertia, friction and detents reach.
 fn ranges(compared: &Comparison) -> Vec<String> {
-    let quantities = [("inertia", "inertia"), ("coulomb_positive", "Coulomb friction turning positively"), ("detent_amplitude", "detents")];
+    let quantities = [
+        ("inertia", "inertia"),
+        ("coulomb_positive", "Coulomb friction turning positively"),
+        ("detent_amplitude", "detents"),
+    ];
     let reach = |(name, words): (&str, &str)| {
         let told = compared.knobs.iter().filter_map(|knob| {
             let own = knob.parameters.get(name)?;

@@ -8,7 +8,7 @@ const FAR_APART: f64 = 20.0;
 /// Round values along a linear axis.
 const TICKS: usize = 5;
 /// Decades up to which 2 and 5 have ticks too.
-const FEW_DECADES: f64 = 1.6;
+const FEW_DECADES: f64 = 2.6;
 
 /// Where values lie along the axis.
 #[derive(Clone, Debug)]
@@ -78,7 +78,7 @@ mod tests {
         let scale = Scale::around([0.0019, 0.035, 0.28].into_iter());
         assert!(scale.is_logarithmic());
         let labels: Vec<String> = scale.ticks().into_iter().map(|(_, label)| label).collect();
-        assert_eq!(labels, ["0.01", "0.1"]);
+        assert_eq!(labels, ["0.002", "0.005", "0.01", "0.02", "0.05", "0.1", "0.2"]);
         assert!((scale.share((0.0019_f64 * 0.28).sqrt()) - 0.5).abs() < 1e-9);
     }
 

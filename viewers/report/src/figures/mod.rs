@@ -67,9 +67,9 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// The figure as the `number`th of the page, its words left to an earlier one of its kind.
-    pub(crate) fn again(self, number: usize) -> Markup {
-        Self { caption: String::new(), ..self }.numbered(number)
+    /// The figure as the `number`th of the page, its words left to the `first` one of its kind.
+    pub(crate) fn again(self, number: usize, first: usize) -> Markup {
+        Self { caption: format!("As figure {first}, of this capture."), ..self }.numbered(number)
     }
 
     /// The figure as the `number`th of the page.

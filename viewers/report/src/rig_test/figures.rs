@@ -70,8 +70,10 @@ fn legend(entries: &[(&str, &str)]) -> Markup {
 fn overlay(trace: &ChannelTrace, rows: &[[f64; 3]], length_s: f64, place: &str) -> Markup {
     let end_s = rows.last().map_or(0.0, |row| row[0]);
     let from = rows.partition_point(|row| row[0] < end_s - length_s);
-    let shown: Vec<[f64; 3]> = rows[from..].iter().step_by((rows.len() - from).div_ceil(POINTS).max(1)).copied().collect();
-    let line = |column: usize| shown.iter().map(move |row| (row[0], row[column])).filter(|(_, value)| value.is_finite());
+    let shown: Vec<[f64; 3]> =
+        rows[from..].iter().step_by((rows.len() - from).div_ceil(POINTS).max(1)).copied().collect();
+    let line =
+        |column: usize| shown.iter().map(move |row| (row[0], row[column])).filter(|(_, value)| value.is_finite());
     let plot = Plot {
         size: (HALF.0, 210),
         x: Axis::around(TIME, shown.iter().map(|row| row[0])),
