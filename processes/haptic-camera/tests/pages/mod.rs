@@ -88,12 +88,20 @@ fn numbers(text: &str) -> Vec<Shown> {
         let rest = raised.trim_start_matches(|letter: char| "⁰¹²³⁴⁵⁶⁷⁸⁹⁻".contains(letter));
         plain = format!("{before} {rest}");
     }
-    let words = plain.split(|letter: char| !(letter.is_alphanumeric() || "-._".contains(letter)));
-    words.filter_map(|word| shown(word.trim_matches('.').trim_end_matches('-'), power)).collect()
+    let words: Vec<&str> = plain.split(|letter: char| !(letter.is_alphanumeric() || "-._".contains(letter))).collect();
+    let mut found = Vec::new();
+    for (index, word) in words.iter().enumerate() {
+        // The number of a figure measures nothing.
+        if index > 0 && words[index - 1] == "figure" {
+            continue;
+        }
+        found.extend(shown(word.trim_matches('.').trim_end_matches('-'), power));
+    }
+    found
 }
 
 fn shown(word: &str, power: i32) -> Option<Shown> {
-    // A name or a file is no number, and neither is the number of a figure or a year in a reference.
+    // A name or a file is no number.
     let value: f64 = word.parse().ok().filter(|_| word.chars().any(|letter| letter.is_ascii_digit()))?;
     let (whole, decimals) = word.split_once('.').unwrap_or((word, ""));
     let zeros = whole.len() - whole.trim_end_matches('0').len();
