@@ -4,9 +4,10 @@ use std::path::Path;
 
 use anyhow::bail;
 use dynamics::Model;
-use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Progress, diagnose};
+use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, Progress, diagnose};
 use indicatif::{ProgressBar, ProgressStyle};
-use report::DiagnosisPage;
+use report::{CaptureFacts, DiagnosisNumbers, DiagnosisPage, FigureNumbers};
+use serde::Serialize;
 
 use crate::command_line;
 use crate::diagnosis_text;
@@ -42,7 +43,6 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
     if !to_output(options.json.as_deref()) {
         diagnosis_text::lines(&found).iter().for_each(say);
     }
-    write_json(options.json.as_deref(), &found)?;
     if let Some(path) = &options.out {
         let model = Model {
             name: train.title(),
@@ -51,15 +51,42 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
         };
         write(path, &model.to_toml())?;
     }
-    if let Some(path) = &options.report {
-        let page =
-            DiagnosisPage { found: &found, train: train.facts(), heldout: heldout.as_ref().map(LoadedCapture::facts) };
-        write(path, &report::diagnosis_page(&page))?;
-    }
+    let page =
+        DiagnosisPage { found: &found, train: train.facts(), heldout: heldout.as_ref().map(LoadedCapture::facts) };
+    tell(&page, options.json.as_deref(), options.report.as_deref())?;
     if let Some(path) = &options.recording {
         recording::write(path, &found, &train.title(), heldout.as_ref().map(LoadedCapture::title).as_deref())?;
     }
     Ok(Outcome::Done)
+}
+
+/// What `--json` tells of a diagnosis.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    found: &'a Diagnosis,
+    #[serde(flatten)]
+    numbers: DiagnosisNumbers,
+    /// The capture that models were fitted to.
+    train: &'a CaptureFacts,
+    /// The capture that they were judged by, if it is another.
+    heldout: Option<&'a CaptureFacts>,
+    /// The numbers in the captions of the page's figures, where a page was asked for.
+    #[serde(skip_serializing_if = "FigureNumbers::is_empty")]
+    figures: FigureNumbers,
+}
+
+/// Writes a diagnosis as JSON and as a page, what of them was asked for.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn tell(page: &DiagnosisPage<'_>, json: Option<&Path>, report: Option<&Path>) -> anyhow::Result<()> {
+    let made = report.map(|path| (path, report::diagnosis_page_with_numbers(page)));
+    let figures = made.as_ref().map(|(_, (_, figures))| figures.clone()).unwrap_or_default();
+    let DiagnosisPage { found, train, heldout } = page;
+    let told = Told { found, numbers: DiagnosisNumbers::of(found), train, heldout: heldout.as_ref(), figures };
+    write_json(json, &told)?;
+    made.map_or(Ok(()), |(path, (html, _))| write(path, &html))
 }
 
 /// The model to start from.

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use dynamics::Model;
-use identification::{Fit, FitOptions, PreparationMethod};
-use report::AveragePage;
+use identification::{Average, Fit, FitOptions, PreparationMethod};
+use report::{AveragePage, CaptureFacts, FigureNumbers, FitNumbers};
+use serde::Serialize;
 
 use crate::command_line;
 use crate::harmonic_table::harmonic_table;
@@ -32,12 +33,14 @@ fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result
     if !to_output(options.json.as_deref()) {
         show(&loaded, &fit);
     }
-    write_json(options.json.as_deref(), &fit)?;
+    let page = options.report.as_ref().map(|_| loaded.report_page(&fit));
+    let (page, figures) = page.unwrap_or_default();
+    write_numbers(options.json.as_deref(), &loaded, &fit, figures)?;
     if let Some(path) = &options.out {
         write(path, &fit.model(&loaded.title()).to_toml())?;
     }
     if let Some(path) = &options.report {
-        write(path, &loaded.report_page(&fit))?;
+        write(path, &page)?;
     }
     Ok(Outcome::Done)
 }
@@ -58,7 +61,9 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
         say("");
         say(repeatability_table(&average));
     }
-    write_json(options.json.as_deref(), &average)?;
+    let told = loaded.iter().zip(&fits).map(|(one, fit)| Told::of(one, fit)).collect();
+    let numbers = FitNumbers::of(&average.fit, truth);
+    write_json(options.json.as_deref(), &ToldTogether { average: &average, numbers, fits: told })?;
     if let Some(path) = &options.out {
         let titles: Vec<String> = loaded.iter().map(LoadedCapture::title).collect();
         write(path, &average.model(&titles.join(" and ")).to_toml())?;
@@ -68,6 +73,50 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
         write(path, &report::average_page(&AveragePage { average: &average, fits: &fits, captures, truth }))?;
     }
     Ok(Outcome::Done)
+}
+
+/// Writes every number of a fit as JSON to a file, or to standard output for `-`; `figures` are those in a page's captions.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_numbers(
+    path: Option<&Path>,
+    loaded: &LoadedCapture,
+    fit: &Fit,
+    figures: FigureNumbers,
+) -> anyhow::Result<()> {
+    write_json(path, &Told { figures, ..Told::of(loaded, fit) })
+}
+
+/// What `fit --json` tells of one capture.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    fit: &'a Fit,
+    #[serde(flatten)]
+    numbers: FitNumbers,
+    /// The capture that was fitted.
+    capture: CaptureFacts,
+    /// The numbers in the captions of the page's figures, where a page was asked for.
+    #[serde(skip_serializing_if = "FigureNumbers::is_empty")]
+    figures: FigureNumbers,
+}
+
+impl<'a> Told<'a> {
+    fn of(loaded: &LoadedCapture, fit: &'a Fit) -> Self {
+        let numbers = FitNumbers::of(fit, loaded.truth.as_ref());
+        Self { fit, numbers, capture: loaded.facts(), figures: FigureNumbers::new() }
+    }
+}
+
+/// What it tells of several: their mean, then each by itself.
+#[derive(Serialize)]
+struct ToldTogether<'a> {
+    #[serde(flatten)]
+    average: &'a Average,
+    #[serde(flatten)]
+    numbers: FitNumbers,
+    fits: Vec<Told<'a>>,
 }
 
 /// Whether standard output is for the JSON alone.

@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use archive::{Capture, attachment};
 use dynamics::{Calibration, Model};
 use identification::{Fit, Samples};
-use report::{CaptureFacts, FitPage};
+use report::{CaptureFacts, FigureNumbers, FitPage};
 
 /// A capture with what is known of the rig that made it.
 pub struct LoadedCapture {
@@ -64,9 +64,9 @@ impl LoadedCapture {
         }
     }
 
-    /// The report page of a fit of this capture.
-    pub fn report_page(&self, fit: &Fit) -> String {
-        report::fit_page(&FitPage { fit, capture: self.facts(), truth: self.truth.as_ref() })
+    /// The report page of a fit of this capture, with the numbers in its captions.
+    pub fn report_page(&self, fit: &Fit) -> (String, FigureNumbers) {
+        report::fit_page_with_numbers(&FitPage { fit, capture: self.facts(), truth: self.truth.as_ref() })
     }
 
     /// What a report page says of the capture besides the fit.

@@ -6,6 +6,7 @@ mod calibrate;
 mod capture;
 mod check;
 mod command_line;
+mod compare;
 mod compose;
 mod diagnose;
 mod diagnosis_text;
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         Command::Calibrate(options) => calibrate::run(&options),
         Command::RigTest(options) => rig_test::run(&options),
         Command::Check(options) => check::run(&options),
+        Command::Compare(options) => compare::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Compose(options) => compose::run(&options),
         Command::Export(options) => export::run(&options),

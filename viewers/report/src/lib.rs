@@ -1,5 +1,5 @@
-//! The report page of a fit, of several captures and their mean, of a diagnosis, or of a rendering beside its model: one HTML
-//! file that a person reads, prints and keeps.
+//! The report page of a fit, of several captures and their mean, of several knobs beside each other, of a diagnosis, of a
+//! rendering beside its model, or of a rig without a knob: one HTML file that a person reads, prints and keeps.
 //!
 //! The page carries its plots as inline SVG and its style in its head: it needs no script, fetches
 //! nothing, follows the reader's light or dark scheme on screen and is light on paper.
@@ -9,6 +9,7 @@
 //! with a class instead of a colour; the style sheet gives the class its colour.
 
 mod average;
+mod comparison;
 mod diagnosis;
 mod figures;
 mod ink;
@@ -19,16 +20,24 @@ mod parameter_table;
 mod plot;
 mod preparation;
 mod rendering;
+mod rig_test;
+mod shown;
 mod themed_svg;
 mod verdict;
 
+pub use comparison::{
+    ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison, PaperKnob,
+    PaperValue,
+};
 use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use identification::{Average, Fit};
 pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
+pub use rig_test::{ChannelDifference, ChannelLag, ChannelTrace, RigTest};
+pub use shown::{DiagnosisNumbers, FigureNumbers, FitNumbers, ModelValue};
 
 /// What is known of a capture besides its samples.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct CaptureFacts {
     /// Headline of the page, such as the knob's name.
     pub title: String,
@@ -73,7 +82,14 @@ pub struct FitPage<'a> {
 /// dash and its point is left out of the plots.
 #[must_use]
 pub fn fit_page(page: &FitPage<'_>) -> String {
-    page::fit_page(page).into_string()
+    fit_page_with_numbers(page).0
+}
+
+/// The page of a fit with the numbers in the captions of its figures, by figure and name.
+#[must_use]
+pub fn fit_page_with_numbers(page: &FitPage<'_>) -> (String, FigureNumbers) {
+    let (markup, numbers) = page::fit_page(page);
+    (markup.into_string(), numbers)
 }
 
 /// Several captures of a knob and their mean with everything that their page tells.
@@ -115,7 +131,14 @@ pub struct DiagnosisPage<'a> {
 /// Numbers are written as on [`fit_page`].
 #[must_use]
 pub fn diagnosis_page(page: &DiagnosisPage<'_>) -> String {
-    diagnosis::diagnosis_page(page).into_string()
+    diagnosis_page_with_numbers(page).0
+}
+
+/// The page of a diagnosis with the numbers in the captions of its figures, by figure and name.
+#[must_use]
+pub fn diagnosis_page_with_numbers(page: &DiagnosisPage<'_>) -> (String, FigureNumbers) {
+    let (markup, numbers) = diagnosis::diagnosis_page(page);
+    (markup.into_string(), numbers)
 }
 
 /// The page of a rendering as HTML, complete from doctype to end: each parameter rendered beside the intended one, the torque error,
@@ -125,4 +148,20 @@ pub fn diagnosis_page(page: &DiagnosisPage<'_>) -> String {
 #[must_use]
 pub fn rendering_page(page: &RenderingPage<'_>) -> String {
     rendering::rendering_page(page).into_string()
+}
+
+/// The page of several knobs beside each other as HTML, complete from doctype to end: the paper's tables, the parameters side by
+/// side, the models as curves, each parameter over all captures, and how the captures of a knob repeat.
+///
+/// Numbers are written as on [`fit_page`].
+#[must_use]
+pub fn comparison_page(compared: &Comparison) -> String {
+    comparison::comparison_page(compared).into_string()
+}
+
+/// The page of a rig test as HTML, complete from doctype to end: original minus measured and the lag of each channel beside the
+/// paper's, and the signals themselves.
+#[must_use]
+pub fn rig_test_page(test: &RigTest) -> String {
+    rig_test::rig_test_page(test).into_string()
 }

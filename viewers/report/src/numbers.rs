@@ -90,6 +90,11 @@ pub(crate) fn two(value: f64) -> String {
     Digits::significant(value, 2).show(value)
 }
 
+/// A number that somebody else printed, with no more digits than it needs.
+pub(crate) fn printed(value: f64) -> String {
+    if value.is_finite() { value.to_string().replace('-', "−") } else { UNKNOWN.to_owned() }
+}
+
 /// A whole number in groups of three.
 pub(crate) fn count(number: u64) -> String {
     let digits = number.to_string();

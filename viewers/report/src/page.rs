@@ -10,15 +10,16 @@ use crate::numbers::{count, three};
 use crate::parameter_table::parameter_table;
 use crate::preparation::{method, preparation, untold};
 use crate::verdict::{completeness, findings};
-use crate::{CaptureFacts, FitPage};
+use crate::{CaptureFacts, FigureNumbers, FitPage};
 
 const STYLE: &str = include_str!("style.css");
 
 /// Fewest rows that make a plot.
 pub(crate) const FEWEST_ROWS: usize = 20;
 
-pub(crate) fn fit_page(page: &FitPage<'_>) -> Markup {
+pub(crate) fn fit_page(page: &FitPage<'_>) -> (Markup, FigureNumbers) {
     let FitPage { fit, capture, truth: _ } = page;
+    let (figures, numbers) = figures(page);
     let content = html! {
         header {
             p.kind { "Fit of a capture" }
@@ -31,7 +32,7 @@ pub(crate) fn fit_page(page: &FitPage<'_>) -> Markup {
             h2 { "Parameters" }
             (parameter_table(page))
         }
-        (figures(page))
+        (figures)
         section {
             h2 { "What the data could not tell" }
             (untold(fit))
@@ -46,7 +47,7 @@ pub(crate) fn fit_page(page: &FitPage<'_>) -> Markup {
         }
         (footer(&capture.software_version, &capture.source))
     };
-    document(&capture.title, &content)
+    (document(&capture.title, &content), numbers)
 }
 
 /// A page around its content.
@@ -76,17 +77,22 @@ pub(crate) fn footer(software_version: &str, source: &str) -> Markup {
     }
 }
 
-fn figures(page: &FitPage<'_>) -> Markup {
+/// The figures, and the numbers in their captions.
+fn figures(page: &FitPage<'_>) -> (Markup, FigureNumbers) {
     let fit = page.fit;
     let points = finite_points(fit);
     if points.len() < FEWEST_ROWS {
-        return html! {
+        let words = html! {
             section { h2 { "Measured and model" } p { "Too few rows of sliding motion for plots." } }
         };
+        return (words, FigureNumbers::new());
     }
     let effects = effect_figures(fit, &points);
     let after = 3 + effects.len();
-    html! {
+    let (excerpt, in_excerpt) = excerpt_figure(fit, &points);
+    let (histogram, in_histogram) = histogram_figure(fit, &points);
+    let (order, in_order) = order_figure(fit, &points);
+    let markup = html! {
         section {
             h2 { "Measured and model" }
             (angle_figure(fit, &points).numbered(1))
@@ -103,17 +109,20 @@ fn figures(page: &FitPage<'_>) -> Markup {
         }
         section {
             h2 { "In time" }
-            (excerpt_figure(fit, &points).numbered(after))
+            (excerpt.numbered(after))
         }
         section {
             h2 { "What the model leaves over" }
             (residual_figure(fit, &points).numbered(after + 1))
             div.halves {
-                (histogram_figure(fit, &points).numbered(after + 2))
-                (order_figure(fit, &points).numbered(after + 3))
+                (histogram.numbered(after + 2))
+                (order.numbered(after + 3))
             }
         }
-    }
+    };
+    let numbers =
+        [("torque_over_time", in_excerpt), ("residual_by_size", in_histogram), ("residual_by_order", in_order)];
+    (markup, numbers.into())
 }
 
 /// What is known of a capture, in a strip.

@@ -58,6 +58,11 @@ pub(crate) fn noise_in_band_mnm(fit: &Fit) -> Option<f64> {
     (noise > 0.0 && noise.is_finite()).then_some(noise)
 }
 
+/// Angle from one detent to the next, degrees.
+pub(crate) fn detent_spacing_deg(period_rad: f64) -> f64 {
+    (std::f64::consts::TAU * period_rad).to_degrees()
+}
+
 /// A parameter's value with the half width of its interval.
 pub(crate) fn plus_minus(parameter: &Parameter) -> Option<String> {
     let value = parameter.value?;
@@ -95,8 +100,7 @@ fn phrase(fit: &Fit, stem: &str, parameter: &Parameter) -> String {
         }
         ("detent_amplitude", _) => match of("detent_period") {
             Some(period) => {
-                let spacing = (std::f64::consts::TAU * period).to_degrees();
-                format!("detents of {words}\u{a0}{unit} every {}°", three(spacing))
+                format!("detents of {words}\u{a0}{unit} every {}°", three(detent_spacing_deg(period)))
             }
             None => format!("detents of {words}\u{a0}{unit}"),
         },

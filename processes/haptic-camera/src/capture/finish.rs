@@ -50,10 +50,11 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     let (model, report) = (beside("toml"), beside("html"));
     fit::write(&model, &fitted.model(&loaded.title()).to_toml())?;
     say(format!("model    {}", model.display()));
-    fit::write(&report, &loaded.report_page(fitted))?;
+    let (page, figures) = loaded.report_page(fitted);
+    fit::write(&report, &page)?;
     say(format!("report   {}", report.display()));
     // For `list`, and for whoever computes with the intervals.
-    fit::write_json(Some(&beside("json")), fitted)
+    fit::write_numbers(Some(&beside("json")), loaded, fitted, figures)
 }
 
 /// What a run that goes on until enough is known came to, and how long it took of the planned sweep.

@@ -12,8 +12,9 @@ use super::evidence::diagnosed;
 use super::next::{Experiment, Next, next};
 use super::{finish, supervised};
 use crate::command_line::{CaptureOptions, RunOptions};
+use crate::diagnose;
 use crate::diagnosis_text;
-use crate::fit::{to_output, write, write_json};
+use crate::fit::{to_output, write};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
 use crate::recording;
@@ -166,13 +167,13 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     say(format!("model    {}", beside("toml").display()));
     let page = DiagnosisPage { found, train: first.loaded.facts(), heldout: Some(held_out.loaded.facts()) };
     let report = options.report.clone().unwrap_or_else(|| beside("html"));
-    write(&report, &report::diagnosis_page(&page))?;
+    diagnose::tell(&page, options.json.as_deref(), Some(&report))?;
     say(format!("report   {}", report.display()));
     if let Some(path) = &options.recording {
         recording::write(path, found, &first.loaded.title(), Some(&held_out.loaded.title()))?;
         say(format!("recording  {}", path.display()));
     }
-    write_json(options.json.as_deref(), found)
+    Ok(())
 }
 
 fn worse(one: Outcome, other: Outcome) -> Outcome {

@@ -3,6 +3,7 @@
 mod calibrate;
 mod capture;
 mod check;
+mod compare;
 mod compose;
 mod diagnose;
 mod export;
@@ -22,6 +23,7 @@ mod view;
 pub use calibrate::{CalibrateOptions, CalibrationKind};
 pub use capture::CaptureOptions;
 pub use check::CheckOptions;
+pub use compare::CompareOptions;
 pub use compose::ComposeOptions;
 pub use diagnose::DiagnoseOptions;
 pub use export::{ExportOptions, TableSpan};
@@ -103,6 +105,9 @@ pub enum Command {
         haptic-camera capture --knob 3 --sweep slow-turn --amplitude 0.1 --duration-s 15\n  \
         haptic-camera check TURN.mcap CREEP.mcap --model knob-3.toml")]
     Check(CheckOptions),
+    /// Compare captures and models in one table and page, as the paper's Tables 4 to 6 compare knobs
+    #[command(after_help = "Example:\n  haptic-camera compare captures/*.mcap mix.toml 3 --report knobs.html")]
+    Compare(CompareOptions),
     /// Simulate a model along a capture's motion or torque
     #[command(after_help = "Example:\n  haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
     Simulate(SimulateOptions),

@@ -21,6 +21,9 @@ pub struct RigTestOptions {
     /// Write the result as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
     /// How the rig is turned
     #[command(flatten)]
     pub rig: RigOptions,

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use dynamics::Excitation;
 use identification::filter::chebyshev2_low_pass;
-use serde::Serialize;
+use report::{ChannelDifference, ChannelLag, ChannelTrace};
 
 use crate::load::LoadedCapture;
 
 /// Frequency at which the lag is taken, Hz.
-const LAG_HZ: f64 = 30.0;
+pub const LAG_HZ: f64 = 30.0;
 /// Time for which a tone is faded in and the rig settles, s.
 const SETTLED_S: f64 = 1.0;
 
@@ -20,30 +20,6 @@ pub enum Channel {
     Velocity,
     Acceleration,
     Torque,
-}
-
-/// Original minus measured.
-#[derive(Clone, Debug, Serialize)]
-pub struct Comparison {
-    pub channel: &'static str,
-    pub unit: &'static str,
-    pub mean: f64,
-    pub sd: f64,
-    /// Standard deviation behind the paper's filters for a fit, which take out what no fit sees.
-    pub sd_filtered: f64,
-    pub paper_mean: f64,
-    pub paper_sd: f64,
-}
-
-/// How late a channel shows a sine.
-#[derive(Clone, Debug, Serialize)]
-pub struct Lag {
-    pub channel: &'static str,
-    /// Phase lag, rad; negative if the channel is ahead.
-    pub phase_rad: f64,
-    pub delay_ms: f64,
-    /// Measured amplitude over the original one.
-    pub gain: f64,
 }
 
 impl Channel {
@@ -100,24 +76,46 @@ impl Channel {
             .collect()
     }
 
+    /// Edge of the low-pass through which the paper takes the channel before a fit, Hz.
+    pub fn filter_edge_hz(self) -> f64 {
+        match self {
+            Self::Position | Self::Velocity => 1000.0,
+            Self::Acceleration | Self::Torque => 500.0,
+        }
+    }
+
+    /// Original and measured signal under the sweep and at one frequency, for the figures of a page.
+    pub fn trace(self, sweep: (&LoadedCapture, &Excitation), tone: (&LoadedCapture, &Excitation)) -> ChannelTrace {
+        ChannelTrace {
+            channel: self.name(),
+            unit: self.paper().0,
+            sweep: self.signals(sweep.0, sweep.1),
+            tone: self.signals(tone.0, tone.1),
+        }
+    }
+
     /// Mean and standard deviation of original minus measured.
-    pub fn compare(self, loaded: &LoadedCapture, excitation: &Excitation) -> Comparison {
+    pub fn compare(self, loaded: &LoadedCapture, excitation: &Excitation) -> ChannelDifference {
         let differences: Vec<f64> =
             self.signals(loaded, excitation).iter().map(|[_, original, measured]| original - measured).collect();
         // Third-order Chebyshev II, 20 dB, forwards and backwards (section 4.2).
-        let edge_hz = match self {
-            Self::Position | Self::Velocity => 1000.0,
-            Self::Acceleration | Self::Torque => 500.0,
-        };
-        let filtered = chebyshev2_low_pass(3, 20.0, edge_hz, loaded.capture.rate_hz)
+        let filtered = chebyshev2_low_pass(3, 20.0, self.filter_edge_hz(), loaded.capture.rate_hz)
             .map_or_else(|_| differences.clone(), |filter| filter.filter_zero_phase(&differences));
         let (unit, paper_mean, paper_sd) = self.paper();
         let (mean, sd) = mean_and_sd(&differences);
-        Comparison { channel: self.name(), unit, mean, sd, sd_filtered: mean_and_sd(&filtered).1, paper_mean, paper_sd }
+        ChannelDifference {
+            channel: self.name(),
+            unit,
+            mean,
+            sd,
+            sd_filtered: mean_and_sd(&filtered).1,
+            paper_mean,
+            paper_sd,
+        }
     }
 
     /// Phase and gain at 30 Hz, over a whole number of periods.
-    pub fn lag(self, loaded: &LoadedCapture, excitation: &Excitation) -> Lag {
+    pub fn lag(self, loaded: &LoadedCapture, excitation: &Excitation) -> ChannelLag {
         let signals = self.signals(loaded, excitation);
         let end_s = signals.last().map_or(0.0, |[time_s, ..]| *time_s);
         let until_s = SETTLED_S + ((end_s - SETTLED_S) * LAG_HZ).floor() / LAG_HZ;
@@ -132,7 +130,7 @@ impl Channel {
         // For cos(ωt − φ) the sums are in the ratio cos φ to sin φ.
         let difference = measured[1].atan2(measured[0]) - original[1].atan2(original[0]);
         let phase_rad = difference - TAU * (difference / TAU).round();
-        Lag {
+        ChannelLag {
             channel: self.name(),
             phase_rad,
             delay_ms: 1e3 * phase_rad / (TAU * LAG_HZ),

@@ -7,16 +7,16 @@ mod channel;
 mod table;
 
 use dynamics::Excitation;
-use serde::Serialize;
+use report::{CaptureFacts, RigTest};
 
 use anyhow::Context as _;
 
 use crate::command_line::RigTestOptions;
-use crate::fit::{to_output, write_json};
+use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
 use crate::rig_run::RigRun;
-use channel::{Channel, Comparison, Lag};
+use channel::{Channel, LAG_HZ};
 
 /// Length of the paper's sweep: 30,000 samples at 5 kHz, s.
 const SWEEP_S: f64 = 6.0;
@@ -25,14 +25,8 @@ const TONE_S: f64 = 3.0;
 /// The paper's amplitude of the torque sweep, 0.02 Nm.
 const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
 
-/// What `rig-test --json` writes.
-#[derive(Debug, Serialize)]
-struct RigTest {
-    sweep: String,
-    rate_hz: f64,
-    differences: Vec<Comparison>,
-    lag_at_30_hz: Vec<Lag>,
-}
+/// Lag at 30 Hz below which the paper's rig stays, rad.
+const PAPER_LAG_RAD: f64 = 0.5;
 
 /// Turns the rig and compares.
 ///
@@ -65,11 +59,23 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         rate_hz: options.rate_hz,
         differences: Vec::new(),
         lag_at_30_hz: Vec::new(),
+        lag_hz: LAG_HZ,
+        paper_lag_rad: PAPER_LAG_RAD,
+        filter_edges_hz: Channel::ALL.map(Channel::filter_edge_hz).to_vec(),
+        captures: vec![
+            facts("free gripper, sweep", &spun[0]),
+            facts("free gripper, one frequency", &spun[1]),
+            facts("locked gripper, sweep", &held[0]),
+            facts("locked gripper, one frequency", &held[1]),
+        ],
+        traces: Vec::new(),
     };
     for channel in Channel::ALL {
         let [sweep, tone] = if channel == Channel::Torque { &held } else { &spun };
-        test.differences.push(channel.compare(sweep, &excitation(sweep)?));
-        test.lag_at_30_hz.push(channel.lag(tone, &excitation(tone)?));
+        let (told, told_tone) = (excitation(sweep)?, excitation(tone)?);
+        test.differences.push(channel.compare(sweep, &told));
+        test.lag_at_30_hz.push(channel.lag(tone, &told_tone));
+        test.traces.push(channel.trace((sweep, &told), (tone, &told_tone)));
     }
     if !to_output(options.json.as_deref()) {
         say("");
@@ -79,7 +85,15 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         say(table::lags(&test.lag_at_30_hz));
     }
     write_json(options.json.as_deref(), &test)?;
+    if let Some(path) = &options.report {
+        write(path, &report::rig_test_page(&test))?;
+    }
     Ok(Outcome::Done)
+}
+
+/// A run of the rig under the name `title`.
+fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
+    CaptureFacts { title: title.to_owned(), ..loaded.facts() }
 }
 
 /// What the rig was told to do.

@@ -1,11 +1,10 @@
 //! The rig test for a terminal.
 
 use comfy_table::{CellAlignment, Table, presets};
-
-use super::channel::{Comparison, Lag};
+use report::{ChannelDifference, ChannelLag};
 
 /// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
-pub fn differences(differences: &[Comparison]) -> Table {
+pub fn differences(differences: &[ChannelDifference]) -> Table {
     let mut table = plain();
     table.set_header(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"]);
     for row in differences {
@@ -23,7 +22,7 @@ pub fn differences(differences: &[Comparison]) -> Table {
 }
 
 /// Phase lags at 30 Hz; the paper says below 0.5 rad.
-pub fn lags(lags: &[Lag]) -> Table {
+pub fn lags(lags: &[ChannelLag]) -> Table {
     let mut table = plain();
     table.set_header(["lag at 30 Hz", "rad", "ms", "gain", "paper"]);
     for lag in lags {

@@ -13,6 +13,7 @@ use anyhow::Context as _;
 use clap::Parser as _;
 use dynamics::{Model, knobs};
 use identification::diagnosis::{Diagnosis, Verdict};
+use report::CaptureFacts;
 use serde::Serialize;
 
 use crate::command_line::{ReplayOptions, RunOptions};
@@ -59,6 +60,15 @@ pub struct Verification {
     pub notes: Vec<String>,
     /// Whether all of it is within what passes.
     pub passed: bool,
+}
+
+/// What `replay --verify --json` tells.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    verification: &'a Verification,
+    /// The capture of the rendered knob that was fitted.
+    capture: CaptureFacts,
 }
 
 /// What passes.
@@ -194,7 +204,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     if !to_output(options.json.as_deref()) {
         table::lines(verification).iter().for_each(say);
     }
-    write_json(options.json.as_deref(), verification)?;
+    write_json(options.json.as_deref(), &Told { verification, capture: captured.train.facts() })?;
     if let Some(path) = &options.report {
         fit::write(path, &page::page(&model, &captured))?;
         if !to_output(options.json.as_deref()) {

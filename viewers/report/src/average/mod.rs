@@ -99,8 +99,8 @@ fn torques(page: &AveragePage<'_>) -> Markup {
                     (angle_figure(fit, &points).numbered(2))
                     (velocity_figure(fit, &points).numbered(3))
                 } @else {
-                    (angle_figure(fit, &points).again(2 + 2 * index))
-                    (velocity_figure(fit, &points).again(3 + 2 * index))
+                    (angle_figure(fit, &points).again(2 + 2 * index, 2))
+                    (velocity_figure(fit, &points).again(3 + 2 * index, 3))
                 }
             }
         }

@@ -78,7 +78,8 @@ fn cell(fit: &Fit, name: &str) -> Markup {
 
 fn difference(record: Option<&Repeatability>) -> Markup {
     let Some(record) = record else { return html! { td.number { "–" } } };
-    let digits = Digits::of_interval(record.difference, record.difference_ci95);
+    // As many decimals as the values, so that the difference can be checked by eye.
+    let digits = Digits::of_interval(record.mean.value, record.difference_ci95);
     html! {
         td.number {
             (digits.show(record.difference))

@@ -4,7 +4,7 @@ use identification::diagnosis::{Diagnosis, ForwardFromCommand, Row, Verdict};
 use maud::{Markup, html};
 
 use super::{Numbering, floors};
-use crate::figures::{Figure, Mark, RESIDUAL, TIME, WIDE, longest_step_s, rms, typical_excerpt};
+use crate::figures::{Figure, Mark, Numbers, RESIDUAL, TIME, WIDE, longest_step_s, rms, typical_excerpt};
 use crate::ink::Ink;
 use crate::numbers::{three, two};
 use crate::page::FEWEST_ROWS;
@@ -16,8 +16,10 @@ const NINETY_FIVE_PERCENT: f64 = 1.96;
 /// A floor from the fewest rows that are believed is known to one part in nine: residuals below this share of it contradict it.
 const DOUBTFUL: f64 = 0.7;
 
-pub(super) fn section(found: &Diagnosis, heldout: &[Row], numbers: &mut Numbering) -> Markup {
-    html! {
+/// The section, and the numbers in its figure's caption.
+pub(super) fn section(found: &Diagnosis, heldout: &[Row], numbers: &mut Numbering) -> (Markup, Numbers) {
+    let drawn = (heldout.len() >= FEWEST_ROWS).then(|| excerpt(found, heldout));
+    let markup = html! {
         (table(found))
         @if found.heldout_rms_after < DOUBTFUL * found.noise_floor_rms {
             p.note {
@@ -26,12 +28,13 @@ pub(super) fn section(found: &Diagnosis, heldout: &[Row], numbers: &mut Numberin
             }
         }
         (from_command(found))
-        @if heldout.len() < FEWEST_ROWS {
-            p.note { "Too few rows of sliding motion in the held-out capture for a plot." }
+        @if let Some((figure, _)) = &drawn {
+            (figure.numbered(numbers.next()))
         } @else {
-            (excerpt(found, heldout).numbered(numbers.next()))
+            p.note { "Too few rows of sliding motion in the held-out capture for a plot." }
         }
-    }
+    };
+    (markup, drawn.map_or_else(Numbers::new, |(_, numbers)| numbers))
 }
 
 /// How the motion that follows from the command comes closer with each effect.
@@ -104,7 +107,7 @@ fn table(found: &Diagnosis) -> Markup {
 }
 
 /// The residual of the held-out capture in a stretch that is typical of the gap.
-fn excerpt(found: &Diagnosis, rows: &[Row]) -> Figure {
+fn excerpt(found: &Diagnosis, rows: &[Row]) -> (Figure, Numbers) {
     let changed = !found.steps.is_empty();
     let shown = typical_excerpt(rows, |row| row.t_s, |row| row.residual_before_mnm);
     let (start_s, end_s) = (shown.first().map_or(0.0, |row| row.t_s), shown.last().map_or(0.0, |row| row.t_s));
@@ -150,7 +153,8 @@ fn excerpt(found: &Diagnosis, rows: &[Row]) -> Figure {
         }
     };
     let whose = if changed { "the first model's" } else { "the" };
-    Figure {
+    let residual_rms_mnm = rms(shown.iter().map(|row| row.residual_before_mnm));
+    let figure = Figure {
         title: "Measured minus model, held out".to_owned(),
         legend,
         plot: plot.svg("Residual of the held-out capture over time, before and after"),
@@ -159,8 +163,15 @@ fn excerpt(found: &Diagnosis, rows: &[Row]) -> Figure {
              whole capture. Band: ± {} mNm. Gaps are where the knob was too slow to be surely sliding.",
             two(end_s - start_s),
             three(start_s),
-            three(rms(shown.iter().map(|row| row.residual_before_mnm))),
+            three(residual_rms_mnm),
             three(reach)
         ),
-    }
+    };
+    let numbers = [
+        ("start_s", start_s),
+        ("duration_s", end_s - start_s),
+        ("residual_rms_mnm", residual_rms_mnm),
+        ("band_mnm", reach),
+    ];
+    (figure, numbers.into())
 }

@@ -13,9 +13,9 @@ mod steps;
 use identification::diagnosis::{Diagnosis, Row, Verdict};
 use maud::{Markup, html};
 
-use crate::DiagnosisPage;
 use crate::numbers::{count, three};
 use crate::page::{document, footer, uppercase_first};
+use crate::{DiagnosisPage, FigureNumbers};
 
 /// Numbers the figures of a page.
 #[derive(Debug, Default)]
@@ -28,10 +28,12 @@ impl Numbering {
     }
 }
 
-pub(crate) fn diagnosis_page(page: &DiagnosisPage<'_>) -> Markup {
+/// The page, and the numbers in the captions of its figures.
+pub(crate) fn diagnosis_page(page: &DiagnosisPage<'_>) -> (Markup, FigureNumbers) {
     let DiagnosisPage { found, train, heldout } = page;
     let mut numbers = Numbering::default();
     let heldout_rows = finite_rows(&found.rows[1]);
+    let (gap, in_gap) = gap::section(found, &heldout_rows, &mut numbers);
     let sources: Vec<&str> =
         [Some(train), heldout.as_ref()].into_iter().flatten().map(|of| of.source.as_str()).collect();
     let content = html! {
@@ -44,7 +46,7 @@ pub(crate) fn diagnosis_page(page: &DiagnosisPage<'_>) -> Markup {
         }
         section {
             h2 { "The gap" }
-            (gap::section(found, &heldout_rows, &mut numbers))
+            (gap)
         }
         section {
             h2 { "Where the first model and the capture disagree" }
@@ -81,7 +83,7 @@ pub(crate) fn diagnosis_page(page: &DiagnosisPage<'_>) -> Markup {
         }
         (footer(&train.software_version, &sources.join(" and ")))
     };
-    document(&train.title, &content)
+    (document(&train.title, &content), [("residual_over_time", in_gap)].into())
 }
 
 /// What the verdict means for a reader who has never seen one.

@@ -2,7 +2,7 @@
 
 use identification::{Fit, Point};
 
-use super::{Figure, Mark, TIME, TORQUE, WIDE, longest_step_s, rms};
+use super::{Figure, Mark, Numbers, TIME, TORQUE, WIDE, longest_step_s, rms};
 use crate::ink::Ink;
 use crate::numbers::{three, two};
 use crate::plot::{Axis, Layer, Plot};
@@ -15,7 +15,7 @@ const STRIDE_S: f64 = 0.25;
 const COVERAGE: f64 = 0.8;
 
 /// Torque over time in the excerpt whose residual is most like that of the whole capture.
-pub(crate) fn excerpt_figure(fit: &Fit, points: &[Point]) -> Figure {
+pub(crate) fn excerpt_figure(fit: &Fit, points: &[Point]) -> (Figure, Numbers) {
     let excerpt = typical_excerpt(points, |point| point.t_s, |point| point.residual_mnm);
     let mut layers = vec![Layer::Level(Ink::Zero, 0.0)];
     let longest_s = longest_step_s(points, |point| point.t_s);
@@ -39,7 +39,8 @@ pub(crate) fn excerpt_figure(fit: &Fit, points: &[Point]) -> Figure {
         layers,
     };
     let (start, end) = (excerpt.first().map_or(0.0, |p| p.t_s), excerpt.last().map_or(0.0, |p| p.t_s));
-    Figure {
+    let residual_rms_mnm = rms(excerpt.iter().map(|point| point.residual_mnm));
+    let figure = Figure {
         title: "Torque over time".to_owned(),
         legend: vec![(Mark::Line, Ink::Measured, "measured"), (Mark::Line, Ink::Model, "model")],
         plot: plot.svg("Torque over time, measured and model"),
@@ -48,10 +49,11 @@ pub(crate) fn excerpt_figure(fit: &Fit, points: &[Point]) -> Figure {
              Gaps are where the knob was too slow to be surely sliding.",
             two(end - start),
             three(start),
-            three(rms(excerpt.iter().map(|point| point.residual_mnm))),
+            three(residual_rms_mnm),
             three(fit.residual_rms_mnm)
         ),
-    }
+    };
+    (figure, [("start_s", start), ("duration_s", end - start), ("residual_rms_mnm", residual_rms_mnm)].into())
 }
 
 /// The excerpt whose residual is most like that of all rows; the rows follow each other in time.

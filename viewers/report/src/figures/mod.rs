@@ -7,6 +7,8 @@ mod residual;
 mod residual_order;
 mod torque;
 
+use std::collections::BTreeMap;
+
 use identification::{Fit, Point};
 use maud::{Markup, html};
 
@@ -22,8 +24,8 @@ use crate::ink::Ink;
 
 /// Axis titles, named like the columns `torque_mnm`, `angle_rad`, ….
 pub(crate) const TORQUE: &str = "torque (mNm)";
-const ANGLE: &str = "angle (rad)";
-const VELOCITY: &str = "velocity (rad/s)";
+pub(crate) const ANGLE: &str = "angle (rad)";
+pub(crate) const VELOCITY: &str = "velocity (rad/s)";
 const ACCELERATION: &str = "acceleration (rad/s²)";
 pub(crate) const TIME: &str = "t (s)";
 pub(crate) const RESIDUAL: &str = "residual (mNm)";
@@ -53,6 +55,9 @@ impl Mark {
     }
 }
 
+/// The numbers in a caption, by name.
+pub(crate) type Numbers = BTreeMap<&'static str, f64>;
+
 /// A plot with its words.
 pub(crate) struct Figure {
     pub(crate) title: String,
@@ -62,9 +67,9 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    /// The figure as the `number`th of the page, its words left to an earlier one of its kind.
-    pub(crate) fn again(self, number: usize) -> Markup {
-        Self { caption: String::new(), ..self }.numbered(number)
+    /// The figure as the `number`th of the page, its words left to the `first` one of its kind.
+    pub(crate) fn again(self, number: usize, first: usize) -> Markup {
+        Self { caption: format!("As figure {first}, of this capture."), ..self }.numbered(number)
     }
 
     /// The figure as the `number`th of the page.

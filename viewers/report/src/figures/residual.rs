@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use identification::{Fit, Point};
 
-use super::{Figure, HALF, Mark, RESIDUAL, TIME, WIDE, longest_step_s, real};
+use super::{Figure, HALF, Mark, Numbers, RESIDUAL, TIME, WIDE, longest_step_s, real};
 use crate::ink::Ink;
 use crate::numbers::{Digits, three};
 use crate::plot::{Axis, Layer, Plot};
@@ -60,7 +60,7 @@ pub(crate) fn residual_plot(points: &[Point], level_mnm: f64, title: &str) -> Pl
 }
 
 /// How often residuals of each size occur, beside the normal distribution of the same RMS.
-pub(crate) fn histogram_figure(fit: &Fit, points: &[Point]) -> Figure {
+pub(crate) fn histogram_figure(fit: &Fit, points: &[Point]) -> (Figure, Numbers) {
     let reach = REACH * fit.residual_rms_mnm;
     let width = 2.0 * reach / real(BARS);
     let mut counts = [0_usize; BARS];
@@ -93,7 +93,7 @@ pub(crate) fn histogram_figure(fit: &Fit, points: &[Point]) -> Figure {
         y: Axis::exactly("share of rows (%)", 0.0, 1.06 * highest.max(1e-6)),
         layers: vec![Layer::Bars(Ink::Residual, bars), Layer::Line(Ink::Reference, curve)],
     };
-    Figure {
+    let figure = Figure {
         title: "Residual by size".to_owned(),
         legend: vec![
             (Mark::Band, Ink::Residual, "residual"),
@@ -105,5 +105,6 @@ pub(crate) fn histogram_figure(fit: &Fit, points: &[Point]) -> Figure {
             Digits::significant(beyond, 2).show(beyond),
             three(reach)
         ),
-    }
+    };
+    (figure, [("reach_mnm", reach), ("beyond_percent", beyond)].into())
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use dynamics::effects;
 use identification::{Fit, Point};
 
-use super::{Figure, HALF, Mark, real, thinned, travel_rad};
+use super::{Figure, HALF, Mark, Numbers, real, thinned, travel_rad};
 use crate::ink::Ink;
 use crate::numbers::{three, two};
 use crate::plot::{Axis, Layer, Plot};
@@ -22,7 +22,7 @@ const RESOLUTIONS: f64 = 60.0;
 const HARMONICS: u32 = 3;
 
 /// Amplitude of the residual against its order, with the detents' orders marked.
-pub(crate) fn order_figure(fit: &Fit, points: &[Point]) -> Figure {
+pub(crate) fn order_figure(fit: &Fit, points: &[Point]) -> (Figure, Numbers) {
     let rows = thinned(points.iter(), MOST_ROWS);
     let travel = travel_rad(points).max(f64::MIN_POSITIVE);
     let resolution = TAU / travel;
@@ -52,7 +52,7 @@ pub(crate) fn order_figure(fit: &Fit, points: &[Point]) -> Figure {
         y: Axis::exactly("amplitude (mNm)", 0.0, 1.08 * tallest.1.max(1e-9)),
         layers,
     };
-    Figure {
+    let figure = Figure {
         title: "Residual by order".to_owned(),
         legend: vec![(Mark::Line, Ink::Residual, "amplitude of the residual")],
         plot: plot.svg("Amplitude of the residual against its order"),
@@ -64,7 +64,10 @@ pub(crate) fn order_figure(fit: &Fit, points: &[Point]) -> Figure {
             three(tallest.0),
             two(resolution)
         ),
-    }
+    };
+    let numbers =
+        [("tallest_amplitude_mnm", tallest.1), ("tallest_per_turn", tallest.0), ("resolution_per_turn", resolution)];
+    (figure, numbers.into())
 }
 
 fn amplitude_mnm(rows: &[&Point], order: f64) -> f64 {

@@ -1,0 +1,208 @@
+//! `compare`: several captures or knobs beside each other, as the paper's Tables 4 to 6 have them.
+
+mod paper;
+mod table;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use dynamics::{Model, knobs};
+use identification::{Fit, Parameters};
+use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
+
+use crate::command_line::CompareOptions;
+use crate::fit::{fit_capture, to_output, write, write_json};
+use crate::load::LoadedCapture;
+use crate::outcome::{Outcome, say};
+use crate::parameter_table::true_value;
+
+/// Longest name of a model that stands over a column, letters.
+const LONGEST_NAME: usize = 24;
+
+/// Fits every capture, averages those of one knob, and writes what was asked for.
+///
+/// # Errors
+/// One sentence on what is wrong with a capture, a model or a file.
+pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
+    let compared = compare(&options.subjects)?;
+    if !to_output(options.json.as_deref()) {
+        table::lines(&compared).iter().for_each(say);
+    }
+    write_json(options.json.as_deref(), &compared)?;
+    if let Some(path) = &options.report {
+        write(path, &report::comparison_page(&compared))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// A column to be: a model, or the captures of one knob.
+enum Subject {
+    Model { file: String, model: Model },
+    Captures { group: Option<Group>, fitted: Vec<(LoadedCapture, Fit)> },
+}
+
+/// What captures of one knob have in common.
+#[derive(Clone, PartialEq)]
+struct Group {
+    /// The knob, as the operator named it.
+    knob: String,
+    /// Whether the rig rendered it.
+    rendered: bool,
+    /// The model that a simulated rig turned.
+    truth: Option<Model>,
+}
+
+impl Group {
+    /// `None` of a capture that does not say which knob it is of.
+    fn of(loaded: &LoadedCapture) -> Option<Self> {
+        let run = loaded.capture.description.as_ref().filter(|run| !run.knob.is_empty())?;
+        Some(Self { knob: run.knob.clone(), rendered: loaded.capture.is_rendered(), truth: loaded.truth.clone() })
+    }
+
+    fn name(&self) -> String {
+        let file = Path::new(&self.knob).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let knob = match self.knob.parse::<u32>() {
+            Ok(number) => format!("Knob {number}"),
+            Err(_) => file.unwrap_or_else(|| self.knob.clone()),
+        };
+        if self.rendered { format!("{knob}, rendered") } else { knob }
+    }
+}
+
+/// Everything beside each other, in the order given; captures of one knob stand together.
+fn compare(given: &[String]) -> anyhow::Result<Comparison> {
+    let mut subjects: Vec<Subject> = Vec::new();
+    for name in given {
+        if names_model(name) {
+            subjects.push(Subject::Model { file: name.clone(), model: knobs::named(name)? });
+            continue;
+        }
+        let loaded = LoadedCapture::load(&PathBuf::from(name))?;
+        let fit = fit_capture(&loaded)?;
+        let group = Group::of(&loaded);
+        let same = subjects.iter_mut().find_map(|subject| match subject {
+            Subject::Captures { group: known, fitted } if group.is_some() && *known == group => Some(fitted),
+            _ => None,
+        });
+        match same {
+            Some(fitted) => fitted.push((loaded, fit)),
+            None => subjects.push(Subject::Captures { group, fitted: vec![(loaded, fit)] }),
+        }
+    }
+    let knobs = subjects.into_iter().map(|subject| match subject {
+        Subject::Model { file, model } => Ok(of_model(file, model)),
+        Subject::Captures { group, fitted } => of_captures(group.as_ref(), &fitted),
+    });
+    let mut compared = Comparison {
+        knobs: knobs.collect::<anyhow::Result<Vec<_>>>()?,
+        software_version: env!("CARGO_PKG_VERSION").to_owned(),
+    };
+    number(&mut compared);
+    name_apart(&mut compared);
+    Ok(compared)
+}
+
+/// Numbers captures in the order in which they stand, which need not be that in which they were given.
+fn number(compared: &mut Comparison) {
+    let captures = compared.knobs.iter_mut().flat_map(|knob| &mut knob.captures);
+    captures.zip(1..).for_each(|(capture, number)| capture.number = number);
+}
+
+/// Puts a number behind names that several knobs have.
+fn name_apart(compared: &mut Comparison) {
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    for knob in &mut compared.knobs {
+        let times = seen.entry(knob.name.clone()).or_default();
+        *times += 1;
+        if *times > 1 {
+            knob.name = format!("{} ({times})", knob.name);
+        }
+    }
+}
+
+fn of_model(file: String, model: Model) -> ComparedKnob {
+    let mut parameters = ComparedParameters::new();
+    for (kind, value) in model.parameters() {
+        let value = Some(true_value(&model, kind.name).unwrap_or(value));
+        parameters.insert(kind.name, ComparedValue::new(value, kind.unit, None, None));
+    }
+    // A fitted model's name is that of its capture; a shipped knob's number is no file.
+    let stem = Path::new(&file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let short = !model.name.is_empty() && model.name.chars().count() <= LONGEST_NAME;
+    let name = if short { model.name.clone() } else { stem };
+    let knob = ComparedKnob {
+        name: format!("{name}, model"),
+        model_file: Some(file),
+        parameters,
+        paper: paper::knob_of(&model),
+        ..ComparedKnob::default()
+    };
+    knob.with_model(model)
+}
+
+fn of_captures(group: Option<&Group>, fitted: &[(LoadedCapture, Fit)]) -> anyhow::Result<ComparedKnob> {
+    let fits: Vec<Fit> = fitted.iter().map(|(_, fit)| fit.clone()).collect();
+    let captures: Vec<ComparedCapture> = fitted
+        .iter()
+        .map(|(loaded, fit)| ComparedCapture {
+            number: 0,
+            facts: loaded.facts(),
+            parameters: values(&fit.parameters),
+            quality: quality(fit),
+        })
+        .collect();
+    let name = group.map_or_else(|| captures[0].facts.source.clone(), Group::name);
+    let (fit, agreement, repeatability) = match fits.as_slice() {
+        [only] => (only.clone(), None, BTreeMap::new()),
+        several => {
+            let average = identification::average(several).context("there is no capture to fit")?;
+            (average.fit, average.agreement, average.repeatability)
+        }
+    };
+    let paper =
+        group.filter(|group| !group.rendered && group.is_paper_knob()).and_then(|group| paper::knob(&group.knob));
+    let model = fit.model(&name);
+    let knob = ComparedKnob {
+        name,
+        parameters: values(&fit.parameters),
+        quality: Some(quality(&fit)),
+        captures,
+        agreement,
+        repeatability,
+        paper,
+        notes: fit.notes,
+        ..ComparedKnob::default()
+    };
+    Ok(knob.with_model(model))
+}
+
+impl Group {
+    /// Whether the paper's knob of that number was mounted: by its name, and on a simulated rig by its model.
+    fn is_paper_knob(&self) -> bool {
+        let shipped = self.knob.parse().ok().and_then(|number| knobs::paper_knob(number).ok());
+        shipped.is_some_and(|shipped| self.truth.as_ref().is_none_or(|truth| truth.effects == shipped.effects))
+    }
+}
+
+fn values(parameters: &Parameters) -> ComparedParameters {
+    let compared = parameters
+        .0
+        .iter()
+        .map(|told| (told.name, ComparedValue::new(told.value, told.unit, told.ci95, told.reason.clone())));
+    compared.collect()
+}
+
+fn quality(fit: &Fit) -> ComparedQuality {
+    ComparedQuality {
+        residual_rms_mnm: fit.residual_rms_mnm,
+        relative_error_percent: fit.relative_error_percent,
+        mean_ci95_mnm: fit.mean_ci95_mnm,
+        samples: fit.samples,
+    }
+}
+
+/// Whether what was named is a model: a shipped knob's number or a model file.
+fn names_model(subject: &str) -> bool {
+    subject.parse::<u32>().is_ok() || Path::new(subject).extension().is_some_and(|extension| extension == "toml")
+}

@@ -1,0 +1,155 @@
+//! A comparison for an 80-column terminal.
+
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
+
+use crate::repeatability::digits;
+
+/// Columns of the terminal.
+const WIDTH: usize = 80;
+/// Digits of a value without an interval, and of one that the paper prints.
+const DIGITS: usize = 4;
+const PAPER_DIGITS: usize = 2;
+/// Rows on the fits themselves, as the JSON names them.
+type Quality = (&'static str, &'static str, fn(&ComparedQuality) -> String);
+const QUALITIES: [Quality; 4] = [
+    ("residual_rms_mnm", "mNm", |of| significant(of.residual_rms_mnm, PAPER_DIGITS)),
+    ("relative_error_percent", "%", |of| significant(of.relative_error_percent, PAPER_DIGITS)),
+    ("mean_ci95_mnm", "mNm", |of| significant(of.mean_ci95_mnm, PAPER_DIGITS)),
+    ("samples", "", |of| of.samples.to_string()),
+];
+
+/// The comparison line by line: as many tables as it takes, then where the columns are from.
+pub fn lines(compared: &Comparison) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut rest = compared.knobs.as_slice();
+    while !rest.is_empty() {
+        let fitting = (1..=rest.len()).rev().find(|count| width(&table(&rest[..*count])) <= WIDTH).unwrap_or(1);
+        let (shown, later) = rest.split_at(fitting);
+        lines.extend(table(shown).lines().map(|line| line.trim_end().to_owned()));
+        lines.push(String::new());
+        rest = later;
+    }
+    lines.push("± is half the 95 % interval".to_owned());
+    lines.extend(compared.knobs.iter().flat_map(origins));
+    lines
+}
+
+fn width(table: &Table) -> usize {
+    table.lines().map(|line| line.trim_end().chars().count()).max().unwrap_or(0)
+}
+
+fn table(knobs: &[ComparedKnob]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    let names = knobs.iter().map(|knob| knob.name.clone());
+    table.set_header(["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]));
+    let kinds = dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);
+    for kind in kinds {
+        let own = knobs.iter().map(|knob| knob.parameters.get(kind.name));
+        // Models list every parameter of their effects, many of them zero.
+        if own.clone().flatten().any(|own| own.value != Some(0.0)) {
+            table.add_row(row(kind.name, own.map(|own| own.map(cell)), kind.unit));
+        }
+        let printed = knobs.iter().map(|knob| knob.paper.as_ref()?.parameters.get(kind.name));
+        if printed.clone().any(|printed| printed.is_some()) {
+            let name = if knobs.iter().any(|knob| knob.parameters.contains_key(kind.name)) {
+                "  paper".to_owned()
+            } else {
+                format!("{}, paper", kind.name)
+            };
+            let cells = printed.map(|printed| printed.map(|printed| significant(printed.value, PAPER_DIGITS)));
+            table.add_row(row(&name, cells, kind.unit));
+        }
+    }
+    for (name, unit, show) in QUALITIES.into_iter().filter(|_| knobs.iter().any(|knob| knob.quality.is_some())) {
+        table.add_row(row(name, knobs.iter().map(|knob| knob.quality.as_ref().map(show)), unit));
+        if name == "mean_ci95_mnm" && knobs.iter().any(|knob| knob.paper.is_some()) {
+            let printed = |knob: &ComparedKnob| Some(significant(knob.paper.as_ref()?.mean_ci95_mnm, PAPER_DIGITS));
+            table.add_row(row("  paper", knobs.iter().map(printed), unit));
+        }
+    }
+    for column in 1..=knobs.len() {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+fn row(name: &str, cells: impl Iterator<Item = Option<String>>, unit: &str) -> Vec<String> {
+    let cells = cells.map(|cell| cell.unwrap_or_else(|| "-".to_owned()));
+    [name.to_owned()].into_iter().chain(cells).chain([unit.to_owned()]).collect()
+}
+
+fn cell(own: &ComparedValue) -> String {
+    match (own.value, own.ci95) {
+        (Some(value), Some([low, high])) => {
+            let half = (value - low).max(high - value);
+            let digits = interval_digits(half);
+            format!("{value:.digits$}±{half:.digits$}")
+        }
+        (Some(value), None) => significant(value, DIGITS),
+        (None, _) => "not told".to_owned(),
+    }
+}
+
+/// Decimals that show a half width with one digit, or with two if the first is a 1.
+fn interval_digits(half_width: f64) -> usize {
+    let two_digits = digits(half_width);
+    let leading = half_width / 10_f64.powf(half_width.log10().floor());
+    if leading < 1.95 { two_digits } else { two_digits.saturating_sub(1) }
+}
+
+/// A value with so many significant digits.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
+fn significant(value: f64, digits: usize) -> String {
+    let order = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    #[allow(clippy::cast_precision_loss, reason = "a handful of digits")]
+    let decimals = (digits as f64 - 1.0 - order).clamp(0.0, 9.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// The captures or the model file of a column, and what a reader should know of it.
+fn origins(knob: &ComparedKnob) -> Vec<String> {
+    let captures: Vec<String> =
+        knob.captures.iter().map(|capture| format!("{}  {}", capture.number, capture.facts.source)).collect();
+    let from = match &knob.model_file {
+        Some(file) => file.clone(),
+        None => captures.join("\n    "),
+    };
+    let agreement = knob.agreement.map(|agreement| {
+        format!(
+            "    the captures {} their intervals: Birge ratio {:.2}",
+            if agreement.agrees() { "agree within" } else { "differ by more than" },
+            agreement.birge_ratio
+        )
+    });
+    let notes = untold(knob).into_iter().chain(knob.notes.iter().cloned()).flat_map(|note| paragraph(&note));
+    [format!("{}\n    {from}", knob.name)].into_iter().chain(agreement).chain(notes).collect()
+}
+
+/// Why parameters are not told, those of one reason together.
+fn untold(knob: &ComparedKnob) -> Vec<String> {
+    let mut reasons: Vec<(Vec<&str>, &str)> = Vec::new();
+    for (name, own) in &knob.parameters {
+        let Some(reason) = own.reason.as_deref() else { continue };
+        match reasons.iter_mut().find(|(_, known)| *known == reason) {
+            Some((names, _)) => names.push(name),
+            None => reasons.push((vec![name], reason)),
+        }
+    }
+    reasons.into_iter().map(|(names, reason)| format!("{}: {reason}", names.join(", "))).collect()
+}
+
+/// A note in lines that fit the terminal, under the knob's name.
+fn paragraph(text: &str) -> Vec<String> {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_width(u16::try_from(WIDTH).unwrap_or(u16::MAX));
+    table.add_row(["  -", text]);
+    table.column_iter_mut().for_each(|column| {
+        column.set_padding((0, 1));
+    });
+    table.lines().map(|line| line.trim_end().to_owned()).collect()
+}
