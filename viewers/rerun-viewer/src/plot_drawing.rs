@@ -5,7 +5,7 @@ use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResu
 use crate::entities;
 use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE};
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH, PlotAxes};
-use crate::scatter::{Abscissa, PlotUpdate};
+use crate::scatter::{Abscissa, ModelCurves, PlotUpdate};
 
 /// Draws plots and remembers which axes they have: axes are drawn again only when they change.
 #[derive(Debug, Default)]
@@ -29,7 +29,7 @@ impl PlotPen {
         if !plot.points.is_empty() {
             draw_points(recording, &root, plot)?;
         }
-        plot.curves.as_ref().map_or(Ok(()), |curves| draw_curves(recording, &root, curves))
+        plot.model.as_ref().map_or(Ok(()), |model| draw_model(recording, &root, model))
     }
 }
 
@@ -44,14 +44,28 @@ fn draw_points(recording: &RecordingStream, root: &str, plot: &PlotUpdate) -> Re
     )
 }
 
-fn draw_curves(recording: &RecordingStream, root: &str, curves: &[Vec<[f64; 2]>]) -> RecordingStreamResult<()> {
-    let strips = curves.iter().map(|curve| curve.iter().map(|point| point.map(single)).collect::<Vec<_>>());
+/// The model as thick lines, the ends of its interval as thin ones, and the interval in figures.
+fn draw_model(recording: &RecordingStream, root: &str, model: &ModelCurves) -> RecordingStreamResult<()> {
+    for (name, curves, radius, order) in
+        [("model", &model.curves, 1.3, 20.0), ("model_ci95", &model.borders, 0.5, 19.0)]
+    {
+        let strips = curves.iter().map(|curve| curve.iter().map(|point| point.map(single)).collect::<Vec<_>>());
+        recording.log(
+            format!("{root}/quantities/{name}"),
+            &LineStrips2D::new(strips)
+                .with_colors([MODEL.opaque()])
+                .with_radii([Radius::new_ui_points(radius)])
+                .with_draw_order(order),
+        )?;
+    }
+    let label = model.half_width_mnm.map(|half_width| format!("model ± {half_width:.3} mNm (95 %)"));
     recording.log(
-        format!("{root}/quantities/model"),
-        &LineStrips2D::new(strips)
+        format!("{root}/model_label"),
+        &Points2D::new([[0.82 * single(BOX_WIDTH), -0.095 * single(BOX_HEIGHT)]])
+            .with_labels(label)
+            .with_show_labels(true)
             .with_colors([MODEL.opaque()])
-            .with_radii([Radius::new_ui_points(1.1)])
-            .with_draw_order(20.0),
+            .with_radii([Radius::new_ui_points(0.0)]),
     )
 }
 
