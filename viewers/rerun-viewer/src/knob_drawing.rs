@@ -53,7 +53,7 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
         &Points3D::new(places)
             .with_labels(labels)
             .with_show_labels(true)
-            .with_colors([NEUTRAL.opaque()])
+            .with_colors([WHITE.opaque()])
             .with_radii([Radius::new_ui_points(0.0)]),
     )?;
     recording.log_static(
@@ -101,10 +101,9 @@ fn draw_body(recording: &RecordingStream, motion: Motion) -> RecordingStreamResu
     let body = Cylinders3D::from_lengths_and_radii([single(BODY_HEIGHT)], [single(BODY_RADIUS)])
         .with_centers([[0.0, 0.0, single(BODY_HEIGHT / 2.0)]])
         .with_colors([color(motion).opaque()])
-        .with_labels([motion.word()])
-        .with_show_labels(true)
         .with_fill_mode(FillMode::Solid);
-    recording.log(format!("{KNOB}/turning/body"), &body)
+    recording.log(format!("{KNOB}/turning/body"), &body)?;
+    recording.log(format!("{KNOB}/motion"), &label([0.0, 0.0, BODY_HEIGHT + 0.3], motion.word().to_owned()))
 }
 
 const fn color(motion: Motion) -> Rgb {
@@ -131,19 +130,21 @@ fn draw_detents(recording: &RecordingStream, ring: &DetentRing) -> RecordingStre
             .with_colors([MODEL.opaque()])
             .with_radii([Radius::new_ui_points(3.5)]),
     )?;
-    let label = format!(
+    let text = format!(
         "detents: {} mNm deep, {} rad apart",
         three_digits(*amplitude_mnm),
         three_digits(*spacing_rad)
     );
-    recording.log(
-        format!("{KNOB}/detents/label"),
-        &Points3D::new([[0.0, -1.55, 0.0]])
-            .with_labels([label])
-            .with_show_labels(true)
-            .with_colors([MODEL.opaque()])
-            .with_radii([Radius::new_ui_points(0.0)]),
-    )
+    recording.log(format!("{KNOB}/detents/label"), &label([0.0, -1.5, 0.0], text))
+}
+
+/// A text at a place; its ground is between light and dark in either theme.
+fn label(place: [f64; 3], text: String) -> Points3D {
+    Points3D::new([place.map(single)])
+        .with_labels([text])
+        .with_show_labels(true)
+        .with_colors([WHITE.opaque()])
+        .with_radii([Radius::new_ui_points(0.0)])
 }
 
 /// Where an angle lies at some radius and height.

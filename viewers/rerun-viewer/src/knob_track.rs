@@ -133,6 +133,12 @@ impl KnobTrack {
         self.motion
     }
 
+    /// Forgets what was shown, so that all of it is new: for pages that are opened late.
+    pub fn show_again(&mut self) {
+        self.motion_shown = None;
+        self.detents_shown = None;
+    }
+
     /// What is new since the last call, with the detents of a new `model`; `None` if nothing is.
     pub fn update(&mut self, model: Option<&KnobModel>) -> Option<KnobUpdate> {
         let turns = std::mem::take(&mut self.turns);

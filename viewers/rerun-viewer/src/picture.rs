@@ -12,6 +12,7 @@ use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::glance::Glance;
 use crate::knob_track::KnobTrack;
 use crate::model_torque::{KnobModel, told};
+use crate::plot_drawing::REDRAW_PERIOD;
 use crate::rendered::RenderedModel;
 use crate::scatter::{Abscissa, Scatter, ScatterPoint};
 use crate::signals::Signals;
@@ -68,6 +69,7 @@ pub struct Picture {
     knob: KnobTrack,
     newest_reading: Option<Reading>,
     next_signals: Instant,
+    next_redraw: Instant,
     next_plot: Instant,
     next_slow: Instant,
     next_tabs: Instant,
@@ -108,6 +110,7 @@ impl Default for Picture {
             knob: KnobTrack::default(),
             newest_reading: None,
             next_signals: Instant::now(),
+            next_redraw: Instant::now(),
             next_plot: Instant::now(),
             next_slow: Instant::now(),
             next_tabs: Instant::now(),
@@ -288,6 +291,11 @@ impl Picture {
         };
         if is_due(&mut self.next_signals, now, SIGNALS_PERIOD) || finished {
             frame.series = self.signals.take_rows();
+        }
+        if is_due(&mut self.next_redraw, now, REDRAW_PERIOD) {
+            self.knob.show_again();
+            self.texts_shown = Default::default();
+            self.histogram_shown = None;
         }
         let fresh_model = self.model.filter(|_| slow && self.fit_is_new);
         frame.knob = self.knob.update(fresh_model.as_ref());

@@ -1,5 +1,7 @@
 //! Draws an x-y plot in a plane: grid, frame, labels, points and curves.
 
+use std::time::{Duration, Instant};
+
 use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, Scale3D, Transform3D};
 
 use crate::entities;
@@ -7,10 +9,14 @@ use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE};
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH, PlotAxes};
 use crate::scatter::{Abscissa, ModelCurves, PlotUpdate};
 
-/// Draws plots and remembers which axes they have: axes are drawn again only when they change.
+/// How often what has not changed is drawn again: what a page that is opened late is given may begin later than the
+/// last change.
+pub const REDRAW_PERIOD: Duration = Duration::from_secs(20);
+
+/// Draws plots and remembers which axes they have: axes are drawn again when they change, and now and then.
 #[derive(Debug, Default)]
 pub struct PlotPen {
-    drawn: Vec<(Abscissa, PlotAxes)>,
+    drawn: Vec<(Abscissa, PlotAxes, Instant)>,
 }
 
 impl PlotPen {
@@ -20,11 +26,13 @@ impl PlotPen {
     /// When rerun refuses a part of it.
     pub fn draw(&mut self, recording: &RecordingStream, plot: &PlotUpdate) -> RecordingStreamResult<()> {
         let root = entities::plot(plot.abscissa);
-        let now = (plot.abscissa, plot.axes.clone());
-        if !self.drawn.contains(&now) {
+        let is_drawn = |(abscissa, axes, at): &(Abscissa, PlotAxes, Instant)| {
+            *abscissa == plot.abscissa && *axes == plot.axes && at.elapsed() < REDRAW_PERIOD
+        };
+        if !self.drawn.iter().any(is_drawn) {
             draw_axes(recording, &root, plot.abscissa, &plot.axes)?;
-            self.drawn.retain(|(abscissa, _)| *abscissa != plot.abscissa);
-            self.drawn.push(now);
+            self.drawn.retain(|(abscissa, _, _)| *abscissa != plot.abscissa);
+            self.drawn.push((plot.abscissa, plot.axes.clone(), Instant::now()));
         }
         if !plot.points.is_empty() {
             draw_points(recording, &root, plot)?;

@@ -1,0 +1,149 @@
+//! The live view beside a running capture: what an operator sees, and whom it must not disturb.
+#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+use std::io::Read as _;
+use std::process::Child;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use archive::Capture;
+use nix::sys::signal::{Signal, kill};
+use serde_json::json;
+use tests::browser::{Browser, Page};
+use tests::live_view::{LiveView, listening_addresses, resident_mib};
+use tests::{Bench, printed};
+
+/// The tabs with their places on the page, and parts of it that belong to one view each: x, y, width, height.
+const TABS: [(&str, u32, &[[u32; 4]]); 4] = [
+    ("knob", 40, &[[60, 350, 560, 500], [700, 200, 480, 300], [700, 590, 480, 300], [1225, 190, 330, 300]]),
+    (
+        "signals-and-model",
+        140,
+        &[[30, 190, 600, 110], [30, 370, 600, 110], [30, 540, 600, 110], [30, 720, 600, 170], [700, 200, 480, 290]],
+    ),
+    ("parameters", 250, &[[30, 200, 380, 300], [450, 200, 380, 300], [30, 580, 380, 300], [1225, 190, 330, 300]]),
+    ("timing-and-processes", 380, &[[30, 200, 880, 220], [990, 200, 560, 220], [30, 500, 420, 150], [980, 490, 350, 130]]),
+];
+/// Height of the tabs on the page.
+const TABS_Y: u32 = 146;
+
+/// Starts a capture of so many seconds with its view.
+fn capture(bench: &Bench, seconds: &str) -> (Child, LiveView) {
+    // The slower the loop, the more of the processor is left to a browser that has no graphics card.
+    let child = bench.start(&["capture", "--duration-s", seconds, "--rate-hz", "5000", "--out", "out"]).unwrap();
+    let view = LiveView::of_rig(&bench.path("rig")).unwrap();
+    (child, view)
+}
+
+/// Ends a capture in order and checks that no sample is missing that was published.
+fn ends_whole(bench: &Bench, child: Child) {
+    kill(nix::unistd::Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    assert!(capture.seq.iter().enumerate().all(|(index, &seq)| seq == index as u64), "no sample is missing");
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
+}
+
+/// Waits until the viewer in the page holds more of the run than when it is asked.
+fn data_arrives(browser: &mut Browser, page: Page) {
+    browser.wait_until(page, "(window.before ??= document.body.dataset.newest, true)").unwrap();
+    let more = "Number(document.body.dataset.newest) > (Number(window.before) || 0)";
+    browser.wait_until(page, more).unwrap();
+    browser.evaluate(page, "delete window.before").unwrap();
+}
+
+#[test]
+fn every_view_shows_its_data_and_a_killed_viewer_comes_back_to_the_same_tab() {
+    let bench = Bench::new().unwrap();
+    let (child, view) = capture(&bench, "600");
+    let mut browser = Browser::start().unwrap();
+    let page = browser.open(&view.url()).unwrap();
+    data_arrives(&mut browser, page);
+    browser.evaluate(page, "window.never_reloaded = true").unwrap();
+    for (name, x, views) in TABS {
+        browser.click(page, x, TABS_Y).unwrap();
+        for &part in views {
+            let mut look = browser.look(page, part).unwrap();
+            // A view of data that has come a moment ago may not be drawn yet.
+            for _ in 0..60 {
+                if look.colours > 8 && look.commonest < 0.999 {
+                    break;
+                }
+                std::thread::sleep(Duration::from_secs(1));
+                look = browser.look(page, part).unwrap();
+            }
+            browser.picture(page, name).unwrap();
+            assert!(look.colours > 8 && look.commonest < 0.999, "{name}, {part:?}: {look:?}");
+        }
+    }
+
+    let before = view.status().unwrap()["instance"].clone();
+    bench.kill("rerun-viewer").unwrap();
+    view.wait_for(|status| status["instance"] != before && !status["recording"].is_null()).unwrap();
+    browser.wait_until(page, "document.body.dataset.opened === '2'").unwrap();
+    data_arrives(&mut browser, page);
+    assert_eq!(browser.evaluate(page, "window.never_reloaded").unwrap(), json!(true));
+    browser.picture(page, "after-a-kill").unwrap();
+
+    browser.close(page).unwrap();
+    let page = browser.open(&view.url()).unwrap();
+    data_arrives(&mut browser, page);
+    browser.picture(page, "opened-again").unwrap();
+
+    // A browser that the system has suspended: the run goes on, and so does the view for others.
+    browser.signal(Signal::SIGSTOP).unwrap();
+    let then = view.status().unwrap()["time_s"].as_f64().unwrap();
+    view.wait_for(|status| status["time_s"].as_f64() > Some(then + 3.0)).unwrap();
+    ends_whole(&bench, child);
+}
+
+#[test]
+fn a_client_that_never_reads_disturbs_nobody() {
+    let bench = Bench::new().unwrap();
+    let (child, view) = capture(&bench, "600");
+    view.wait_for(|status| status["time_s"].as_f64() > Some(0.5)).unwrap();
+    let viewer = bench.wait_for_process("rerun-viewer").unwrap();
+    let wedged: Vec<_> = (0..5).map(|_| view.stream().unwrap()).collect();
+    let mut reader = view.stream().unwrap();
+    let taken = Arc::new(AtomicUsize::new(0));
+    let counter = Arc::clone(&taken);
+    std::thread::spawn(move || {
+        let mut portion = vec![0; 1 << 16];
+        while let Ok(length @ 1..) = reader.read(&mut portion) {
+            counter.fetch_add(length, Ordering::Relaxed);
+        }
+    });
+    view.wait_for(|status| status["time_s"].as_f64() > Some(6.0)).unwrap();
+    let before = taken.load(Ordering::Relaxed);
+    view.wait_for(|status| status["time_s"].as_f64() > Some(9.0)).unwrap();
+    assert!(taken.load(Ordering::Relaxed) > before, "the one that reads is given more");
+    assert_eq!(bench.wait_for_process("rerun-viewer").unwrap(), viewer, "the viewer was never restarted");
+    // The page's program alone, which is a part of the viewer's, is 40 MiB.
+    let resident = resident_mib(viewer).unwrap();
+    assert!(resident < 256.0, "{resident} MiB");
+    let status = view.status().unwrap();
+    let recorder = status["processes"].as_array().unwrap().iter().find(|process| process["name"] == "recorder");
+    assert_eq!(recorder.unwrap()["condition"], "alive", "{status}");
+    ends_whole(&bench, child);
+    drop(wedged);
+}
+
+#[test]
+fn nothing_listens_beyond_this_machine() {
+    let bench = Bench::new().unwrap();
+    let (child, view) = capture(&bench, "600");
+    view.status().unwrap();
+    let mut listening = Vec::new();
+    for program in ["haptic-camera", "rt-loop", "recorder", "live-fitter", "rerun-viewer"] {
+        for process in bench.processes(program) {
+            listening.extend(listening_addresses(process).unwrap());
+        }
+    }
+    assert!(listening.len() >= 2, "page and stream: {listening:?}");
+    // 127.0.0.1 as the kernel writes it.
+    let beyond: Vec<_> = listening.iter().filter(|address| !address.starts_with("0100007F:")).collect();
+    assert!(beyond.is_empty(), "{beyond:?}");
+    ends_whole(&bench, child);
+}
