@@ -36,6 +36,14 @@ pub struct Look {
     pub commonest: f64,
 }
 
+impl Look {
+    /// Whether there is more than a ground with a grid of lines on it.
+    #[must_use]
+    pub fn has_something(&self) -> bool {
+        self.colours > 8 && self.commonest < 0.999
+    }
+}
+
 impl Browser {
     /// Starts it.
     ///

@@ -66,16 +66,16 @@ fn every_view_shows_its_data_and_a_killed_viewer_comes_back_to_the_same_tab() {
         browser.click(page, x, TABS_Y).unwrap();
         for &part in views {
             let mut look = browser.look(page, part).unwrap();
-            // A view of data that has come a moment ago may not be drawn yet.
-            for _ in 0..60 {
-                if look.colours > 8 && look.commonest < 0.999 {
+            // What has arrived a moment ago may not be drawn yet, by a browser that has no graphics card.
+            for _ in 0..180 {
+                if look.has_something() {
                     break;
                 }
                 std::thread::sleep(Duration::from_secs(1));
                 look = browser.look(page, part).unwrap();
             }
             browser.picture(page, name).unwrap();
-            assert!(look.colours > 8 && look.commonest < 0.999, "{name}, {part:?}: {look:?}");
+            assert!(look.has_something(), "{name}, {part:?}: {look:?}");
         }
     }
 

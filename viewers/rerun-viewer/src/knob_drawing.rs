@@ -103,7 +103,7 @@ fn draw_body(recording: &RecordingStream, motion: Motion) -> RecordingStreamResu
         .with_colors([color(motion).opaque()])
         .with_fill_mode(FillMode::Solid);
     recording.log(format!("{KNOB}/turning/body"), &body)?;
-    recording.log(format!("{KNOB}/motion"), &label([0.0, 0.0, BODY_HEIGHT + 0.3], motion.word().to_owned()))
+    recording.log(format!("{KNOB}/motion"), &label([0.0, 1.55, 0.0], motion.word().to_owned()))
 }
 
 const fn color(motion: Motion) -> Rgb {

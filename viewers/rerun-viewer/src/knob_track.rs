@@ -8,6 +8,8 @@ use crate::source::Reading;
 
 /// Time between two drawn angles: as often as a screen shows another picture is not needed.
 const TURN_PERIOD_NS: i64 = 40_000_000;
+/// Shortest time between two changes of the colour: what changes faster than that nobody reads.
+const MOTION_PERIOD_NS: i64 = 500_000_000;
 /// Speed below which a captured knob counts as sticking, rad/s: the largest Δv of the paper's knobs (Table 6). A
 /// rendered knob says itself whether it sticks.
 pub const STICK_VELOCITY_RAD_S: f64 = 0.04;
@@ -109,6 +111,7 @@ pub struct KnobTrack {
     next_ns: i64,
     motion: Option<Motion>,
     motion_shown: Option<Motion>,
+    next_motion_ns: i64,
     detents_shown: Option<DetentRing>,
     newest_rad: f64,
 }
@@ -142,8 +145,12 @@ impl KnobTrack {
     /// What is new since the last call, with the detents of a new `model`; `None` if nothing is.
     pub fn update(&mut self, model: Option<&KnobModel>) -> Option<KnobUpdate> {
         let turns = std::mem::take(&mut self.turns);
-        let motion = self.motion.filter(|motion| self.motion_shown != Some(*motion));
-        self.motion_shown = motion.or(self.motion_shown);
+        let newest_ns = turns.times_ns.last().copied().unwrap_or(self.next_motion_ns);
+        let motion = self.motion.filter(|motion| self.motion_shown != Some(*motion) && newest_ns >= self.next_motion_ns);
+        if motion.is_some() {
+            self.next_motion_ns = newest_ns + MOTION_PERIOD_NS;
+            self.motion_shown = motion;
+        }
         let detents = model
             .and_then(|model| DetentRing::of(model, self.newest_rad))
             .filter(|ring| !self.detents_shown.as_ref().is_some_and(|shown| shown.looks_like(ring)));

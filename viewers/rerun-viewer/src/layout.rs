@@ -106,7 +106,7 @@ fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let mut shares = vec![5.0, 4.0];
     if subject == Subject::Live {
         columns.push(TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT).into());
-        shares.push(2.9);
+        shares.push(3.5);
     }
     Horizontal::new(columns).with_column_shares(shares).with_name("Knob").into()
 }
@@ -170,7 +170,7 @@ fn parameters(properties: &mut Properties) -> ContainerLike {
     });
     let text = TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT);
     Horizontal::new([Grid::new(views).with_grid_columns(3).into(), text.into()])
-        .with_column_shares([8.0, 2.9])
+        .with_column_shares([7.4, 3.1])
         .with_name("Parameters")
         .into()
 }

@@ -49,6 +49,7 @@ pub mod plot_axes;
 pub mod plot_drawing;
 pub mod ports;
 pub mod process_conditions;
+pub mod remote;
 pub mod rendered;
 pub mod rig_source;
 pub mod scatter;
@@ -58,3 +59,5 @@ pub mod signals;
 pub mod source;
 pub mod summary;
 pub mod waiting_rows;
+#[cfg(test)]
+mod wedged_page;

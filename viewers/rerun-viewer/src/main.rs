@@ -16,7 +16,8 @@ use rerun_viewer::glance::SharedGlance;
 use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
 use rerun_viewer::picture::Picture;
-use rerun_viewer::ports;
+use rerun_viewer::ports::{self, Ports};
+use rerun_viewer::remote::{self, Host};
 use rerun_viewer::rig_source::RigSource;
 use rerun_viewer::screen::{Destination, Screen};
 use rerun_viewer::source::Source;
@@ -60,6 +61,9 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     let screen = Screen::open(destination, subject, glance.clone())?;
     if let Some(place) = screen.place() {
         announce(&place, subject, in_foreground);
+    }
+    if let Some(ports) = screen.ports().filter(|_| arguments.remote) {
+        announce_tunnel(&remote::tunnel(ports, &Host::of_this_machine()), ports);
     }
     if let (Some(ports), false) = (screen.ports(), in_foreground)
         && let Err(error) = ports::note(ports)
@@ -142,6 +146,13 @@ fn follow(
 #[allow(clippy::print_stderr, reason = "the last word of a process that ends")]
 fn complain(error: &anyhow::Error) {
     eprintln!("rerun-viewer: {error:#}");
+}
+
+/// Tells the operator how to look from elsewhere.
+#[allow(clippy::print_stdout, reason = "what was asked for with --remote")]
+fn announce_tunnel(command: &str, ports: Ports) {
+    println!("on the other machine: {command}");
+    println!("then open there:      http://127.0.0.1:{}/", ports.web);
 }
 
 /// Tells the operator where to look: the only line on standard output.

@@ -32,15 +32,15 @@ const WHOLE_SCATTER_POINTS: usize = 8_000;
 const CAPTURE_RUN: u64 = 0;
 /// How often the x-y plots get their new points. A browser pays for each message, not for each
 /// point: without a graphics card it takes in some forty a second, and falls behind if more come.
-const PLOT_PERIOD: Duration = Duration::from_millis(500);
+const PLOT_PERIOD: Duration = Duration::from_millis(1_000);
 /// How often the signals get their new points, for the same reason; the knob itself is turned with every frame.
 const SIGNALS_PERIOD: Duration = Duration::from_millis(500);
 /// How often the curves and the texts are renewed.
-const SLOW_PERIOD: Duration = Duration::from_millis(2_000);
+const SLOW_PERIOD: Duration = Duration::from_millis(2_500);
 /// Slow periods that the extremes in the text look back: 10 s, as the plots do.
-const EXTREMES_KEPT: usize = 5;
+const EXTREMES_KEPT: usize = 4;
 /// How often the other tabs are sent their points.
-const TABS_PERIOD: Duration = Duration::from_millis(4_000);
+const TABS_PERIOD: Duration = Duration::from_millis(5_000);
 
 /// Gathers events and gives frames.
 #[derive(Debug)]

@@ -48,6 +48,8 @@ pub enum Destination {
         inner_port: u16,
         /// What is kept for a page opened later.
         memory_limit: MemoryLimit,
+        /// How long a page may take nothing before it loses its connection.
+        patience: Duration,
     },
     /// rerun's own window on this machine.
     Native {
@@ -78,7 +80,8 @@ impl Destination {
         let ports = taken.numbers()?;
         // A free one, which rerun can only be told by its number.
         let inner_port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
-        Ok(Self::Web { bind: *bind, ports, taken: Some(taken), inner_port, memory_limit })
+        let patience = guard::PATIENCE;
+        Ok(Self::Web { bind: *bind, ports, taken: Some(taken), inner_port, memory_limit, patience })
     }
 
     /// Whether there is nothing left to do when the run has ended.
@@ -99,7 +102,7 @@ impl Destination {
 pub struct Screen {
     destination: Destination,
     subject: Subject,
-    /// Carries every run: rerun ties servers, windows and files to one recording, which itself holds nothing.
+    /// Carries every run: rerun ties servers, windows and files to one recording.
     carrier: RecordingStream,
     /// The run that is shown and the pen that draws it.
     shown: Option<(u64, Pen)>,
@@ -117,12 +120,12 @@ impl Screen {
             open_window(*grpc_port, *memory_limit)?;
         }
         let carrier = carrier(&destination, subject)?;
-        if let Destination::Web { ports, taken, inner_port, .. } = &mut destination
+        if let Destination::Web { ports, taken, inner_port, patience, .. } = &mut destination
             && let Some(Taken { web, stream }) = taken.take()
         {
             let page = page::serve(ports.stream, glance).context("the web page cannot be served")?;
-            guard::forward(web, page, guard::PATIENCE)?;
-            guard::forward(stream, (Ipv4Addr::LOCALHOST, *inner_port).into(), guard::PATIENCE)?;
+            guard::forward(web, page, *patience)?;
+            guard::forward(stream, (Ipv4Addr::LOCALHOST, *inner_port).into(), *patience)?;
         }
         Ok(Self {
             destination,
@@ -189,6 +192,8 @@ impl Screen {
     fn pen_of(&mut self, run_id: u64) -> anyhow::Result<&mut Pen> {
         let pen = match self.shown.take() {
             Some((shown, pen)) if shown == run_id => pen,
+            // A file and a window begin with the run itself.
+            None if !matches!(self.destination, Destination::Web { .. }) => Pen::new(self.carrier.clone())?,
             _ => Pen::new(recording_of(run_id, &self.carrier)?)?,
         };
         Ok(&mut self.shown.insert((run_id, pen)).1)

@@ -134,7 +134,7 @@ fn control_loop(text: &mut String, status: &LoopStatus) {
 /// The parameters as Markdown: each with its value, its 95 % interval and the plain word.
 pub fn parameters(facts: &Facts<'_>) -> String {
     let Some(fit) = facts.fit else { return "Waiting for the fit".to_owned() };
-    let mut text = "| parameter | value ± 95 % | unit | |\n|---|---:|---|---|\n".to_owned();
+    let mut text = "| | parameter | value ± 95 % |\n|---|---|---|\n".to_owned();
     let (mut enough, mut all) = (0, 0);
     for ((name, estimate), (_, unit)) in fit.estimates().into_iter().zip(PARAMETERS) {
         let known = facts.known(name);
@@ -144,7 +144,7 @@ pub fn parameters(facts: &Facts<'_>) -> String {
             let word = if known == Known::Enough { "enough" } else { "**not yet**" };
             let _ = writeln!(
                 text,
-                "| {} | {} | {unit} | {word} |",
+                "| {word} | {} | {} {unit} |",
                 name.replace('_', " "),
                 value_and_interval(&estimate)
             );
@@ -275,8 +275,8 @@ mod tests {
         facts.ranges[2].1 = Some((-100.0, 100.0));
         let text = parameters(&facts);
         assert!(text.contains("## 1 of 7 enough"), "{text}");
-        assert!(text.contains("| coulomb positive | 2.300 ± 0.010 | mNm | enough |"), "{text}");
-        assert!(text.contains("| inertia | 0.0 ± 9.0 | mNm s²/rad | **not yet** |"), "{text}");
+        assert!(text.contains("| enough | coulomb positive | 2.300 ± 0.010 mNm |"), "{text}");
+        assert!(text.contains("| **not yet** | inertia | 0.0 ± 9.0 mNm s²/rad |"), "{text}");
         assert!(!text.contains("detent phase"), "{text}");
     }
 

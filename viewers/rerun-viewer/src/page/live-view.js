@@ -9,7 +9,7 @@ const ASK_EVERY = 500;
 const ANSWER_LIMIT = 10000;
 // The stream has stopped when nothing arrived between so many answers while the run went on. Answers are counted, not
 // seconds: a browser that is too slow hears few of them, and something always arrives in between.
-const STREAM_STOPPED = 20;
+const STREAM_STOPPED = 40;
 
 const query = new URLSearchParams(location.search);
 const at = (id) => document.getElementById(id);
@@ -116,8 +116,10 @@ function look_after(status) {
   if (!viewer) return;
   if (stream.instance !== status.instance) open(status);
   else if (status.recording && stopped(status)) open(status);
-  // A new run comes to the front once; after that the operator may look at another.
-  if (status.recording && stream.recording !== status.recording && newest(status) != null) {
+  // A new run comes to the front once; after that the operator may look at another. rerun itself brings to the front
+  // what every opened stream begins with, an empty recording that belongs to no run.
+  const of_a_run = viewer.get_active_recording_id()?.startsWith("run-");
+  if (status.recording && !(of_a_run && stream.recording === status.recording) && newest(status) != null) {
     viewer.set_active_recording_id(status.recording);
     stream.recording = status.recording;
   }
