@@ -1,32 +1,38 @@
 // A browser that is driven by lines of JSON on standard input; each is answered by a line on standard output.
 //
-//   {"open": URL, "scheme": "light" | "dark"}   a new page; answers {"page": NUMBER, "process": ID of its browser}
+//   {"open": URL, "scheme": "light" | "dark", "size": [WIDTH, HEIGHT]}   a new page; answers {"page": NUMBER, "process": ID of its browser}
 //   {"page": N, "evaluate": JAVASCRIPT}         answers {"value": ...}
 //   {"page": N, "click": [X, Y]}
 //   {"page": N, "drag": [X, Y, TO_X, TO_Y]}
 //   {"page": N, "key": NAME}
 //   {"page": N, "picture": FILE.png}
-//   {"page": N, "look": [X, Y, WIDTH, HEIGHT]}  answers {"colours": HOW MANY, "commonest": SHARE OF PIXELS}
+//   {"page": N, "look": [X, Y, WIDTH, HEIGHT]}  answers {"shades": HOW MANY COLOURS, "coloured": SHARE THAT IS NOT GREY}
 //   {"page": N, "close": true}
 //
 // A command that fails is answered with {"error": SENTENCE}. It ends with its standard input.
 "use strict";
 const { chromium } = require("playwright-core");
 
-const SIZE = { width: 1600, height: 950 };
+const SIZE = [1600, 950];
+// Difference between the channels of a pixel, of 255, from which on it is not grey.
+const GREY = 40;
 const PATIENCE = 120000;
 
-async function count_colours(counter, png) {
-  return counter.evaluate(async (base64) => {
+async function look_at(counter, png) {
+  return counter.evaluate(async ([base64, grey]) => {
     const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
     const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
     const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
     context.drawImage(image, 0, 0);
-    const pixels = new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer);
-    const counts = new Map();
-    for (const pixel of pixels) counts.set(pixel, (counts.get(pixel) || 0) + 1);
-    return { colours: counts.size, commonest: Math.max(...counts.values()) / pixels.length };
-  }, png.toString("base64"));
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    const shades = new Set(new Uint32Array(data.buffer)).size;
+    let coloured = 0;
+    for (let at = 0; at < data.length; at += 4) {
+      const [red, green, blue] = data.subarray(at, at + 3);
+      if (Math.max(red, green, blue) - Math.min(red, green, blue) > grey) coloured += 1;
+    }
+    return { shades, coloured: coloured / (data.length / 4) };
+  }, [png.toString("base64"), GREY]);
 }
 
 async function main() {
@@ -51,7 +57,8 @@ async function main() {
 
   async function obey(command) {
     if (command.open) {
-      const page = await browser.newPage({ viewport: SIZE, colorScheme: command.scheme || "light" });
+      const [width, height] = command.size || SIZE;
+      const page = await browser.newPage({ viewport: { width, height }, colorScheme: command.scheme || "light" });
       page.setDefaultTimeout(PATIENCE);
       page.on("pageerror", (error) => console.error(`page error: ${error.message}`));
       page.on("console", (message) => {
@@ -78,7 +85,7 @@ async function main() {
     if (command.picture) await page.screenshot({ path: command.picture });
     if (command.look) {
       const [x, y, width, height] = command.look;
-      return count_colours(counter, await page.screenshot({ clip: { x, y, width, height } }));
+      return look_at(counter, await page.screenshot({ clip: { x, y, width, height } }));
     }
     if (command.close) await page.close();
     return {};

@@ -14,6 +14,9 @@ use serde_json::{Value, json};
 /// test asks how slow.
 const PATIENCE: Duration = Duration::from_secs(180);
 
+/// Width and height of a page: small, since a browser without a graphics card pays for each pixel.
+pub const SIZE: [u32; 2] = [1100, 700];
+
 /// A running browser; gone when this is dropped.
 pub struct Browser {
     driver: Child,
@@ -30,17 +33,18 @@ pub struct Page(u64);
 /// What a part of a page looks like.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// Number of different colours.
-    pub colours: u64,
-    /// Share of the pixels that have the commonest of them.
-    pub commonest: f64,
+    /// Number of different colours and greys.
+    pub shades: u64,
+    /// Share of the pixels that are not grey.
+    pub coloured: f64,
 }
 
 impl Look {
-    /// Whether there is more than a ground with a grid of lines on it.
+    /// Whether there is more than a ground with a grid of grey lines on it: a coloured line, or text, whose edges have
+    /// many greys.
     #[must_use]
     pub fn has_something(&self) -> bool {
-        self.colours > 8 && self.commonest < 0.999
+        self.coloured > 1e-4 || self.shades > 40
     }
 }
 
@@ -62,7 +66,7 @@ impl Browser {
     /// # Errors
     /// When it cannot be opened.
     pub fn open(&mut self, url: &str) -> anyhow::Result<Page> {
-        let answer = self.ask(&json!({"open": format!("{url}?renderer=webgl")}))?;
+        let answer = self.ask(&json!({"open": format!("{url}?renderer=webgl"), "size": SIZE}))?;
         let process = answer["process"].as_i64().context("no process of the browser")?;
         self.group = Some(Pid::from_raw(i32::try_from(process)?));
         Ok(Page(answer["page"].as_u64().context("no number for the page")?))
@@ -123,9 +127,9 @@ impl Browser {
     /// When the page is gone.
     pub fn look(&mut self, page: Page, part: [u32; 4]) -> anyhow::Result<Look> {
         let answer = self.ask(&json!({"page": page.0, "look": part}))?;
-        let seen = answer["colours"].as_u64().zip(answer["commonest"].as_f64());
-        let (colours, commonest) = seen.context("nothing was seen")?;
-        Ok(Look { colours, commonest })
+        let seen = answer["shades"].as_u64().zip(answer["coloured"].as_f64());
+        let (shades, coloured) = seen.context("nothing was seen")?;
+        Ok(Look { shades, coloured })
     }
 
     /// Closes a page.

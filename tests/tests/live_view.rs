@@ -10,23 +10,61 @@ use std::time::Duration;
 use archive::Capture;
 use nix::sys::signal::{Signal, kill};
 use serde_json::json;
-use tests::browser::{Browser, Page};
+use tests::browser::{Browser, Page, SIZE};
 use tests::live_view::{LiveView, listening_addresses, resident_mib};
 use tests::{Bench, printed};
 
-/// The tabs with their places on the page, and parts of it that belong to one view each: x, y, width, height.
-const TABS: [(&str, u32, &[[u32; 4]]); 4] = [
-    ("knob", 40, &[[60, 350, 560, 500], [700, 200, 480, 300], [700, 590, 480, 300], [1225, 190, 330, 300]]),
+/// The tabs with their places on the page, and a part of each view in them: x, y, width and height as shares of the room
+/// below the tabs.
+const TABS: [(&str, u32, &[[f64; 4]]); 4] = [
+    (
+        "knob",
+        40,
+        &[[0.08, 0.25, 0.25, 0.5], [0.45, 0.12, 0.24, 0.33], [0.45, 0.62, 0.24, 0.33], [0.74, 0.08, 0.2, 0.3]],
+    ),
     (
         "signals-and-model",
         140,
-        &[[30, 190, 600, 110], [30, 370, 600, 110], [30, 540, 600, 110], [30, 720, 600, 170], [700, 200, 480, 290]],
+        &[
+            [0.05, 0.08, 0.33, 0.11],
+            [0.05, 0.31, 0.33, 0.11],
+            [0.05, 0.54, 0.33, 0.11],
+            [0.05, 0.77, 0.33, 0.17],
+            [0.46, 0.12, 0.26, 0.33],
+            [0.46, 0.62, 0.26, 0.33],
+            [0.78, 0.08, 0.18, 0.3],
+        ],
     ),
-    ("parameters", 250, &[[30, 200, 380, 300], [450, 200, 380, 300], [30, 580, 380, 300], [1225, 190, 330, 300]]),
-    ("timing-and-processes", 380, &[[30, 200, 880, 220], [990, 200, 560, 220], [30, 500, 420, 150], [980, 490, 350, 130]]),
+    (
+        "parameters",
+        250,
+        &[
+            [0.03, 0.12, 0.18, 0.33],
+            [0.27, 0.12, 0.18, 0.33],
+            [0.50, 0.12, 0.18, 0.33],
+            [0.03, 0.62, 0.18, 0.33],
+            [0.27, 0.62, 0.18, 0.33],
+            [0.50, 0.62, 0.18, 0.33],
+            [0.72, 0.08, 0.22, 0.3],
+        ],
+    ),
+    (
+        "timing-and-processes",
+        380,
+        &[
+            [0.05, 0.08, 0.5, 0.27],
+            [0.65, 0.08, 0.3, 0.27],
+            [0.04, 0.48, 0.24, 0.18],
+            [0.35, 0.48, 0.22, 0.18],
+            [0.04, 0.78, 0.24, 0.18],
+            [0.35, 0.78, 0.22, 0.18],
+            [0.62, 0.46, 0.3, 0.2],
+        ],
+    ),
 ];
-/// Height of the tabs on the page.
-const TABS_Y: u32 = 146;
+/// Heights of the row of tabs and of the time bar, pixels.
+const TABS_HEIGHT: f64 = 25.0;
+const TIME_BAR_HEIGHT: f64 = 30.0;
 
 /// Starts a capture of so many seconds with its view.
 fn capture(bench: &Bench, seconds: &str) -> (Child, LiveView) {
@@ -62,9 +100,15 @@ fn every_view_shows_its_data_and_a_killed_viewer_comes_back_to_the_same_tab() {
     let page = browser.open(&view.url()).unwrap();
     data_arrives(&mut browser, page);
     browser.evaluate(page, "window.never_reloaded = true").unwrap();
+    let top = browser.evaluate(page, "document.getElementById('viewer').getBoundingClientRect().top").unwrap();
+    let top = top.as_f64().unwrap();
+    let [width, height] = SIZE.map(f64::from);
     for (name, x, views) in TABS {
-        browser.click(page, x, TABS_Y).unwrap();
-        for &part in views {
+        browser.click(page, x, (top + TABS_HEIGHT / 2.0) as u32).unwrap();
+        for &[left, above, wide, high] in views {
+            let room = height - top - TABS_HEIGHT - TIME_BAR_HEIGHT;
+            let down = top + TABS_HEIGHT + above * room;
+            let part = [left * width, down, wide * width, high * room].map(|pixels| pixels as u32);
             let mut look = browser.look(page, part).unwrap();
             // What has arrived a moment ago may not be drawn yet, by a browser that has no graphics card.
             for _ in 0..180 {
