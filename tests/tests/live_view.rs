@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use archive::Capture;
 use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
 use serde_json::json;
 use tests::browser::{Browser, Page, SIZE};
 use tests::live_view::{LiveView, listening_addresses, resident_mib};
@@ -66,22 +67,44 @@ const TABS: [(&str, u32, &[[f64; 4]]); 4] = [
 const TABS_HEIGHT: f64 = 25.0;
 const TIME_BAR_HEIGHT: f64 = 30.0;
 
-/// Starts a capture of so many seconds with its view.
-fn capture(bench: &Bench, seconds: &str) -> (Child, LiveView) {
-    // The slower the loop, the more of the processor is left to a browser that has no graphics card.
-    let child = bench.start(&["capture", "--duration-s", seconds, "--rate-hz", "5000", "--out", "out"]).unwrap();
-    let view = LiveView::of_rig(&bench.path("rig")).unwrap();
-    (child, view)
+/// A capture that goes on until it is ended, also by a test that fails.
+struct Running {
+    child: Option<Child>,
 }
 
-/// Ends a capture in order and checks that no sample is missing that was published.
-fn ends_whole(bench: &Bench, child: Child) {
-    kill(nix::unistd::Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGINT).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
-    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
-    assert!(capture.seq.iter().enumerate().all(|(index, &seq)| seq == index as u64), "no sample is missing");
-    assert_eq!(bench.leftovers(), Vec::<String>::new());
+impl Running {
+    /// Starts it with its view.
+    fn start(bench: &Bench) -> (Self, LiveView) {
+        // The slower the loop, the more of the processor is left to a browser that has no graphics card.
+        let child = bench.start(&["capture", "--duration-s", "1200", "--rate-hz", "5000", "--out", "out"]).unwrap();
+        let running = Self { child: Some(child) };
+        let view = LiveView::of_rig(&bench.path("rig")).unwrap();
+        (running, view)
+    }
+
+    /// Ends it in order and checks that no sample is missing that was published.
+    fn ends_whole(mut self, bench: &Bench) {
+        let child = self.child.take().unwrap();
+        kill(pid(&child), Signal::SIGINT).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+        let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+        assert!(capture.seq.iter().enumerate().all(|(index, &seq)| seq == index as u64), "no sample is missing");
+        assert_eq!(bench.leftovers(), Vec::<String>::new());
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(mut child) = self.child.take() {
+            let _ = kill(pid(&child), Signal::SIGTERM);
+            let _ = child.wait();
+        }
+    }
+}
+
+fn pid(child: &Child) -> Pid {
+    Pid::from_raw(i32::try_from(child.id()).unwrap())
 }
 
 /// Waits until the viewer in the page holds more of the run than when it is asked.
@@ -95,7 +118,7 @@ fn data_arrives(browser: &mut Browser, page: Page) {
 #[test]
 fn every_view_shows_its_data_and_a_killed_viewer_comes_back_to_the_same_tab() {
     let bench = Bench::new().unwrap();
-    let (child, view) = capture(&bench, "600");
+    let (running, view) = Running::start(&bench);
     let mut browser = Browser::start().unwrap();
     let page = browser.open(&view.url()).unwrap();
     data_arrives(&mut browser, page);
@@ -140,13 +163,13 @@ fn every_view_shows_its_data_and_a_killed_viewer_comes_back_to_the_same_tab() {
     browser.signal(Signal::SIGSTOP).unwrap();
     let then = view.status().unwrap()["time_s"].as_f64().unwrap();
     view.wait_for(|status| status["time_s"].as_f64() > Some(then + 3.0)).unwrap();
-    ends_whole(&bench, child);
+    running.ends_whole(&bench);
 }
 
 #[test]
 fn a_client_that_never_reads_disturbs_nobody() {
     let bench = Bench::new().unwrap();
-    let (child, view) = capture(&bench, "600");
+    let (running, view) = Running::start(&bench);
     view.wait_for(|status| status["time_s"].as_f64() > Some(0.5)).unwrap();
     let viewer = bench.wait_for_process("rerun-viewer").unwrap();
     let wedged: Vec<_> = (0..5).map(|_| view.stream().unwrap()).collect();
@@ -170,14 +193,14 @@ fn a_client_that_never_reads_disturbs_nobody() {
     let status = view.status().unwrap();
     let recorder = status["processes"].as_array().unwrap().iter().find(|process| process["name"] == "recorder");
     assert_eq!(recorder.unwrap()["condition"], "alive", "{status}");
-    ends_whole(&bench, child);
+    running.ends_whole(&bench);
     drop(wedged);
 }
 
 #[test]
 fn nothing_listens_beyond_this_machine() {
     let bench = Bench::new().unwrap();
-    let (child, view) = capture(&bench, "600");
+    let (running, view) = Running::start(&bench);
     view.status().unwrap();
     let mut listening = Vec::new();
     for program in ["haptic-camera", "rt-loop", "recorder", "live-fitter", "rerun-viewer"] {
@@ -189,5 +212,5 @@ fn nothing_listens_beyond_this_machine() {
     // 127.0.0.1 as the kernel writes it.
     let beyond: Vec<_> = listening.iter().filter(|address| !address.starts_with("0100007F:")).collect();
     assert!(beyond.is_empty(), "{beyond:?}");
-    ends_whole(&bench, child);
+    running.ends_whole(&bench);
 }
