@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 /// How long something may take to appear: a browser that draws without a graphics card beside a capture is slow, and no
 /// test asks how slow.
-const PATIENCE: Duration = Duration::from_secs(180);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Width and height of a page: small, since a browser without a graphics card pays for each pixel.
 pub const SIZE: [u32; 2] = [1100, 700];

@@ -97,8 +97,9 @@ fn torque_per_unit(name: &str, fit: &FitUpdate, reach: &Reach) -> f64 {
         "inertia" => reach.acceleration_rad_s2,
         "viscous_negative" | "viscous_positive" => reach.velocity_rad_s,
         "detent_phase" => amplitude,
-        "detent_period" => told(&fit.detent_period)
-            .map_or(f64::INFINITY, |period| amplitude * reach.angle_rad / (period * period)),
+        "detent_period" => {
+            told(&fit.detent_period).map_or(f64::INFINITY, |period| amplitude * reach.angle_rad / (period * period))
+        }
         _ => 1.0,
     }
 }
@@ -120,7 +121,8 @@ mod tests {
 
     #[test]
     fn below_one_percent_or_below_the_sensors_step_is_enough() {
-        let with = |value, half_width| FitUpdate { coulomb_positive: estimate(value, half_width), ..FitUpdate::default() };
+        let with =
+            |value, half_width| FitUpdate { coulomb_positive: estimate(value, half_width), ..FitUpdate::default() };
         // 1 % of 40 mNm is above the sensor's step, 1 % of 2.3 mNm below it.
         assert!(is_enough("coulomb_positive", &with(40.0, 0.39)));
         assert!(!is_enough("coulomb_positive", &with(40.0, 0.41)));

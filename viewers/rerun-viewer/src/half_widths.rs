@@ -59,7 +59,8 @@ mod tests {
         let only = |known: &'static str, half_width: f64| {
             HalfWidths::from_told(move |name| (name == known).then_some(half_width))
         };
-        let near = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-3 * expected, "{value} {expected}");
+        let near =
+            |value: f64, expected: f64| assert!((value - expected).abs() < 1e-3 * expected, "{value} {expected}");
         near(only("coulomb_negative", 0.2).friction_mnm(-3.0), 0.2);
         near(only("viscous_positive", 0.02).friction_mnm(3.0), 0.06);
         assert_eq!(only("viscous_positive", 0.02).friction_mnm(-3.0), 0.0);

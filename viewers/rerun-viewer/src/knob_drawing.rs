@@ -59,13 +59,17 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
     recording.log_static(
         format!("{KNOB}/turning/pointer"),
         &Boxes3D::from_centers_and_half_sizes(
-            [[0.0, single(0.55 * BODY_RADIUS), single(BODY_HEIGHT)], [0.0, single(0.5 * (BODY_RADIUS + RING_RADIUS)), 0.02]],
+            [
+                [0.0, single(0.55 * BODY_RADIUS), single(BODY_HEIGHT)],
+                [0.0, single(0.5 * (BODY_RADIUS + RING_RADIUS)), 0.02],
+            ],
             [[0.045, single(0.45 * BODY_RADIUS), 0.03], [0.012, single(0.5 * (RING_RADIUS - BODY_RADIUS)), 0.012]],
         )
         .with_colors([WHITE.opaque()])
         .with_fill_mode(FillMode::Solid),
     )?;
-    let circle: Vec<[f32; 3]> = (0..=180).map(|step| place(f64::from(step).to_radians() * 2.0, RING_RADIUS, 0.0)).collect();
+    let circle: Vec<[f32; 3]> =
+        (0..=180).map(|step| place(f64::from(step).to_radians() * 2.0, RING_RADIUS, 0.0)).collect();
     recording.log_static(
         format!("{KNOB}/no_detents"),
         &LineStrips3D::new([circle]).with_colors([NEUTRAL.opaque()]).with_radii([Radius::new_ui_points(0.6)]),
@@ -130,11 +134,7 @@ fn draw_detents(recording: &RecordingStream, ring: &DetentRing) -> RecordingStre
             .with_colors([MODEL.opaque()])
             .with_radii([Radius::new_ui_points(3.5)]),
     )?;
-    let text = format!(
-        "detents: {} mNm deep, {} rad apart",
-        three_digits(*amplitude_mnm),
-        three_digits(*spacing_rad)
-    );
+    let text = format!("detents: {} mNm deep, {} rad apart", three_digits(*amplitude_mnm), three_digits(*spacing_rad));
     recording.log(format!("{KNOB}/detents/label"), &label([0.0, -1.5, 0.0], text))
 }
 

@@ -146,7 +146,8 @@ impl KnobTrack {
     pub fn update(&mut self, model: Option<&KnobModel>) -> Option<KnobUpdate> {
         let turns = std::mem::take(&mut self.turns);
         let newest_ns = turns.times_ns.last().copied().unwrap_or(self.next_motion_ns);
-        let motion = self.motion.filter(|motion| self.motion_shown != Some(*motion) && newest_ns >= self.next_motion_ns);
+        let motion =
+            self.motion.filter(|motion| self.motion_shown != Some(*motion) && newest_ns >= self.next_motion_ns);
         if motion.is_some() {
             self.next_motion_ns = newest_ns + MOTION_PERIOD_NS;
             self.motion_shown = motion;

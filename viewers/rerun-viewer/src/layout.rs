@@ -3,8 +3,8 @@
 use rerun::RecordingStream;
 use rerun::blueprint::components::{BackgroundKind, LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
 use rerun::blueprint::{
-    BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Spatial3DView, Tabs,
-    TextDocumentView, TimePanel, TimeSeriesView, Vertical,
+    BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView,
+    Spatial3DView, Tabs, TextDocumentView, TimePanel, TimeSeriesView, Vertical,
 };
 use rerun::components::Visible;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
@@ -68,9 +68,7 @@ pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()>
     let knob = knob(&mut properties, subject);
     let signals = signals(&mut properties, subject);
     let tabs = match subject {
-        Subject::Live => {
-            Tabs::new([knob, signals, parameters(&mut properties), timing_and_processes(&mut properties)])
-        }
+        Subject::Live => Tabs::new([knob, signals, parameters(&mut properties), timing_and_processes(&mut properties)]),
         // The text tells the parameters; how the processes fared is not in the archive's columns.
         Subject::Capture { .. } => Tabs::new([signals, knob]),
     };
@@ -92,10 +90,7 @@ pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()>
 fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let title = "knob: green slips positive, rose slips negative, violet sticks; orange: detents of the model";
     let space: ContainerLike = Spatial3DView::new(title).with_origin(entities::KNOB).into();
-    let from_above = EyeControls3D::new()
-        .with_position(EYE)
-        .with_look_target(LOOK_TARGET)
-        .with_eye_up([0.0, 0.0, 1.0]);
+    let from_above = EyeControls3D::new().with_position(EYE).with_look_target(LOOK_TARGET).with_eye_up([0.0, 0.0, 1.0]);
     properties.of_view(&space, "EyeControls3D", from_above);
     let ground = Background::new(BackgroundKind::SolidColor).with_color(GROUND.opaque());
     properties.of_view(&space, "Background", ground);

@@ -10,8 +10,12 @@
 //!         polls      frames      oldest     may stall as it likes
 //! ```
 //!
+//! A page is served by [`page`] and reached through [`guard`], which lets go of whoever takes nothing; `docs/live-view.md`
+//! says what is to be seen.
+//!
 //! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
-//!   control loop never waits. A viewer started again receives the last seconds first.
+//!   control loop never waits. A viewer started again receives the last seconds first, at the ports that
+//!   it had ([`ports`]), and the page opens its stream again.
 //! - **When rerun stalls** the outbox drops the oldest frames and counts them; polling goes on.
 //! - **When the run ends** the page stays up until SIGTERM, so that one can look; a file is closed.
 //! - **SIGINT** is the supervisor's business and ignored, unless the operator has the viewer itself

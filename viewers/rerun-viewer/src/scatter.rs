@@ -250,7 +250,10 @@ mod tests {
     fn coulomb_friction_is_a_step_over_velocity_and_two_lines_over_angle() {
         let model = coulomb_model(2.5);
         let over_velocity = torque_over_velocity(&model, (-3.0, 4.0));
-        assert_eq!(over_velocity.curves, [[[-3.0, -2.5], [-f64::MIN_POSITIVE, -2.5]], [[f64::MIN_POSITIVE, 2.5], [4.0, 2.5]]]);
+        assert_eq!(
+            over_velocity.curves,
+            [[[-3.0, -2.5], [-f64::MIN_POSITIVE, -2.5]], [[f64::MIN_POSITIVE, 2.5], [4.0, 2.5]]]
+        );
         let over_angle = torque_over_angle(&model, (-1.0, 1.0));
         assert!(over_angle.curves[0].iter().all(|point| point[1] == -2.5));
         assert!(over_angle.curves[1].iter().all(|point| point[1] == 2.5));

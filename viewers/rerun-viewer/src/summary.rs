@@ -142,12 +142,8 @@ pub fn parameters(facts: &Facts<'_>) -> String {
             all += 1;
             enough += u32::from(known == Known::Enough);
             let word = if known == Known::Enough { "enough" } else { "**not yet**" };
-            let _ = writeln!(
-                text,
-                "| {word} | {} | {} {unit} |",
-                name.replace('_', " "),
-                value_and_interval(&estimate)
-            );
+            let _ =
+                writeln!(text, "| {word} | {} | {} {unit} |", name.replace('_', " "), value_and_interval(&estimate));
         }
     }
     if fit.residual_rms_mnm.is_finite() {
@@ -268,7 +264,8 @@ mod tests {
 
     #[test]
     fn the_plain_word_stands_beside_each_parameter_that_the_model_has() {
-        let mut fit = FitUpdate { coulomb_positive: enough(2.3, 0.01), inertia: enough(0.035, 9.0), ..FitUpdate::default() };
+        let mut fit =
+            FitUpdate { coulomb_positive: enough(2.3, 0.01), inertia: enough(0.035, 9.0), ..FitUpdate::default() };
         fit.detent_phase.verdict = Verdict::Absent.code();
         let consumers = Consumers::default();
         let mut facts = Facts { fit: Some(&fit), ..Facts::nothing(&consumers) };

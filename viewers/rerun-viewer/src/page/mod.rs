@@ -98,10 +98,7 @@ impl Pages {
             ("X-Content-Type-Options", "nosniff"),
             ("Content-Security-Policy", policy.as_str()),
         ];
-        let headers = headers
-            .into_iter()
-            .filter_map(|(name, value)| Header::from_bytes(name, value).ok())
-            .collect();
+        let headers = headers.into_iter().filter_map(|(name, value)| Header::from_bytes(name, value).ok()).collect();
         // Without a length the page could not tell how far loading is.
         let response = Response::new(tiny_http::StatusCode(200), headers, &*body, Some(length), None)
             .with_chunked_threshold(usize::MAX);
