@@ -118,24 +118,25 @@ const fn color(motion: Motion) -> Rgb {
     }
 }
 
+/// Like the plots' axes they belong to no time, so that a page that is opened late has them first.
 fn draw_detents(recording: &RecordingStream, ring: &DetentRing) -> RecordingStreamResult<()> {
     let DetentRing { depths, stable_rad, amplitude_mnm, spacing_rad } = ring;
     let scale_mnm = round_step(*amplitude_mnm);
     let depth = FULL_DEPTH * amplitude_mnm / scale_mnm;
     let outline: Vec<[f32; 3]> =
         depths.iter().map(|[angle, share]| place(*angle, RING_RADIUS - depth * share, 0.0)).collect();
-    recording.log(
+    recording.log_static(
         format!("{KNOB}/detents/ring"),
         &LineStrips3D::new([outline]).with_colors([MODEL.opaque()]).with_radii([Radius::new_ui_points(1.8)]),
     )?;
-    recording.log(
+    recording.log_static(
         format!("{KNOB}/detents/stable"),
         &Points3D::new(stable_rad.iter().map(|angle| place(*angle, RING_RADIUS - depth, 0.0)))
             .with_colors([MODEL.opaque()])
             .with_radii([Radius::new_ui_points(3.5)]),
     )?;
     let text = format!("detents: {} mNm deep, {} rad apart", three_digits(*amplitude_mnm), three_digits(*spacing_rad));
-    recording.log(format!("{KNOB}/detents/label"), &label([0.0, -1.5, 0.0], text))
+    recording.log_static(format!("{KNOB}/detents/label"), &label([0.0, -1.5, 0.0], text))
 }
 
 /// A text at a place; its ground is between light and dark in either theme.

@@ -136,10 +136,9 @@ impl KnobTrack {
         self.motion
     }
 
-    /// Forgets what was shown, so that all of it is new: for pages that are opened late.
-    pub fn show_again(&mut self) {
+    /// Shows the motion once more though it may not have changed: for pages that are opened late.
+    pub const fn show_again(&mut self) {
         self.motion_shown = None;
-        self.detents_shown = None;
     }
 
     /// What is new since the last call, with the detents of a new `model`; `None` if nothing is.

@@ -12,7 +12,6 @@ use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::glance::Glance;
 use crate::knob_track::KnobTrack;
 use crate::model_torque::{KnobModel, told};
-use crate::plot_drawing::REDRAW_PERIOD;
 use crate::rendered::RenderedModel;
 use crate::scatter::{Abscissa, Scatter, ScatterPoint};
 use crate::signals::Signals;
@@ -39,6 +38,9 @@ const SIGNALS_PERIOD: Duration = Duration::from_millis(500);
 const SLOW_PERIOD: Duration = Duration::from_millis(2_500);
 /// Slow periods that the extremes in the text look back: 10 s, as the plots do.
 const EXTREMES_KEPT: usize = 4;
+/// How often what has not changed is shown again: what is kept for a page that is opened late may begin later than the
+/// last change.
+const REDRAW_PERIOD: Duration = Duration::from_secs(20);
 /// How often the other tabs are sent their points.
 const TABS_PERIOD: Duration = Duration::from_millis(5_000);
 

@@ -1,7 +1,5 @@
 //! Draws an x-y plot in a plane: grid, frame, labels, points and curves.
 
-use std::time::{Duration, Instant};
-
 use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, Scale3D, Transform3D};
 
 use crate::entities;
@@ -9,14 +7,13 @@ use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE};
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH, PlotAxes};
 use crate::scatter::{Abscissa, ModelCurves, PlotUpdate};
 
-/// How often what has not changed is drawn again: what a page that is opened late is given may begin later than the
-/// last change.
-pub const REDRAW_PERIOD: Duration = Duration::from_secs(20);
-
-/// Draws plots and remembers which axes they have: axes are drawn again when they change, and now and then.
+/// Draws plots and remembers which axes they have: axes are drawn again only when they change.
+///
+/// Axes belong to no time: a page that is opened late is given them before anything else, and whoever looks back sees
+/// the past in the present axes.
 #[derive(Debug, Default)]
 pub struct PlotPen {
-    drawn: Vec<(Abscissa, PlotAxes, Instant)>,
+    drawn: Vec<(Abscissa, PlotAxes)>,
 }
 
 impl PlotPen {
@@ -26,13 +23,11 @@ impl PlotPen {
     /// When rerun refuses a part of it.
     pub fn draw(&mut self, recording: &RecordingStream, plot: &PlotUpdate) -> RecordingStreamResult<()> {
         let root = entities::plot(plot.abscissa);
-        let is_drawn = |(abscissa, axes, at): &(Abscissa, PlotAxes, Instant)| {
-            *abscissa == plot.abscissa && *axes == plot.axes && at.elapsed() < REDRAW_PERIOD
-        };
-        if !self.drawn.iter().any(is_drawn) {
+        let now = (plot.abscissa, plot.axes.clone());
+        if !self.drawn.contains(&now) {
             draw_axes(recording, &root, plot.abscissa, &plot.axes)?;
-            self.drawn.retain(|(abscissa, _, _)| *abscissa != plot.abscissa);
-            self.drawn.push((plot.abscissa, plot.axes.clone(), Instant::now()));
+            self.drawn.retain(|(abscissa, _)| *abscissa != plot.abscissa);
+            self.drawn.push(now);
         }
         if !plot.points.is_empty() {
             draw_points(recording, &root, plot)?;
@@ -90,7 +85,7 @@ fn draw_axes(
 
     let verticals = x_ticks.iter().map(|(value, _)| vec![[x_at(*value), 0.0], [x_at(*value), height]]);
     let horizontals = y_ticks.iter().map(|(value, _)| vec![[0.0, y_at(*value)], [width, y_at(*value)]]);
-    recording.log(
+    recording.log_static(
         format!("{root}/grid"),
         &LineStrips2D::new(verticals.chain(horizontals).collect::<Vec<_>>())
             // Thin rather than translucent: rerun draws a translucent line black where it fills a pixel.
@@ -98,7 +93,7 @@ fn draw_axes(
             .with_radii([Radius::new_ui_points(0.3)])
             .with_draw_order(0.0),
     )?;
-    recording.log(
+    recording.log_static(
         format!("{root}/frame"),
         &LineStrips2D::new([[[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]]])
             .with_colors([NEUTRAL.opaque()])
@@ -113,7 +108,7 @@ fn draw_axes(
         ([0.0, -0.095 * height], "torque_mnm".to_owned()),
     ];
     let (places, labels): (Vec<[f32; 2]>, Vec<String>) = x_labels.chain(y_labels).chain(titles).unzip();
-    recording.log(
+    recording.log_static(
         format!("{root}/labels"),
         &Points2D::new(places)
             .with_labels(labels)
@@ -124,7 +119,7 @@ fn draw_axes(
 
     // Points stay in their own quantities: when the axes change, only this transform does.
     let ([scale_x, scale_y], [offset_x, offset_y]) = (axes.scale(), axes.offset());
-    recording.log(
+    recording.log_static(
         format!("{root}/quantities"),
         &Transform3D::from_translation_scale(
             [single(offset_x), single(offset_y), 0.0],
