@@ -3,7 +3,9 @@
 //! Each [`Bench`] has its own runtime directory, so its shared memory and lock meet no other's. The
 //! benches of a test binary take turns, since they share the machine's cores.
 
+pub mod browser;
 pub mod guide;
+pub mod live_view;
 pub mod trials;
 
 use std::path::{Path, PathBuf};

@@ -13,6 +13,9 @@ use crate::supervision::program_path;
 pub fn run(options: &ViewOptions) -> anyhow::Result<Outcome> {
     let mut command = std::process::Command::new(program_path("rerun-viewer")?);
     command.arg(if options.native { "--native" } else { "--web" });
+    if options.remote {
+        command.arg("--remote");
+    }
     match &options.capture {
         Some(capture) => command.arg("--capture").arg(capture),
         None => command.arg("--foreground"),

@@ -74,6 +74,7 @@ impl CaptureSource {
             acceleration_rad_s2: or_nan(acceleration_rad_s2, row),
             torque_mnm: torque_mnm[row],
             turning_positive: self.turning_positive(row),
+            stuck: None,
         })
         .collect()
     }
@@ -130,7 +131,8 @@ fn columns(capture: &Capture) -> Samples<'_> {
 
 /// The model for the curves over angle and velocity.
 fn curves(fit: &Fit, calibration: Option<&Calibration>) -> Option<KnobModel> {
-    let knob = KnobModel::from_told(|name| fit.parameters.get(name)?.value)?;
+    let half_width = |name: &str| fit.parameters.get(name)?.ci95.map(|[low, high]| (high - low) / 2.0);
+    let knob = KnobModel::from_told(|name| fit.parameters.get(name)?.value)?.with_half_widths(half_width);
     Some(calibration.map_or(knob, |known| knob.on_rig(known)))
 }
 

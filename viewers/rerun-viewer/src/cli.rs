@@ -34,6 +34,10 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.rrd")]
     pub save: Option<PathBuf>,
 
+    /// Also tell how to see the page from another machine through ssh.
+    #[arg(long, conflicts_with_all = ["native", "save"])]
+    pub remote: bool,
+
     /// Address that the page and its stream are served at.
     #[arg(long, default_value = "127.0.0.1")]
     pub bind: IpAddr,

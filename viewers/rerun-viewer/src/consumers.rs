@@ -2,6 +2,9 @@
 
 use shared_types::{ProcessHealth, ProcessKind};
 
+/// Age of the newest sample above which a report counts as late, ms.
+pub const LATE_MS: f64 = 100.0;
+
 /// One process at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condition {
@@ -19,6 +22,8 @@ pub struct Condition {
     pub latency_ms: f64,
     /// Times the process was restarted.
     pub restarts: u32,
+    /// Reports so far whose newest sample was older than [`LATE_MS`].
+    pub late_reports: u64,
 }
 
 /// The processes that have reported, each with its last report.
@@ -32,8 +37,10 @@ impl Consumers {
     pub fn take_in(&mut self, health: &ProcessHealth) -> Option<Condition> {
         let kind = ProcessKind::from_code(health.process)?;
         let before = self.reports.iter().position(|(_, condition)| condition.kind == kind);
-        let previous = before.map(|at| self.reports.swap_remove(at).0);
-        let condition = condition(kind, health, previous.as_ref());
+        let previous = before.map(|at| self.reports.swap_remove(at));
+        let late_before = previous.as_ref().map_or(0, |(_, condition)| condition.late_reports);
+        let mut condition = condition(kind, health, previous.map(|(health, _)| health).as_ref());
+        condition.late_reports = late_before + u64::from(condition.latency_ms > LATE_MS);
         self.reports.push((*health, condition));
         self.reports.sort_by_key(|(report, _)| report.process);
         Some(condition)
@@ -63,6 +70,7 @@ fn condition(kind: ProcessKind, health: &ProcessHealth, previous: Option<&Proces
         lost_samples: health.lost_samples,
         latency_ms: health.latency_ns as f64 / 1e6,
         restarts: health.restarts,
+        late_reports: 0,
     }
 }
 
@@ -89,6 +97,15 @@ mod tests {
         let condition = consumers.take_in(&report(9, 1_500_000_000, 150_000_000)).unwrap();
         assert_eq!((condition.cpu_share_percent, condition.resident_mib), (20.0, 3.0));
         assert_eq!(consumers.conditions().count(), 1);
+    }
+
+    #[test]
+    fn reports_with_an_old_sample_are_counted_as_late() {
+        let mut consumers = Consumers::default();
+        for (report_ns, latency_ns) in [(1, 150_000_000), (2, 90_000_000), (3, 2_000_000_000)] {
+            consumers.take_in(&ProcessHealth { latency_ns, ..report(9, report_ns, 0) });
+        }
+        assert_eq!(consumers.conditions().next().unwrap().late_reports, 2);
     }
 
     #[test]

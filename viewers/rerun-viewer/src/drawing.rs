@@ -7,7 +7,7 @@ use crate::entities;
 use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::palette::MEASURED;
 use crate::plot_drawing::PlotPen;
-use crate::series_styles;
+use crate::{knob_drawing, series_styles};
 
 /// Time since the start of the run: the only timeline.
 pub const TIMELINE: &str = "time_s";
@@ -27,6 +27,7 @@ impl Pen {
         recording.set_log_tick_enabled(false);
         recording.set_log_time_enabled(false);
         series_styles::draw(&recording)?;
+        knob_drawing::draw_dial(&recording)?;
         Ok(Self { recording, plots: PlotPen::default() })
     }
 
@@ -46,8 +47,11 @@ impl Pen {
         if let Some(lateness) = &frame.lateness {
             draw_histogram(recording, lateness)?;
         }
-        if let Some(summary) = &frame.summary {
-            recording.log(entities::SUMMARY, &TextDocument::from_markdown(summary.as_str()))?;
+        if let Some(knob) = &frame.knob {
+            knob_drawing::draw(recording, knob)?;
+        }
+        for (entity, text) in &frame.texts {
+            recording.log(*entity, &TextDocument::from_markdown(text.as_str()))?;
         }
         Ok(())
     }

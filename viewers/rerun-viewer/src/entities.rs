@@ -12,8 +12,14 @@ pub const LATENESS: &str = "timing/log10_max_lateness_ns";
 pub const TICK_PERIOD: &str = "timing/log10_tick_period_ns";
 /// Ticks by lateness.
 pub const LATENESS_HISTOGRAM: &str = "lateness_histogram";
-/// The text beside the plots.
+/// The text beside the plots: run and loop.
 pub const SUMMARY: &str = "summary";
+/// The parameters as text.
+pub const PARAMETERS_TEXT: &str = "parameters";
+/// The processes as text.
+pub const PROCESSES_TEXT: &str = "processes";
+/// The knob in space.
+pub const KNOB: &str = "knob";
 
 /// Quantities of a process's health, each `health/<quantity>/<process>`.
 pub const HEALTH: [&str; 4] = ["cpu_share_percent", "resident_mib", "lost_samples", "latency_ms"];
@@ -29,6 +35,11 @@ pub const PARAMETERS: [(&str, &str); 8] = [
     ("detent_period", "rad"),
     ("detent_phase", "rad"),
 ];
+
+/// rerun's name for a run: the same one for a viewer that was started again, so that its rows join what is shown.
+pub fn recording(run_id: u64) -> String {
+    format!("run-{run_id}")
+}
 
 /// The entity of a signal.
 pub fn signal(field: &str) -> String {

@@ -3,6 +3,7 @@
 use shared_types::LoopStatus;
 
 use crate::decimation::Points;
+use crate::knob_track::KnobUpdate;
 use crate::scatter::PlotUpdate;
 
 /// Everything that is new since the frame before; a frame that is dropped is only missed.
@@ -18,8 +19,10 @@ pub struct Frame {
     pub plots: Vec<PlotUpdate>,
     /// Ticks by lateness, when it is their turn.
     pub lateness: Option<Lateness>,
-    /// The text beside the plots as Markdown, when it is its turn.
-    pub summary: Option<String>,
+    /// The knob itself, when it has moved or changed.
+    pub knob: Option<KnobUpdate>,
+    /// Texts as Markdown by the entities that show them, when they have changed.
+    pub texts: Vec<(&'static str, String)>,
 }
 
 /// Rows of one time series; a row may hold several values, such as an interval's ends.

@@ -1,24 +1,31 @@
 //! Which views there are and how they lie: the first tab is readable at a glance.
 
 use rerun::RecordingStream;
-use rerun::blueprint::components::{LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
+use rerun::blueprint::components::{BackgroundKind, LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
 use rerun::blueprint::{
-    BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Tabs,
-    TextDocumentView, TimePanel, TimeSeriesView, Vertical,
+    BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView,
+    Spatial3DView, Tabs, TextDocumentView, TimePanel, TimeSeriesView, Vertical,
 };
 use rerun::components::Visible;
-use rerun::external::re_sdk_types::blueprint::archetypes::{PlotLegend, TimeAxis, VisibleTimeRanges, VisualBounds2D};
+use rerun::external::re_sdk_types::blueprint::archetypes::{
+    Background, EyeControls3D, LineGrid3D, PlotLegend, TimeAxis, VisibleTimeRanges, VisualBounds2D,
+};
 use rerun::external::re_sdk_types::blueprint::components as blueprint_components;
 use rerun::external::re_types_core::datatypes::{TimeRange, TimeRangeBoundary, VisibleTimeRange};
 
 use crate::drawing::TIMELINE;
 use crate::entities::{self, PARAMETERS};
 use crate::layout_properties::{self, Properties};
+use crate::palette::GROUND;
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH};
 use crate::scatter::Abscissa;
 
 /// What the live plots reach back, s.
 const LIVE_WINDOW_S: i64 = 10;
+/// From where the knob is looked at: from above and from the front.
+const EYE: [f32; 3] = [0.0, -1.9, 2.7];
+/// What of the knob is in the middle of the view.
+const LOOK_TARGET: [f32; 3] = [0.0, -0.12, 0.0];
 
 /// What is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,11 +65,12 @@ impl Subject {
 /// When rerun refuses a part of the layout.
 pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()> {
     let mut properties = Properties::default();
-    let overview = overview(&mut properties, subject);
+    let knob = knob(&mut properties, subject);
+    let signals = signals(&mut properties, subject);
     let tabs = match subject {
-        Subject::Live => Tabs::new([overview, parameters(&mut properties), timing_and_processes(&mut properties)]),
+        Subject::Live => Tabs::new([knob, signals, parameters(&mut properties), timing_and_processes(&mut properties)]),
         // The text tells the parameters; how the processes fared is not in the archive's columns.
-        Subject::Capture { .. } => Tabs::new([overview]),
+        Subject::Capture { .. } => Tabs::new([signals, knob]),
     };
     let blueprint = Blueprint::new(tabs)
         .with_auto_views(false)
@@ -78,7 +86,32 @@ pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()>
     layout_properties::send(recording, &blueprint, &properties)
 }
 
-fn overview(properties: &mut Properties, subject: Subject) -> ContainerLike {
+/// The knob itself, large, with its torque and its angle.
+fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
+    let title = "knob: green slips positive, rose slips negative, violet sticks; orange: detents of the model";
+    let space: ContainerLike = Spatial3DView::new(title).with_origin(entities::KNOB).into();
+    let from_above = EyeControls3D::new().with_position(EYE).with_look_target(LOOK_TARGET).with_eye_up([0.0, 0.0, 1.0]);
+    properties.of_view(&space, "EyeControls3D", from_above);
+    let ground = Background::new(BackgroundKind::SolidColor).with_color(GROUND.opaque());
+    properties.of_view(&space, "Background", ground);
+    properties.of_view(&space, "LineGrid3D", LineGrid3D::new().with_visible(Visible(false.into())));
+    let torque = torque_plot(properties, subject);
+    let angle = signal_plot(properties, subject, "angle_rad", &["angle_rad"]);
+    let mut columns = vec![space, Vertical::new([torque, angle]).into()];
+    let mut shares = vec![5.0, 4.0];
+    if subject == Subject::Live {
+        columns.push(TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT).into());
+        shares.push(3.5);
+    }
+    Horizontal::new(columns).with_column_shares(shares).with_name("Knob").into()
+}
+
+fn torque_plot(properties: &mut Properties, subject: Subject) -> ContainerLike {
+    let title = "torque_mnm (blue line), model_torque_mnm (orange dots)";
+    signal_plot(properties, subject, title, &["torque_mnm", "model_torque_mnm"])
+}
+
+fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let mut signals = Vec::new();
     let single = [("angle_rad", true), ("velocity_rad_s", subject.has_velocity())]
         .into_iter()
@@ -86,8 +119,7 @@ fn overview(properties: &mut Properties, subject: Subject) -> ContainerLike {
     for (field, _) in single.filter(|(_, is_there)| *is_there) {
         signals.push((3.0, signal_plot(properties, subject, field, &[field])));
     }
-    let title = "torque_mnm (blue line), model_torque_mnm (orange dots)";
-    signals.push((4.0, signal_plot(properties, subject, title, &["torque_mnm", "model_torque_mnm"])));
+    signals.push((4.0, torque_plot(properties, subject)));
     let (shares, signals): (Vec<f32>, Vec<ContainerLike>) = signals.into_iter().unzip();
 
     let mut plots = vec![plot(properties, Abscissa::Angle, subject)];
@@ -95,7 +127,7 @@ fn overview(properties: &mut Properties, subject: Subject) -> ContainerLike {
         plots.push(plot(properties, Abscissa::Velocity, subject));
     }
     let (tab, text) = match subject {
-        Subject::Live => ("Live", "run"),
+        Subject::Live => ("Signals and model", "run"),
         Subject::Capture { .. } => ("Capture", "capture"),
     };
     let summary = TextDocumentView::new(text).with_origin(entities::SUMMARY);
@@ -131,7 +163,11 @@ fn parameters(properties: &mut Properties) -> ContainerLike {
         let unit = PARAMETERS.iter().find(|(name, _)| *name == names[0]).map_or("", |(_, unit)| unit);
         series(properties, &format!("{title}, {unit}"), names.iter().map(|name| entities::parameter(name)), None)
     });
-    Grid::new(views).with_grid_columns(3).with_name("Parameters").into()
+    let text = TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT);
+    Horizontal::new([Grid::new(views).with_grid_columns(3).into(), text.into()])
+        .with_column_shares([7.4, 3.1])
+        .with_name("Parameters")
+        .into()
 }
 
 fn timing_and_processes(properties: &mut Properties) -> ContainerLike {
@@ -150,9 +186,12 @@ fn timing_and_processes(properties: &mut Properties) -> ContainerLike {
         let view = TimeSeriesView::new(title).with_origin(format!("health/{quantity}"));
         without_legend(properties, view.into())
     });
+    let processes = TextDocumentView::new("processes").with_origin(entities::PROCESSES_TEXT);
     Vertical::new([
         Horizontal::new([lateness, histogram]).with_column_shares([3.0, 2.0]).into(),
-        Grid::new(health).with_grid_columns(2).into(),
+        Horizontal::new([Grid::new(health).with_grid_columns(2).into(), processes.into()])
+            .with_column_shares([3.0, 2.0])
+            .into(),
     ])
     .with_row_shares([2.0, 3.0])
     .with_name("Timing and processes")

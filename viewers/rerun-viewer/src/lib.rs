@@ -10,8 +10,12 @@
 //!         polls      frames      oldest     may stall as it likes
 //! ```
 //!
+//! A page is served by [`page`] and reached through [`guard`], which lets go of whoever takes nothing; `docs/live-view.md`
+//! says what is to be seen.
+//!
 //! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
-//!   control loop never waits. A viewer started again receives the last seconds first.
+//!   control loop never waits. A viewer started again receives the last seconds first, at the ports that
+//!   it had ([`ports`]), and the page opens its stream again.
 //! - **When rerun stalls** the outbox drops the oldest frames and counts them; polling goes on.
 //! - **When the run ends** the page stays up until SIGTERM, so that one can look; a file is closed.
 //! - **SIGINT** is the supervisor's business and ignored, unless the operator has the viewer itself
@@ -29,17 +33,27 @@ pub mod consumers;
 pub mod decimation;
 pub mod diagnosis;
 pub mod drawing;
+pub mod enough;
 pub mod entities;
 pub mod extremes;
 pub mod frame;
+pub mod glance;
+pub mod guard;
+pub mod half_widths;
+pub mod knob_drawing;
+pub mod knob_track;
 pub mod layout;
 pub mod layout_properties;
 pub mod model_torque;
 pub mod outbox;
+pub mod page;
 pub mod palette;
 pub mod picture;
 pub mod plot_axes;
 pub mod plot_drawing;
+pub mod ports;
+pub mod process_conditions;
+pub mod remote;
 pub mod rendered;
 pub mod rig_source;
 pub mod scatter;
@@ -49,4 +63,5 @@ pub mod signals;
 pub mod source;
 pub mod summary;
 pub mod waiting_rows;
-pub mod web_page;
+#[cfg(test)]
+mod wedged_page;

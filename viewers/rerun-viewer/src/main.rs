@@ -12,9 +12,12 @@ use rerun_viewer::capture_source::CaptureSource;
 use rerun_viewer::cli::{Arguments, Command};
 use rerun_viewer::diagnosis;
 use rerun_viewer::frame::Frame;
+use rerun_viewer::glance::SharedGlance;
 use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
 use rerun_viewer::picture::Picture;
+use rerun_viewer::ports::{self, Ports};
+use rerun_viewer::remote::{self, Host};
 use rerun_viewer::rig_source::RigSource;
 use rerun_viewer::screen::{Destination, Screen};
 use rerun_viewer::source::Source;
@@ -54,14 +57,23 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     let destination = Destination::from_arguments(arguments)?;
     let ends_with_run = destination.ends_with_run();
     let exit_limit = destination.exit_limit();
-    let screen = Screen::open(destination, subject)?;
+    let glance = SharedGlance::default();
+    let screen = Screen::open(destination, subject, glance.clone())?;
     if let Some(place) = screen.place() {
         announce(&place, subject, in_foreground);
+    }
+    if let Some(ports) = screen.ports().filter(|_| arguments.remote) {
+        announce_tunnel(&remote::tunnel(ports, &Host::of_this_machine()), ports);
+    }
+    if let (Some(ports), false) = (screen.ports(), in_foreground)
+        && let Err(error) = ports::note(ports)
+    {
+        tracing::warn!("after a restart the live view may have another address: {error:#}");
     }
 
     let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
     let shown = screen.show_from(Arc::clone(&outbox))?;
-    follow(source, picture, &outbox, &stop, ends_with_run)?;
+    follow(source, picture, &outbox, &glance, &stop, ends_with_run)?;
     if in_foreground && subject == Subject::Live {
         // There is no supervisor to do it.
         shared_types::clean_up::clear_shared_memory()?;
@@ -105,6 +117,7 @@ fn follow(
     mut source: Box<dyn Source>,
     mut picture: Picture,
     outbox: &Outbox<Frame>,
+    glance: &SharedGlance,
     stop: &Stop,
     ends_with_run: bool,
 ) -> anyhow::Result<()> {
@@ -115,6 +128,7 @@ fn follow(
             source.poll(rate_hz.is_some(), &mut |event| picture.take_in(event))?;
             if Instant::now() >= next_frame {
                 next_frame = Instant::now() + FRAME_PERIOD;
+                glance.set(picture.glance(outbox.dropped()));
                 if let Some(frame) = picture.next_frame(outbox.dropped()) {
                     outbox.push(frame);
                 }
@@ -132,6 +146,13 @@ fn follow(
 #[allow(clippy::print_stderr, reason = "the last word of a process that ends")]
 fn complain(error: &anyhow::Error) {
     eprintln!("rerun-viewer: {error:#}");
+}
+
+/// Tells the operator how to look from elsewhere.
+#[allow(clippy::print_stdout, reason = "what was asked for with --remote")]
+fn announce_tunnel(command: &str, ports: Ports) {
+    println!("on the other machine: {command}");
+    println!("then open there:      http://127.0.0.1:{}/", ports.web);
 }
 
 /// Tells the operator where to look: the only line on standard output.

@@ -8,10 +8,14 @@
 //! no torque for turning in its direction. On a rig the torque sensor also bears the gripper and has
 //! a zero of its own, see [`KnobModel::on_rig`].
 
+use std::f64::consts::{PI, TAU};
+
 use dynamics::Calibration;
 use shared_types::{Estimate, FitUpdate, Verdict};
 
+use crate::enough;
 use crate::entities::PARAMETERS;
+use crate::half_widths::HalfWidths;
 
 /// Equation 1 with the parameters of one fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +27,7 @@ pub struct KnobModel {
     detent: Option<Detent>,
     /// What the torque sensor reads with nothing attached, mNm.
     zero_mnm: f64,
+    half_widths: HalfWidths,
 }
 
 /// Friction in one direction of turning.
@@ -46,7 +51,11 @@ impl KnobModel {
     pub fn from_fit(fit: &FitUpdate) -> Option<Self> {
         let estimates = fit.estimates();
         let value = |name: &str| estimates.iter().find(|(known, _)| *known == name).and_then(|(_, found)| told(found));
-        Self::from_told(value)
+        let half_width = |name: &str| {
+            let (_, estimate) = estimates.iter().find(|(known, _)| *known == name)?;
+            told(estimate).map(|_| enough::half_width(estimate))
+        };
+        Self::from_told(value).map(|model| model.with_half_widths(half_width))
     }
 
     /// The model of the parameters that `told` has a value for, by their standard names; `None` if it has none.
@@ -64,7 +73,14 @@ impl KnobModel {
             positive: friction("coulomb_positive", "viscous_positive"),
             detent,
             zero_mnm: 0.0,
+            half_widths: HalfWidths::default(),
         })
+    }
+
+    /// The model with the half widths of its parameters' 95 % intervals, by their standard names.
+    #[must_use]
+    pub fn with_half_widths(self, told: impl Fn(&str) -> Option<f64>) -> Self {
+        Self { half_widths: HalfWidths::from_told(told), ..self }
     }
 
     /// The model as the rig's torque sensor reads it: with the gripper and the sensor's zero.
@@ -111,6 +127,39 @@ impl KnobModel {
         self.detent.map_or(0.0, |Detent { amplitude, period, phase }| amplitude * (angle_rad / period + phase).sin())
     }
 
+    /// Half of the 95 % interval of the friction torque, mNm.
+    pub fn friction_half_width_mnm(&self, velocity_rad_s: f64) -> f64 {
+        self.half_widths.friction_mnm(velocity_rad_s)
+    }
+
+    /// Half of the 95 % interval of friction and detents together, mNm.
+    pub fn half_width_mnm(&self, angle_rad: f64, velocity_rad_s: f64) -> f64 {
+        let detent = self.detent.map_or(0.0, |Detent { amplitude, period, phase }| {
+            self.half_widths.detent_mnm([amplitude, period, phase], angle_rad)
+        });
+        self.friction_half_width_mnm(velocity_rad_s).hypot(detent)
+    }
+
+    /// How deep in a detent an angle is: 1 where the knob rests by itself, −1 between two detents, 0 without detents.
+    pub fn detent_depth(&self, angle_rad: f64) -> f64 {
+        self.detent.map_or(0.0, |Detent { amplitude, period, phase }| {
+            // The torque turns positive where its integral, the energy, is least.
+            (amplitude * period).signum() * (angle_rad / period + phase).cos()
+        })
+    }
+
+    /// Angles from `low_rad` to `high_rad` at which the knob rests by itself.
+    #[allow(clippy::cast_possible_truncation, reason = "angles are a few turns")]
+    pub fn stable_angles_rad(&self, low_rad: f64, high_rad: f64) -> Vec<f64> {
+        let Some(Detent { amplitude, period, phase }) = self.detent else { return Vec::new() };
+        let offset = if amplitude * period > 0.0 { 0.0 } else { PI };
+        let number = |angle: f64| (angle / period + phase - offset) / TAU;
+        let (first, last) = (number(low_rad).min(number(high_rad)), number(low_rad).max(number(high_rad)));
+        (first.ceil() as i64..=last.floor() as i64)
+            .map(|number| period * (TAU * number as f64 + offset - phase))
+            .collect()
+    }
+
     /// Largest detent torque, mNm.
     pub fn detent_amplitude_mnm(&self) -> f64 {
         self.detent.map_or(0.0, |detent| detent.amplitude.abs())
@@ -118,7 +167,7 @@ impl KnobModel {
 
     /// Angle from detent to detent, rad.
     pub fn detent_spacing_rad(&self) -> Option<f64> {
-        self.detent.map(|detent| std::f64::consts::TAU * detent.period.abs())
+        self.detent.map(|detent| TAU * detent.period.abs())
     }
 }
 

@@ -10,6 +10,12 @@ pub const MODEL: Rgb = Rgb(240, 134, 10);
 pub const NEGATIVE: Rgb = Rgb(220, 80, 115);
 /// Turning towards positive angle, and the recorder.
 pub const POSITIVE: Rgb = Rgb(52, 168, 96);
+/// A knob at rest, held by static friction.
+pub const STICKING: Rgb = Rgb(150, 110, 235);
+/// Behind the knob, in light and dark themes alike.
+pub const GROUND: Rgb = Rgb(22, 26, 30);
+/// The pointer on the knob.
+pub const WHITE: Rgb = Rgb(245, 247, 248);
 /// Axes and their labels.
 pub const NEUTRAL: Rgb = Rgb(128, 134, 140);
 

@@ -9,13 +9,15 @@ use crate::consumers::Consumers;
 use crate::decimation::{Decimator, Keep};
 use crate::entities::{self, HEALTH};
 use crate::frame::{Frame, Lateness, SeriesRows};
+use crate::glance::Glance;
+use crate::knob_track::KnobTrack;
 use crate::model_torque::{KnobModel, told};
 use crate::rendered::RenderedModel;
 use crate::scatter::{Abscissa, Scatter, ScatterPoint};
 use crate::signals::Signals;
 use crate::source::{Event, Reading};
-use crate::summary;
 use crate::waiting_rows::WaitingRows;
+use crate::{enough, process_conditions, summary};
 
 /// Bin of the lateness, of which only the largest stays.
 const LATENESS_BIN_NS: i64 = 20_000_000;
@@ -29,13 +31,18 @@ const WHOLE_SCATTER_POINTS: usize = 8_000;
 const CAPTURE_RUN: u64 = 0;
 /// How often the x-y plots get their new points. A browser pays for each message, not for each
 /// point: without a graphics card it takes in some forty a second, and falls behind if more come.
-const PLOT_PERIOD: Duration = Duration::from_millis(500);
-/// How often the curves, the text and the points of the other tabs are renewed.
-const SLOW_PERIOD: Duration = Duration::from_millis(1_000);
+const PLOT_PERIOD: Duration = Duration::from_millis(1_000);
+/// How often the signals get their new points, for the same reason; the knob itself is turned with every frame.
+const SIGNALS_PERIOD: Duration = Duration::from_millis(500);
+/// How often the curves and the texts are renewed.
+const SLOW_PERIOD: Duration = Duration::from_millis(2_500);
 /// Slow periods that the extremes in the text look back: 10 s, as the plots do.
-const EXTREMES_KEPT: usize = 10;
+const EXTREMES_KEPT: usize = 4;
+/// How often what has not changed is shown again: what is kept for a page that is opened late may begin later than the
+/// last change.
+const REDRAW_PERIOD: Duration = Duration::from_secs(20);
 /// How often the other tabs are sent their points.
-const TABS_PERIOD: Duration = Duration::from_millis(3_000);
+const TABS_PERIOD: Duration = Duration::from_millis(5_000);
 
 /// Gathers events and gives frames.
 #[derive(Debug)]
@@ -60,7 +67,11 @@ pub struct Picture {
     newest: Option<Newest>,
     histogram_shown: Option<Lateness>,
     text: Option<String>,
-    summary_shown: String,
+    texts_shown: [String; 3],
+    knob: KnobTrack,
+    newest_reading: Option<Reading>,
+    next_signals: Instant,
+    next_redraw: Instant,
     next_plot: Instant,
     next_slow: Instant,
     next_tabs: Instant,
@@ -97,7 +108,11 @@ impl Default for Picture {
             newest: None,
             histogram_shown: None,
             text: None,
-            summary_shown: String::new(),
+            texts_shown: Default::default(),
+            knob: KnobTrack::default(),
+            newest_reading: None,
+            next_signals: Instant::now(),
+            next_redraw: Instant::now(),
             next_plot: Instant::now(),
             next_slow: Instant::now(),
             next_tabs: Instant::now(),
@@ -205,7 +220,9 @@ impl Picture {
         let is_rendered = self.description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some());
         let torque_mnm = if is_rendered { -torque_mnm } else { torque_mnm };
         let turning_positive = velocity_rad_s > 0.0;
-        let reading = Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, turning_positive };
+        let stuck = is_rendered.then_some(sample.flags & Sample::STUCK != 0);
+        let reading =
+            Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, turning_positive, stuck };
         self.take_in_reading(&reading, SCATTER_RATE_HZ / rate_hz);
         if let Some(model) = self.model {
             let known = self.calibration.as_ref();
@@ -220,6 +237,8 @@ impl Picture {
 
     fn take_in_reading(&mut self, reading: &Reading, scatter_share: f64) {
         self.signals.push(reading);
+        self.knob.push(reading);
+        self.newest_reading = Some(*reading);
         self.scatter_phase += scatter_share;
         if self.scatter_phase >= 1.0 {
             self.scatter_phase = self.scatter_phase.fract();
@@ -266,22 +285,28 @@ impl Picture {
         let mut frame = Frame {
             run_id,
             time_ns: self.newest.map_or(0, |newest| newest.time_ns),
-            series: self.signals.take_rows(),
+            series: Vec::new(),
             plots: Vec::new(),
             lateness: None,
-            summary: None,
+            knob: None,
+            texts: Vec::new(),
         };
+        if is_due(&mut self.next_signals, now, SIGNALS_PERIOD) || finished {
+            frame.series = self.signals.take_rows();
+        }
+        if is_due(&mut self.next_redraw, now, REDRAW_PERIOD) {
+            self.knob.show_again();
+            self.texts_shown = Default::default();
+            self.histogram_shown = None;
+        }
+        let fresh_model = self.model.filter(|_| slow && self.fit_is_new);
+        frame.knob = self.knob.update(fresh_model.as_ref());
         if is_due(&mut self.next_plot, now, PLOT_PERIOD) || finished {
-            let model = self.model.filter(|_| slow && self.fit_is_new);
-            frame.plots = self.scatters.iter_mut().filter_map(|plot| plot.update(model.as_ref())).collect();
+            frame.plots = self.scatters.iter_mut().filter_map(|plot| plot.update(fresh_model.as_ref())).collect();
         }
         if slow {
             self.keep_parameters();
-            let summary = self.summary(frames_dropped);
-            if summary != self.summary_shown {
-                self.summary_shown.clone_from(&summary);
-                frame.summary = Some(summary);
-            }
+            frame.texts = self.fresh_texts(frames_dropped);
             self.signals.step_extremes();
         }
         if is_due(&mut self.next_tabs, now, TABS_PERIOD) || finished {
@@ -320,11 +345,34 @@ impl Picture {
         }
     }
 
-    fn summary(&self, frames_dropped: u64) -> String {
-        if let Some(text) = &self.text {
-            return text.clone();
+    /// The texts that have changed since they were shown.
+    fn fresh_texts(&mut self, frames_dropped: u64) -> Vec<(&'static str, String)> {
+        let texts = match &self.text {
+            Some(text) => [text.clone(), String::new(), String::new()],
+            None => {
+                let facts = self.facts(frames_dropped);
+                [summary::markdown(&facts), summary::parameters(&facts), process_conditions::markdown(&facts)]
+            }
+        };
+        let entities = [entities::SUMMARY, entities::PARAMETERS_TEXT, entities::PROCESSES_TEXT];
+        let mut fresh = Vec::new();
+        for ((entity, text), shown) in entities.into_iter().zip(texts).zip(&mut self.texts_shown) {
+            if text != *shown {
+                shown.clone_from(&text);
+                fresh.push((entity, text));
+            }
         }
-        summary::markdown(&summary::Facts {
+        fresh
+    }
+
+    /// What is to be read from two metres.
+    pub fn glance(&self, frames_dropped: u64) -> Glance {
+        let recording = self.run_id.map(entities::recording);
+        Glance::of(&self.facts(frames_dropped), recording, self.finished())
+    }
+
+    fn facts(&self, frames_dropped: u64) -> summary::Facts<'_> {
+        summary::Facts {
             description: self.description.as_ref(),
             status: self.status.as_ref(),
             source_gone: self.source_gone,
@@ -334,7 +382,11 @@ impl Picture {
             consumers: &self.consumers,
             time_s: self.newest.map(|newest| seconds(newest.time_ns)),
             frames_dropped,
-        })
+            newest: self.newest_reading,
+            motion: self.knob.motion(),
+            torque_step_mnm: self.calibration.as_ref().map_or(enough::TORQUE_STEP_MNM, |known| known.torque_step_mnm),
+            now_ns: shared_types::rig::monotonic_time_ns(),
+        }
     }
 }
 
@@ -436,7 +488,7 @@ mod tests {
         picture.take_in(Event::Status(&LoopStatus { finished: 1, ..status(7) }));
         let last = picture.next_frame(0).unwrap();
         assert_eq!(rows(&last, "signals/angle_rad").unwrap().times_ns.last(), Some(&999_900_000));
-        assert!(last.summary.is_some());
+        assert_eq!(last.texts.len(), 3);
         assert!(picture.next_frame(0).is_none());
         picture.take_in(Event::Status(&status(8)));
         assert!(picture.next_frame(0).is_some());
@@ -452,6 +504,7 @@ mod tests {
                 acceleration_rad_s2: f64::NAN,
                 torque_mnm: 1.0,
                 turning_positive: true,
+                stuck: None,
             })
             .collect();
         let mut picture = Picture::of_capture(readings.len());
@@ -465,8 +518,9 @@ mod tests {
         assert_eq!(angle.values.iter().filter(|value| **value == 7.0).count(), 2);
         assert!(rows(&frame, "signals/velocity_rad_s").is_none());
         assert!(frame.plots[0].points.len() > WHOLE_SCATTER_POINTS * 9 / 10);
-        assert!(frame.plots[0].curves.is_some());
-        assert_eq!(frame.summary.as_deref(), Some("# a capture"));
+        assert!(frame.plots[0].model.is_some());
+        assert!(frame.knob.is_some());
+        assert_eq!(frame.texts, [(entities::SUMMARY, "# a capture".to_owned())]);
         assert!(picture.finished() && picture.next_frame(0).is_none());
     }
 

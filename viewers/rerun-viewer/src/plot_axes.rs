@@ -92,7 +92,7 @@ impl PlotAxes {
 }
 
 /// The smallest of 1, 2, 5 times a power of ten that is not below `least`.
-fn round_step(least: f64) -> f64 {
+pub fn round_step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
     let [one, two, five] = [1.0, 2.0, 5.0].map(|factor| factor * power);
     // The tolerance keeps 0.2 a step for a span of exactly 1.2.

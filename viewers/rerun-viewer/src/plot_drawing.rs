@@ -5,9 +5,12 @@ use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResu
 use crate::entities;
 use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE};
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH, PlotAxes};
-use crate::scatter::{Abscissa, PlotUpdate};
+use crate::scatter::{Abscissa, ModelCurves, PlotUpdate};
 
 /// Draws plots and remembers which axes they have: axes are drawn again only when they change.
+///
+/// Axes belong to no time: a page that is opened late is given them before anything else, and whoever looks back sees
+/// the past in the present axes.
 #[derive(Debug, Default)]
 pub struct PlotPen {
     drawn: Vec<(Abscissa, PlotAxes)>,
@@ -29,7 +32,7 @@ impl PlotPen {
         if !plot.points.is_empty() {
             draw_points(recording, &root, plot)?;
         }
-        plot.curves.as_ref().map_or(Ok(()), |curves| draw_curves(recording, &root, curves))
+        plot.model.as_ref().map_or(Ok(()), |model| draw_model(recording, &root, model))
     }
 }
 
@@ -44,14 +47,28 @@ fn draw_points(recording: &RecordingStream, root: &str, plot: &PlotUpdate) -> Re
     )
 }
 
-fn draw_curves(recording: &RecordingStream, root: &str, curves: &[Vec<[f64; 2]>]) -> RecordingStreamResult<()> {
-    let strips = curves.iter().map(|curve| curve.iter().map(|point| point.map(single)).collect::<Vec<_>>());
+/// The model as thick lines, the ends of its interval as thin ones, and the interval in figures.
+fn draw_model(recording: &RecordingStream, root: &str, model: &ModelCurves) -> RecordingStreamResult<()> {
+    for (name, curves, radius, order) in
+        [("model", &model.curves, 1.3, 20.0), ("model_ci95", &model.borders, 0.5, 19.0)]
+    {
+        let strips = curves.iter().map(|curve| curve.iter().map(|point| point.map(single)).collect::<Vec<_>>());
+        recording.log(
+            format!("{root}/quantities/{name}"),
+            &LineStrips2D::new(strips)
+                .with_colors([MODEL.opaque()])
+                .with_radii([Radius::new_ui_points(radius)])
+                .with_draw_order(order),
+        )?;
+    }
+    let label = model.half_width_mnm.map(|half_width| format!("model ± {half_width:.3} mNm (95 %)"));
     recording.log(
-        format!("{root}/quantities/model"),
-        &LineStrips2D::new(strips)
+        format!("{root}/model_label"),
+        &Points2D::new([[0.82 * single(BOX_WIDTH), -0.095 * single(BOX_HEIGHT)]])
+            .with_labels(label)
+            .with_show_labels(true)
             .with_colors([MODEL.opaque()])
-            .with_radii([Radius::new_ui_points(1.1)])
-            .with_draw_order(20.0),
+            .with_radii([Radius::new_ui_points(0.0)]),
     )
 }
 
@@ -68,7 +85,7 @@ fn draw_axes(
 
     let verticals = x_ticks.iter().map(|(value, _)| vec![[x_at(*value), 0.0], [x_at(*value), height]]);
     let horizontals = y_ticks.iter().map(|(value, _)| vec![[0.0, y_at(*value)], [width, y_at(*value)]]);
-    recording.log(
+    recording.log_static(
         format!("{root}/grid"),
         &LineStrips2D::new(verticals.chain(horizontals).collect::<Vec<_>>())
             // Thin rather than translucent: rerun draws a translucent line black where it fills a pixel.
@@ -76,7 +93,7 @@ fn draw_axes(
             .with_radii([Radius::new_ui_points(0.3)])
             .with_draw_order(0.0),
     )?;
-    recording.log(
+    recording.log_static(
         format!("{root}/frame"),
         &LineStrips2D::new([[[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]]])
             .with_colors([NEUTRAL.opaque()])
@@ -91,7 +108,7 @@ fn draw_axes(
         ([0.0, -0.095 * height], "torque_mnm".to_owned()),
     ];
     let (places, labels): (Vec<[f32; 2]>, Vec<String>) = x_labels.chain(y_labels).chain(titles).unzip();
-    recording.log(
+    recording.log_static(
         format!("{root}/labels"),
         &Points2D::new(places)
             .with_labels(labels)
@@ -102,7 +119,7 @@ fn draw_axes(
 
     // Points stay in their own quantities: when the axes change, only this transform does.
     let ([scale_x, scale_y], [offset_x, offset_y]) = (axes.scale(), axes.offset());
-    recording.log(
+    recording.log_static(
         format!("{root}/quantities"),
         &Transform3D::from_translation_scale(
             [single(offset_x), single(offset_y), 0.0],

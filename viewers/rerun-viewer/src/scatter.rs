@@ -51,9 +51,23 @@ pub struct PlotUpdate {
     pub points: Vec<ScatterPoint>,
     /// Axes that hold the newest points.
     pub axes: PlotAxes,
-    /// The model's curves as (x, torque), when it is their turn.
-    pub curves: Option<Vec<Vec<[f64; 2]>>>,
+    /// The model, when it is its turn.
+    pub model: Option<ModelCurves>,
 }
+
+/// The model in a plot: curves as (x, torque).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelCurves {
+    /// The model itself.
+    pub curves: Vec<Curve>,
+    /// Lower and upper ends of its 95 % interval.
+    pub borders: Vec<Curve>,
+    /// Mean half width of the interval, mNm; `None` where nothing can be told.
+    pub half_width_mnm: Option<f64>,
+}
+
+/// Points as (x, torque).
+pub type Curve = Vec<[f64; 2]>;
 
 /// Gathers one plot.
 #[derive(Clone, Debug)]
@@ -98,46 +112,75 @@ impl Scatter {
             None => PlotAxes { x: Axis::around(x.0, x.1), y: Axis::around(y.0, y.1) },
         };
         self.axes = Some(axes.clone());
-        let curves = model.map(|model| {
-            let mut curves = match self.abscissa {
+        let model = model.map(|model| {
+            let mut drawn = match self.abscissa {
                 Abscissa::Angle => torque_over_angle(model, x),
                 Abscissa::Velocity => torque_over_velocity(model, x),
             };
-            // A direction whose friction cannot be told has no curve.
-            curves.retain(|curve| curve.iter().all(|point| point[1].is_finite()));
-            // A model that is far off runs along the frame, not across the neighbouring views.
-            curves.iter_mut().flatten().for_each(|point| point[1] = point[1].clamp(axes.y.low, axes.y.high));
-            curves
+            for curves in [&mut drawn.curves, &mut drawn.borders] {
+                // A direction whose friction cannot be told has no curve.
+                curves.retain(|curve| curve.iter().all(|point| point[1].is_finite()));
+                // A model that is far off runs along the frame, not across the neighbouring views.
+                curves.iter_mut().flatten().for_each(|point| point[1] = point[1].clamp(axes.y.low, axes.y.high));
+            }
+            drawn
         });
-        Some(PlotUpdate { abscissa: self.abscissa, points: std::mem::take(&mut self.fresh), axes, curves })
+        Some(PlotUpdate { abscissa: self.abscissa, points: std::mem::take(&mut self.fresh), axes, model })
     }
 }
 
 /// Two curves: the knob turning slowly either way, without inertia.
-fn torque_over_angle(model: &KnobModel, (low, high): (f64, f64)) -> Vec<Vec<[f64; 2]>> {
+fn torque_over_angle(model: &KnobModel, (low, high): (f64, f64)) -> ModelCurves {
     let points = model.detent_spacing_rad().map_or(CURVE_POINTS, |spacing| {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded just here")]
         let resolving = (POINTS_PER_DETENT * (high - low) / spacing).min(MAX_CURVE_POINTS) as usize;
         resolving.max(CURVE_POINTS)
     });
-    [-f64::MIN_POSITIVE, f64::MIN_POSITIVE]
-        .map(|slowly| curve(low, high, points, |angle| model.torque_mnm(angle, slowly, 0.0)))
-        .into()
+    let mut drawn = ModelCurves::default();
+    for slowly in [-f64::MIN_POSITIVE, f64::MIN_POSITIVE] {
+        let torque_mnm = |angle: f64| model.torque_mnm(angle, slowly, 0.0);
+        drawn.add(curve(low, high, points, torque_mnm), |angle| model.half_width_mnm(angle, slowly));
+    }
+    drawn
 }
 
 /// Friction in either direction, and above and below it the detents' amplitude.
-fn torque_over_velocity(model: &KnobModel, (low, high): (f64, f64)) -> Vec<Vec<[f64; 2]>> {
+fn torque_over_velocity(model: &KnobModel, (low, high): (f64, f64)) -> ModelCurves {
     let amplitude = model.detent_amplitude_mnm();
     let bands = if amplitude > 0.0 { vec![0.0, amplitude, -amplitude] } else { vec![0.0] };
-    let mut curves = Vec::new();
+    let mut drawn = ModelCurves::default();
     for band in bands {
         for (from, to) in [(low, -f64::MIN_POSITIVE), (f64::MIN_POSITIVE, high)] {
             if from < to {
-                curves.push(curve(from, to, 2, |velocity| model.zero_mnm() + model.friction_mnm(velocity) + band));
+                let friction = curve(from, to, 2, |velocity| model.zero_mnm() + model.friction_mnm(velocity) + band);
+                if band == 0.0 {
+                    drawn.add(friction, |velocity| model.friction_half_width_mnm(velocity));
+                } else {
+                    drawn.curves.push(friction);
+                }
             }
         }
     }
-    curves
+    drawn
+}
+
+impl ModelCurves {
+    /// Adds a curve with its interval, unless its torque cannot be told.
+    fn add(&mut self, curve: Curve, half_width_mnm: impl Fn(f64) -> f64) {
+        if curve.iter().any(|point| !point[1].is_finite()) {
+            return;
+        }
+        let half_widths: Vec<f64> = curve.iter().map(|point| half_width_mnm(point[0])).collect();
+        for side in [-1.0, 1.0] {
+            let border = curve.iter().zip(&half_widths).map(|([x, torque], half)| [*x, torque + side * half]);
+            self.borders.push(border.collect());
+        }
+        #[allow(clippy::cast_precision_loss, reason = "a few thousand points")]
+        let mean = half_widths.iter().sum::<f64>() / half_widths.len() as f64;
+        // The wider direction speaks for both.
+        self.half_width_mnm = Some(self.half_width_mnm.map_or(mean, |other| other.max(mean)));
+        self.curves.push(curve);
+    }
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a few thousand points")]
@@ -174,7 +217,13 @@ mod tests {
     }
 
     fn coulomb_model(coulomb: f64) -> KnobModel {
-        let enough = |value| Estimate { value, verdict: Verdict::Enough.code(), ..Estimate::default() };
+        let enough = |value| Estimate {
+            value,
+            ci95_low: value,
+            ci95_high: value,
+            verdict: Verdict::Enough.code(),
+            ..Estimate::default()
+        };
         let fit =
             FitUpdate { coulomb_negative: enough(coulomb), coulomb_positive: enough(coulomb), ..FitUpdate::default() };
         KnobModel::from_fit(&fit).unwrap()
@@ -201,9 +250,13 @@ mod tests {
     fn coulomb_friction_is_a_step_over_velocity_and_two_lines_over_angle() {
         let model = coulomb_model(2.5);
         let over_velocity = torque_over_velocity(&model, (-3.0, 4.0));
-        assert_eq!(over_velocity, [[[-3.0, -2.5], [-f64::MIN_POSITIVE, -2.5]], [[f64::MIN_POSITIVE, 2.5], [4.0, 2.5]]]);
+        assert_eq!(
+            over_velocity.curves,
+            [[[-3.0, -2.5], [-f64::MIN_POSITIVE, -2.5]], [[f64::MIN_POSITIVE, 2.5], [4.0, 2.5]]]
+        );
         let over_angle = torque_over_angle(&model, (-1.0, 1.0));
-        assert!(over_angle[0].iter().all(|point| point[1] == -2.5));
-        assert!(over_angle[1].iter().all(|point| point[1] == 2.5));
+        assert!(over_angle.curves[0].iter().all(|point| point[1] == -2.5));
+        assert!(over_angle.curves[1].iter().all(|point| point[1] == 2.5));
+        assert_eq!(over_angle.half_width_mnm, Some(0.0));
     }
 }

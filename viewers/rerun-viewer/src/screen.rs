@@ -4,7 +4,7 @@
 //! else waits. Each run is a recording of its own. rerun's client never connects again by itself,
 //! so when its window is gone the screen looks for a new one and begins there afresh.
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,15 +13,18 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, anyhow, bail};
 use rerun::sink::{CallbackSink, GrpcSink, GrpcSinkConnectionState};
-use rerun::web_viewer::WebViewerConfig;
-use rerun::{MemoryLimit, RecordingStream, RecordingStreamBuilder, ServerOptions, SpawnError, SpawnOptions};
+use rerun::{
+    MemoryLimit, PlaybackBehavior, RecordingStream, RecordingStreamBuilder, ServerOptions, SpawnError, SpawnOptions,
+};
 
 use crate::cli::Arguments;
 use crate::drawing::Pen;
 use crate::frame::Frame;
+use crate::glance::SharedGlance;
 use crate::layout::Subject;
-use crate::outbox::{Outbox, Taken};
-use crate::{layout, web_page};
+use crate::outbox::{self, Outbox};
+use crate::ports::{self, Ports, Taken};
+use crate::{entities, guard, layout, page};
 
 /// Name under which rerun keeps the layout.
 const APPLICATION: &str = "haptic-camera";
@@ -31,18 +34,22 @@ const CONNECTION_CHECK: Duration = Duration::from_millis(500);
 const CONNECT_LIMIT: Duration = Duration::from_millis(200);
 
 /// Where to show.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub enum Destination {
     /// A web page and the stream that it reads.
     Web {
         /// Address of both.
         bind: IpAddr,
-        /// Port of the page.
-        web_port: u16,
-        /// Port of the stream.
-        grpc_port: u16,
+        /// Ports of both.
+        ports: Ports,
+        /// The same ports, taken, until the servers are connected to them.
+        taken: Option<Taken>,
+        /// Port at the loopback address at which rerun serves its stream to the guard.
+        inner_port: u16,
         /// What is kept for a page opened later.
         memory_limit: MemoryLimit,
+        /// How long a page may take nothing before it loses its connection.
+        patience: Duration,
     },
     /// rerun's own window on this machine.
     Native {
@@ -61,7 +68,7 @@ impl Destination {
     /// # Errors
     /// When no port is free.
     pub fn from_arguments(arguments: &Arguments) -> anyhow::Result<Self> {
-        let Arguments { native, save, bind, web_port, grpc_port, memory_limit, .. } = arguments;
+        let Arguments { native, save, bind, web_port, grpc_port, memory_limit, restarts, .. } = arguments;
         let memory_limit = *memory_limit;
         if let Some(path) = save {
             return Ok(Self::File(path.clone()));
@@ -69,9 +76,12 @@ impl Destination {
         if *native {
             return Ok(Self::Native { grpc_port: *grpc_port, memory_limit });
         }
-        let grpc_port = web_page::free_port(*bind, *grpc_port, None)?;
-        let web_port = web_page::free_port(*bind, *web_port, Some(grpc_port))?;
-        Ok(Self::Web { bind: *bind, web_port, grpc_port, memory_limit })
+        let taken = ports::take(*bind, Ports { web: *web_port, stream: *grpc_port }, *restarts)?;
+        let ports = taken.numbers()?;
+        // A free one, which rerun can only be told by its number.
+        let inner_port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
+        let patience = guard::PATIENCE;
+        Ok(Self::Web { bind: *bind, ports, taken: Some(taken), inner_port, memory_limit, patience })
     }
 
     /// Whether there is nothing left to do when the run has ended.
@@ -105,20 +115,18 @@ impl Screen {
     ///
     /// # Errors
     /// When a port, the `rerun` program or the file is not to be had.
-    pub fn open(destination: Destination, subject: Subject) -> anyhow::Result<Self> {
-        if let Destination::Web { bind, web_port, .. } = &destination {
-            let page = WebViewerConfig {
-                bind_ip: bind.to_string(),
-                web_port: (*web_port).into(),
-                open_browser: false,
-                ..WebViewerConfig::default()
-            };
-            rerun::serve_web_viewer(page).context("the web page cannot be served")?.detach();
-        }
+    pub fn open(mut destination: Destination, subject: Subject, glance: SharedGlance) -> anyhow::Result<Self> {
         if let Destination::Native { grpc_port, memory_limit } = &destination {
             open_window(*grpc_port, *memory_limit)?;
         }
         let carrier = carrier(&destination, subject)?;
+        if let Destination::Web { ports, taken, inner_port, patience, .. } = &mut destination
+            && let Some(Taken { web, stream }) = taken.take()
+        {
+            let page = page::serve(ports.stream, glance).context("the web page cannot be served")?;
+            guard::forward(web, page, *patience)?;
+            guard::forward(stream, (Ipv4Addr::LOCALHOST, *inner_port).into(), *patience)?;
+        }
         Ok(Self {
             destination,
             subject,
@@ -129,10 +137,18 @@ impl Screen {
         })
     }
 
+    /// The ports of the web page, if it is one.
+    pub const fn ports(&self) -> Option<Ports> {
+        match &self.destination {
+            Destination::Web { ports, .. } => Some(*ports),
+            Destination::Native { .. } | Destination::File(_) => None,
+        }
+    }
+
     /// What the operator is told to look at.
     pub fn place(&self) -> Option<String> {
         match &self.destination {
-            Destination::Web { bind, web_port, grpc_port, .. } => Some(web_page::address(*bind, *web_port, *grpc_port)),
+            Destination::Web { bind, ports, .. } => Some(address(*bind, ports.web)),
             Destination::Native { .. } | Destination::File(_) => None,
         }
     }
@@ -148,9 +164,9 @@ impl Screen {
         let show = move || {
             loop {
                 match outbox.take(CONNECTION_CHECK) {
-                    Taken::Item(frame) => self.show(&frame, &outbox),
-                    Taken::Nothing => {}
-                    Taken::Closed => break,
+                    outbox::Taken::Item(frame) => self.show(&frame, &outbox),
+                    outbox::Taken::Nothing => {}
+                    outbox::Taken::Closed => break,
                 }
                 self.look_after_window();
             }
@@ -176,8 +192,9 @@ impl Screen {
     fn pen_of(&mut self, run_id: u64) -> anyhow::Result<&mut Pen> {
         let pen = match self.shown.take() {
             Some((shown, pen)) if shown == run_id => pen,
-            Some(_) => Pen::new(further_recording(&self.carrier)?)?,
-            None => Pen::new(self.carrier.clone())?,
+            // A file and a window begin with the run itself.
+            None if !matches!(self.destination, Destination::Web { .. }) => Pen::new(self.carrier.clone())?,
+            _ => Pen::new(recording_of(run_id, &self.carrier)?)?,
         };
         Ok(&mut self.shown.insert((run_id, pen)).1)
     }
@@ -220,13 +237,18 @@ impl Screen {
 fn carrier(destination: &Destination, subject: Subject) -> anyhow::Result<RecordingStream> {
     let builder = RecordingStreamBuilder::new(APPLICATION);
     let recording = match destination {
-        Destination::Web { bind, grpc_port, memory_limit, .. } => {
-            let mut options = ServerOptions { memory_limit: *memory_limit, ..ServerOptions::default() };
+        Destination::Web { bind, inner_port, memory_limit, .. } => {
+            let mut options = ServerOptions {
+                memory_limit: *memory_limit,
+                // A page that is opened or behind shows the present first; the past comes as there is time for it.
+                playback_behavior: PlaybackBehavior::NewestFirst,
+                ..ServerOptions::default()
+            };
             if !bind.is_loopback() {
                 // Whoever serves to a network means pages from other hosts to read the stream.
                 options.cors_allowed_origins.push("*".to_owned());
             }
-            builder.serve_grpc_opts(bind.to_string(), *grpc_port, options)?
+            builder.serve_grpc_opts(Ipv4Addr::LOCALHOST.to_string(), *inner_port, options)?
         }
         Destination::Native { grpc_port, .. } => {
             builder.connect_grpc_opts(format!("rerun+http://127.0.0.1:{grpc_port}/proxy"))?
@@ -240,14 +262,21 @@ fn carrier(destination: &Destination, subject: Subject) -> anyhow::Result<Record
     Ok(recording)
 }
 
-/// A recording for a further run, which goes the carrier's way.
-fn further_recording(carrier: &RecordingStream) -> anyhow::Result<RecordingStream> {
-    let recording = RecordingStreamBuilder::new(APPLICATION).buffered()?;
+/// The recording of a run, which goes the carrier's way. Its name is the run's: what a viewer that was started again
+/// shows joins what a page has already.
+fn recording_of(run_id: u64, carrier: &RecordingStream) -> anyhow::Result<RecordingStream> {
+    let recording = RecordingStreamBuilder::new(APPLICATION).recording_id(entities::recording(run_id)).buffered()?;
     let carrier = carrier.clone();
     recording.set_sink(Box::new(CallbackSink::new(move |messages| {
         messages.iter().for_each(|message| carrier.record_msg(message.clone()));
     })));
     Ok(recording)
+}
+
+/// What a browser on this machine is given.
+fn address(bind: IpAddr, web_port: u16) -> String {
+    let host = if bind.is_unspecified() { IpAddr::V4(Ipv4Addr::LOCALHOST) } else { bind };
+    format!("http://{}/", SocketAddr::new(host, web_port))
 }
 
 fn open_window(port: u16, memory_limit: MemoryLimit) -> anyhow::Result<()> {

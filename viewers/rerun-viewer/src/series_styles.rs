@@ -14,7 +14,7 @@ use crate::palette::{MEASURED, MODEL, NEGATIVE, POSITIVE, Rgb};
 pub fn draw(recording: &RecordingStream) -> RecordingStreamResult<()> {
     let lines = |names: Vec<String>, color: Rgb, widths: Vec<f32>| {
         let dimmed = |index: usize| {
-            if index == 0 { color.opaque() } else { color.translucent(130) }
+            if index == 0 { color.opaque() } else { color.translucent(200) }
         };
         SeriesLines::new()
             .with_colors((0..names.len()).map(dimmed))
@@ -41,7 +41,7 @@ pub fn draw(recording: &RecordingStream) -> RecordingStreamResult<()> {
             _ => MEASURED,
         };
         let names = vec![name.to_owned(), format!("{name} ci95_low"), format!("{name} ci95_high")];
-        recording.log_static(entities::parameter(name), &lines(names, color, vec![2.2, 1.0, 1.0]))?;
+        recording.log_static(entities::parameter(name), &lines(names, color, vec![2.4, 1.3, 1.3]))?;
     }
     let lateness = lines(vec!["largest lateness".to_owned()], MEASURED, vec![1.5]);
     recording.log_static(entities::LATENESS, &lateness)?;

@@ -30,8 +30,15 @@ impl Signals {
 
     /// Takes in what was measured; a quantity that is not a number leaves no trace.
     pub fn push(&mut self, reading: &Reading) {
-        let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, turning_positive: _ } =
-            *reading;
+        let Reading {
+            time_ns,
+            angle_rad,
+            velocity_rad_s,
+            acceleration_rad_s2,
+            torque_mnm,
+            turning_positive: _,
+            stuck: _,
+        } = *reading;
         for (index, value) in [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm].into_iter().enumerate() {
             self.push_at(index, time_ns, value);
         }

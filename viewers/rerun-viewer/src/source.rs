@@ -19,6 +19,8 @@ pub struct Reading {
     pub torque_mnm: f64,
     /// Whether the knob turned towards positive angle.
     pub turning_positive: bool,
+    /// Whether the knob sticks, where it says so itself, as a rendered one does.
+    pub stuck: Option<bool>,
 }
 
 /// The torque that the fitted model gives at one moment.

@@ -1,13 +1,16 @@
-//! The text beside the plots: the run, its loop, its parameters and its processes at a glance.
+//! The text beside the plots: the run, its loop and its parameters.
 
 use std::fmt::Write as _;
 
-use shared_types::{Estimate, Fault, FitUpdate, LoopState, LoopStatus, RunDescription, Verdict, realtime};
+use shared_types::{Estimate, Fault, FitUpdate, LoopState, LoopStatus, RunDescription, realtime};
 
 use crate::consumers::Consumers;
+use crate::enough::{self, Known, Reach};
 use crate::entities::{PARAMETERS, SIGNALS};
+use crate::knob_track::Motion;
 use crate::model_torque::told;
 use crate::rendered::RenderedModel;
+use crate::source::Reading;
 
 /// What the text is made of.
 #[derive(Clone, Copy, Debug)]
@@ -30,9 +33,25 @@ pub struct Facts<'a> {
     pub time_s: Option<f64>,
     /// Frames that the screen was too slow for.
     pub frames_dropped: u64,
+    /// The newest reading.
+    pub newest: Option<Reading>,
+    /// Whether the knob sticks.
+    pub motion: Option<Motion>,
+    /// Step of the torque sensor, mNm.
+    pub torque_step_mnm: f64,
+    /// CLOCK_MONOTONIC now, ns.
+    pub now_ns: u64,
 }
 
-/// The text as Markdown.
+impl Facts<'_> {
+    /// How well a parameter of the fit is known.
+    pub fn known(&self, name: &str) -> Known {
+        let reach = Reach::of_ranges(&self.ranges);
+        self.fit.map_or(Known::Absent, |fit| enough::known(name, fit, &reach, self.torque_step_mnm))
+    }
+}
+
+/// The run and its loop as Markdown.
 pub fn markdown(facts: &Facts<'_>) -> String {
     // Writing to a String does not fail.
     let mut text = String::new();
@@ -43,11 +62,7 @@ pub fn markdown(facts: &Facts<'_>) -> String {
     if let Some(rendered) = facts.rendered {
         rendered.markdown(&mut text);
     }
-    if let Some(fit) = facts.fit {
-        parameters(&mut text, fit);
-    }
     ranges(&mut text, facts);
-    processes(&mut text, facts);
     text
 }
 
@@ -56,12 +71,10 @@ fn head(text: &mut String, facts: &Facts<'_>) {
         let _ = writeln!(text, "# Waiting for a run\n");
         return;
     };
-    let RunDescription { knob, apparatus, rate_hz, planned_ticks, .. } = description;
+    let RunDescription { knob, apparatus, rate_hz, .. } = description;
     let knob = knob_title(knob);
     let _ = writeln!(text, "# {knob}\n\non **{apparatus}**, {} kHz\n", rate_hz / 1_000.0);
-    #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
-    let planned_s = *planned_ticks as f64 / rate_hz;
-    let planned = if *planned_ticks > 0 { format!(" of {planned_s:.1} s") } else { String::new() };
+    let planned = planned_s(description).map_or_else(String::new, |planned_s| format!(" of {planned_s:.1} s"));
     let _ = writeln!(
         text,
         "### {} \u{2014} {:.1} s{planned}\n",
@@ -70,12 +83,20 @@ fn head(text: &mut String, facts: &Facts<'_>) {
     );
 }
 
+/// Length of a run, s; `None` where the operator ends it.
+pub fn planned_s(description: &RunDescription) -> Option<f64> {
+    #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
+    let planned_s = description.planned_ticks as f64 / description.rate_hz;
+    (description.planned_ticks > 0).then_some(planned_s)
+}
+
 /// The knob as a heading; the paper's are given by number.
 pub fn knob_title(knob: &str) -> String {
     if knob.parse::<u32>().is_ok() { format!("Knob {knob}") } else { knob.to_owned() }
 }
 
-fn state(status: Option<&LoopStatus>, source_gone: bool) -> String {
+/// The state of the run in words.
+pub fn state(status: Option<&LoopStatus>, source_gone: bool) -> String {
     let Some(status) = status else {
         return "no control loop".to_owned();
     };
@@ -110,19 +131,31 @@ fn control_loop(text: &mut String, status: &LoopStatus) {
     text.push('\n');
 }
 
-fn parameters(text: &mut String, fit: &FitUpdate) {
-    let _ = writeln!(text, "| parameter | value ± 95 % | unit |\n|---|---:|---|");
+/// The parameters as Markdown: each with its value, its 95 % interval and the plain word.
+pub fn parameters(facts: &Facts<'_>) -> String {
+    let Some(fit) = facts.fit else { return "Waiting for the fit".to_owned() };
+    let mut text = "| | parameter | value ± 95 % |\n|---|---|---|\n".to_owned();
+    let (mut enough, mut all) = (0, 0);
     for ((name, estimate), (_, unit)) in fit.estimates().into_iter().zip(PARAMETERS) {
-        if Verdict::from_code(estimate.verdict) != Some(Verdict::Absent) {
-            let _ = writeln!(text, "| {} | {} | {unit} |", name.replace('_', " "), value_and_interval(&estimate));
+        let known = facts.known(name);
+        if known != Known::Absent {
+            all += 1;
+            enough += u32::from(known == Known::Enough);
+            let word = if known == Known::Enough { "enough" } else { "**not yet**" };
+            let _ =
+                writeln!(text, "| {word} | {} | {} {unit} |", name.replace('_', " "), value_and_interval(&estimate));
         }
     }
     if fit.residual_rms_mnm.is_finite() {
         let samples = grouped(fit.samples);
         let _ = writeln!(text, "\nresidual **{:.3} mNm** RMS over {samples} samples\n", fit.residual_rms_mnm);
-    } else {
-        text.push('\n');
     }
+    format!(
+        "## {enough} of {all} enough\n\n{text}\nenough: half the 95 % interval is below {:.0} % of the value, or is worth less \
+         than the sensor's step of {} mNm wherever the knob was in the last 10 s\n",
+        100.0 * enough::RELATIVE,
+        three_digits(facts.torque_step_mnm)
+    )
 }
 
 fn ranges(text: &mut String, facts: &Facts<'_>) {
@@ -138,38 +171,10 @@ fn ranges(text: &mut String, facts: &Facts<'_>) {
     text.push('\n');
 }
 
-fn processes(text: &mut String, facts: &Facts<'_>) {
-    let mut conditions = facts.consumers.conditions().peekable();
-    if conditions.peek().is_some() {
-        let _ = writeln!(text, "| process | CPU | memory | lost |\n|---|---:|---:|---:|");
-    }
-    for condition in conditions {
-        let restarts = match condition.restarts {
-            0 => String::new(),
-            times => format!(" (restarted {times}×)"),
-        };
-        let cpu = if condition.cpu_share_percent.is_finite() {
-            format!("{:.1} %", condition.cpu_share_percent)
-        } else {
-            "\u{2013}".to_owned()
-        };
-        let _ = writeln!(
-            text,
-            "| {}{restarts} | {cpu} | {:.0} MiB | {} |",
-            condition.kind.name(),
-            condition.resident_mib,
-            alarmed(condition.lost_samples),
-        );
-    }
-    if facts.frames_dropped > 0 {
-        let _ = writeln!(text, "\n{} frames were not shown: the screen is too slow", grouped(facts.frames_dropped));
-    }
-}
-
-/// `2.301 ± 0.012`, with as many digits as the interval deserves; `not yet` while it cannot be told.
-fn value_and_interval(estimate: &Estimate) -> String {
+/// `2.301 ± 0.012`, with as many digits as the interval deserves; a dash while it cannot be told.
+pub fn value_and_interval(estimate: &Estimate) -> String {
     let Some(value) = told(estimate) else {
-        return "*not yet*".to_owned();
+        return "\u{2013}".to_owned();
     };
     with_half_width(value, (estimate.ci95_high - estimate.ci95_low) / 2.0)
 }
@@ -213,7 +218,31 @@ pub fn grouped(count: u64) -> String {
 }
 
 #[cfg(test)]
+impl<'a> Facts<'a> {
+    /// Before anything is known.
+    pub fn nothing(consumers: &'a Consumers) -> Self {
+        Self {
+            description: None,
+            status: None,
+            source_gone: false,
+            fit: None,
+            rendered: None,
+            ranges: SIGNALS.map(|signal| (signal, None)),
+            consumers,
+            time_s: None,
+            frames_dropped: 0,
+            newest: None,
+            motion: None,
+            torque_step_mnm: enough::TORQUE_STEP_MNM,
+            now_ns: 0,
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
+    use shared_types::Verdict;
+
     use super::*;
 
     fn enough(value: f64, half_width: f64) -> Estimate {
@@ -229,8 +258,23 @@ mod tests {
 
     #[test]
     fn what_cannot_be_told_has_no_number() {
-        assert_eq!(value_and_interval(&Estimate { value: 5.0, ..Estimate::default() }), "*not yet*");
-        assert_eq!(value_and_interval(&enough(f64::NAN, 1.0)), "*not yet*");
+        assert_eq!(value_and_interval(&Estimate { value: 5.0, ..Estimate::default() }), "\u{2013}");
+        assert_eq!(value_and_interval(&enough(f64::NAN, 1.0)), "\u{2013}");
+    }
+
+    #[test]
+    fn the_plain_word_stands_beside_each_parameter_that_the_model_has() {
+        let mut fit =
+            FitUpdate { coulomb_positive: enough(2.3, 0.01), inertia: enough(0.035, 9.0), ..FitUpdate::default() };
+        fit.detent_phase.verdict = Verdict::Absent.code();
+        let consumers = Consumers::default();
+        let mut facts = Facts { fit: Some(&fit), ..Facts::nothing(&consumers) };
+        facts.ranges[2].1 = Some((-100.0, 100.0));
+        let text = parameters(&facts);
+        assert!(text.contains("## 1 of 7 enough"), "{text}");
+        assert!(text.contains("| enough | coulomb positive | 2.300 ± 0.010 mNm |"), "{text}");
+        assert!(text.contains("| **not yet** | inertia | 0.0 ± 9.0 mNm s²/rad |"), "{text}");
+        assert!(!text.contains("detent phase"), "{text}");
     }
 
     #[test]

@@ -13,4 +13,7 @@ pub struct ViewOptions {
     /// Show it in a window of its own instead of a web page
     #[arg(long)]
     pub native: bool,
+    /// Also print the ssh command with which another machine sees the page; nothing is opened to the network
+    #[arg(long, conflicts_with = "native")]
+    pub remote: bool,
 }

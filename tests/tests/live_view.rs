@@ -1,0 +1,216 @@
+//! The live view beside a running capture: what an operator sees, and whom it must not disturb.
+#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+use std::io::Read as _;
+use std::process::Child;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use archive::Capture;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use serde_json::json;
+use tests::browser::{Browser, Page, SIZE};
+use tests::live_view::{LiveView, listening_addresses, resident_mib};
+use tests::{Bench, printed};
+
+/// The tabs with their places on the page, and a part of each view in them: x, y, width and height as shares of the room
+/// below the tabs.
+const TABS: [(&str, u32, &[[f64; 4]]); 4] = [
+    (
+        "knob",
+        40,
+        &[[0.08, 0.25, 0.25, 0.5], [0.45, 0.12, 0.24, 0.33], [0.45, 0.62, 0.24, 0.33], [0.74, 0.08, 0.2, 0.3]],
+    ),
+    (
+        "signals-and-model",
+        140,
+        &[
+            [0.05, 0.08, 0.33, 0.11],
+            [0.05, 0.31, 0.33, 0.11],
+            [0.05, 0.54, 0.33, 0.11],
+            [0.05, 0.77, 0.33, 0.17],
+            [0.46, 0.12, 0.26, 0.33],
+            [0.46, 0.62, 0.26, 0.33],
+            [0.78, 0.08, 0.18, 0.3],
+        ],
+    ),
+    (
+        "parameters",
+        250,
+        &[
+            [0.03, 0.12, 0.18, 0.33],
+            [0.27, 0.12, 0.18, 0.33],
+            [0.50, 0.12, 0.18, 0.33],
+            [0.03, 0.62, 0.18, 0.33],
+            [0.27, 0.62, 0.18, 0.33],
+            [0.50, 0.62, 0.18, 0.33],
+            [0.72, 0.08, 0.22, 0.3],
+        ],
+    ),
+    (
+        "timing-and-processes",
+        380,
+        &[
+            [0.05, 0.08, 0.5, 0.27],
+            [0.65, 0.08, 0.3, 0.27],
+            [0.04, 0.48, 0.24, 0.18],
+            [0.35, 0.48, 0.22, 0.18],
+            [0.04, 0.78, 0.24, 0.18],
+            [0.35, 0.78, 0.22, 0.18],
+            [0.62, 0.46, 0.3, 0.2],
+        ],
+    ),
+];
+/// Heights of the row of tabs and of the time bar, pixels.
+const TABS_HEIGHT: f64 = 25.0;
+const TIME_BAR_HEIGHT: f64 = 30.0;
+
+/// A capture that goes on until it is ended, also by a test that fails.
+struct Running {
+    child: Option<Child>,
+}
+
+impl Running {
+    /// Starts it with its view.
+    fn start(bench: &Bench) -> (Self, LiveView) {
+        // The slower the loop, the more of the processor is left to a browser that has no graphics card.
+        let child = bench.start(&["capture", "--duration-s", "1200", "--rate-hz", "5000", "--out", "out"]).unwrap();
+        let running = Self { child: Some(child) };
+        let view = LiveView::of_rig(&bench.path("rig")).unwrap();
+        (running, view)
+    }
+
+    /// Ends it in order and checks that no sample is missing that was published.
+    fn ends_whole(mut self, bench: &Bench) {
+        let child = self.child.take().unwrap();
+        kill(pid(&child), Signal::SIGINT).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+        let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+        assert!(capture.seq.iter().enumerate().all(|(index, &seq)| seq == index as u64), "no sample is missing");
+        assert_eq!(bench.leftovers(), Vec::<String>::new());
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(mut child) = self.child.take() {
+            let _ = kill(pid(&child), Signal::SIGTERM);
+            let _ = child.wait();
+        }
+    }
+}
+
+fn pid(child: &Child) -> Pid {
+    Pid::from_raw(i32::try_from(child.id()).unwrap())
+}
+
+/// Waits until the viewer in the page holds more of the run than when it is asked.
+fn data_arrives(browser: &mut Browser, page: Page) {
+    browser.wait_until(page, "(window.before ??= document.body.dataset.newest, true)").unwrap();
+    let more = "Number(document.body.dataset.newest) > (Number(window.before) || 0)";
+    browser.wait_until(page, more).unwrap();
+    browser.evaluate(page, "delete window.before").unwrap();
+}
+
+#[test]
+fn every_view_shows_its_data_and_a_killed_viewer_comes_back_to_the_same_tab() {
+    let bench = Bench::new().unwrap();
+    let (running, view) = Running::start(&bench);
+    let mut browser = Browser::start().unwrap();
+    let page = browser.open(&view.url()).unwrap();
+    data_arrives(&mut browser, page);
+    browser.evaluate(page, "window.never_reloaded = true").unwrap();
+    let top = browser.evaluate(page, "document.getElementById('viewer').getBoundingClientRect().top").unwrap();
+    let top = top.as_f64().unwrap();
+    let [width, height] = SIZE.map(f64::from);
+    for (name, x, views) in TABS {
+        browser.click(page, x, (top + TABS_HEIGHT / 2.0) as u32).unwrap();
+        for &[left, above, wide, high] in views {
+            let room = height - top - TABS_HEIGHT - TIME_BAR_HEIGHT;
+            let down = top + TABS_HEIGHT + above * room;
+            let part = [left * width, down, wide * width, high * room].map(|pixels| pixels as u32);
+            let mut look = browser.look(page, part).unwrap();
+            // What has arrived a moment ago may not be drawn yet, by a browser that has no graphics card.
+            for _ in 0..180 {
+                if look.has_something() {
+                    break;
+                }
+                std::thread::sleep(Duration::from_secs(1));
+                look = browser.look(page, part).unwrap();
+            }
+            browser.picture(page, name).unwrap();
+            assert!(look.has_something(), "{name}, {part:?}: {look:?}");
+        }
+    }
+
+    let before = view.status().unwrap()["instance"].clone();
+    bench.kill("rerun-viewer").unwrap();
+    view.wait_for(|status| status["instance"] != before && !status["recording"].is_null()).unwrap();
+    browser.wait_until(page, "document.body.dataset.opened === '2'").unwrap();
+    data_arrives(&mut browser, page);
+    assert_eq!(browser.evaluate(page, "window.never_reloaded").unwrap(), json!(true));
+    browser.picture(page, "after-a-kill").unwrap();
+
+    browser.close(page).unwrap();
+    let page = browser.open(&view.url()).unwrap();
+    data_arrives(&mut browser, page);
+    browser.picture(page, "opened-again").unwrap();
+
+    // A browser that the system has suspended: the run goes on, and so does the view for others.
+    browser.signal(Signal::SIGSTOP).unwrap();
+    let then = view.status().unwrap()["time_s"].as_f64().unwrap();
+    view.wait_for(|status| status["time_s"].as_f64() > Some(then + 3.0)).unwrap();
+    running.ends_whole(&bench);
+}
+
+#[test]
+fn a_client_that_never_reads_disturbs_nobody() {
+    let bench = Bench::new().unwrap();
+    let (running, view) = Running::start(&bench);
+    view.wait_for(|status| status["time_s"].as_f64() > Some(0.5)).unwrap();
+    let viewer = bench.wait_for_process("rerun-viewer").unwrap();
+    let wedged: Vec<_> = (0..5).map(|_| view.stream().unwrap()).collect();
+    let mut reader = view.stream().unwrap();
+    let taken = Arc::new(AtomicUsize::new(0));
+    let counter = Arc::clone(&taken);
+    std::thread::spawn(move || {
+        let mut portion = vec![0; 1 << 16];
+        while let Ok(length @ 1..) = reader.read(&mut portion) {
+            counter.fetch_add(length, Ordering::Relaxed);
+        }
+    });
+    view.wait_for(|status| status["time_s"].as_f64() > Some(6.0)).unwrap();
+    let before = taken.load(Ordering::Relaxed);
+    view.wait_for(|status| status["time_s"].as_f64() > Some(9.0)).unwrap();
+    assert!(taken.load(Ordering::Relaxed) > before, "the one that reads is given more");
+    assert_eq!(bench.wait_for_process("rerun-viewer").unwrap(), viewer, "the viewer was never restarted");
+    // The page's program alone, which is a part of the viewer's, is 40 MiB.
+    let resident = resident_mib(viewer).unwrap();
+    assert!(resident < 256.0, "{resident} MiB");
+    let status = view.status().unwrap();
+    let recorder = status["processes"].as_array().unwrap().iter().find(|process| process["name"] == "recorder");
+    assert_eq!(recorder.unwrap()["condition"], "alive", "{status}");
+    running.ends_whole(&bench);
+    drop(wedged);
+}
+
+#[test]
+fn nothing_listens_beyond_this_machine() {
+    let bench = Bench::new().unwrap();
+    let (running, view) = Running::start(&bench);
+    view.status().unwrap();
+    let mut listening = Vec::new();
+    for program in ["haptic-camera", "rt-loop", "recorder", "live-fitter", "rerun-viewer"] {
+        for process in bench.processes(program) {
+            listening.extend(listening_addresses(process).unwrap());
+        }
+    }
+    assert!(listening.len() >= 2, "page and stream: {listening:?}");
+    // 127.0.0.1 as the kernel writes it.
+    let beyond: Vec<_> = listening.iter().filter(|address| !address.starts_with("0100007F:")).collect();
+    assert!(beyond.is_empty(), "{beyond:?}");
+    running.ends_whole(&bench);
+}

@@ -1,0 +1,163 @@
+//! Stands between browsers and the servers inside: lets go of whoever takes nothing.
+//!
+//! rerun's stream server waits for its slowest reader: one that stops reading (a browser that the system has
+//! suspended, a connection that is open and forgotten) would in time stop the stream of every other page. So
+//! browsers are connected to this forwarder instead. Whoever has not taken a single byte for [`PATIENCE`] while
+//! something waits for him loses his connection and nobody else does; his page begins anew when it wakes up.
+//!
+//! Only this is reached from outside; the servers inside listen at the loopback address alone.
+
+use std::io::{self, Read, Write};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// How long a client may take nothing. The stream's server holds back for its readers up to 1024 messages, which is
+/// more than half a minute of the live view, so nobody else notices.
+pub const PATIENCE: Duration = Duration::from_secs(10);
+/// Connections at once; a page needs up to three.
+pub const MOST_CONNECTIONS: usize = 64;
+/// What is carried at once, bytes.
+const PORTION: usize = 64 << 10;
+/// What is given to reaching the server inside.
+const CONNECT_LIMIT: Duration = Duration::from_secs(1);
+
+/// Forwards every connection that `listener` accepts to `inside`, as long as the process lives.
+///
+/// # Errors
+/// When no thread is to be had.
+pub fn forward(listener: TcpListener, inside: SocketAddr, patience: Duration) -> io::Result<()> {
+    let open = Arc::new(AtomicUsize::new(0));
+    let accept = move || {
+        for client in listener.incoming() {
+            let Ok(client) = client else {
+                // Out of file descriptors: some may be free again soon.
+                std::thread::sleep(Duration::from_millis(100));
+                continue;
+            };
+            if open.load(Ordering::Relaxed) >= MOST_CONNECTIONS {
+                continue;
+            }
+            if let Err(error) = carry(client, inside, patience, Counted::new(&open)) {
+                tracing::debug!("a connection could not be forwarded: {error}");
+            }
+        }
+    };
+    std::thread::Builder::new().name("guard".to_owned()).spawn(accept).map(drop)
+}
+
+/// Carries one connection both ways, each on a thread of its own.
+fn carry(client: TcpStream, inside: SocketAddr, patience: Duration, counted: Counted) -> io::Result<()> {
+    let server = TcpStream::connect_timeout(&inside, CONNECT_LIMIT)?;
+    for end in [&client, &server] {
+        end.set_nodelay(true)?;
+        end.set_write_timeout(Some(patience))?;
+    }
+    let counted = Arc::new(counted);
+    for (from, to) in [(client.try_clone()?, server.try_clone()?), (server, client)] {
+        let counted = Arc::clone(&counted);
+        std::thread::Builder::new().name("guarded".to_owned()).spawn(move || {
+            // However it ends, the other end is to know: neither a browser nor the server goes on with half a connection.
+            let _ = pass(&from, &to);
+            let _ = from.shutdown(Shutdown::Both);
+            let _ = to.shutdown(Shutdown::Both);
+            drop(counted);
+        })?;
+    }
+    Ok(())
+}
+
+/// Passes on what comes until either end closes or takes nothing for too long.
+fn pass(mut from: &TcpStream, mut to: &TcpStream) -> io::Result<()> {
+    let mut portion = vec![0; PORTION];
+    loop {
+        match from.read(&mut portion)? {
+            0 => return Ok(()),
+            taken => to.write_all(&portion[..taken])?,
+        }
+    }
+}
+
+/// One open connection, counted as long as it lives.
+struct Counted(Arc<AtomicUsize>);
+
+impl Counted {
+    fn new(open: &Arc<AtomicUsize>) -> Self {
+        open.fetch_add(1, Ordering::Relaxed);
+        Self(Arc::clone(open))
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test")]
+mod tests {
+    use std::net::Ipv4Addr;
+    use std::sync::mpsc;
+
+    use super::*;
+
+    fn listener() -> (TcpListener, SocketAddr) {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let address = listener.local_addr().unwrap();
+        (listener, address)
+    }
+
+    /// A guard before a server that answers each connection with `answer`, which gets the server's end.
+    fn guarded(answer: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
+        let (server, inside) = listener();
+        std::thread::spawn(move || server.incoming().for_each(|stream| answer(stream.unwrap())));
+        let (outside, address) = listener();
+        forward(outside, inside, Duration::from_millis(200)).unwrap();
+        address
+    }
+
+    #[test]
+    fn what_is_asked_and_answered_passes_unchanged() {
+        let address = guarded(|mut server| {
+            let mut asked = [0; 4];
+            server.read_exact(&mut asked).unwrap();
+            asked.reverse();
+            server.write_all(&asked.repeat(100_000)).unwrap();
+        });
+        let mut client = TcpStream::connect(address).unwrap();
+        client.write_all(b"knob").unwrap();
+        let mut answer = Vec::new();
+        client.read_to_end(&mut answer).unwrap();
+        assert_eq!(answer, b"bonk".repeat(100_000));
+    }
+
+    #[test]
+    fn whoever_takes_nothing_is_let_go_and_the_server_is_free_again() {
+        let (told, heard) = mpsc::channel();
+        let address = guarded(move |mut server| {
+            // More than the system's buffers hold; ends when the guard closes the connection.
+            let refused = (0..10_000).any(|_| server.write_all(&[0; 1 << 16]).is_err());
+            told.send(refused).unwrap();
+        });
+        let wedged = TcpStream::connect(address).unwrap();
+        assert_eq!(heard.recv_timeout(Duration::from_secs(60)), Ok(true));
+        drop(wedged);
+    }
+
+    #[test]
+    fn a_slow_reader_keeps_its_connection() {
+        let address = guarded(|mut server| server.write_all(&[7; 30 << 20]).unwrap());
+        let mut client = TcpStream::connect(address).unwrap();
+        let (mut portion, mut taken) = (vec![0; 3 << 20], 0);
+        loop {
+            std::thread::sleep(Duration::from_millis(20));
+            match client.read(&mut portion).unwrap() {
+                0 => break,
+                more => taken += more,
+            }
+        }
+        assert_eq!(taken, 30 << 20);
+    }
+}

@@ -1,0 +1,237 @@
+//! The knob itself: how it is turned, whether it sticks, and where its detents are.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::decimation::Points;
+use crate::model_torque::KnobModel;
+use crate::source::Reading;
+
+/// Time between two drawn angles: as often as a screen shows another picture is not needed.
+const TURN_PERIOD_NS: i64 = 40_000_000;
+/// Shortest time between two changes of the colour: what changes faster than that nobody reads.
+const MOTION_PERIOD_NS: i64 = 500_000_000;
+/// Speed below which a captured knob counts as sticking, rad/s: the largest Δv of the paper's knobs (Table 6). A
+/// rendered knob says itself whether it sticks.
+pub const STICK_VELOCITY_RAD_S: f64 = 0.04;
+/// Points of the ring per detent.
+const POINTS_PER_DETENT: f64 = 16.0;
+/// Change of the detents, as a share of their depth and distance, that is not drawn.
+const UNSEEN: f64 = 0.01;
+/// Most detents in a turn that are drawn each; more would be finer than the screen.
+const MOST_DETENTS: f64 = 180.0;
+
+/// Whether the knob sticks, and if not which way it slips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// At rest, held by static friction.
+    Sticking,
+    /// Turning towards positive angle.
+    SlippingPositive,
+    /// Turning towards negative angle.
+    SlippingNegative,
+}
+
+impl Motion {
+    /// Of a reading; `None` where velocity is unknown.
+    pub fn of(reading: &Reading) -> Option<Self> {
+        match (reading.stuck, reading.velocity_rad_s) {
+            (Some(true), _) => Some(Self::Sticking),
+            (None, velocity) if velocity.abs() < STICK_VELOCITY_RAD_S => Some(Self::Sticking),
+            (_, velocity) if velocity.is_nan() => None,
+            (_, velocity) if velocity > 0.0 => Some(Self::SlippingPositive),
+            _ => Some(Self::SlippingNegative),
+        }
+    }
+
+    /// As it is shown.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Sticking => "sticking",
+            Self::SlippingPositive => "slipping, positive",
+            Self::SlippingNegative => "slipping, negative",
+        }
+    }
+}
+
+/// The detents around one turn of the knob.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DetentRing {
+    /// Angles of the ring, rad, with the depth there as a share of the amplitude: 1 at the bottom of a detent, −1
+    /// between two of them.
+    pub depths: Vec<[f64; 2]>,
+    /// Angles at which the knob rests by itself, rad.
+    pub stable_rad: Vec<f64>,
+    /// Largest detent torque, mNm.
+    pub amplitude_mnm: f64,
+    /// From detent to detent, rad.
+    pub spacing_rad: f64,
+}
+
+impl DetentRing {
+    /// The detents of a model in the turn around `angle_rad`; `None` while they cannot be told or if there are none.
+    pub fn of(model: &KnobModel, angle_rad: f64) -> Option<Self> {
+        let spacing_rad = model.detent_spacing_rad().filter(|spacing| *spacing > TAU / MOST_DETENTS)?;
+        let middle = (angle_rad / TAU).round() * TAU;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16 times the most detents")]
+        let points = (POINTS_PER_DETENT * (TAU / spacing_rad).max(4.0)).ceil() as u32;
+        let depths = (0..=points)
+            .map(|index| middle - PI + TAU * f64::from(index) / f64::from(points))
+            .map(|angle| [angle, model.detent_depth(angle)])
+            .collect();
+        let stable_rad = model.stable_angles_rad(middle - PI, middle + PI);
+        Some(Self { depths, stable_rad, amplitude_mnm: model.detent_amplitude_mnm(), spacing_rad })
+    }
+
+    /// Whether nobody could see the difference: the fit never rests, but each drawing costs a browser something.
+    fn looks_like(&self, other: &Self) -> bool {
+        let first = |ring: &Self| ring.stable_rad.first().copied().unwrap_or(f64::NAN);
+        let near = |one: f64, other: f64, tolerance: f64| (one - other).abs() <= tolerance;
+        near(self.amplitude_mnm, other.amplitude_mnm, UNSEEN * self.amplitude_mnm)
+            && self.stable_rad.len() == other.stable_rad.len()
+            && near(first(self), first(other), UNSEEN * self.spacing_rad)
+            && near(self.spacing_rad, other.spacing_rad, UNSEEN * self.spacing_rad * self.spacing_rad / TAU)
+    }
+}
+
+/// What is new of the knob.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KnobUpdate {
+    /// Angles, rad.
+    pub turns: Points,
+    /// Whether it sticks, if that has changed.
+    pub motion: Option<Motion>,
+    /// Its detents, if they have changed.
+    pub detents: Option<DetentRing>,
+}
+
+/// Follows the knob.
+#[derive(Clone, Debug, Default)]
+pub struct KnobTrack {
+    turns: Points,
+    next_ns: i64,
+    motion: Option<Motion>,
+    motion_shown: Option<Motion>,
+    next_motion_ns: i64,
+    detents_shown: Option<DetentRing>,
+    newest_rad: f64,
+}
+
+impl KnobTrack {
+    /// Takes in what was measured.
+    pub fn push(&mut self, reading: &Reading) {
+        self.motion = Motion::of(reading).or(self.motion);
+        if !reading.angle_rad.is_finite() {
+            return;
+        }
+        self.newest_rad = reading.angle_rad;
+        if reading.time_ns >= self.next_ns {
+            self.next_ns = reading.time_ns + TURN_PERIOD_NS;
+            self.turns.times_ns.push(reading.time_ns);
+            self.turns.values.push(reading.angle_rad);
+        }
+    }
+
+    /// Whether the knob sticks now.
+    pub const fn motion(&self) -> Option<Motion> {
+        self.motion
+    }
+
+    /// Shows the motion once more though it may not have changed: for pages that are opened late.
+    pub const fn show_again(&mut self) {
+        self.motion_shown = None;
+    }
+
+    /// What is new since the last call, with the detents of a new `model`; `None` if nothing is.
+    pub fn update(&mut self, model: Option<&KnobModel>) -> Option<KnobUpdate> {
+        let turns = std::mem::take(&mut self.turns);
+        let newest_ns = turns.times_ns.last().copied().unwrap_or(self.next_motion_ns);
+        let motion =
+            self.motion.filter(|motion| self.motion_shown != Some(*motion) && newest_ns >= self.next_motion_ns);
+        if motion.is_some() {
+            self.next_motion_ns = newest_ns + MOTION_PERIOD_NS;
+            self.motion_shown = motion;
+        }
+        let detents = model
+            .and_then(|model| DetentRing::of(model, self.newest_rad))
+            .filter(|ring| !self.detents_shown.as_ref().is_some_and(|shown| shown.looks_like(ring)));
+        if detents.is_some() {
+            self.detents_shown.clone_from(&detents);
+        }
+        let update = KnobUpdate { turns, motion, detents };
+        (update != KnobUpdate::default()).then_some(update)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test")]
+mod tests {
+    use super::*;
+
+    fn reading(time_ns: i64, velocity_rad_s: f64, stuck: Option<bool>) -> Reading {
+        Reading {
+            time_ns,
+            angle_rad: 0.25,
+            velocity_rad_s,
+            acceleration_rad_s2: 0.0,
+            torque_mnm: 0.0,
+            turning_positive: velocity_rad_s > 0.0,
+            stuck,
+        }
+    }
+
+    fn detents(amplitude: f64) -> KnobModel {
+        let told = |name: &str| match name {
+            "detent_amplitude" => Some(amplitude),
+            "detent_period" => Some(0.1),
+            "detent_phase" => Some(0.5),
+            _ => None,
+        };
+        KnobModel::from_told(told).unwrap()
+    }
+
+    #[test]
+    fn a_knob_slower_than_the_papers_knobs_stick_at_is_sticking() {
+        let motion = |velocity, stuck| Motion::of(&reading(0, velocity, stuck));
+        assert_eq!(motion(0.039, None), Some(Motion::Sticking));
+        assert_eq!(motion(0.041, None), Some(Motion::SlippingPositive));
+        assert_eq!(motion(-3.0, None), Some(Motion::SlippingNegative));
+        assert_eq!(motion(f64::NAN, None), None);
+    }
+
+    #[test]
+    fn a_rendered_knob_says_itself_whether_it_sticks() {
+        let motion = |velocity, stuck| Motion::of(&reading(0, velocity, Some(stuck)));
+        assert_eq!(motion(1.0, true), Some(Motion::Sticking));
+        assert_eq!(motion(0.001, false), Some(Motion::SlippingPositive));
+    }
+
+    #[test]
+    fn the_knob_rests_where_the_detent_torque_pushes_back_on_either_side() {
+        for amplitude in [2.0, -2.0] {
+            let model = detents(amplitude);
+            let ring = DetentRing::of(&model, 0.0).unwrap();
+            assert_eq!(ring.stable_rad.len(), 10);
+            for angle in ring.stable_rad {
+                // What the knob takes from the rig: positive beyond the detent, negative before it.
+                assert!(model.detent_mnm(angle + 0.05) > 0.5 && model.detent_mnm(angle - 0.05) < -0.5);
+                assert!((model.detent_depth(angle) - 1.0).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn the_ring_is_of_the_turn_that_the_knob_is_in() {
+        let ring = DetentRing::of(&detents(2.0), 4.0 * TAU + 0.3).unwrap();
+        assert!(ring.stable_rad.iter().all(|angle| (angle - 4.0 * TAU).abs() <= PI));
+    }
+
+    #[test]
+    fn what_has_not_changed_is_not_drawn_again() {
+        let mut track = KnobTrack::default();
+        (0..1_000).for_each(|millisecond| track.push(&reading(millisecond * 1_000_000, 1.0, None)));
+        let first = track.update(Some(&detents(2.0))).unwrap();
+        assert_eq!(first.turns.times_ns.len(), 25);
+        assert!(first.motion.is_some() && first.detents.is_some());
+        assert_eq!(track.update(Some(&detents(2.0))), None);
+    }
+}
