@@ -1,12 +1,14 @@
 //! `view`: the live view of the running capture, or a finished one.
 
+use std::os::unix::process::CommandExt as _;
+
 use anyhow::Context as _;
 
 use crate::command_line::ViewOptions;
 use crate::outcome::Outcome;
 use crate::supervision::program_path;
 
-/// Runs the viewer until the operator ends it.
+/// Becomes the viewer, which so has the terminal's Ctrl-C to itself and gives its own exit status.
 ///
 /// # Errors
 /// When the viewer cannot be started.
@@ -20,6 +22,5 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<Outcome> {
         Some(capture) => command.arg("--capture").arg(capture),
         None => command.arg("--foreground"),
     };
-    let status = command.status().context("the viewer cannot be started; build the whole workspace")?;
-    Ok(if status.success() { Outcome::Done } else { Outcome::Failed })
+    Err(command.exec()).context("the viewer cannot be started; build the whole workspace")
 }
