@@ -161,7 +161,7 @@ pub fn show(loaded: &LoadedCapture, fit: &Fit) {
 fn show_fit(truth: Option<&Model>, fit: &Fit) {
     say(parameter_table(fit, truth));
     say(format!(
-        "residual {:.3} mNm RMS, {:.2} % of the torque; mean 95 % interval of the model ±{:.3} mNm",
+        "residual {:.3} mNm RMS, {:.2} % of the torque; mean 95 % interval ±{:.3} mNm",
         fit.residual_rms_mnm, fit.relative_error_percent, fit.mean_ci95_mnm
     ));
     if let Some(table) = harmonic_table(fit) {

@@ -38,12 +38,14 @@ pub fn tell_error(error: &anyhow::Error) {
     eprintln!("error: {error:#}");
 }
 
-/// Prints a line for the operator on standard output.
+/// Prints a line for the operator on standard output, or several, without the blanks with which tables fill their lines.
 ///
 /// A closed pipe is no reason to fail: whoever reads has seen enough.
-pub fn say(line: impl std::fmt::Display) {
+pub fn say(lines: impl std::fmt::Display) {
     use std::io::Write as _;
-    beside_panel(|| drop(writeln!(std::io::stdout(), "{line}")));
+    let lines = lines.to_string();
+    let trimmed: Vec<&str> = lines.split('\n').map(str::trim_end).collect();
+    beside_panel(|| drop(writeln!(std::io::stdout(), "{}", trimmed.join("\n"))));
 }
 
 /// Prints a remark for the operator on standard error, apart from results.
