@@ -4,7 +4,8 @@
 use std::process::{Command, Output};
 
 fn haptic_camera(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(arguments).output().unwrap()
+    // Where there is no terminal, this is how wide the help is.
+    Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(arguments).env("COLUMNS", "80").output().unwrap()
 }
 
 fn said(arguments: &[&str]) -> String {
@@ -32,6 +33,10 @@ fn every_command_s_help_has_an_example_and_fits_80_columns() {
         let help = said(&[command, "--help"]);
         assert!(help.contains(&format!("  haptic-camera {command}")), "{command} has no example:\n{help}");
         assert!(!help.contains('\u{1b}'), "colours in a pipe");
+        // A usage line is not wrapped.
+        let wide = |line: &&str| line.chars().count() > 80 && !line.starts_with("Usage:");
+        let long: Vec<&str> = help.lines().filter(wide).collect();
+        assert!(long.is_empty(), "{command}: {long:?}");
     }
     let help = said(&["--help"]);
     for told in ["RUST_LOG", "NO_COLOR", "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost"] {

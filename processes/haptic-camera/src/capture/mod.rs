@@ -57,7 +57,6 @@ fn in_words(options: &CaptureOptions) -> String {
         format!(" of {amplitude:.3} {}", if options.torque { "mNm" } else { "rad" })
     });
     let CaptureOptions { knob, sweep, duration_s, run, .. } = options;
-    let until =
-        options.until_ci.map_or_else(|| "for ".to_owned(), |share| format!("until known within {share}, at most "));
+    let until = options.until_ci.map_or_else(|| "for ".to_owned(), |share| format!("until ± {share}, at most "));
     format!("capturing knob {knob} with {sweep}{amplitude} at {} Hz {until}{duration_s} s", run.rate_hz)
 }

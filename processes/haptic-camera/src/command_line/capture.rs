@@ -32,7 +32,7 @@ pub struct CaptureOptions {
     /// What counts is half the width of the 95 % interval, as fitted live. It must hold while the data grow by a tenth. A phase
     /// is judged by the share of one radian; a parameter whose whole interval makes less torque than one step of the torque
     /// sensor is settled.
-    #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_hyphen_values = true)]
     pub until_ci: Option<Share>,
     /// Rig, rate, archive and view
     #[command(flatten)]

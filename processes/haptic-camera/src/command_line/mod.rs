@@ -47,9 +47,10 @@ use clap::{Parser, Subcommand};
 #[command(name = "haptic-camera", version, propagate_version = true)]
 #[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.\n\n\
     Environment:\n  \
-    RUST_LOG                    what the programs log to standard error, as in RUST_LOG=info or RUST_LOG=recorder=debug\n  \
-    NO_COLOR                    no colours in the log; there are none anyway where it is no terminal\n  \
-    HAPTIC_CAMERA_RUNTIME_DIR   the rig: two directories are two rigs [default: one in $XDG_RUNTIME_DIR]\n\n\
+    RUST_LOG     what the programs log to standard error, as info or recorder=debug\n  \
+    NO_COLOR     no colours in the log; where it is no terminal there are none\n  \
+    HAPTIC_CAMERA_RUNTIME_DIR\n               \
+    names the rig: two directories are two rigs [default: in $XDG_RUNTIME_DIR]\n\n\
     First steps:\n  \
     haptic-camera doctor\n  \
     haptic-camera capture --knob 3 --duration-s 10\n  \

@@ -8,6 +8,8 @@ use anyhow::Context as _;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 
+use crate::terminal;
+
 /// The command that starts one of our programs, which lie beside this one.
 ///
 /// # Errors
@@ -19,6 +21,10 @@ pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
     // A Ctrl-C at the terminal reaches this program alone, which then ends the run in order.
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     command.stdin(Stdio::null());
+    if !terminal::log_may_be_coloured() {
+        // Their logs go where ours goes.
+        command.env("NO_COLOR", "1");
+    }
     Ok(command)
 }
 
