@@ -60,6 +60,7 @@ fn a_rendered_knob_captured_from_its_replay_is_its_model() {
     assert!(missing.is_empty(), "not on the page: {missing:?}");
     let missing = pages::not_in_json(&page, &result);
     assert!(missing.is_empty(), "on the page and not in the JSON: {missing:#?}");
+    assert!(pages::compared(&page) >= 50, "only {} numbers were compared", pages::compared(&page));
 }
 
 /// Numbers of the JSON that are not on the page, with the way to them.

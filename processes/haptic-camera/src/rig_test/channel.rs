@@ -10,6 +10,8 @@ use crate::load::LoadedCapture;
 
 /// Frequency at which the lag is taken, Hz.
 pub const LAG_HZ: f64 = 30.0;
+/// Lag there below which the paper's rig stays, rad.
+const PAPER_LAG_RAD: f64 = 0.5;
 /// Time for which a tone is faded in and the rig settles, s.
 const SETTLED_S: f64 = 1.0;
 
@@ -135,6 +137,7 @@ impl Channel {
             phase_rad,
             delay_ms: 1e3 * phase_rad / (TAU * LAG_HZ),
             gain: measured[0].hypot(measured[1]) / original[0].hypot(original[1]),
+            paper_phase_rad_below: PAPER_LAG_RAD,
         }
     }
 }

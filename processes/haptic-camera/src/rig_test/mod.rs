@@ -25,9 +25,6 @@ const TONE_S: f64 = 3.0;
 /// The paper's amplitude of the torque sweep, 0.02 Nm.
 const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
 
-/// Lag at 30 Hz below which the paper's rig stays, rad.
-const PAPER_LAG_RAD: f64 = 0.5;
-
 /// Turns the rig and compares.
 ///
 /// # Errors
@@ -60,7 +57,6 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         differences: Vec::new(),
         lag_at_30_hz: Vec::new(),
         lag_hz: LAG_HZ,
-        paper_lag_rad: PAPER_LAG_RAD,
         filter_edges_hz: Channel::ALL.map(Channel::filter_edge_hz).to_vec(),
         captures: vec![
             facts("free gripper, sweep", &spun[0]),

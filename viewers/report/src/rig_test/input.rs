@@ -17,8 +17,6 @@ pub struct RigTest {
     pub lag_at_30_hz: Vec<ChannelLag>,
     /// Frequency at which the lag is taken, Hz.
     pub lag_hz: f64,
-    /// The lag that the paper's rig stays below there, rad.
-    pub paper_lag_rad: f64,
     /// Low-pass edges behind which the filtered standard deviations are taken, channel by channel, Hz.
     pub filter_edges_hz: Vec<f64>,
     /// The captures: free and locked gripper under the sweep, then both at one frequency.
@@ -58,6 +56,8 @@ pub struct ChannelLag {
     pub delay_ms: f64,
     /// Measured amplitude over the original one.
     pub gain: f64,
+    /// The phase lag that the paper's rig stays below, rad.
+    pub paper_phase_rad_below: f64,
 }
 
 /// A channel sample by sample: time in s, original and measured value in the channel's unit.

@@ -16,6 +16,7 @@ pub(crate) fn rig_test_page(test: &RigTest) -> Markup {
     let title = if rig.is_empty() { "Rig test".to_owned() } else { format!("Rig test: {rig}") };
     let version = test.captures.first().map_or("", |capture| capture.software_version.as_str());
     let sources: Vec<&str> = test.captures.iter().map(|capture| capture.source.as_str()).collect();
+    let paper_lag = test.lag_at_30_hz.first().map_or_else(String::new, |lag| printed(lag.paper_phase_rad_below));
     let content = html! {
         header {
             p.kind { "A rig without a knob, beside the paper’s" }
@@ -52,7 +53,7 @@ pub(crate) fn rig_test_page(test: &RigTest) -> Markup {
                  servo’s error, the sensors’ noise and their delays together."
             }
             p {
-                "The paper speaks of a lag below " (printed(test.paper_lag_rad)) " rad at " (two(test.lag_hz)) " Hz, a frequency that its printed \
+                "The paper speaks of a lag below " (paper_lag) " rad at " (two(test.lag_hz)) " Hz, a frequency that its printed \
                  constants do not reach; hence a run of its own at that frequency."
             }
         }
@@ -76,12 +77,12 @@ fn verdict(test: &RigTest) -> String {
     };
     let latest = test.lag_at_30_hz.iter().max_by(|a, b| a.phase_rad.abs().total_cmp(&b.phase_rad.abs()));
     let Some(latest) = latest else { return spread };
-    let beside = if latest.phase_rad.abs() < test.paper_lag_rad { "below" } else { "beyond" };
+    let beside = if latest.phase_rad.abs() < latest.paper_phase_rad_below { "below" } else { "beyond" };
     format!(
         "{spread} The largest lag at {}\u{a0}Hz is that of {}, {}\u{a0}rad: {beside} the paper’s {}.",
         two(test.lag_hz),
         latest.channel,
         three(latest.phase_rad),
-        printed(test.paper_lag_rad)
+        printed(latest.paper_phase_rad_below)
     )
 }

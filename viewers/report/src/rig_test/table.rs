@@ -67,7 +67,7 @@ pub(super) fn lags(test: &RigTest) -> Markup {
                             td.number.value { (three(lag.phase_rad)) }
                             td.number { (three(lag.delay_ms)) }
                             td.number { (Digits::of_interval(lag.gain, 1e-4).show(lag.gain)) }
-                            td.number.paper { "<\u{a0}" (printed(test.paper_lag_rad)) }
+                            td.number.paper { "<\u{a0}" (printed(lag.paper_phase_rad_below)) }
                         }
                     }
                 }
