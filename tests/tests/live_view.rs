@@ -24,9 +24,12 @@ enum Shows {
     Text,
 }
 
+/// A tab's name for its picture, its place in the row of tabs, pixels, and its views.
+type Tab = (&'static str, u32, &'static [(Shows, [f64; 4])]);
+
 /// The tabs with their places on the page, and each view in them: x, y, width and height as shares of the room below the
 /// tabs.
-const TABS: [(&str, u32, &[(Shows, [f64; 4])]); 4] = [
+const TABS: [Tab; 4] = [
     (
         "knob",
         40,
@@ -164,9 +167,12 @@ fn every_view_shows_its_data_and_a_killed_viewer_comes_back_to_the_same_tab() {
                 std::thread::sleep(Duration::from_secs(1));
                 look = browser.look(page, part).unwrap();
             }
-            browser.picture(page, name).unwrap();
-            assert!(shows.is_in(look), "{name}, {part:?}: {look:?}");
+            if !shows.is_in(look) {
+                browser.picture(page, name).unwrap();
+                panic!("{name}, {part:?} shows nothing: {look:?}");
+            }
         }
+        browser.picture(page, name).unwrap();
     }
 
     let before = view.status().unwrap()["instance"].clone();
