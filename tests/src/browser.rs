@@ -39,15 +39,6 @@ pub struct Look {
     pub coloured: f64,
 }
 
-impl Look {
-    /// Whether there is more than a ground with a grid of grey lines on it: a coloured line, or text, whose edges have
-    /// many greys.
-    #[must_use]
-    pub fn has_something(&self) -> bool {
-        self.coloured > 1e-4 || self.shades > 40
-    }
-}
-
 impl Browser {
     /// Starts it.
     ///

@@ -84,7 +84,7 @@ impl Row {
 /// The rows as Markdown.
 pub fn markdown(facts: &Facts<'_>) -> String {
     let mut text =
-        format!("| process | | late | lost | restarted | CPU | memory |\n|---|---|---:|---:|---:|---:|---:|\n");
+        "| process | | late | lost | restarted | CPU | memory |\n|---|---|---:|---:|---:|---:|---:|\n".to_owned();
     for row in rows(facts) {
         let condition = facts.consumers.conditions().find(|condition| condition.kind.name() == row.name);
         let cpu = condition.map(|condition| condition.cpu_share_percent).filter(|share| share.is_finite());
