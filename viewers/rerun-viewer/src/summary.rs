@@ -142,8 +142,11 @@ pub fn parameters(facts: &Facts<'_>) -> String {
             all += 1;
             enough += u32::from(known == Known::Enough);
             let word = if known == Known::Enough { "enough" } else { "**not yet**" };
-            let _ =
-                writeln!(text, "| {word} | {} | {} {unit} |", name.replace('_', " "), value_and_interval(&estimate));
+            let value = match told(&estimate) {
+                Some(_) => format!("{} {unit}", value_and_interval(&estimate)),
+                None => value_and_interval(&estimate),
+            };
+            let _ = writeln!(text, "| {word} | {} | {value} |", name.replace('_', " "));
         }
     }
     if fit.residual_rms_mnm.is_finite() {
@@ -265,14 +268,14 @@ mod tests {
     #[test]
     fn the_plain_word_stands_beside_each_parameter_that_the_model_has() {
         let mut fit =
-            FitUpdate { coulomb_positive: enough(2.3, 0.01), inertia: enough(0.035, 9.0), ..FitUpdate::default() };
+            FitUpdate { coulomb_positive: enough(2.3, 0.012), inertia: enough(0.035, 9.0), ..FitUpdate::default() };
         fit.detent_phase.verdict = Verdict::Absent.code();
         let consumers = Consumers::default();
         let mut facts = Facts { fit: Some(&fit), ..Facts::nothing(&consumers) };
         facts.ranges[2].1 = Some((-100.0, 100.0));
         let text = parameters(&facts);
         assert!(text.contains("## 1 of 7 enough"), "{text}");
-        assert!(text.contains("| enough | coulomb positive | 2.300 ± 0.010 mNm |"), "{text}");
+        assert!(text.contains("| enough | coulomb positive | 2.300 ± 0.012 mNm |"), "{text}");
         assert!(text.contains("| **not yet** | inertia | 0.0 ± 9.0 mNm s²/rad |"), "{text}");
         assert!(!text.contains("detent phase"), "{text}");
     }
