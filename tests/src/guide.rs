@@ -96,7 +96,8 @@ mod tests {
 
     #[test]
     fn commands_are_told_from_answers() -> anyhow::Result<()> {
-        let page = "# A\n```console\n$ haptic-camera a \\\n    --b\nanswer\n$ c\n```\nx\n```console interrupted\n$ d\n```\n";
+        let page =
+            "# A\n```console\n$ haptic-camera a \\\n    --b\nanswer\n$ c\n```\nx\n```console interrupted\n$ d\n```\n";
         let found = blocks("a.md", page)?;
         let scripts: Vec<&str> = found.iter().map(|block| block.script.as_str()).collect();
         assert_eq!(scripts[0], "haptic-camera a \\\n    --b\nc");

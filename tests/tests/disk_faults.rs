@@ -170,9 +170,8 @@ fn a_disk_that_stalls_for_three_seconds_costs_no_sample() {
 /// The calls are made to fail by libfiu (`fiu-utils`), which stands between the programs and the C library.
 fn capture_with_failing_calls(bench: &Bench, calls: &[&str], error: nix::errno::Errno, how: &str) -> Child {
     std::fs::create_dir(bench.path("other")).unwrap();
-    let mut command = bench
-        .command(&["capture", "--duration-s", &SECONDS.to_string(), "--no-viewer", "--out", "out"])
-        .unwrap();
+    let mut command =
+        bench.command(&["capture", "--duration-s", &SECONDS.to_string(), "--no-viewer", "--out", "out"]).unwrap();
     let child = command
         .env("TMPDIR", bench.path("other"))
         .env("LD_PRELOAD", "/usr/lib/fiu/fiu_run_preload.so /usr/lib/fiu/fiu_posix_preload.so")

@@ -14,8 +14,8 @@ mod stop;
 pub use health::Health;
 pub use priority::prefer;
 pub use source::SourceWatch;
-pub use stop::{Stop, StopError};
 use std::io::IsTerminal as _;
+pub use stop::{Stop, StopError};
 
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::filter::LevelFilter;
