@@ -15,7 +15,7 @@
 //!
 //! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
 //!   control loop never waits. A viewer started again receives the last seconds first, at the ports that
-//!   it had ([`ports`]), and the page opens its stream again.
+//!   it had ([`ports`]), and the page loads itself again.
 //! - **When rerun stalls** the outbox drops the oldest frames and counts them; polling goes on.
 //! - **When the run ends** the page stays up until SIGTERM, so that one can look; a file is closed.
 //! - **SIGINT** is the supervisor's business and ignored, unless the operator has the viewer itself

@@ -88,14 +88,17 @@ function draw(status) {
   );
 }
 
-/** Opens the stream, or opens it again. What was shown stays; the viewer adds what it has kept. */
+/** Opens the stream. rerun does not open one a second time: for that the page loads itself again. */
 function open(status) {
+  if (stream.url) {
+    location.reload();
+    return;
+  }
   const url = `rerun+http://${location.host.replace(/:\d+$/, "")}:${status.stream_port}/proxy`;
-  if (stream.url) viewer.remove_receiver(stream.url);
   viewer.add_receiver(url);
   stream = { url, instance: status.instance, recording: null };
   arrived = { newest: arrived.newest, time_s: status.time_s, answers: 0 };
-  document.body.dataset.opened = String(Number(document.body.dataset.opened || 0) + 1);
+  document.body.dataset.instance = status.instance;
 }
 
 /** Up to where the viewer holds the run, in the timeline's own unit. */

@@ -3,7 +3,7 @@
 //! rerun's own page loses its stream for good when the viewer's process dies, and its server hands out one file at a
 //! time, so that a browser which stops halfway through the 40 MB of the viewer keeps every other from loading it.
 //! This page asks `/status` twice a second: when another process answers than before, or when the stream stands
-//! still while the run goes on, it opens the stream again, in the same tab, with what it showed before kept.
+//! still while the run goes on, it loads itself again, in the same tab.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
