@@ -229,10 +229,10 @@ impl Diagnosis {
                         location.coordinate, location.explained_percent
                     )
                 });
-                let named = if self.effects.is_empty() {
-                    String::new()
-                } else {
-                    format!("{} explains most of the gap, but not all. ", self.effects.join(", "))
+                let named = match self.effects.as_slice() {
+                    [] => String::new(),
+                    [one] => format!("Most of the gap, but not all, is {one}. "),
+                    several => format!("Most of the gap, but not all, is {}. ", several.join(" and ")),
                 };
                 format!(
                     "{named}Something is missing that no known effect explains: {:.3} mNm are left on held-out data, \
