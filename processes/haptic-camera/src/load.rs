@@ -8,6 +8,8 @@ use dynamics::{Calibration, Model};
 use identification::{Fit, Samples};
 use report::{CaptureFacts, FigureNumbers, FitPage};
 
+use crate::outcome::remark;
+
 /// A capture with what is known of the rig that made it.
 pub struct LoadedCapture {
     /// The capture.
@@ -110,6 +112,7 @@ fn read_calibration_beside(table: &Path) -> anyhow::Result<Option<Calibration>> 
         Ok(text) => {
             let known =
                 Calibration::from_toml(&text).with_context(|| format!("{} is no calibration", path.display()))?;
+            remark(format!("the rig's calibration is that of {}", path.display()));
             Ok(Some(known))
         }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),

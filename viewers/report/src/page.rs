@@ -152,7 +152,7 @@ pub(crate) fn facts(capture: &CaptureFacts) -> Markup {
         ("samples", Some(count(*samples))),
         ("missed ticks", missed_ticks.map(count)),
         ("gaps", gaps.map(count)),
-        ("real time", real_time.map(|granted| if granted { "yes" } else { "not granted" }.to_owned())),
+        ("real time", real_time.map(|granted| if granted { "yes" } else { "no" }.to_owned())),
     ];
     html! {
         dl.facts {
