@@ -1,6 +1,6 @@
 //! The channels of a capture and how they are told apart.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{Seek, Write};
 
 use serde::{Deserialize, Serialize};
@@ -43,6 +43,38 @@ pub(crate) struct SampleLayout {
     pub(crate) tick: Option<FieldLayout>,
     /// Bytes of a message without its header; `None` where that varies.
     pub(crate) size: Option<usize>,
+}
+
+/// The schemas that a file has named so far, and so what its channels hold.
+#[derive(Default)]
+pub(crate) struct Schemas(HashMap<u16, Schema>);
+
+#[derive(Clone, Default)]
+struct Schema {
+    name: String,
+    encoding: String,
+    text: String,
+}
+
+impl Schemas {
+    /// Takes note of a schema.
+    pub(crate) fn learn(&mut self, header: mcap::records::SchemaHeader, data: &[u8]) {
+        let text = String::from_utf8_lossy(data).into_owned();
+        self.0.insert(header.id, Schema { name: header.name, encoding: header.encoding, text });
+    }
+
+    /// What a channel holds; without a schema if the file has not named it.
+    pub(crate) fn define(&self, channel: mcap::records::Channel) -> ChannelDefinition {
+        let Schema { name, encoding, text } = self.0.get(&channel.schema_id).cloned().unwrap_or_default();
+        ChannelDefinition {
+            topic: channel.topic,
+            message_encoding: channel.message_encoding,
+            metadata: channel.metadata,
+            schema_name: name,
+            schema_encoding: encoding,
+            schema_text: text,
+        }
+    }
 }
 
 impl ChannelDefinition {

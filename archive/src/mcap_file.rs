@@ -12,7 +12,7 @@ use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
 use shared_types::{LoopState, ModelChange, RunDescription};
 
 use crate::capture::Capture;
-use crate::channels::ChannelDefinition;
+use crate::channels::Schemas;
 use crate::description::{CAPTURE_METADATA, GAPS_METADATA, attachment};
 use crate::error::{ArchiveError, with_causes};
 use crate::records::{MAX_RECORD_BYTES, attachment_body_length};
@@ -73,7 +73,7 @@ fn broken(path: &Path, error: &McapError) -> ArchiveError {
 /// What was read so far.
 struct Content<'a> {
     path: &'a Path,
-    schemas: HashMap<u16, (String, String)>,
+    schemas: Schemas,
     /// Where the fields of a sample lie, by channel.
     samples: HashMap<u16, SampleFields>,
     /// Channels of rendered models.
@@ -88,7 +88,7 @@ impl<'a> Content<'a> {
     fn new(path: &'a Path) -> Self {
         Self {
             path,
-            schemas: HashMap::new(),
+            schemas: Schemas::default(),
             samples: HashMap::new(),
             model_channels: HashSet::new(),
             models: Vec::new(),
@@ -100,9 +100,7 @@ impl<'a> Content<'a> {
 
     fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), ArchiveError> {
         match mcap::parse_record(opcode, body).map_err(|error| broken(self.path, &error))? {
-            Record::Schema { header, data } => {
-                self.schemas.insert(header.id, (header.encoding, String::from_utf8_lossy(&data).into_owned()));
-            }
+            Record::Schema { header, data } => self.schemas.learn(header, &data),
             Record::Channel(channel) => self.channel(channel)?,
             Record::Message { header, data } => {
                 if let Some(fields) = self.samples.get(&header.channel_id) {
@@ -133,21 +131,14 @@ impl<'a> Content<'a> {
     }
 
     fn channel(&mut self, channel: mcap::records::Channel) -> Result<(), ArchiveError> {
-        let (schema_encoding, schema_text) = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-        let definition = ChannelDefinition {
-            topic: channel.topic,
-            message_encoding: channel.message_encoding,
-            metadata: channel.metadata,
-            schema_name: String::new(),
-            schema_encoding,
-            schema_text,
-        };
+        let channel_id = channel.id;
+        let definition = self.schemas.define(channel);
         if definition.holds_samples() {
             let layout = Layout::parse(&definition.schema_text)
                 .map_err(|error| ArchiveError::Schema { path: self.path.to_owned(), error })?;
-            self.samples.insert(channel.id, SampleFields::find(self.path, &layout)?);
+            self.samples.insert(channel_id, SampleFields::find(self.path, &layout)?);
         } else if definition.holds_models() {
-            self.model_channels.insert(channel.id);
+            self.model_channels.insert(channel_id);
         }
         Ok(())
     }

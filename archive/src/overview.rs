@@ -8,7 +8,7 @@ use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
 use shared_types::{LoopState, RunDescription};
 
 use crate::capture::Capture;
-use crate::channels::ChannelDefinition;
+use crate::channels::Schemas;
 use crate::description::{RECOVERY_METADATA, attachment};
 use crate::error::ArchiveError;
 use crate::mcap_file::{read_records, recorded_gaps};
@@ -64,7 +64,7 @@ impl Overview {
 /// What was read so far.
 #[derive(Default)]
 struct Content {
-    schemas: HashMap<u16, (String, String)>,
+    schemas: Schemas,
     channels: HashMap<u16, Fields>,
     ledger: SequenceLedger,
     missed_ticks: u64,
@@ -87,23 +87,14 @@ impl Content {
     fn record(&mut self, path: &Path, opcode: u8, body: &[u8]) -> Result<(), ArchiveError> {
         let damaged = |reason: String| ArchiveError::Damaged { path: path.to_owned(), reason };
         match mcap::parse_record(opcode, body).map_err(|error| damaged(error.to_string()))? {
-            Record::Schema { header, data } => {
-                self.schemas.insert(header.id, (header.encoding, String::from_utf8_lossy(&data).into_owned()));
-            }
+            Record::Schema { header, data } => self.schemas.learn(header, &data),
             Record::Channel(channel) => {
-                let (schema_encoding, schema_text) = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-                let definition = ChannelDefinition {
-                    topic: channel.topic,
-                    message_encoding: channel.message_encoding,
-                    metadata: channel.metadata,
-                    schema_name: String::new(),
-                    schema_encoding,
-                    schema_text,
-                };
+                let channel_id = channel.id;
+                let definition = self.schemas.define(channel);
                 if definition.holds_samples()
                     && let Some(fields) = Fields::find(path, &definition.schema_text)?
                 {
-                    self.channels.insert(channel.id, fields);
+                    self.channels.insert(channel_id, fields);
                 }
             }
             Record::Message { header, data } => {

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use mcap::records::{MessageHeader, Record, op};
 use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
 
-use crate::channels::{ChannelDefinition, SampleLayout};
+use crate::channels::{ChannelDefinition, SampleLayout, Schemas};
 use crate::description::attachment;
 use crate::records::{Account, Sound, SoundRecords, Unpacked};
 
@@ -44,7 +44,7 @@ pub(crate) struct SourceMessage {
 /// Reads one file's messages.
 pub(crate) struct Source<R> {
     records: SoundRecords<R>,
-    schemas: HashMap<u16, (String, String, String)>,
+    schemas: Schemas,
     channels: HashMap<u16, Rc<SourceChannel>>,
     chunk: Vec<u8>,
     waiting: VecDeque<(u8, Range<usize>)>,
@@ -58,7 +58,7 @@ impl<R: Read> Source<R> {
     pub(crate) fn new(input: R) -> Self {
         Self {
             records: SoundRecords::new(input),
-            schemas: HashMap::new(),
+            schemas: Schemas::default(),
             channels: HashMap::new(),
             chunk: Vec::new(),
             waiting: VecDeque::new(),
@@ -114,24 +114,11 @@ impl<R: Read> Source<R> {
             return None;
         }
         match mcap::parse_record(opcode, &self.chunk[place.clone()]) {
-            Ok(Record::Schema { header, data }) => {
-                let text = String::from_utf8_lossy(&data).into_owned();
-                self.schemas.insert(header.id, (header.name, header.encoding, text));
-            }
+            Ok(Record::Schema { header, data }) => self.schemas.learn(header, &data),
             Ok(Record::Channel(channel)) => {
-                let (schema_name, schema_encoding, schema_text) =
-                    self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-                self.define(
-                    channel.id,
-                    ChannelDefinition {
-                        topic: channel.topic,
-                        message_encoding: channel.message_encoding,
-                        metadata: channel.metadata,
-                        schema_name,
-                        schema_encoding,
-                        schema_text,
-                    },
-                );
+                let id = channel.id;
+                let definition = self.schemas.define(channel);
+                self.define(id, definition);
             }
             Ok(Record::Message { header, data }) => {
                 let start = place.end - data.len();
