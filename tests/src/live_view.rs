@@ -19,19 +19,18 @@ pub struct LiveView {
 }
 
 impl LiveView {
-    /// The one that notes its ports in the rig's folder.
+    /// The one that notes its port in the rig's folder.
     ///
     /// # Errors
     /// When none does so in time.
     pub fn of_rig(rig: &Path) -> anyhow::Result<Self> {
         let deadline = Instant::now() + PATIENCE;
         loop {
-            let noted = std::fs::read(rig.join("live-view-ports.json")).ok();
-            let ports = noted.and_then(|json| serde_json::from_slice::<Value>(&json).ok());
-            if let Some(port) = ports.and_then(|ports| ports["web"].as_u64()) {
-                return Ok(Self { port: u16::try_from(port)? });
+            let noted = std::fs::read(rig.join("live-view-port.json")).ok();
+            if let Some(port) = noted.and_then(|json| serde_json::from_slice(&json).ok()) {
+                return Ok(Self { port });
             }
-            ensure!(Instant::now() < deadline, "the live view has noted no ports");
+            ensure!(Instant::now() < deadline, "the live view has noted no port");
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -47,13 +46,24 @@ impl LiveView {
     /// # Errors
     /// When nothing answers.
     pub fn status(&self) -> anyhow::Result<Value> {
-        let mut connection = TcpStream::connect(("127.0.0.1", self.port))?;
-        connection.set_read_timeout(Some(PATIENCE))?;
-        write!(connection, "GET /status HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n", self.port)?;
-        let mut answer = String::new();
-        connection.read_to_string(&mut answer)?;
-        let (_, json) = answer.split_once("\r\n\r\n").context("no answer to a question for the status")?;
-        Ok(serde_json::from_str(json)?)
+        Ok(serde_json::from_slice(&self.answer("status")?)?)
+    }
+
+    /// What is told of what was drawn, without the pieces themselves, when a page asks with this query.
+    ///
+    /// # Errors
+    /// When nothing answers.
+    pub fn drawn(&self, query: &str) -> anyhow::Result<Value> {
+        let answer = self.answer(&format!("drawn?{query}"))?;
+        let head = answer.split(|byte| *byte == b'\n').next().context("an answer without a line")?;
+        Ok(serde_json::from_slice(head)?)
+    }
+
+    fn answer(&self, path: &str) -> anyhow::Result<Vec<u8>> {
+        let mut answer = Vec::new();
+        self.ask(path)?.read_to_end(&mut answer)?;
+        let body = answer.windows(4).position(|four| four == b"\r\n\r\n").context("an answer without a body")?;
+        Ok(answer.split_off(body + 4))
     }
 
     /// Waits until the status is as wanted; gives it.
@@ -71,20 +81,14 @@ impl LiveView {
         }
     }
 
-    /// A client of the stream that has asked for everything, as a page does, and has read nothing yet.
+    /// A client that has asked and has read nothing yet.
     ///
     /// # Errors
-    /// When it cannot be reached.
-    pub fn stream(&self) -> anyhow::Result<TcpStream> {
-        let port = self.status()?["stream_port"].as_u64().context("no port of the stream")?;
-        let mut connection = TcpStream::connect(("127.0.0.1", u16::try_from(port)?))?;
+    /// When the page cannot be reached.
+    pub fn ask(&self, path: &str) -> anyhow::Result<TcpStream> {
+        let mut connection = TcpStream::connect(("127.0.0.1", self.port))?;
         connection.set_read_timeout(Some(PATIENCE))?;
-        // gRPC-web: one message, not compressed, of no bytes.
-        write!(
-            connection,
-            "POST /rerun.sdk_comms.v1alpha1.MessageProxyService/ReadMessages HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\
-             Content-Type: application/grpc-web+proto\r\nContent-Length: 5\r\n\r\n\0\0\0\0\0"
-        )?;
+        write!(connection, "GET /{path} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\n\r\n", self.port)?;
         Ok(connection)
     }
 }

@@ -1,10 +1,7 @@
 //! The live view beside a running capture: what an operator sees, and whom it must not disturb.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
-use std::io::Read as _;
 use std::process::Child;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use archive::Capture;
@@ -199,20 +196,16 @@ fn a_client_that_never_reads_disturbs_nobody() {
     let (running, view) = Running::start(&bench);
     view.wait_for(|status| status["time_s"].as_f64() > Some(0.5)).unwrap();
     let viewer = bench.wait_for_process("rerun-viewer").unwrap();
-    let wedged: Vec<_> = (0..5).map(|_| view.stream().unwrap()).collect();
-    let mut reader = view.stream().unwrap();
-    let taken = Arc::new(AtomicUsize::new(0));
-    let counter = Arc::clone(&taken);
-    std::thread::spawn(move || {
-        let mut portion = vec![0; 1 << 16];
-        while let Ok(length @ 1..) = reader.read(&mut portion) {
-            counter.fetch_add(length, Ordering::Relaxed);
-        }
-    });
-    view.wait_for(|status| status["time_s"].as_f64() > Some(6.0)).unwrap();
-    let before = taken.load(Ordering::Relaxed);
-    view.wait_for(|status| status["time_s"].as_f64() > Some(9.0)).unwrap();
-    assert!(taken.load(Ordering::Relaxed) > before, "the one that reads is given more");
+    // More of them than the server answers at once, each for more than any buffer takes.
+    let wedged: Vec<_> = (0..40).map(|_| view.ask("re_viewer_bg.wasm").unwrap()).collect();
+    let begun = view.drawn("").unwrap_or_default();
+    view.wait_for(|status| status["time_s"].as_f64() > Some(16.0)).unwrap();
+    let head = view.drawn("").unwrap();
+    let (instance, next) = (head["instance"].as_str().unwrap(), &head["next"]);
+    assert!(next.as_u64() > begun["next"].as_u64(), "the one that reads is given more: {begun}, then {head}");
+    view.wait_for(|status| status["time_s"].as_f64() > Some(19.0)).unwrap();
+    let more = view.drawn(&format!("instance={instance}&since={next}")).unwrap();
+    assert!(!more["lengths"].as_array().unwrap().is_empty(), "{more}");
     assert_eq!(bench.wait_for_process("rerun-viewer").unwrap(), viewer, "the viewer was never restarted");
     // The page's program alone, which is a part of the viewer's, is 40 MiB.
     let resident = resident_mib(viewer).unwrap();
@@ -235,7 +228,7 @@ fn nothing_listens_beyond_this_machine() {
             listening.extend(listening_addresses(process).unwrap());
         }
     }
-    assert!(listening.len() >= 2, "page and stream: {listening:?}");
+    assert!(listening.len() >= 2, "the page and the server behind it: {listening:?}");
     // 127.0.0.1 as the kernel writes it.
     let beyond: Vec<_> = listening.iter().filter(|address| !address.starts_with("0100007F:")).collect();
     assert!(beyond.is_empty(), "{beyond:?}");

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use archive::Capture;
+use tests::live_view::{LiveView, listening_addresses};
 use tests::{Bench, printed};
 
 const CAPTURE: [&str; 6] = ["capture", "--duration-s", "4", "--no-viewer", "--out", "out"];
@@ -63,11 +64,18 @@ fn as_nobody(program: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-#[test]
-fn another_user_can_neither_read_the_rig_nor_command_nor_stop_it() {
+/// Whether there can be another user here; says so if not.
+fn there_is_nobody() -> bool {
     let able = as_nobody(Path::new("true"), &[]).output().is_ok_and(|output| output.status.success());
     if !able {
         eprintln!("SKIPPED: only root can try what another user may do (setpriv refused)");
+    }
+    !able
+}
+
+#[test]
+fn another_user_can_neither_read_the_rig_nor_command_nor_stop_it() {
+    if there_is_nobody() {
         return;
     }
     let bench = Bench::new().unwrap();
@@ -99,4 +107,34 @@ fn another_user_can_neither_read_the_rig_nor_command_nor_stop_it() {
     let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
     assert!(capture.gaps.is_empty());
     assert_eq!(capture.len() as u64 + capture.ticks_without_sample() + capture.tick[0], 40_000);
+}
+
+#[test]
+fn another_user_is_shown_nothing_by_the_live_view() {
+    if there_is_nobody() {
+        return;
+    }
+    let bench = Bench::new().unwrap();
+    let child = bench.start(&["capture", "--duration-s", "6", "--out", "out"]).unwrap();
+    let view = LiveView::of_rig(&bench.path("rig")).unwrap();
+    view.wait_for(|status| status["time_s"].as_f64() > Some(0.5)).unwrap();
+    let addresses = listening_addresses(bench.wait_for_process("rerun-viewer").unwrap()).unwrap();
+    assert!(addresses.len() >= 2, "the page and the server behind it: {addresses:?}");
+    for address in addresses {
+        let (_, port) = address.split_once(':').unwrap();
+        let port = u16::from_str_radix(port, 16).unwrap();
+        for path in ["status", "drawn", ""] {
+            let ask = format!(
+                "exec 3<>/dev/tcp/127.0.0.1/{port}; printf 'GET /{path} HTTP/1.1\\r\\nHost: h\\r\\nConnection: close\\r\\n\\r\\n' >&3; \
+                 cat <&3"
+            );
+            let ours = Command::new("bash").args(["-c", &ask]).output().unwrap().stdout;
+            assert!(ours.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&ours));
+            let theirs = as_nobody(Path::new("bash"), &["-c", &ask]).output().unwrap().stdout;
+            assert!(theirs.starts_with(b"HTTP/1.1 403"), "{}", String::from_utf8_lossy(&theirs));
+            assert!(theirs.len() < 1000, "{} bytes for another user", theirs.len());
+        }
+    }
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
 }

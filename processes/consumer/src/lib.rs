@@ -22,15 +22,7 @@ use tracing_subscriber::filter::LevelFilter;
 
 /// Sends the process's log to standard error, as much of it as `RUST_LOG` asks for (warnings unless told).
 pub fn start_log() {
-    start_log_with("");
-}
-
-/// As [`start_log`], with directives of the consumer's own, such as `warn,library=error`, where `RUST_LOG` says nothing.
-pub fn start_log_with(directives: &str) {
-    let asked = std::env::var(EnvFilter::DEFAULT_ENV).ok().filter(|asked| !asked.is_empty());
-    let filter = EnvFilter::builder()
-        .with_default_directive(LevelFilter::WARN.into())
-        .parse_lossy(asked.as_deref().unwrap_or(directives));
+    let filter = EnvFilter::builder().with_default_directive(LevelFilter::WARN.into()).from_env_lossy();
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)

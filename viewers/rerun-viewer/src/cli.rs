@@ -3,8 +3,8 @@
 use std::net::IpAddr;
 use std::path::PathBuf;
 
+use bytesize::ByteSize;
 use clap::{Parser, Subcommand};
-use rerun::MemoryLimit;
 
 /// Shows a running capture, or a finished one, as a web page, in a window or into a file.
 #[derive(Clone, Debug, Parser)]
@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["native", "save"])]
     pub remote: bool,
 
-    /// Address that the page and its stream are served at.
+    /// Address that the page is served at; beyond this machine it asks nobody who he is.
     #[arg(long, default_value = "127.0.0.1")]
     pub bind: IpAddr,
 
@@ -46,13 +46,13 @@ pub struct Arguments {
     #[arg(long, default_value_t = 9090)]
     pub web_port: u16,
 
-    /// Port of the stream that the page reads; when it is taken, one of the next ones.
+    /// Port at which rerun's own window listens, with --native.
     #[arg(long, default_value_t = 9876)]
     pub grpc_port: u16,
 
     /// What is kept for a page opened later; beyond it the oldest goes.
-    #[arg(long, default_value = "512MB", value_parser = MemoryLimit::parse)]
-    pub memory_limit: MemoryLimit,
+    #[arg(long, default_value = "512MB")]
+    pub memory_limit: ByteSize,
 
     /// How often the viewer was restarted during the run, for the health report.
     #[arg(long, default_value_t = 0)]

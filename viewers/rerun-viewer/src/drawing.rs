@@ -55,6 +55,14 @@ impl Pen {
         }
         Ok(())
     }
+
+    /// Waits until everything drawn has left the recording.
+    ///
+    /// # Errors
+    /// When it cannot leave.
+    pub fn flush(&self) -> anyhow::Result<()> {
+        Ok(self.recording.flush_blocking()?)
+    }
 }
 
 fn draw_series(recording: &RecordingStream, rows: &SeriesRows) -> anyhow::Result<()> {

@@ -80,7 +80,8 @@ impl Glance {
         let mut glance = Self {
             recording,
             knob: facts.description.map(|run| summary::knob_title(&run.knob)).unwrap_or_default(),
-            state: "waiting for a run".to_owned(),
+            // A finished capture has no control loop that would say so.
+            state: if finished { "finished" } else { "waiting for a run" }.to_owned(),
             alarm: fault || facts.source_gone,
             finished,
             time_s: facts.time_s.unwrap_or(0.0),

@@ -1,11 +1,12 @@
-//! Stands between browsers and the servers inside: lets go of whoever takes nothing.
+//! Stands between browsers and the page's server: sends others away and lets go of whoever takes nothing.
 //!
-//! rerun's stream server waits for its slowest reader: one that stops reading (a browser that the system has
-//! suspended, a connection that is open and forgotten) would in time stop the stream of every other page. So
-//! browsers are connected to this forwarder instead. Whoever has not taken a single byte for [`PATIENCE`] while
-//! something waits for him loses his connection and nobody else does; his page begins anew when it wakes up.
+//! The page shows what is captured to our own user only ([`peer`](crate::peer)). And its server waits for its readers: one
+//! that stops reading (a browser that the system has suspended, a connection that is open and forgotten) would keep
+//! an answer for good, and enough of them the page from everyone. So browsers are connected to this forwarder
+//! instead. Whoever has not taken a single byte for [`PATIENCE`] while something waits for him loses his connection and
+//! nobody else does; his page asks again when it wakes up.
 //!
-//! Only this is reached from outside; the servers inside listen at the loopback address alone.
+//! Only this is reached from outside; the server inside listens at the loopback address alone.
 
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -13,15 +14,23 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// How long a client may take nothing. The stream's server holds back for its readers up to 1024 messages, which is
-/// more than half a minute of the live view, so nobody else notices.
+use crate::peer;
+
+/// How long a client may take nothing.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 /// Connections at once; a page needs up to three.
 pub const MOST_CONNECTIONS: usize = 64;
+/// Other users who are told at once that this is not theirs; more are cut off without a word.
+const MOST_REFUSALS: usize = 8;
 /// What is carried at once, bytes.
 const PORTION: usize = 64 << 10;
 /// What is given to reaching the server inside.
 const CONNECT_LIMIT: Duration = Duration::from_secs(1);
+
+/// What another user is told.
+const REFUSAL: &str = "HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain; charset=utf-8\r\nConnection: close\r\n\r\n\
+    This live view belongs to another user of this machine. Start the capture as the user of this browser, or with sudo \
+    from him, or reach the page through ssh as the user who captures.\n";
 
 /// Forwards every connection that `listener` accepts to `inside`, as long as the process lives.
 ///
@@ -29,6 +38,7 @@ const CONNECT_LIMIT: Duration = Duration::from_secs(1);
 /// When no thread is to be had.
 pub fn forward(listener: TcpListener, inside: SocketAddr, patience: Duration) -> io::Result<()> {
     let open = Arc::new(AtomicUsize::new(0));
+    let refused = Arc::new(AtomicUsize::new(0));
     let accept = move || {
         for client in listener.incoming() {
             let Ok(client) = client else {
@@ -36,15 +46,37 @@ pub fn forward(listener: TcpListener, inside: SocketAddr, patience: Duration) ->
                 std::thread::sleep(Duration::from_millis(100));
                 continue;
             };
-            if open.load(Ordering::Relaxed) >= MOST_CONNECTIONS {
+            let ours = is_ours(&client);
+            let (alike, most) = if ours { (&open, MOST_CONNECTIONS) } else { (&refused, MOST_REFUSALS) };
+            if alike.load(Ordering::Relaxed) >= most {
                 continue;
             }
-            if let Err(error) = carry(client, inside, patience, Counted::new(&open)) {
-                tracing::debug!("a connection could not be forwarded: {error}");
+            let counted = Counted::new(alike);
+            let served =
+                if ours { carry(client, inside, patience, counted) } else { refuse(client, patience, counted) };
+            if let Err(error) = served {
+                tracing::debug!("a connection could not be served: {error}");
             }
         }
     };
     std::thread::Builder::new().name("guard".to_owned()).spawn(accept).map(drop)
+}
+
+/// Whether what is captured may be shown at the other end.
+fn is_ours(client: &TcpStream) -> bool {
+    matches!((client.peer_addr(), client.local_addr()), (Ok(peer), Ok(here)) if peer::may_look(peer, here))
+}
+
+/// Tells another user why nothing is shown, on a thread of its own.
+fn refuse(mut client: TcpStream, patience: Duration, counted: Counted) -> io::Result<()> {
+    client.set_read_timeout(Some(patience))?;
+    client.set_write_timeout(Some(patience))?;
+    let tell = move || {
+        // An answer before the question would be lost with the connection.
+        let _ = client.read(&mut [0; 4096]).and_then(|_| client.write_all(REFUSAL.as_bytes()));
+        drop(counted);
+    };
+    std::thread::Builder::new().name("refusal".to_owned()).spawn(tell).map(drop)
 }
 
 /// Carries one connection both ways, each on a thread of its own.

@@ -14,8 +14,8 @@
 //! says what is to be seen.
 //!
 //! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
-//!   control loop never waits. A viewer started again receives the last seconds first, at the ports that
-//!   it had ([`ports`]), and the page loads itself again.
+//!   control loop never waits. A viewer started again receives the last seconds first, at the port that
+//!   it had ([`port`]), and the page goes on with it.
 //! - **When rerun stalls** the outbox drops the oldest frames and counts them; polling goes on.
 //! - **When the run ends** the page stays up until SIGTERM, so that one can look; a file is closed.
 //! - **SIGINT** is the supervisor's business and ignored, unless the operator has the viewer itself
@@ -33,6 +33,7 @@ pub mod consumers;
 pub mod decimation;
 pub mod diagnosis;
 pub mod drawing;
+pub mod drawn;
 pub mod enough;
 pub mod entities;
 pub mod extremes;
@@ -48,10 +49,11 @@ pub mod model_torque;
 pub mod outbox;
 pub mod page;
 pub mod palette;
+pub mod peer;
 pub mod picture;
 pub mod plot_axes;
 pub mod plot_drawing;
-pub mod ports;
+pub mod port;
 pub mod process_conditions;
 pub mod remote;
 pub mod rendered;

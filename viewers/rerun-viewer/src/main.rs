@@ -16,7 +16,7 @@ use rerun_viewer::glance::SharedGlance;
 use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
 use rerun_viewer::picture::Picture;
-use rerun_viewer::ports::{self, Ports};
+use rerun_viewer::port;
 use rerun_viewer::remote::{self, Host};
 use rerun_viewer::rig_source::RigSource;
 use rerun_viewer::screen::{Destination, Screen};
@@ -48,8 +48,7 @@ fn main() -> ExitCode {
 
 /// Shows a run or a capture until told to stop, then ends the process.
 fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
-    // That a page was closed is no news.
-    consumer::start_log_with("warn,re_grpc_server=error");
+    consumer::start_log();
     let in_foreground = arguments.foreground || arguments.capture.is_some();
     let stop = if in_foreground { Stop::listen_in_foreground()? } else { Stop::listen()? };
 
@@ -62,11 +61,11 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     if let Some(place) = screen.place() {
         announce(&place, subject, in_foreground);
     }
-    if let Some(ports) = screen.ports().filter(|_| arguments.remote) {
-        announce_tunnel(&remote::tunnel(ports, &Host::of_this_machine()), ports);
+    if let Some(port) = screen.port().filter(|_| arguments.remote) {
+        announce_tunnel(&remote::tunnel(port, &Host::of_this_machine()), port);
     }
-    if let (Some(ports), false) = (screen.ports(), in_foreground)
-        && let Err(error) = ports::note(ports)
+    if let (Some(port), false) = (screen.port(), in_foreground)
+        && let Err(error) = port::note(port)
     {
         tracing::warn!("after a restart the live view may have another address: {error:#}");
     }
@@ -150,9 +149,9 @@ fn complain(error: &anyhow::Error) {
 
 /// Tells the operator how to look from elsewhere.
 #[allow(clippy::print_stdout, reason = "what was asked for with --remote")]
-fn announce_tunnel(command: &str, ports: Ports) {
+fn announce_tunnel(command: &str, port: u16) {
     println!("on the other machine: {command}");
-    println!("then open there:      http://127.0.0.1:{}/", ports.web);
+    println!("then open there:      http://127.0.0.1:{port}/");
 }
 
 /// Tells the operator where to look: the only line on standard output.

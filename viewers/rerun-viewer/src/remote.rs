@@ -1,9 +1,7 @@
 //! Seeing the page from another machine.
 //!
-//! rerun's stream asks nobody who he is, so page and stream are not opened to a network. ssh carries both ports instead:
+//! The page asks nobody from another machine who he is, so it is not opened to a network. ssh carries its port instead:
 //! it knows who may log in, and encrypts.
-
-use crate::ports::Ports;
 
 /// How this machine is reached.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,12 +27,10 @@ impl Host {
     }
 }
 
-/// The command that brings both ports to the machine on which it is run. Their numbers stay: the page looks for the
-/// stream at the port that it had here.
-pub fn tunnel(ports: Ports, host: &Host) -> String {
-    let Ports { web, stream } = ports;
+/// The command that brings the page's port to the machine on which it is run.
+pub fn tunnel(port: u16, host: &Host) -> String {
     let Host { user, name } = host;
-    format!("ssh -N -L 127.0.0.1:{web}:127.0.0.1:{web} -L 127.0.0.1:{stream}:127.0.0.1:{stream} {user}@{name}")
+    format!("ssh -N -L 127.0.0.1:{port}:127.0.0.1:{port} {user}@{name}")
 }
 
 #[cfg(test)]
@@ -42,11 +38,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_ports_are_carried_between_loopback_addresses() {
+    fn the_port_is_carried_between_loopback_addresses() {
         let host = Host { user: "ada".to_owned(), name: "bench".to_owned() };
-        assert_eq!(
-            tunnel(Ports { web: 9091, stream: 9877 }, &host),
-            "ssh -N -L 127.0.0.1:9091:127.0.0.1:9091 -L 127.0.0.1:9877:127.0.0.1:9877 ada@bench"
-        );
+        assert_eq!(tunnel(9091, &host), "ssh -N -L 127.0.0.1:9091:127.0.0.1:9091 ada@bench");
     }
 }

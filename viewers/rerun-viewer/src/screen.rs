@@ -12,19 +12,18 @@ use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, anyhow, bail};
+use bytesize::ByteSize;
 use rerun::sink::{CallbackSink, GrpcSink, GrpcSinkConnectionState};
-use rerun::{
-    MemoryLimit, PlaybackBehavior, RecordingStream, RecordingStreamBuilder, ServerOptions, SpawnError, SpawnOptions,
-};
+use rerun::{RecordingStream, RecordingStreamBuilder, SpawnError, SpawnOptions};
 
 use crate::cli::Arguments;
 use crate::drawing::Pen;
+use crate::drawn::Drawn;
 use crate::frame::Frame;
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
 use crate::outbox::{self, Outbox};
-use crate::ports::{self, Ports, Taken};
-use crate::{entities, guard, layout, page};
+use crate::{entities, guard, layout, page, port};
 
 /// Name under which rerun keeps the layout.
 const APPLICATION: &str = "haptic-camera";
@@ -36,18 +35,14 @@ const CONNECT_LIMIT: Duration = Duration::from_millis(200);
 /// Where to show.
 #[derive(Debug)]
 pub enum Destination {
-    /// A web page and the stream that it reads.
+    /// A web page.
     Web {
-        /// Address of both.
-        bind: IpAddr,
-        /// Ports of both.
-        ports: Ports,
-        /// The same ports, taken, until the servers are connected to them.
-        taken: Option<Taken>,
-        /// Port at the loopback address at which rerun serves its stream to the guard.
-        inner_port: u16,
+        /// Its address and port.
+        address: SocketAddr,
+        /// The same port, taken, until the server is connected to it.
+        taken: Option<TcpListener>,
         /// What is kept for a page opened later.
-        memory_limit: MemoryLimit,
+        memory_limit: ByteSize,
         /// How long a page may take nothing before it loses its connection.
         patience: Duration,
     },
@@ -56,14 +51,14 @@ pub enum Destination {
         /// Port that it listens at.
         grpc_port: u16,
         /// What it may keep.
-        memory_limit: MemoryLimit,
+        memory_limit: ByteSize,
     },
     /// A rerun file.
     File(PathBuf),
 }
 
 impl Destination {
-    /// What the command line asks for, with ports that are free.
+    /// What the command line asks for, with a port that is free.
     ///
     /// # Errors
     /// When no port is free.
@@ -76,12 +71,9 @@ impl Destination {
         if *native {
             return Ok(Self::Native { grpc_port: *grpc_port, memory_limit });
         }
-        let taken = ports::take(*bind, Ports { web: *web_port, stream: *grpc_port }, *restarts)?;
-        let ports = taken.numbers()?;
-        // A free one, which rerun can only be told by its number.
-        let inner_port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port();
-        let patience = guard::PATIENCE;
-        Ok(Self::Web { bind: *bind, ports, taken: Some(taken), inner_port, memory_limit, patience })
+        let taken = port::take(SocketAddr::new(*bind, *web_port), *restarts)?;
+        let address = taken.local_addr()?;
+        Ok(Self::Web { address, taken: Some(taken), memory_limit, patience: guard::PATIENCE })
     }
 
     /// Whether there is nothing left to do when the run has ended.
@@ -106,6 +98,8 @@ pub struct Screen {
     carrier: RecordingStream,
     /// The run that is shown and the pen that draws it.
     shown: Option<(u64, Pen)>,
+    /// Where pages take from what is drawn.
+    drawn: Drawn,
     disconnected: Arc<AtomicBool>,
     next_check: Instant,
 }
@@ -119,28 +113,33 @@ impl Screen {
         if let Destination::Native { grpc_port, memory_limit } = &destination {
             open_window(*grpc_port, *memory_limit)?;
         }
-        let carrier = carrier(&destination, subject)?;
-        if let Destination::Web { ports, taken, inner_port, patience, .. } = &mut destination
-            && let Some(Taken { web, stream }) = taken.take()
+        let memory_limit = match &destination {
+            Destination::Web { memory_limit, .. } => memory_limit.as_u64(),
+            Destination::Native { .. } | Destination::File(_) => 0,
+        };
+        let drawn = Drawn::new(memory_limit);
+        let carrier = carrier(&destination, subject, &drawn)?;
+        if let Destination::Web { taken, patience, .. } = &mut destination
+            && let Some(listener) = taken.take()
         {
-            let page = page::serve(ports.stream, glance).context("the web page cannot be served")?;
-            guard::forward(web, page, *patience)?;
-            guard::forward(stream, (Ipv4Addr::LOCALHOST, *inner_port).into(), *patience)?;
+            let page = page::serve(glance, drawn.clone()).context("the web page cannot be served")?;
+            guard::forward(listener, page, *patience)?;
         }
         Ok(Self {
             destination,
             subject,
             carrier,
             shown: None,
+            drawn,
             disconnected: Arc::default(),
             next_check: Instant::now(),
         })
     }
 
-    /// The ports of the web page, if it is one.
-    pub const fn ports(&self) -> Option<Ports> {
+    /// The port of the web page, if it is one.
+    pub const fn port(&self) -> Option<u16> {
         match &self.destination {
-            Destination::Web { ports, .. } => Some(*ports),
+            Destination::Web { address, .. } => Some(address.port()),
             Destination::Native { .. } | Destination::File(_) => None,
         }
     }
@@ -148,7 +147,7 @@ impl Screen {
     /// What the operator is told to look at.
     pub fn place(&self) -> Option<String> {
         match &self.destination {
-            Destination::Web { bind, ports, .. } => Some(address(*bind, ports.web)),
+            Destination::Web { address, .. } => Some(url(*address)),
             Destination::Native { .. } | Destination::File(_) => None,
         }
     }
@@ -183,10 +182,22 @@ impl Screen {
             outbox.count_dropped();
             return;
         }
-        if let Err(error) = self.pen_of(frame.run_id).and_then(|pen| pen.draw(frame)) {
+        if let Err(error) = self.draw(frame) {
             tracing::error!("a frame of the live view could not be drawn: {error:#}");
             outbox.count_dropped();
         }
+    }
+
+    fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
+        let is_page = self.port().is_some();
+        let pen = self.pen_of(frame.run_id)?;
+        pen.draw(frame)?;
+        if is_page {
+            pen.flush()?;
+            self.carrier.flush_blocking()?;
+            self.drawn.seal()?;
+        }
+        Ok(())
     }
 
     fn pen_of(&mut self, run_id: u64) -> anyhow::Result<&mut Pen> {
@@ -218,7 +229,7 @@ impl Screen {
                 }
             });
         } else if listens(grpc_port) {
-            match carrier(&self.destination, self.subject) {
+            match carrier(&self.destination, self.subject, &self.drawn) {
                 Ok(carrier) => self.begin_afresh(carrier),
                 Err(error) => tracing::error!("the new window cannot be used: {error:#}"),
             }
@@ -234,21 +245,14 @@ impl Screen {
 }
 
 /// A recording that leads to the destination, with layout and styles.
-fn carrier(destination: &Destination, subject: Subject) -> anyhow::Result<RecordingStream> {
+fn carrier(destination: &Destination, subject: Subject, drawn: &Drawn) -> anyhow::Result<RecordingStream> {
     let builder = RecordingStreamBuilder::new(APPLICATION);
     let recording = match destination {
-        Destination::Web { bind, inner_port, memory_limit, .. } => {
-            let mut options = ServerOptions {
-                memory_limit: *memory_limit,
-                // A page that is opened or behind shows the present first; the past comes as there is time for it.
-                playback_behavior: PlaybackBehavior::NewestFirst,
-                ..ServerOptions::default()
-            };
-            if !bind.is_loopback() {
-                // Whoever serves to a network means pages from other hosts to read the stream.
-                options.cors_allowed_origins.push("*".to_owned());
-            }
-            builder.serve_grpc_opts(Ipv4Addr::LOCALHOST.to_string(), *inner_port, options)?
+        Destination::Web { .. } => {
+            let recording = builder.buffered()?;
+            let drawn = drawn.clone();
+            recording.set_sink(Box::new(CallbackSink::new(move |messages| drawn.take_in(messages))));
+            recording
         }
         Destination::Native { grpc_port, .. } => {
             builder.connect_grpc_opts(format!("rerun+http://127.0.0.1:{grpc_port}/proxy"))?
@@ -259,6 +263,10 @@ fn carrier(destination: &Destination, subject: Subject) -> anyhow::Result<Record
         })?,
     };
     layout::send(&recording, subject)?;
+    if matches!(destination, Destination::Web { .. }) {
+        recording.flush_blocking()?;
+        drawn.seal()?;
+    }
     Ok(recording)
 }
 
@@ -274,15 +282,15 @@ fn recording_of(run_id: u64, carrier: &RecordingStream) -> anyhow::Result<Record
 }
 
 /// What a browser on this machine is given.
-fn address(bind: IpAddr, web_port: u16) -> String {
-    let host = if bind.is_unspecified() { IpAddr::V4(Ipv4Addr::LOCALHOST) } else { bind };
-    format!("http://{}/", SocketAddr::new(host, web_port))
+fn url(address: SocketAddr) -> String {
+    let host = if address.ip().is_unspecified() { IpAddr::V4(Ipv4Addr::LOCALHOST) } else { address.ip() };
+    format!("http://{}/", SocketAddr::new(host, address.port()))
 }
 
-fn open_window(port: u16, memory_limit: MemoryLimit) -> anyhow::Result<()> {
+fn open_window(port: u16, memory_limit: ByteSize) -> anyhow::Result<()> {
     let options = SpawnOptions {
         port,
-        memory_limit: format!("{}B", memory_limit.as_bytes()),
+        memory_limit: format!("{}B", memory_limit.as_u64()),
         hide_welcome_screen: true,
         ..SpawnOptions::default()
     };

@@ -1,25 +1,26 @@
-// The page around rerun's viewer: large figures, and a stream that is opened again whenever it was lost.
+// The page around rerun's viewer: large figures, and what is drawn, fetched piece by piece.
 //
 // `wasm_bindgen` comes from re_viewer.js, the program that rerun publishes for browsers.
 "use strict";
 
 // How often the figures are asked for, ms.
 const ASK_EVERY = 500;
+// How often what was drawn since is asked for, ms.
+const FETCH_EVERY = 250;
 // How long an answer may take, ms: longer than a browser without a graphics card draws one picture.
 const ANSWER_LIMIT = 10000;
-// The stream has stopped when nothing arrived between so many answers while the run went on. Answers are counted, not
-// seconds: a browser that is too slow hears few of them, and something always arrives in between.
-const STREAM_STOPPED = 40;
+// rerun's name for the way by which the pieces enter.
+const CHANNEL = "live view";
 
 const query = new URLSearchParams(location.search);
 const at = (id) => document.getElementById(id);
 
 /** The viewer once it runs. */
 let viewer = null;
-/** What the stream is known by: its address, the process that gives it, the recording that was brought to the front. */
-let stream = { url: null, instance: null, recording: null };
-/** Up to where the stream reached, where the run was then, and how many answers were heard since. */
-let arrived = { newest: null, time_s: 0, answers: 0 };
+/** Where this page stands: the process that draws, the number of the piece to come and of the oldest one here. */
+let fetched = { instance: null, next: 0, oldest: 0 };
+/** The recording that was brought to the front. */
+let shown = null;
 /** The last status that was heard. */
 let heard = null;
 
@@ -88,44 +89,52 @@ function draw(status) {
   );
 }
 
-/** Opens the stream. rerun does not open one a second time: for that the page loads itself again. */
-function open(status) {
-  if (stream.url) {
-    location.reload();
-    return;
-  }
-  const url = `rerun+http://${location.host.replace(/:\d+$/, "")}:${status.stream_port}/proxy`;
-  viewer.add_receiver(url);
-  stream = { url, instance: status.instance, recording: null };
-  arrived = { newest: arrived.newest, time_s: status.time_s, answers: 0 };
-  document.body.dataset.instance = status.instance;
-}
-
 /** Up to where the viewer holds the run, in the timeline's own unit. */
 function newest(status) {
   return viewer.get_timeline_time_range(status.recording, status.timeline)?.max ?? null;
 }
 
-/** Whether nothing arrives any more though the run goes on. */
-function stopped(status) {
+function look_after(status) {
+  if (!viewer || !status.recording) return;
   const reached = newest(status);
-  if (reached !== arrived.newest) arrived = { newest: reached, time_s: status.time_s, answers: 0 };
-  arrived.answers += 1;
   document.body.dataset.newest = String(reached);
-  return arrived.answers > STREAM_STOPPED && status.time_s > arrived.time_s + 1;
+  // A new run comes to the front once; after that the operator may look at another. rerun itself brings to the front
+  // what came first, an empty recording that belongs to no run.
+  const of_a_run = viewer.get_active_recording_id()?.startsWith("run-");
+  if (!(of_a_run && shown === status.recording) && reached != null) {
+    viewer.set_active_recording_id(status.recording);
+    shown = status.recording;
+  }
 }
 
-function look_after(status) {
-  if (!viewer) return;
-  if (stream.instance !== status.instance) open(status);
-  else if (status.recording && stopped(status)) open(status);
-  // A new run comes to the front once; after that the operator may look at another. rerun itself brings to the front
-  // what every opened stream begins with, an empty recording that belongs to no run.
-  const of_a_run = viewer.get_active_recording_id()?.startsWith("run-");
-  if (status.recording && !(of_a_run && stream.recording === status.recording) && newest(status) != null) {
-    viewer.set_active_recording_id(status.recording);
-    stream.recording = status.recording;
+/** Fetches pieces, hands them to the viewer and notes where the page stands now; gives how many there were. */
+async function fetch_drawn(wish) {
+  const question = `drawn?instance=${fetched.instance}&${wish}`;
+  const answer = await fetch(question, { cache: "no-store", signal: AbortSignal.timeout(ANSWER_LIMIT) });
+  if (!answer.ok) throw new Error(`${question}: ${answer.status}`);
+  const bytes = new Uint8Array(await answer.arrayBuffer());
+  const head_length = bytes.indexOf("\n".charCodeAt(0));
+  const { lengths, ...standing } = JSON.parse(new TextDecoder().decode(bytes.subarray(0, head_length)));
+  let begin = head_length + 1;
+  for (const length of lengths) {
+    viewer.send_rrd_to_channel(CHANNEL, bytes.subarray(begin, begin + length));
+    begin += length;
   }
+  fetched = { ...fetched, ...standing };
+  document.body.dataset.instance = fetched.instance;
+  return lengths.length;
+}
+
+/** Goes on with what is new, and with the past when there is nothing new. */
+async function follow() {
+  try {
+    const news = await fetch_drawn(`since=${fetched.next}`);
+    if (!news && fetched.oldest > 0) await fetch_drawn(`before=${fetched.oldest}`);
+  } catch (error) {
+    // The strip says what is wrong; the next answer goes on where this one ended.
+    console.debug(`nothing drawn: ${error}`);
+  }
+  setTimeout(follow, FETCH_EVERY);
 }
 
 async function ask() {
@@ -170,8 +179,10 @@ async function load() {
   });
   await handle.start(at("viewer"));
   at("loading").hidden = true;
+  handle.open_channel(CHANNEL, "haptic camera");
   viewer = handle;
   window.viewer = handle;
+  follow();
   setInterval(() => {
     // Out of memory or a defect in rerun: a fresh page has neither.
     if (handle.has_panicked()) location.reload();

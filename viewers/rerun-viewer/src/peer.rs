@@ -1,0 +1,111 @@
+//! Who is at the other end of a connection within this machine.
+//!
+//! A port at the loopback address is open to every user of the machine. The kernel's tables of connections say whose
+//! socket is at the other end, so that nobody else is shown what is captured here.
+
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+
+use nix::unistd::{Uid, geteuid};
+
+/// The kernel's word for a connection that both ends hold open.
+const ESTABLISHED: &str = "01";
+
+/// Whether what is captured may be shown at `peer`, which is connected to us at `here`.
+///
+/// From this machine: to our own user, to root, and to the user who became root by `sudo` to capture. From another one:
+/// to anybody, since the page is reached from there only where the operator has bound it to a network.
+pub fn may_look(peer: SocketAddr, here: SocketAddr) -> bool {
+    match owner(peer, here) {
+        Some(user) => user == geteuid() || user.is_root() || Some(user) == before_sudo(),
+        None => !peer.ip().to_canonical().is_loopback(),
+    }
+}
+
+/// Who called `sudo`, if we are root by it.
+fn before_sudo() -> Option<Uid> {
+    if !geteuid().is_root() {
+        return None;
+    }
+    std::env::var("SUDO_UID").ok()?.parse().ok().map(Uid::from_raw)
+}
+
+/// Whose socket on this machine is at `peer` and connected to `here`.
+fn owner(peer: SocketAddr, here: SocketAddr) -> Option<Uid> {
+    ["/proc/self/net/tcp", "/proc/self/net/tcp6"].into_iter().find_map(|table| {
+        // A kernel without IPv6 has no second table.
+        let table = std::fs::read_to_string(table).unwrap_or_default();
+        owner_in(&table, peer, here)
+    })
+}
+
+/// The owner by a table of the form that proc_pid_net(5) gives: local address, remote address, state, …, user.
+fn owner_in(table: &str, peer: SocketAddr, here: SocketAddr) -> Option<Uid> {
+    table.lines().find_map(|line| {
+        let mut fields = line.split_whitespace().skip(1);
+        let (local, remote, state) = (address(fields.next()?)?, address(fields.next()?)?, fields.next()?);
+        let user = fields.nth(3)?.parse().ok()?;
+        (state == ESTABLISHED && is_same(local, peer) && is_same(remote, here)).then(|| Uid::from_raw(user))
+    })
+}
+
+/// An IPv4 address is the same in its IPv6 form.
+fn is_same(one: SocketAddr, other: SocketAddr) -> bool {
+    one.port() == other.port() && one.ip().to_canonical() == other.ip().to_canonical()
+}
+
+/// An address as the kernel writes it: hexadecimal words of the machine's byte order, a colon, the port.
+fn address(text: &str) -> Option<SocketAddr> {
+    let (ip, port) = text.split_once(':')?;
+    let word = |at: usize| Some(u32::from_str_radix(ip.get(at..at + 8)?, 16).ok()?.to_ne_bytes());
+    let ip = if ip.len() == 8 {
+        IpAddr::V4(Ipv4Addr::from(word(0)?))
+    } else {
+        let words = [word(0)?, word(8)?, word(16)?, word(24)?];
+        let mut bytes = [0; 16];
+        for (place, byte) in bytes.iter_mut().zip(words.into_iter().flatten()) {
+            *place = byte;
+        }
+        IpAddr::V6(Ipv6Addr::from(bytes))
+    };
+    Some(SocketAddr::new(ip, u16::from_str_radix(port, 16).ok()?))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test")]
+mod tests {
+    use std::net::{TcpListener, TcpStream};
+
+    use super::*;
+
+    #[test]
+    fn a_connection_of_ones_own_is_known_as_such() {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let here = listener.local_addr().unwrap();
+        let client = TcpStream::connect(here).unwrap();
+        let peer = client.local_addr().unwrap();
+        assert_eq!(owner(peer, here), Some(geteuid()));
+        assert!(may_look(peer, here));
+        drop(client);
+        assert!(!may_look(peer, here), "nobody is there any more");
+    }
+
+    #[test]
+    fn both_tables_are_understood_and_only_open_connections_count() {
+        let peer: SocketAddr = "127.0.0.1:36618".parse().unwrap();
+        let here: SocketAddr = "127.0.0.1:9090".parse().unwrap();
+        let table = "  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout inode\n\
+            \x20  0: 0100007F:8F0A 0100007F:2382 STATE 00000000:00000000 00:00000000 00000000  1001        0 20541 1\n";
+        assert_eq!(owner_in(&table.replace("STATE", "01"), peer, here), Some(Uid::from_raw(1001)));
+        assert_eq!(owner_in(&table.replace("STATE", "06"), peer, here), None);
+        assert_eq!(owner_in(&table.replace("STATE", "01"), here, peer), None);
+        let mapped = table.replace("0100007F", "0000000000000000FFFF00000100007F").replace("STATE", "01");
+        assert_eq!(owner_in(&mapped, peer, here), Some(Uid::from_raw(1001)));
+        assert_eq!(owner_in("", peer, here), None);
+    }
+
+    #[test]
+    fn who_comes_from_elsewhere_may_look_where_the_page_is_bound_to_a_network() {
+        assert!(may_look("192.0.2.1:4000".parse().unwrap(), "192.0.2.2:9090".parse().unwrap()));
+        assert!(!may_look("127.0.0.1:1".parse().unwrap(), "127.0.0.1:2".parse().unwrap()));
+    }
+}

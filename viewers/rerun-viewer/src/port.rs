@@ -1,0 +1,103 @@
+//! The port of the live view, and the same one again after a restart.
+//!
+//! A page in a browser knows its address only. A viewer that was killed and started again must therefore be found
+//! where it was: the first one of a run notes its port in the rig's folder, the ones after it take that.
+
+use std::net::{SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail};
+
+/// Ports tried beyond the one asked for.
+const PORTS_TRIED: u16 = 10;
+/// How long a viewer that was started again waits for its port.
+const RETAKE_LIMIT: Duration = Duration::from_secs(2);
+
+/// Takes the port for a viewer that was restarted so many times in its run: the one that it had, else the first that is
+/// free from the wanted one on.
+///
+/// # Errors
+/// When no port is free.
+pub fn take(wanted: SocketAddr, restarts: u32) -> anyhow::Result<TcpListener> {
+    let noted = (restarts > 0).then(noted).flatten();
+    noted.and_then(|port| take_again(SocketAddr::new(wanted.ip(), port))).map_or_else(|| first_free(wanted), Ok)
+}
+
+/// Notes the port for a viewer that is started again.
+///
+/// # Errors
+/// When the rig's folder cannot be written.
+pub fn note(port: u16) -> anyhow::Result<()> {
+    shared_types::rig::create_runtime_dir()?;
+    let path = note_path();
+    std::fs::write(&path, serde_json::to_vec(&port)?).with_context(|| format!("{} cannot be written", path.display()))
+}
+
+fn noted() -> Option<u16> {
+    serde_json::from_slice(&std::fs::read(note_path()).ok()?).ok()
+}
+
+fn note_path() -> PathBuf {
+    shared_types::rig::runtime_dir().join("live-view-port.json")
+}
+
+/// Takes exactly this port, which a viewer that died had a moment ago.
+fn take_again(address: SocketAddr) -> Option<TcpListener> {
+    let deadline = Instant::now() + RETAKE_LIMIT;
+    loop {
+        match TcpListener::bind(address) {
+            Ok(listener) => return Some(listener),
+            Err(_) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(50)),
+            Err(_) => return None,
+        }
+    }
+}
+
+/// Takes the first free port from the wanted one on.
+///
+/// # Errors
+/// When none of them can be had at that address.
+pub fn first_free(wanted: SocketAddr) -> anyhow::Result<TcpListener> {
+    let (bind, wanted) = (wanted.ip(), wanted.port());
+    let mut refusal = None;
+    for port in (0..PORTS_TRIED).filter_map(|further| wanted.checked_add(further)) {
+        match TcpListener::bind(SocketAddr::new(bind, port)) {
+            Ok(listener) => return Ok(listener),
+            Err(error) => refusal = Some(error),
+        }
+    }
+    let reason = refusal.map_or_else(String::new, |error| format!(" ({error})"));
+    bail!(
+        "no port from {wanted} to {} is free at {bind}{reason}; name another one",
+        wanted.saturating_add(PORTS_TRIED - 1)
+    )
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test")]
+mod tests {
+    use std::net::Ipv4Addr;
+
+    use super::*;
+
+    #[test]
+    fn a_taken_port_gives_way_to_another() {
+        let holder = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let taken = holder.local_addr().unwrap();
+        let found = first_free(taken).unwrap();
+        assert_ne!(found.local_addr().unwrap().port(), taken.port());
+    }
+
+    #[test]
+    fn a_port_that_becomes_free_a_moment_later_is_taken_again() {
+        let holder = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let address = holder.local_addr().unwrap();
+        let holder = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(200));
+            drop(holder);
+        });
+        assert_eq!(take_again(address).unwrap().local_addr().unwrap(), address);
+        holder.join().unwrap();
+    }
+}
