@@ -26,6 +26,11 @@ const SHORT_LIVES: u32 = 5;
 const HUNG: Duration = Duration::from_millis(2_500);
 /// A consumer may take so long until its first report.
 const FIRST_WORD: Duration = Duration::from_secs(10);
+/// Silence after which a report is overdue, and the kernel is asked what the process does.
+const OVERDUE: Duration = Duration::from_millis(500);
+/// How long a consumer may be stopped (SIGSTOP) from then on: not as short as a terminal takes to stop a whole capture
+/// and to let it go on, and short enough for another to be at work within a second.
+const STOPPED: Duration = Duration::from_millis(250);
 
 /// One consumer and how to start it again.
 struct Consumer {
@@ -36,6 +41,8 @@ struct Consumer {
     child: Child,
     /// When it last said how it is or was started, and how long it had waited for a processor until then.
     heard: Heard,
+    /// Since when it was seen to be stopped.
+    stopped: Option<Instant>,
     restarts: u32,
     short_lives: u32,
     given_up: bool,
@@ -64,22 +71,44 @@ impl Consumer {
     fn start(kind: ProcessKind, arguments: Vec<String>, loop_core: u32, words: &Words) -> anyhow::Result<Self> {
         let child = spawn(kind, &arguments, loop_core, 0, words)?;
         let heard = Heard::at_its_start();
-        Ok(Self { kind, arguments, loop_core, child, heard, restarts: 0, short_lives: 0, given_up: false })
+        Ok(Self {
+            kind,
+            arguments,
+            loop_core,
+            child,
+            heard,
+            stopped: None,
+            restarts: 0,
+            short_lives: 0,
+            given_up: false,
+        })
     }
 
-    /// Ends it if it hangs: it then counts as one that died. One that waits for a disk is left to wait.
+    /// Ends it if it hangs: it then counts as one that died.
     fn end_if_hung(&mut self, link: &LoopLink) {
+        if self.hangs(link) && !self.child.has_ended() {
+            remark(format!("{} no longer answers and is started again", self.kind.name()));
+            let _ = kill(self.child.pid(), Signal::SIGKILL);
+            self.child.wait(Duration::from_secs(1));
+        }
+    }
+
+    /// Whether it has been silent or stopped for too long. One that waits for a disk is left to wait.
+    fn hangs(&mut self, link: &LoopLink) -> bool {
         let process_id = self.child.id();
         let last_word = link.last_word_of(process_id);
         if let Some(at_ns) = last_word.filter(|at_ns| *at_ns > self.heard.at_ns) {
             self.heard = Heard { at_ns, processor_wait: rig::processor_wait(process_id) };
         }
-        let patience = if last_word.is_some() { HUNG } else { FIRST_WORD };
-        let hangs = self.heard.silence(process_id) > patience && rig::process_state(process_id) != Some('D');
-        if hangs && !self.child.has_ended() {
-            remark(format!("{} no longer answers and is started again", self.kind.name()));
-            let _ = kill(self.child.pid(), Signal::SIGKILL);
-            self.child.wait(Duration::from_secs(1));
+        let silence = self.heard.silence(process_id);
+        let state = if silence > OVERDUE { rig::process_state(process_id) } else { None };
+        if state != Some('T') {
+            self.stopped = None;
+        }
+        match state {
+            None | Some('D') => false,
+            Some('T') => self.stopped.get_or_insert_with(Instant::now).elapsed() > STOPPED,
+            Some(_) => silence > if last_word.is_some() { HUNG } else { FIRST_WORD },
         }
     }
 
@@ -101,6 +130,7 @@ impl Consumer {
         match spawn(self.kind, &self.arguments, self.loop_core, self.restarts, words) {
             Ok(child) => {
                 self.heard = Heard::at_its_start();
+                self.stopped = None;
                 self.child = child;
             }
             Err(error) => {
