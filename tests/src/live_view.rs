@@ -49,14 +49,14 @@ impl LiveView {
         Ok(serde_json::from_slice(&self.answer("status")?)?)
     }
 
-    /// What is told of what was drawn, without the pieces themselves, when a page asks with this query.
+    /// What is told of what was drawn when a page asks with this query, and how many bytes of it there are.
     ///
     /// # Errors
     /// When nothing answers.
-    pub fn drawn(&self, query: &str) -> anyhow::Result<Value> {
+    pub fn drawn(&self, query: &str) -> anyhow::Result<(Value, usize)> {
         let answer = self.answer(&format!("drawn?{query}"))?;
-        let head = answer.split(|byte| *byte == b'\n').next().context("an answer without a line")?;
-        Ok(serde_json::from_slice(head)?)
+        let head = answer.iter().position(|byte| *byte == b'\n').context("an answer without a line")?;
+        Ok((serde_json::from_slice(&answer[..head])?, answer.len() - head - 1))
     }
 
     fn answer(&self, path: &str) -> anyhow::Result<Vec<u8>> {

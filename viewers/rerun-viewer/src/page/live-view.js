@@ -107,22 +107,18 @@ function look_after(status) {
   }
 }
 
-/** Fetches pieces, hands them to the viewer and notes where the page stands now; gives how many there were. */
+/** Fetches what was drawn, hands it to the viewer and notes where the page stands now; whether there was anything. */
 async function fetch_drawn(wish) {
   const question = `drawn?instance=${fetched.instance}&${wish}`;
   const answer = await fetch(question, { cache: "no-store", signal: AbortSignal.timeout(ANSWER_LIMIT) });
   if (!answer.ok) throw new Error(`${question}: ${answer.status}`);
   const bytes = new Uint8Array(await answer.arrayBuffer());
   const head_length = bytes.indexOf("\n".charCodeAt(0));
-  const { lengths, ...standing } = JSON.parse(new TextDecoder().decode(bytes.subarray(0, head_length)));
-  let begin = head_length + 1;
-  for (const length of lengths) {
-    viewer.send_rrd_to_channel(CHANNEL, bytes.subarray(begin, begin + length));
-    begin += length;
-  }
-  fetched = { ...fetched, ...standing };
+  const drawn = bytes.subarray(head_length + 1);
+  if (drawn.length) viewer.send_rrd_to_channel(CHANNEL, drawn);
+  fetched = { ...fetched, ...JSON.parse(new TextDecoder().decode(bytes.subarray(0, head_length))) };
   document.body.dataset.instance = fetched.instance;
-  return lengths.length;
+  return drawn.length > 0;
 }
 
 /** Goes on with what is new, and with the past when there is nothing new. */

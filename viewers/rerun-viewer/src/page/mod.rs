@@ -34,14 +34,12 @@ struct Status<'a> {
     glance: Glance,
 }
 
-/// The first line of an answer to `/drawn`; the files follow it without a gap.
+/// The first line of an answer to `/drawn`; the files follow it without a gap, which rerun reads like one.
 #[derive(Serialize)]
 struct DrawnHead<'a> {
     instance: &'a str,
     #[serde(flatten)]
     standing: Standing,
-    /// Of each file, bytes.
-    lengths: Vec<usize>,
 }
 
 struct Pages {
@@ -156,8 +154,7 @@ impl Pages {
 
     fn drawn_answer(&self, given: &Given) -> Vec<u8> {
         let Given { standing, files } = given;
-        let lengths = files.iter().map(|file| file.len()).collect();
-        let head = DrawnHead { instance: &self.instance, standing: *standing, lengths };
+        let head = DrawnHead { instance: &self.instance, standing: *standing };
         let mut answer = serde_json::to_vec(&head).unwrap_or_default();
         answer.push(b'\n');
         files.iter().for_each(|file| answer.extend_from_slice(file));
