@@ -80,6 +80,8 @@ pub enum SchemaError {
 
 /// More fields than any message of an instrument has.
 const MAX_FIELDS: usize = 100_000;
+/// More lines, counted each time that an array repeats them, than any message of an instrument has.
+const MAX_LINES: usize = 1_000_000;
 /// Deeper than any message of an instrument nests.
 const MAX_DEPTH: usize = 16;
 
@@ -175,7 +177,7 @@ impl Layout {
                 Some((name, body.to_owned()))
             })
             .collect();
-        let mut placing = Placing { nested: &nested, fields: Vec::new(), end: 0, variable: false };
+        let mut placing = Placing { nested: &nested, fields: Vec::new(), end: 0, variable: false, lines: 0 };
         placing.message(&definitions[0], "", "", 0)?;
         let Placing { fields, end, variable, .. } = placing;
         Ok(Self { fields, size: (!variable).then_some(end) })
@@ -201,13 +203,20 @@ struct Placing<'a> {
     end: usize,
     /// A field of variable size was met: nothing behind it has a fixed place.
     variable: bool,
+    /// Messages and lines of theirs that were gone through: a message without fields makes an array endless too.
+    lines: usize,
 }
 
 impl Placing<'_> {
     fn message(&mut self, definition: &str, prefix: &str, package: &str, depth: usize) -> Result<(), SchemaError> {
+        self.lines += 1;
         for (index, raw) in definition.lines().enumerate() {
             if self.variable {
                 return Ok(());
+            }
+            self.lines += 1;
+            if self.lines > MAX_LINES {
+                return Err(SchemaError::TooLarge);
             }
             let line = raw.split('#').next().unwrap_or_default().trim();
             if line.is_empty() || line.contains('=') {
@@ -254,10 +263,11 @@ impl Placing<'_> {
         for index in 0..count {
             let prefix = if is_array { format!("{name}[{index}].") } else { format!("{name}.") };
             self.message(definition, &prefix, package, depth + 1)?;
-            if self.variable || self.fields.len() > MAX_FIELDS {
+            if self.variable || self.fields.len() > MAX_FIELDS || self.lines > MAX_LINES {
                 break;
             }
         }
-        if self.fields.len() > MAX_FIELDS { Err(SchemaError::TooLarge) } else { Ok(()) }
+        let too_large = self.fields.len() > MAX_FIELDS || self.lines > MAX_LINES;
+        if too_large { Err(SchemaError::TooLarge) } else { Ok(()) }
     }
 }

@@ -124,4 +124,9 @@ fn a_schema_that_makes_no_sense_is_refused() {
     assert!(matches!(Layout::parse("Thing x\n"), Err(SchemaError::UnknownType { .. })));
     assert!(matches!(Layout::parse("p/A x\n===\nMSG: p/A\np/A x\n"), Err(SchemaError::TooLarge)));
     assert!(matches!(Layout::parse("p/A[99999999] x\n===\nMSG: p/A\nuint8 x\n"), Err(SchemaError::TooLarge)));
+    // Of types without a field there could be any number.
+    let endless = "p/A[999999999999999999] x\n===\nMSG: p/A\n# nothing\n";
+    assert!(matches!(Layout::parse(endless), Err(SchemaError::TooLarge)));
+    let towering: String = (0..10).map(|level| format!("===\nMSG: p/L{level}\np/L{}[99] x\n", level + 1)).collect();
+    assert!(matches!(Layout::parse(&format!("p/L0 x\n{towering}===\nMSG: p/L10\n")), Err(SchemaError::TooLarge)));
 }

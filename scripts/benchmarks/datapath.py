@@ -128,7 +128,7 @@ def watch(folder, readings):
                     resident = int(Path(f"/proc/{process}/statm").read_text().split()[1]) * page
                     fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
                     cpu_s = (int(fields[11]) + int(fields[12])) / tick
-                    readings.setdefault(name, []).append((time.monotonic(), resident / 2**20, cpu_s))
+                    readings.setdefault(name, []).append((time.monotonic(), resident / 2**20, cpu_s, process))
 
     thread = threading.Thread(target=run)
     thread.start()
@@ -147,6 +147,13 @@ def slope_per_hour(time_s, resident_mib):
     return line.slope * 3600, 2 * line.stderr * 3600
 
 
+def cpu_of_all(cpu_s, process):
+    """CPU time used between the first and the last reading, by every process that bore the name in turn, s."""
+    of_one = [cpu_s[process == each] for each in np.unique(process)]
+    before = cpu_s[0]
+    return sum(readings[-1] for readings in of_one) - before
+
+
 def long_run(minutes, folder, core):
     """Rows and goals of a long capture: memory over time, CPU, size of the archive."""
     print(f"a capture of {minutes:g} minutes", file=sys.stderr, flush=True)
@@ -155,15 +162,18 @@ def long_run(minutes, folder, core):
     (archive,) = (place / "captures").glob("*.mcap")
     rows, goals = [], []
     for name, values in readings.items():
-        time_s, resident_mib, cpu_s = np.array(values).T
+        time_s, resident_mib, cpu_s, process = np.array(values).T
         # The first half belongs to buffers that fill once: history, bins of the fit, the view's memory limit.
-        late = time_s > (time_s[0] + time_s[-1]) / 2
+        late = (time_s > (time_s[0] + time_s[-1]) / 2) & (process == process[-1])
         growth, error = slope_per_hour(time_s[late], resident_mib[late])
-        cpu_percent = 100 * (cpu_s[-1] - cpu_s[0]) / (time_s[-1] - time_s[0])
+        cpu_percent = 100 * cpu_of_all(cpu_s, process) / (time_s[-1] - time_s[0])
+        restarts = len(np.unique(process)) - 1
         rows.append(
             [name, f"{resident_mib[0]:.1f}", f"{resident_mib.max():.1f}", f"{resident_mib[-1]:.1f}"]
-            + [f"{growth:+.1f} ± {error:.1f}", f"{cpu_percent:.2f}"]
+            + [f"{growth:+.1f} ± {error:.1f}", f"{cpu_percent:.2f}", str(restarts)]
         )
+        if restarts:
+            goals.append(markdown.goal(f"restarts of {name}", str(restarts), "0", False))
         if name != "rerun-viewer":
             figure = f"{growth:+.1f} ± {error:.1f} MiB/h"
             bar = f"{GROWTH_BAR_MIB_H} MiB/h"
@@ -173,7 +183,7 @@ def long_run(minutes, folder, core):
             peak = resident_mib.max()
             goals.append(markdown.goal("viewer's memory", f"{peak:.0f} MiB", "2 GiB", peak < VIEWER_MEMORY_BAR_MIB))
             goals.append(markdown.goal("viewer's CPU", f"{cpu_percent:.1f} % of a core", "25 %", cpu_percent < VIEWER_CPU_BAR_PERCENT))
-    heads = ["process", "MiB first", "MiB most", "MiB last", "MiB per hour, second half", "CPU, % of a core"]
+    heads = ["process", "MiB first", "MiB most", "MiB last", "MiB per hour, second half", "CPU, % of a core", "restarts"]
     size = archive.stat().st_size
     samples = minutes * 60 * 10_000
     text = f"Archive of {minutes:g} minutes at 10 kHz: {size / 1e6:.0f} MB, {size / samples:.1f} bytes a sample, "

@@ -119,22 +119,26 @@ fn another_user_is_shown_nothing_by_the_live_view() {
     let view = LiveView::of_rig(&bench.path("rig")).unwrap();
     view.wait_for(|status| status["time_s"].as_f64() > Some(0.5)).unwrap();
     let addresses = listening_addresses(bench.wait_for_process("rerun-viewer").unwrap()).unwrap();
-    assert!(addresses.len() >= 2, "the page and the server behind it: {addresses:?}");
-    for address in addresses {
-        let (_, port) = address.split_once(':').unwrap();
-        let port = u16::from_str_radix(port, 16).unwrap();
-        for path in ["status", "drawn", ""] {
-            let ask = format!(
-                "exec 3<>/dev/tcp/127.0.0.1/{port}; printf 'GET /{path} HTTP/1.1\\r\\nHost: h\\r\\nConnection: close\\r\\n\\r\\n' >&3; \
-                 cat <&3"
-            );
-            let ours = Command::new("bash").args(["-c", &ask]).output().unwrap().stdout;
-            assert!(ours.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&ours));
-            let theirs = as_nobody(Path::new("bash"), &["-c", &ask]).output().unwrap().stdout;
-            assert!(theirs.starts_with(b"HTTP/1.1 403"), "{}", String::from_utf8_lossy(&theirs));
-            assert!(theirs.len() < 1000, "{} bytes for another user", theirs.len());
-        }
+    assert_eq!(addresses.len(), 1, "the page and nothing else: {addresses:?}");
+    let (_, port) = addresses[0].split_once(':').unwrap();
+    let port = u16::from_str_radix(port, 16).unwrap();
+    let question = |path: &str, host: &str| {
+        let words = format!("GET /{path} HTTP/1.1\\r\\nHost: {host}\\r\\nConnection: close\\r\\n\\r\\n");
+        format!("exec 3<>/dev/tcp/127.0.0.1/{port}; printf '{words}' >&3; cat <&3")
+    };
+    for path in ["status", "drawn", ""] {
+        let ask = question(path, &format!("127.0.0.1:{port}"));
+        let ours = Command::new("bash").args(["-c", &ask]).output().unwrap().stdout;
+        assert!(ours.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&ours));
+        let theirs = as_nobody(Path::new("bash"), &["-c", &ask]).output().unwrap().stdout;
+        assert!(theirs.starts_with(b"HTTP/1.1 403"), "{}", String::from_utf8_lossy(&theirs));
+        assert!(theirs.len() < 1000, "{} bytes for another user", theirs.len());
+        // A page of somebody whose name means this machine, in our own browser.
+        let by_name = Command::new("bash").args(["-c", &question(path, "knobs.example:80")]).output().unwrap().stdout;
+        assert!(by_name.starts_with(b"HTTP/1.1 403"), "{}", String::from_utf8_lossy(&by_name));
     }
+    // The server behind the page is reached through this folder alone.
+    assert_closed_to_others(&[bench.path("rig")]);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
 }

@@ -13,7 +13,8 @@ use rerun::external::re_log_encoding::Encoder;
 use rerun::log::{Chunk, LogMsg};
 use serde::Serialize;
 
-/// Most bytes of the run in one answer, and what a page that is opened is given at first: some ten seconds.
+/// Bytes of the run at which an answer ends, and what a page that is opened is given at first: some 25 seconds. As much is
+/// kept at least, for the pages that are there.
 const ANSWER_BYTES: usize = 2 << 20;
 
 /// What a page asks for.
@@ -36,6 +37,8 @@ pub struct Standing {
     /// Number before which to ask for more of the past; 0 when that is all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub oldest: Option<u64>,
+    /// Whether more of what is new waits already.
+    pub behind: bool,
 }
 
 /// What a page is given.
@@ -78,11 +81,11 @@ struct Kept {
 }
 
 impl Drawn {
-    /// Nothing yet; of the run no more than `limit_bytes` will be kept.
+    /// Nothing yet; of the run no more than `limit_bytes` will be kept, or one answer.
     #[must_use]
     pub fn new(limit_bytes: u64) -> Self {
         Self(Arc::new(Mutex::new(Kept {
-            limit_bytes,
+            limit_bytes: limit_bytes.max(ANSWER_BYTES as u64),
             loose: Vec::new(),
             lasting: Vec::new(),
             pieces: VecDeque::new(),
@@ -163,8 +166,8 @@ impl Kept {
                 let new = self.pieces.partition_point(|piece| piece.number < number);
                 let (pieces, more) = one_answer(self.pieces.iter().skip(new));
                 files.extend(pieces);
-                let next = more.map_or(self.next, |piece| piece.number);
-                Ok(Given { standing: Standing { next: Some(next), oldest: None }, files })
+                let next = Some(more.map_or(self.next, |piece| piece.number));
+                Ok(Given { standing: Standing { next, oldest: None, behind: more.is_some() }, files })
             }
         }
     }
@@ -195,7 +198,8 @@ fn one_answer<'a>(pieces: impl Iterator<Item = &'a Piece>) -> (Vec<Arc<[u8]>>, O
 fn back_in_time<'a>(pieces: impl Iterator<Item = &'a Piece>) -> Given {
     let (mut files, more) = one_answer(pieces);
     files.reverse();
-    Given { standing: Standing { next: None, oldest: Some(more.map_or(0, |piece| piece.number + 1)) }, files }
+    let oldest = Some(more.map_or(0, |piece| piece.number + 1));
+    Given { standing: Standing { next: None, oldest, behind: false }, files }
 }
 
 /// Whether a message belongs to a time of the run.
@@ -259,6 +263,15 @@ mod tests {
         drawn.seal().unwrap();
     }
 
+    /// A large share of an answer, and nothing that compresses.
+    fn draw_much(drawn: &Drawn, recording: &RecordingStream, moment: u64) {
+        let noise = (0..40_000).map(|index| ((index * 2_654_435_761_u64 + moment) as f64).sqrt().sin());
+        recording.set_time_sequence("moment", i64::try_from(moment).unwrap());
+        recording.log("value", &Scalars::new(noise)).unwrap();
+        recording.flush_blocking().unwrap();
+        drawn.seal().unwrap();
+    }
+
     fn draw_lasting(drawn: &Drawn, recording: &RecordingStream, text: &str) {
         recording.log_static("text", &TextDocument::new(text)).unwrap();
         recording.flush_blocking().unwrap();
@@ -298,25 +311,19 @@ mod tests {
         (3..5).for_each(|moment| draw(&drawn, &recording, moment));
         let more = drawn.give(Wish::Since(next)).unwrap();
         assert_eq!(count(&more, "/value"), 2);
+        assert!(!more.standing.behind);
         assert_eq!(drawn.give(Wish::Since(more.standing.next.unwrap())).unwrap().files.len(), 0);
     }
 
     #[test]
     fn the_past_comes_after_the_present_and_completely() {
         let (drawn, recording) = drawn(u64::MAX);
-        let values = 40_000;
-        for moment in 0..20 {
-            // Each a large share of an answer, and nothing that compresses.
-            let noise = (0..values).map(|index| ((index * 2_654_435_761_u64 + moment) as f64).sqrt().sin());
-            recording.set_time_sequence("moment", i64::try_from(moment).unwrap());
-            recording.log("value", &Scalars::new(noise)).unwrap();
-            recording.flush_blocking().unwrap();
-            drawn.seal().unwrap();
-        }
+        (0..20).for_each(|moment| draw_much(&drawn, &recording, moment));
         let given = drawn.give(Wish::Beginning).unwrap();
         let mut oldest = given.standing.oldest.unwrap();
         let mut found = count(&given, "/value");
         assert!((1..20).contains(&found), "{found} of 20 in the first answer");
+        assert!(drawn.give(Wish::Since(0)).unwrap().standing.behind, "as many do not go into one answer");
         while oldest > 0 {
             let past = drawn.give(Wish::Before(oldest)).unwrap();
             found += count(&past, "/value");
@@ -328,13 +335,15 @@ mod tests {
 
     #[test]
     fn what_belongs_to_no_time_is_kept_in_its_newest_state_whatever_the_limit() {
-        let (drawn, recording) = drawn(1);
+        let (drawn, recording) = drawn(0);
         draw_lasting(&drawn, &recording, "before");
         let next = drawn.give(Wish::Beginning).unwrap().standing.next.unwrap();
-        (0..3).for_each(|moment| draw(&drawn, &recording, moment));
+        (0..20).for_each(|moment| draw_much(&drawn, &recording, moment));
         draw_lasting(&drawn, &recording, "after");
         let given = drawn.give(Wish::Beginning).unwrap();
-        assert_eq!(chunks(&given), [("/text".to_owned(), true)], "no room for the run, one text");
+        assert_eq!(count(&given, "/text"), 1);
+        assert!((1..20).contains(&count(&given, "/value")), "the newest of the run: {:?}", chunks(&given));
+        assert_eq!(given.standing.oldest, Some(0), "nothing else is kept");
         assert_eq!(
             count(&drawn.give(Wish::Since(next)).unwrap(), "/text"),
             1,

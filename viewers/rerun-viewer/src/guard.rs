@@ -6,10 +6,12 @@
 //! instead. Whoever has not taken a single byte for [`PATIENCE`] while something waits for him loses his connection and
 //! nobody else does; his page asks again when it wakes up.
 //!
-//! Only this is reached from outside; the server inside listens at the loopback address alone.
+//! Only this is reached from outside; the server inside listens at a socket in the rig's folder, which others may not enter.
 
 use std::io::{self, Read, Write};
-use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -24,8 +26,6 @@ pub const MOST_CONNECTIONS: usize = 64;
 const MOST_REFUSALS: usize = 8;
 /// What is carried at once, bytes.
 const PORTION: usize = 64 << 10;
-/// What is given to reaching the server inside.
-const CONNECT_LIMIT: Duration = Duration::from_secs(1);
 
 /// What another user is told.
 const REFUSAL: &str = "HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain; charset=utf-8\r\nConnection: close\r\n\r\n\
@@ -36,7 +36,7 @@ const REFUSAL: &str = "HTTP/1.1 403 Forbidden\r\nContent-Type: text/plain; chars
 ///
 /// # Errors
 /// When no thread is to be had.
-pub fn forward(listener: TcpListener, inside: SocketAddr, patience: Duration) -> io::Result<()> {
+pub fn forward(listener: TcpListener, inside: PathBuf, patience: Duration) -> io::Result<()> {
     let open = Arc::new(AtomicUsize::new(0));
     let refused = Arc::new(AtomicUsize::new(0));
     let accept = move || {
@@ -53,7 +53,7 @@ pub fn forward(listener: TcpListener, inside: SocketAddr, patience: Duration) ->
             }
             let counted = Counted::new(alike);
             let served =
-                if ours { carry(client, inside, patience, counted) } else { refuse(client, patience, counted) };
+                if ours { carry(client, &inside, patience, counted) } else { refuse(client, patience, counted) };
             if let Err(error) = served {
                 tracing::debug!("a connection could not be served: {error}");
             }
@@ -80,28 +80,38 @@ fn refuse(mut client: TcpStream, patience: Duration, counted: Counted) -> io::Re
 }
 
 /// Carries one connection both ways, each on a thread of its own.
-fn carry(client: TcpStream, inside: SocketAddr, patience: Duration, counted: Counted) -> io::Result<()> {
-    let server = TcpStream::connect_timeout(&inside, CONNECT_LIMIT)?;
-    for end in [&client, &server] {
-        end.set_nodelay(true)?;
-        end.set_write_timeout(Some(patience))?;
-    }
-    let counted = Arc::new(counted);
-    for (from, to) in [(client.try_clone()?, server.try_clone()?), (server, client)] {
-        let counted = Arc::clone(&counted);
-        std::thread::Builder::new().name("guarded".to_owned()).spawn(move || {
+fn carry(client: TcpStream, inside: &Path, patience: Duration, counted: Counted) -> io::Result<()> {
+    let server = UnixStream::connect(inside)?;
+    client.set_nodelay(true)?;
+    client.set_write_timeout(Some(patience))?;
+    server.set_write_timeout(Some(patience))?;
+    let ends = Arc::new((client, server, counted));
+    for (name, pass) in [("guard up", up as fn(&Ends) -> io::Result<()>), ("guard down", down)] {
+        let ends = Arc::clone(&ends);
+        std::thread::Builder::new().name(name.to_owned()).spawn(move || {
             // However it ends, the other end is to know: neither a browser nor the server goes on with half a connection.
-            let _ = pass(&from, &to);
-            let _ = from.shutdown(Shutdown::Both);
-            let _ = to.shutdown(Shutdown::Both);
-            drop(counted);
+            let _ = pass(&ends);
+            let (client, server, _) = &*ends;
+            let _ = client.shutdown(Shutdown::Both);
+            let _ = server.shutdown(Shutdown::Both);
         })?;
     }
     Ok(())
 }
 
+/// Browser and server of one connection.
+type Ends = (TcpStream, UnixStream, Counted);
+
+fn up((client, server, _): &Ends) -> io::Result<()> {
+    pass(client, server)
+}
+
+fn down((client, server, _): &Ends) -> io::Result<()> {
+    pass(server, client)
+}
+
 /// Passes on what comes until either end closes or takes nothing for too long.
-fn pass(mut from: &TcpStream, mut to: &TcpStream) -> io::Result<()> {
+fn pass(mut from: impl Read, mut to: impl Write) -> io::Result<()> {
     let mut portion = vec![0; PORTION];
     loop {
         match from.read(&mut portion)? {
@@ -111,11 +121,11 @@ fn pass(mut from: &TcpStream, mut to: &TcpStream) -> io::Result<()> {
     }
 }
 
-/// One open connection, counted as long as it lives.
-struct Counted(Arc<AtomicUsize>);
+/// One of several things of which there may be so many at once, counted as long as it lives.
+pub(crate) struct Counted(Arc<AtomicUsize>);
 
 impl Counted {
-    fn new(open: &Arc<AtomicUsize>) -> Self {
+    pub(crate) fn new(open: &Arc<AtomicUsize>) -> Self {
         open.fetch_add(1, Ordering::Relaxed);
         Self(Arc::clone(open))
     }
@@ -130,22 +140,23 @@ impl Drop for Counted {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
-    use std::net::Ipv4Addr;
+    use std::net::{Ipv4Addr, SocketAddr};
+    use std::os::unix::net::UnixListener;
     use std::sync::mpsc;
 
     use super::*;
 
-    fn listener() -> (TcpListener, SocketAddr) {
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-        let address = listener.local_addr().unwrap();
-        (listener, address)
-    }
-
     /// A guard before a server that answers each connection with `answer`, which gets the server's end.
-    fn guarded(answer: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
-        let (server, inside) = listener();
-        std::thread::spawn(move || server.incoming().for_each(|stream| answer(stream.unwrap())));
-        let (outside, address) = listener();
+    fn guarded(answer: impl Fn(UnixStream) + Send + 'static) -> SocketAddr {
+        let folder = tempfile::tempdir().unwrap();
+        let inside = folder.path().join("inside");
+        let server = UnixListener::bind(&inside).unwrap();
+        std::thread::spawn(move || {
+            let _folder = folder;
+            server.incoming().for_each(|stream| answer(stream.unwrap()));
+        });
+        let outside = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let address = outside.local_addr().unwrap();
         forward(outside, inside, Duration::from_millis(200)).unwrap();
         address
     }

@@ -10,8 +10,8 @@
 //!         polls      frames      oldest     may stall as it likes
 //! ```
 //!
-//! A page is served by [`page`] and reached through [`guard`], which lets go of whoever takes nothing; `docs/live-view.md`
-//! says what is to be seen.
+//! For pages, what was drawn is kept in [`drawn`] and served by [`page`], which is reached through [`guard`]: that sends other
+//! users away and lets go of whoever takes nothing. `docs/live-view.md` says what is to be seen.
 //!
 //! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
 //!   control loop never waits. A viewer started again receives the last seconds first, at the port that

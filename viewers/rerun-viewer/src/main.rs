@@ -15,6 +15,7 @@ use rerun_viewer::frame::Frame;
 use rerun_viewer::glance::SharedGlance;
 use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
+use rerun_viewer::page;
 use rerun_viewer::picture::Picture;
 use rerun_viewer::port;
 use rerun_viewer::remote::{self, Host};
@@ -91,6 +92,7 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
         tracing::warn!("{} frames were not shown because the screen was not fast enough", outbox.dropped());
     }
     let data_was_lost = ends_with_run && (!closed_in_time || outbox.dropped() > 0);
+    page::socket::remove();
     std::process::exit(if data_was_lost { EXIT_DATA_LOST } else { 0 });
 }
 

@@ -17,7 +17,7 @@ const ESTABLISHED: &str = "01";
 pub fn may_look(peer: SocketAddr, here: SocketAddr) -> bool {
     match owner(peer, here) {
         Some(user) => user == geteuid() || user.is_root() || Some(user) == before_sudo(),
-        None => !peer.ip().to_canonical().is_loopback(),
+        None => !peer.ip().to_canonical().is_loopback() && peer.ip() != here.ip(),
     }
 }
 
@@ -107,5 +107,9 @@ mod tests {
     fn who_comes_from_elsewhere_may_look_where_the_page_is_bound_to_a_network() {
         assert!(may_look("192.0.2.1:4000".parse().unwrap(), "192.0.2.2:9090".parse().unwrap()));
         assert!(!may_look("127.0.0.1:1".parse().unwrap(), "127.0.0.1:2".parse().unwrap()));
+        assert!(
+            !may_look("192.0.2.2:1".parse().unwrap(), "192.0.2.2:2".parse().unwrap()),
+            "from here, by whom is not known"
+        );
     }
 }

@@ -27,8 +27,6 @@ const SCATTER_RATE_HZ: f64 = 400.0;
 const SCATTER_POINTS: usize = 4_000;
 /// Points of the x-y plots for the whole of a finished capture.
 const WHOLE_SCATTER_POINTS: usize = 8_000;
-/// Identity under which a finished capture is shown; there is only one.
-const CAPTURE_RUN: u64 = 0;
 /// How often the x-y plots get their new points. A browser pays for each message, not for each
 /// point: without a graphics card it takes in some forty a second, and falls behind if more come.
 const PLOT_PERIOD: Duration = Duration::from_millis(1_000);
@@ -176,7 +174,8 @@ impl Picture {
                 }
             }
             Event::Readings(readings) => {
-                self.turn_to_run(CAPTURE_RUN);
+                // Another one each time that a capture is shown: a page may still show the one before.
+                self.turn_to_run(self.run_id.unwrap_or_else(shared_types::rig::monotonic_time_ns));
                 let share = self.whole_scatter_share.unwrap_or(1.0);
                 readings.iter().for_each(|reading| self.take_in_reading(reading, share));
                 if let Some(reading) = readings.last() {

@@ -94,7 +94,7 @@ impl Destination {
 pub struct Screen {
     destination: Destination,
     subject: Subject,
-    /// Carries every run: rerun ties servers, windows and files to one recording.
+    /// Carries every run: rerun ties windows and files to one recording.
     carrier: RecordingStream,
     /// The run that is shown and the pen that draws it.
     shown: Option<(u64, Pen)>,
@@ -119,10 +119,11 @@ impl Screen {
         };
         let drawn = Drawn::new(memory_limit);
         let carrier = carrier(&destination, subject, &drawn)?;
-        if let Destination::Web { taken, patience, .. } = &mut destination
+        if let Destination::Web { address, taken, patience, .. } = &mut destination
             && let Some(listener) = taken.take()
         {
-            let page = page::serve(glance, drawn.clone()).context("the web page cannot be served")?;
+            let open_to_network = !address.ip().is_loopback();
+            let page = page::serve(open_to_network, glance, drawn.clone()).context("the web page cannot be served")?;
             guard::forward(listener, page, *patience)?;
         }
         Ok(Self {

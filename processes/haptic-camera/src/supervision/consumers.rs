@@ -28,9 +28,8 @@ const HUNG: Duration = Duration::from_millis(2_500);
 const FIRST_WORD: Duration = Duration::from_secs(10);
 /// Silence after which a report is overdue, and the kernel is asked what the process does.
 const OVERDUE: Duration = Duration::from_millis(500);
-/// How long a consumer may be stopped (SIGSTOP) from then on: not as short as a terminal takes to stop a whole capture
-/// and to let it go on, and short enough for another to be at work within a second.
-const STOPPED: Duration = Duration::from_millis(250);
+/// How long a consumer may be stopped (SIGSTOP) from then on: another is to be at work within a second of the stop.
+const STOPPED: Duration = Duration::from_millis(100);
 
 /// One consumer and how to start it again.
 struct Consumer {
@@ -86,29 +85,34 @@ impl Consumer {
 
     /// Ends it if it hangs: it then counts as one that died.
     fn end_if_hung(&mut self, link: &LoopLink) {
-        if self.hangs(link) && !self.child.has_ended() {
-            remark(format!("{} no longer answers and is started again", self.kind.name()));
-            let _ = kill(self.child.pid(), Signal::SIGKILL);
-            self.child.wait(Duration::from_secs(1));
-        }
-    }
-
-    /// Whether it has been silent or stopped for too long. One that waits for a disk is left to wait.
-    fn hangs(&mut self, link: &LoopLink) -> bool {
         let process_id = self.child.id();
         let last_word = link.last_word_of(process_id);
         if let Some(at_ns) = last_word.filter(|at_ns| *at_ns > self.heard.at_ns) {
             self.heard = Heard { at_ns, processor_wait: rig::processor_wait(process_id) };
         }
-        let silence = self.heard.silence(process_id);
-        let state = if silence > OVERDUE { rig::process_state(process_id) } else { None };
-        if state != Some('T') {
-            self.stopped = None;
+        let patience = if last_word.is_some() { HUNG } else { FIRST_WORD };
+        // One that waits for a disk is left to wait.
+        if self.heard.silence(process_id) > patience && rig::process_state(process_id) != Some('D') {
+            self.end_at_once();
         }
-        match state {
-            None | Some('D') => false,
-            Some('T') => self.stopped.get_or_insert_with(Instant::now).elapsed() > STOPPED,
-            Some(_) => silence > if last_word.is_some() { HUNG } else { FIRST_WORD },
+        self.end_if_stopped();
+    }
+
+    /// Ends it if a signal has stopped it: it then counts as one that died.
+    fn end_if_stopped(&mut self) {
+        let process_id = self.child.id();
+        if self.heard.silence(process_id) < OVERDUE || rig::process_state(process_id) != Some('T') {
+            self.stopped = None;
+        } else if self.stopped.get_or_insert_with(Instant::now).elapsed() > STOPPED {
+            self.end_at_once();
+        }
+    }
+
+    fn end_at_once(&mut self) {
+        if !self.child.has_ended() {
+            remark(format!("{} no longer answers and is started again", self.kind.name()));
+            let _ = kill(self.child.pid(), Signal::SIGKILL);
+            self.child.wait(Duration::from_secs(1));
         }
     }
 
@@ -208,6 +212,7 @@ impl Consumers {
         while Instant::now() < deadline {
             meanwhile();
             self.words.tell();
+            self.recorder.end_if_stopped();
             self.recorder.revive(&self.words);
             if self.recorder.given_up || (self.recorder.child.has_ended() && self.recorder.ended_in_order()) {
                 return self.recorder.child.exit_code();

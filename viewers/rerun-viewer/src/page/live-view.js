@@ -9,6 +9,10 @@ const ASK_EVERY = 500;
 const FETCH_EVERY = 250;
 // How long an answer may take, ms: longer than a browser without a graphics card draws one picture.
 const ANSWER_LIMIT = 10000;
+// How long it may take to fetch what was drawn, ms: megabytes at first, over a slow line at that.
+const FETCH_LIMIT = 60000;
+// So many failures to fetch in a row are told.
+const FAILURES_TOLD = 8;
 // rerun's name for the way by which the pieces enter.
 const CHANNEL = "live view";
 
@@ -18,7 +22,9 @@ const at = (id) => document.getElementById(id);
 /** The viewer once it runs. */
 let viewer = null;
 /** Where this page stands: the process that draws, the number of the piece to come and of the oldest one here. */
-let fetched = { instance: null, next: 0, oldest: 0 };
+let fetched = { instance: null, next: 0, oldest: 0, behind: false };
+/** How often in a row nothing could be fetched. */
+let failures = 0;
 /** The recording that was brought to the front. */
 let shown = null;
 /** The last status that was heard. */
@@ -107,27 +113,29 @@ function look_after(status) {
   }
 }
 
-/** Fetches what was drawn, hands it to the viewer and notes where the page stands now; whether there was anything. */
+/** Fetches what was drawn, hands it to the viewer and notes where the page stands now. */
 async function fetch_drawn(wish) {
   const question = `drawn?instance=${fetched.instance}&${wish}`;
-  const answer = await fetch(question, { cache: "no-store", signal: AbortSignal.timeout(ANSWER_LIMIT) });
+  const answer = await fetch(question, { cache: "no-store", signal: AbortSignal.timeout(FETCH_LIMIT) });
   if (!answer.ok) throw new Error(`${question}: ${answer.status}`);
   const bytes = new Uint8Array(await answer.arrayBuffer());
   const head_length = bytes.indexOf("\n".charCodeAt(0));
+  const standing = JSON.parse(new TextDecoder().decode(bytes.subarray(0, head_length)));
   const drawn = bytes.subarray(head_length + 1);
   if (drawn.length) viewer.send_rrd_to_channel(CHANNEL, drawn);
-  fetched = { ...fetched, ...JSON.parse(new TextDecoder().decode(bytes.subarray(0, head_length))) };
+  fetched = { ...fetched, ...standing };
   document.body.dataset.instance = fetched.instance;
-  return drawn.length > 0;
 }
 
-/** Goes on with what is new, and with the past when there is nothing new. */
+/** Goes on with what is new, and with a portion of the past if all of that is here. */
 async function follow() {
   try {
-    const news = await fetch_drawn(`since=${fetched.next}`);
-    if (!news && fetched.oldest > 0) await fetch_drawn(`before=${fetched.oldest}`);
+    await fetch_drawn(`since=${fetched.next}`);
+    if (!fetched.behind && fetched.oldest > 0) await fetch_drawn(`before=${fetched.oldest}`);
+    failures = 0;
   } catch (error) {
-    // The strip says what is wrong; the next answer goes on where this one ended.
+    // The next answer goes on where the last one ended.
+    failures += 1;
     console.debug(`nothing drawn: ${error}`);
   }
   setTimeout(follow, FETCH_EVERY);
@@ -139,7 +147,7 @@ async function ask() {
     heard = await answer.json();
     draw(heard);
     look_after(heard);
-    banner("");
+    banner(failures < FAILURES_TOLD ? "" : "What is drawn below has stopped: it cannot be fetched, and is tried again. The figures above are right.");
   } catch (error) {
     if (heard?.finished) banner("The run has ended and its view with it. What was shown stays until this page is closed; a new run appears here by itself.", true);
     else banner("No answer from the live view: trying again twice a second. Captures go on without it.");

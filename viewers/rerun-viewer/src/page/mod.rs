@@ -5,12 +5,15 @@
 //! a second `/drawn` for what is new. Nothing is held open for it, and when another process answers than before it
 //! goes on with that one, in the same tab.
 
+pub mod socket;
+
 use std::borrow::Cow;
-use std::net::{Ipv4Addr, SocketAddr};
+use std::net::IpAddr;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::{Context as _, anyhow};
+use anyhow::anyhow;
 use re_web_viewer_server::WebViewerData;
 use serde::Serialize;
 use tiny_http::{Header, Method, Request, Response, Server};
@@ -18,10 +21,7 @@ use tiny_http::{Header, Method, Request, Response, Server};
 use crate::drawing::TIMELINE;
 use crate::drawn::{Drawn, Given, Standing, Wish};
 use crate::glance::{Glance, SharedGlance};
-use crate::peer;
-
-/// Answers that may be on their way at once; the largest is the viewer's program of 40 MB.
-const MOST_ANSWERS: usize = 32;
+use crate::guard::{Counted, MOST_CONNECTIONS};
 
 /// What the page is told twice a second.
 #[derive(Serialize)]
@@ -43,40 +43,40 @@ struct DrawnHead<'a> {
 }
 
 struct Pages {
-    here: SocketAddr,
+    /// Whether the page is to be reached from other machines, by whatever name they know this one.
+    open_to_network: bool,
     viewer: WebViewerData,
     instance: String,
     glance: SharedGlance,
     drawn: Drawn,
-    answers: AtomicUsize,
 }
 
 /// What the page may reach: itself. rerun's program would report its use to its maker otherwise.
 const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; \
                       img-src 'self' data: blob:; worker-src 'self' blob:; frame-ancestors 'none'";
 
-/// Serves the page at a port of this machine's loopback address as long as the process lives; gives that address.
+/// Serves the page at a socket in the rig's folder as long as the process lives; gives its path.
 ///
 /// # Errors
-/// When no port is to be had.
-pub fn serve(glance: SharedGlance, drawn: Drawn) -> anyhow::Result<SocketAddr> {
-    let server = Server::http((Ipv4Addr::LOCALHOST, 0)).map_err(|error| anyhow!("{error}"))?;
-    let address = server.server_addr().to_ip().context("the page's server has no address")?;
+/// When it cannot be made.
+pub fn serve(open_to_network: bool, glance: SharedGlance, drawn: Drawn) -> anyhow::Result<PathBuf> {
+    let path = socket::place()?;
+    let server = Server::http_unix(&path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
     let instance = format!("{}-{}", std::process::id(), shared_types::rig::monotonic_time_ns());
     let viewer = WebViewerData::load(None)?;
-    let pages = Arc::new(Pages { here: address, viewer, instance, glance, drawn, answers: AtomicUsize::new(0) });
+    let pages = Arc::new(Pages { open_to_network, viewer, instance, glance, drawn });
+    let answers = Arc::new(AtomicUsize::new(0));
     let answer_all = move || {
         for request in server.incoming_requests() {
-            let pages = Arc::clone(&pages);
-            if pages.answers.fetch_add(1, Ordering::Relaxed) >= MOST_ANSWERS {
-                pages.answers.fetch_sub(1, Ordering::Relaxed);
+            // A browser that stops halfway holds up nobody but itself, and the guard ends that.
+            if answers.load(Ordering::Relaxed) >= MOST_CONNECTIONS {
                 continue;
             }
-            // A browser that stops halfway holds up nobody but itself, and the guard ends that.
+            let (pages, counted) = (Arc::clone(&pages), Counted::new(&answers));
             let answer = std::thread::Builder::new().name("page".to_owned()).spawn(move || {
                 // That a browser went away meanwhile is no news.
                 let _ = pages.answer(request);
-                pages.answers.fetch_sub(1, Ordering::Relaxed);
+                drop(counted);
             });
             if let Err(error) = answer {
                 tracing::error!("no thread for the web page: {error}");
@@ -84,13 +84,12 @@ pub fn serve(glance: SharedGlance, drawn: Drawn) -> anyhow::Result<SocketAddr> {
         }
     };
     std::thread::Builder::new().name("pages".to_owned()).spawn(answer_all)?;
-    Ok(address)
+    Ok(path)
 }
 
 impl Pages {
     fn answer(&self, request: Request) -> std::io::Result<()> {
-        // Others of this machine may find this port, too; the guard before it connects as our own user.
-        if !request.remote_addr().is_some_and(|peer| peer::may_look(*peer, self.here)) {
+        if !self.open_to_network && !is_asked_by_address(&request) {
             return request.respond(Response::empty(403));
         }
         let (path, query) = request.url().split_once('?').unwrap_or((request.url(), ""));
@@ -160,4 +159,15 @@ impl Pages {
         files.iter().for_each(|file| answer.extend_from_slice(file));
         answer
     }
+}
+
+/// Whether the browser went to an address and not to a name: whoever owns a name can have it mean this machine, and so have
+/// a page of his read this one.
+fn is_asked_by_address(request: &Request) -> bool {
+    let host = request.headers().iter().find(|header| header.field.equiv("Host"));
+    host.is_some_and(|host| {
+        let host = host.value.as_str();
+        let name = host.rsplit_once(':').filter(|(_, port)| port.parse::<u16>().is_ok()).map_or(host, |(name, _)| name);
+        name == "localhost" || name.trim_matches(['[', ']']).parse::<IpAddr>().is_ok()
+    })
 }
