@@ -1,6 +1,6 @@
 //! Stands between browsers and the page's server: sends others away and lets go of whoever takes nothing.
 //!
-//! The page shows what is captured to our own user only ([`peer`](crate::peer)). And its server waits for its readers: one
+//! The page shows what is captured to our own user only ([`peer`]). And its server waits for its readers: one
 //! that stops reading (a browser that the system has suspended, a connection that is open and forgotten) would keep
 //! an answer for good, and enough of them the page from everyone. So browsers are connected to this forwarder
 //! instead. Whoever has not taken a single byte for [`PATIENCE`] while something waits for him loses his connection and
