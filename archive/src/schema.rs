@@ -209,15 +209,12 @@ struct Placing<'a> {
 
 impl Placing<'_> {
     fn message(&mut self, definition: &str, prefix: &str, package: &str, depth: usize) -> Result<(), SchemaError> {
-        self.lines += 1;
+        self.count_line()?;
         for (index, raw) in definition.lines().enumerate() {
             if self.variable {
                 return Ok(());
             }
-            self.lines += 1;
-            if self.lines > MAX_LINES {
-                return Err(SchemaError::TooLarge);
-            }
+            self.count_line()?;
             let line = raw.split('#').next().unwrap_or_default().trim();
             if line.is_empty() || line.contains('=') {
                 continue;
@@ -263,11 +260,16 @@ impl Placing<'_> {
         for index in 0..count {
             let prefix = if is_array { format!("{name}[{index}].") } else { format!("{name}.") };
             self.message(definition, &prefix, package, depth + 1)?;
-            if self.variable || self.fields.len() > MAX_FIELDS || self.lines > MAX_LINES {
+            if self.variable || self.fields.len() > MAX_FIELDS {
                 break;
             }
         }
-        let too_large = self.fields.len() > MAX_FIELDS || self.lines > MAX_LINES;
-        if too_large { Err(SchemaError::TooLarge) } else { Ok(()) }
+        if self.fields.len() > MAX_FIELDS { Err(SchemaError::TooLarge) } else { Ok(()) }
+    }
+
+    /// Counts a message or a line of one.
+    fn count_line(&mut self) -> Result<(), SchemaError> {
+        self.lines += 1;
+        if self.lines > MAX_LINES { Err(SchemaError::TooLarge) } else { Ok(()) }
     }
 }
