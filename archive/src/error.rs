@@ -174,6 +174,14 @@ pub enum ArchiveError {
         /// The file.
         path: PathBuf,
     },
+    /// There is something that an output must not take the place of.
+    #[error("{} is {by}; choose another name, or remove it first", path.display())]
+    Occupied {
+        /// The place.
+        path: PathBuf,
+        /// What it is.
+        by: &'static str,
+    },
     /// A part belongs to another run.
     #[error("{} belongs to run {found:016x}, not to run {expected:016x}; merge the parts of one run only", path.display())]
     OtherRun {

@@ -29,6 +29,7 @@ pub mod drill;
 mod fit_update;
 mod health;
 mod model_exchange;
+mod private_ipc;
 pub mod rig;
 mod sample;
 pub mod services;
@@ -39,6 +40,7 @@ pub use description::{ClockMapping, RunDescription};
 pub use fit_update::{Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
 pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};
+pub use private_ipc::PrivateIpc;
 pub use sample::{BlockHeader, Fault, LoopState, Sample};
 pub use status::{LATENESS_BIN_EDGES_NS, LoopStatus, realtime};
 

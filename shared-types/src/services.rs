@@ -17,11 +17,12 @@ use iceoryx2::port::client::Client;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::server::Server;
 use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::{LogLevel, SignalHandlingMode, ZeroCopySend, ipc, set_log_level_from_env_or};
+use iceoryx2::prelude::{LogLevel, SignalHandlingMode, ZeroCopySend, set_log_level_from_env_or};
 use iceoryx2::service::attribute::AttributeVerifier;
 use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError};
 use iceoryx2::service::builder::request_response::{RequestResponseOpenError, RequestResponseOpenOrCreateError};
 
+use crate::private_ipc::PrivateIpc;
 use crate::wire::WireMessage;
 use crate::{
     BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig,
@@ -47,28 +48,28 @@ const MAX_CONSUMERS: usize = 6;
 const MAX_NODES: usize = 16;
 
 /// Our kind of iceoryx2 node: between processes, for a single thread.
-pub type RigNode = Node<ipc::Service>;
+pub type RigNode = Node<PrivateIpc>;
 /// Sends blocks of samples.
-pub type SamplePublisher = Publisher<ipc::Service, [Sample], BlockHeader>;
+pub type SamplePublisher = Publisher<PrivateIpc, [Sample], BlockHeader>;
 /// Receives blocks of samples.
-pub type SampleSubscriber = Subscriber<ipc::Service, [Sample], BlockHeader>;
+pub type SampleSubscriber = Subscriber<PrivateIpc, [Sample], BlockHeader>;
 /// Sends single messages of one kind.
-pub type MessagePublisher<Payload> = Publisher<ipc::Service, Payload, ()>;
+pub type MessagePublisher<Payload> = Publisher<PrivateIpc, Payload, ()>;
 /// Receives single messages of one kind.
-pub type MessageSubscriber<Payload> = Subscriber<ipc::Service, Payload, ()>;
+pub type MessageSubscriber<Payload> = Subscriber<PrivateIpc, Payload, ()>;
 /// Asks the control loop.
-pub type ControlClient = Client<ipc::Service, ControlRequest, (), ControlResponse, ()>;
+pub type ControlClient = Client<PrivateIpc, ControlRequest, (), ControlResponse, ()>;
 /// Answers for the control loop.
-pub type ControlServer = Server<ipc::Service, ControlRequest, (), ControlResponse, ()>;
+pub type ControlServer = Server<PrivateIpc, ControlRequest, (), ControlResponse, ()>;
 
 /// Sends texts.
-pub type TextPublisher = Publisher<ipc::Service, [u8], ()>;
+pub type TextPublisher = Publisher<PrivateIpc, [u8], ()>;
 /// Receives texts.
-pub type TextSubscriber = Subscriber<ipc::Service, [u8], ()>;
+pub type TextSubscriber = Subscriber<PrivateIpc, [u8], ()>;
 /// Sends models to the control loop.
-pub type ModelClient = Client<ipc::Service, [u8], (), [u8], ()>;
+pub type ModelClient = Client<PrivateIpc, [u8], (), [u8], ()>;
 /// Takes models for the control loop.
-pub type ModelServer = Server<ipc::Service, [u8], (), [u8], ()>;
+pub type ModelServer = Server<PrivateIpc, [u8], (), [u8], ()>;
 
 /// Why a port could not be had.
 #[derive(Debug, thiserror::Error)]
@@ -149,7 +150,7 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
     fn service(
         &self,
         node: &RigNode,
-    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, Payload, ()>, ServiceError>
+    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<PrivateIpc, Payload, ()>, ServiceError>
     {
         node.service_builder(&service_name(self.name)?)
             .publish_subscribe::<Payload>()
@@ -176,22 +177,18 @@ pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
         .name(&name)
         .signal_handling_mode(SignalHandlingMode::Disabled)
         .config(&config()?)
-        .create::<ipc::Service>()
+        .create::<PrivateIpc>()
         .map_err(|error| unavailable("node", &error))?;
-    rig::close_shared_memory(&rig::shared_memory_prefix()).map_err(|error| unavailable("node", &error))?;
     node.try_cleanup_dead_nodes();
     Ok(node)
 }
 
-/// iceoryx2's configuration for this rig: its own prefix and its own folder.
+/// iceoryx2's configuration for this rig: everything in the rig's own folder.
 fn config() -> Result<Config, ServiceError> {
     let mut config = Config::default();
-    let directory = rig::create_runtime_dir().map_err(|error| unavailable("runtime directory", &error))?;
-    let path = directory.to_string_lossy();
-    let root = path.as_ref().try_into().map_err(|error| unavailable("runtime directory", &error))?;
+    let directory = rig::create_shared_memory_dir().map_err(|error| unavailable("shared memory", &error))?;
+    let root = directory.to_string_lossy().as_ref().try_into().map_err(|error| unavailable("shared memory", &error))?;
     config.global.set_root_path(&root);
-    config.global.prefix =
-        rig::shared_memory_prefix().as_str().try_into().map_err(|error| unavailable("prefix", &error))?;
     Ok(config)
 }
 
@@ -218,7 +215,7 @@ pub fn sample_subscriber(node: &RigNode) -> Result<SampleSubscriber, ServiceErro
 fn sample_service(
     node: &RigNode,
 ) -> Result<
-    iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, [Sample], BlockHeader>,
+    iceoryx2::service::port_factory::publish_subscribe::PortFactory<PrivateIpc, [Sample], BlockHeader>,
     ServiceError,
 > {
     node.service_builder(&service_name(SAMPLES)?)
@@ -295,7 +292,7 @@ impl TextTopic {
     fn service(
         &self,
         node: &RigNode,
-    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, [u8], ()>, ServiceError>
+    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<PrivateIpc, [u8], ()>, ServiceError>
     {
         node.service_builder(&service_name(self.name)?)
             .publish_subscribe::<[u8]>()
@@ -335,7 +332,7 @@ pub fn model_server(node: &RigNode) -> Result<ModelServer, ServiceError> {
         .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
 }
 
-type ModelExchange = iceoryx2::service::port_factory::request_response::PortFactory<ipc::Service, [u8], (), [u8], ()>;
+type ModelExchange = iceoryx2::service::port_factory::request_response::PortFactory<PrivateIpc, [u8], (), [u8], ()>;
 
 fn model_exchange(node: &RigNode) -> Result<ModelExchange, ServiceError> {
     node.service_builder(&service_name(MODEL_EXCHANGE)?)
@@ -366,13 +363,7 @@ pub fn control_server(node: &RigNode) -> Result<ControlServer, ServiceError> {
 fn control_service(
     node: &RigNode,
 ) -> Result<
-    iceoryx2::service::port_factory::request_response::PortFactory<
-        ipc::Service,
-        ControlRequest,
-        (),
-        ControlResponse,
-        (),
-    >,
+    iceoryx2::service::port_factory::request_response::PortFactory<PrivateIpc, ControlRequest, (), ControlResponse, ()>,
     ServiceError,
 > {
     let layout = ControlRequest::layout_id() ^ ControlResponse::layout_id();

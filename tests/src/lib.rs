@@ -139,7 +139,7 @@ impl Bench {
             .into_iter()
             .filter(|name| !self.processes(name).is_empty())
             .map(str::to_owned);
-        in_memory.chain(running).collect()
+        in_memory.map(|path| path.display().to_string()).chain(running).collect()
     }
 }
 

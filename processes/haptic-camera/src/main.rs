@@ -19,6 +19,7 @@ mod load;
 mod manual;
 mod offline_run;
 mod outcome;
+mod outputs;
 mod parameter_table;
 mod recompute;
 mod recording;
@@ -49,7 +50,11 @@ fn main() -> ExitCode {
         .with_writer(std::io::stderr)
         .with_ansi(terminal::log_may_be_coloured())
         .init();
-    let result = match CommandLine::parse().command {
+    let command = match CommandLine::try_parse() {
+        Ok(line) => line.command,
+        Err(told) => return outcome::tell_usage(&told).into(),
+    };
+    let result = command.files().check().and_then(|()| match command {
         Command::Capture(options) => capture::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Tune(options) => tune::run(&options),
@@ -69,13 +74,11 @@ fn main() -> ExitCode {
         Command::Recompute(options) => recompute::run(&options),
         Command::Recover(options) => recover::run(&options),
         Command::Doctor => doctor::run(),
-    };
-    match result {
-        Ok(outcome) => outcome.into(),
-        Err(error) => {
-            tracing::debug!("{error:?}");
-            outcome::tell_error(&error);
-            Outcome::Failed.into()
-        }
-    }
+    });
+    let outcome = result.unwrap_or_else(|error| {
+        tracing::debug!("{error:?}");
+        outcome::tell_error(&error);
+        if error.is::<outputs::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
+    });
+    outcome.if_output_was_taken().into()
 }

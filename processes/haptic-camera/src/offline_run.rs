@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context as _;
-use archive::{CaptureWriter, whole_file};
+use archive::CaptureWriter;
+use archive::whole_file::{self, Replace};
 use clap::Parser as _;
 use identification::live::{LiveFit, LiveSample};
 use rt_loop::control::{ControlState, Reading, Request};
@@ -22,6 +23,8 @@ const ESTIMATES_S: f64 = 0.04;
 /// How an offline run went.
 #[derive(Clone, Debug)]
 pub struct OfflineRun {
+    /// Identity of the run.
+    pub run_id: u64,
     /// Samples that were taken.
     pub samples: usize,
     /// Why it ended early, if a limit was passed.
@@ -57,7 +60,7 @@ pub fn archive(
     }
     let mut watch = until.map(|share| Watch::new(share, &plan));
     let (samples, fault) = samples_of(plan, stop, watch.as_mut())?;
-    whole_file::write_whole(path, |place| {
+    whole_file::write_whole(path, Replace::Nothing, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;
         if let Some(model) = first_model(&description) {
             writer.model(&model)?;
@@ -69,7 +72,7 @@ pub fn archive(
     })?;
     let guarded_ticks = samples.iter().filter(|sample| sample.flags & Sample::GUARDED != 0).count() as u64;
     let achieved = watch.map(|watch| watch.rule.achieved());
-    Ok(OfflineRun { samples: samples.len(), fault, rendered, guarded_ticks, achieved })
+    Ok(OfflineRun { run_id: description.run_id, samples: samples.len(), fault, rendered, guarded_ticks, achieved })
 }
 
 /// Fits what is captured as it comes, as the live fitter does, and says when enough is known.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::command_line::ReplayOptions;
 use crate::outcome::{Outcome, remark, say};
-use crate::supervision::{FeltModel, RunEnd, Shown, SupervisedRun, archive_path, listen_for_interrupt};
+use crate::supervision::{FeltModel, RunEnd, Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::verify;
 
 /// Length of a replay without a clock, which no hand at the rig could end, s.
@@ -24,11 +24,12 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
         return verify::run(options, &interrupted);
     }
     let duration_s = options.duration_s.or(options.run.offline.then_some(OFFLINE_S));
+    let claim = claim_archive(&options.run.out, &options.model, "replay-")?;
     let run = SupervisedRun {
         in_words: in_words(options, duration_s),
         task: task(options, duration_s),
         options: &options.run,
-        archive: archive_path(&options.run.out, &options.model, "replay-")?,
+        archive: claim.archive().to_owned(),
         duration_s,
         until: None,
         shown: Shown::Rendering,

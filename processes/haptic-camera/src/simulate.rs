@@ -1,13 +1,14 @@
 //! `simulate`: a model along a capture's motion or torque.
 
 use anyhow::Context as _;
-use archive::Capture;
+use archive::{Capture, whole_file};
 use dynamics::simulate::ForwardSimulation;
 use dynamics::{Calibration, Direction, Model, Motion, shifted};
 
 use crate::command_line::{SimulateOptions, SimulationDrive};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::outputs::Kind;
 
 /// Speed below which a model without stick of its own counts as resting, rad/s.
 const RESTING_RAD_S: f64 = 0.02;
@@ -35,10 +36,10 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         }
     };
     let capture = described(simulated, &like, &model);
-    if options.out.extension().is_some_and(|extension| extension == "csv") {
+    if options.writes_table() {
         capture.write_csv(&options.out)?;
     } else {
-        capture.write_mcap(&options.out)?;
+        whole_file::write_whole(&options.out, Kind::Simulation.replaces(), |place| capture.write_mcap_to(place))?;
     }
     say(format!("{}: {} samples; {difference} from the capture", options.out.display(), capture.len()));
     Ok(Outcome::Done)

@@ -209,10 +209,7 @@ fn wait_until_alone(bench: &Bench) -> anyhow::Result<()> {
 #[must_use]
 pub(super) fn shared_memory_bytes(runtime_dir: &Path) -> u64 {
     let files = clean_up::files_in_shared_memory(runtime_dir).into_iter();
-    files
-        .filter_map(|file| std::fs::metadata(Path::new("/dev/shm").join(file)).ok())
-        .map(|metadata| metadata.blocks() * 512)
-        .sum()
+    files.filter_map(|file| std::fs::metadata(file).ok()).map(|metadata| metadata.blocks() * 512).sum()
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a time within a run")]

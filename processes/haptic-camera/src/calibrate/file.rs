@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use archive::whole_file::Replace;
 use dynamics::Calibration;
 use identification::calibration::Calibrated;
 
 use super::table;
-use crate::fit;
+use crate::outputs::{CALIBRATION_MARK, replace};
 use crate::repeatability::digits;
 
 /// A calibration file as it was.
@@ -33,12 +34,13 @@ impl Previous {
     }
 }
 
-/// Writes what was known with what was learnt in its place.
+/// Writes what was known with what was learnt in its place; `replaced` is what it may replace.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn write(
     path: &Path,
+    replaced: Replace,
     told: &Calibrated,
     known: &Calibration,
     previous: Option<&Previous>,
@@ -48,7 +50,7 @@ pub fn write(
         told.estimates.iter().any(|estimate| comment.starts_with(&format!("# {}:", estimate.quantity)))
             || (told.cogging.is_some() && comment.starts_with("# motor_cogging"))
     };
-    let mut text = String::new();
+    let mut text = CALIBRATION_MARK.to_owned();
     for comment in previous.iter().flat_map(|previous| &previous.comments).filter(|comment| !learnt(comment)) {
         let _ = writeln!(text, "{comment}");
     }
@@ -70,5 +72,5 @@ pub fn write(
         let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {}", sources.join(", "));
     }
     text += &told.applied_to(known).to_toml();
-    fit::write(path, &text)
+    replace(path, replaced, &text)
 }

@@ -14,10 +14,11 @@ use super::{finish, supervised};
 use crate::command_line::{CaptureOptions, RunOptions};
 use crate::diagnose;
 use crate::diagnosis_text;
-use crate::fit::{to_output, write};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
+use crate::outputs::{Kind, to_output, write};
 use crate::recording;
+use crate::supervision::claim_archive;
 
 /// The motion that is held out, unless it is the sweep asked for …
 const HELD_OUT: &str = "multisine";
@@ -125,7 +126,8 @@ fn one_more(
         run: RunOptions { seed: options.run.seed.wrapping_add(index as u64), ..options.run.clone() },
         ..options.clone()
     };
-    let run = supervised(&options)?;
+    let claim = claim_archive(&options.run.out, &options.knob, "")?;
+    let run = supervised(&options, &claim);
     let Some(end) = run.take(interrupted)? else { return Ok(None) };
     let read = finish::read_back(&run.archive, &end)?;
     Ok(read.map(|(loaded, outcome)| (Taken { experiment, path: loaded.capture.source.clone(), loaded }, outcome)))
@@ -163,7 +165,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
         effects: found.model.effects.clone(),
     };
-    write(&beside("toml"), &model.to_toml())?;
+    write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
     let page = DiagnosisPage { found, train: first.loaded.facts(), heldout: Some(held_out.loaded.facts()) };
     let report = options.report.clone().unwrap_or_else(|| beside("html"));

@@ -7,6 +7,7 @@ mod compare;
 mod compose;
 mod diagnose;
 mod export;
+mod files;
 mod fit;
 mod list;
 mod manual;

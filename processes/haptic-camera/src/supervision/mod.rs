@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
+use archive::Claim;
 use shared_types::drill::{self, Drill};
 use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime};
 
@@ -73,26 +74,24 @@ pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
     Ok(interrupted)
 }
 
-/// Where an archive goes: a name that sorts by time and says what was on the rig, a knob's number or file.
-///
-/// The time is the operator's. A further archive of the same second ends in `_02`, which sorts behind the first's `.mcap` as a
-/// dash would not.
+/// Claims the name of an archive in `out`.
 ///
 /// # Errors
 /// When the folder cannot be made.
-pub(crate) fn archive_path(out: &Path, knob: &str, before: &str) -> anyhow::Result<PathBuf> {
+pub(crate) fn claim_archive(out: &Path, knob: &str, before: &str) -> anyhow::Result<Claim> {
     std::fs::create_dir_all(out)
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", out.display()))?;
+    Ok(Claim::take(out, &archive_stem(knob, before)))
+}
+
+/// What an archive is called: a name that sorts by time, the operator's, and says what was on the rig, a knob's number or file.
+pub(crate) fn archive_stem(knob: &str, before: &str) -> String {
     let knob = Path::new(knob).file_stem().map_or_else(String::new, |stem| {
         stem.to_string_lossy().chars().map(|letter| if letter.is_alphanumeric() { letter } else { '-' }).collect()
     });
     let knob = if knob.parse::<u32>().is_ok() { format!("knob-{knob}") } else { knob };
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
-    let free = (1..).map(|number| match number {
-        1 => out.join(format!("{time}-{before}{knob}.mcap")),
-        _ => out.join(format!("{time}-{before}{knob}_{number:02}.mcap")),
-    });
-    free.into_iter().find(|path| !path.exists()).context("no free name for the archive")
+    format!("{time}-{before}{knob}")
 }
 
 impl SupervisedRun<'_> {
@@ -122,6 +121,7 @@ impl SupervisedRun<'_> {
         let run = offline_run::archive(&self.loop_arguments(), &self.archive, interrupted, self.until)?;
         Ok(RunEnd {
             status: LoopStatus {
+                run_id: run.run_id,
                 published_samples: run.samples as u64,
                 fault: run.fault.map_or(0, Fault::code),
                 guarded_ticks: run.guarded_ticks,

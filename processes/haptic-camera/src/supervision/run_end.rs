@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use archive::parts::fallback_dir;
 use shared_types::{Fault, LoopStatus, ProcessKind};
 
 use crate::outcome::{Outcome, remark, say};
@@ -61,13 +62,10 @@ impl RunEnd {
     /// Where the recorder closed the archive: in its place, or in the temporary directory when that place failed it.
     /// Tells what to do where it did not.
     pub(crate) fn left_archive(&self, archive: &Path) -> Option<PathBuf> {
-        if archive.exists() {
-            return Some(archive.to_owned());
-        }
-        let elsewhere = std::env::temp_dir().join(archive.file_name().unwrap_or_default());
-        let is_of_this_run = || archive::run_id(&elsewhere).is_ok_and(|run| run == Some(self.status.run_id));
-        if elsewhere.exists() && is_of_this_run() {
-            return Some(elsewhere);
+        let elsewhere = fallback_dir(self.status.run_id).join(archive.file_name().unwrap_or_default());
+        let is_of_this_run = |path: &&Path| archive::run_id(path).is_ok_and(|run| run == Some(self.status.run_id));
+        if let Some(found) = [archive, &elsewhere].into_iter().find(is_of_this_run) {
+            return Some(found.to_owned());
         }
         remark(format!(
             "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
+use archive::claim;
 use clap::Parser as _;
 use dynamics::{Model, knobs};
 use identification::diagnosis::{Diagnosis, Verdict};
@@ -17,9 +18,9 @@ use report::CaptureFacts;
 use serde::Serialize;
 
 use crate::command_line::{ReplayOptions, RunOptions};
-use crate::fit::{self, to_output, write_json};
 use crate::outcome::{Outcome, say};
-use crate::supervision::{Shown, SupervisedRun, archive_path};
+use crate::outputs::{Kind, to_output, write, write_json};
+use crate::supervision::{Shown, SupervisedRun, archive_stem};
 use compare::Verified;
 
 /// Largest difference of a parameter that passes if its interval does not hold the intended value, %.
@@ -167,9 +168,9 @@ fn intended(options: &ReplayOptions) -> anyhow::Result<Model> {
 /// What keeps a capture from being made, read or fitted.
 pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
     let model = intended(options)?;
-    let folder = archive_path(&options.run.out, &options.model, "verify-")?.with_extension("");
-    std::fs::create_dir_all(&folder)
-        .with_context(|| format!("the folder {} cannot be made; choose another with --out", folder.display()))?;
+    let out = &options.run.out;
+    let folder = claim::folder(out, &archive_stem(&options.model, "verify-"))
+        .with_context(|| format!("no folder can be made in {}; choose another with --out", out.display()))?;
     // Nobody watches four captures in a row.
     let run_options = RunOptions { no_viewer: true, native_viewer: false, ..options.run.clone() };
     let mut remarks_told = false;
@@ -206,7 +207,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     }
     write_json(options.json.as_deref(), &Told { verification, capture: captured.train.facts() })?;
     if let Some(path) = &options.report {
-        fit::write(path, &page::page(&model, &captured))?;
+        write(path, Kind::Page, &page::page(&model, &captured))?;
         if !to_output(options.json.as_deref()) {
             say(format!("report   {}", path.display()));
         }
