@@ -121,7 +121,7 @@ enum When {
 /// captures `OUT` and the temporary directory `TMP`, in which everybody may make files, the runtime directory `RIG`, the process
 /// ids `PIDS`, the names of the coming seconds. `STRANGER` is an archive of another knob that says nothing of its run, `SECRET` a
 /// file of the victim's that anybody may read. Where the script gets at something it says LEAK.
-const TRIES: [(&str, &str, When, &str); 30] = [
+const TRIES: [(&str, &str, When, &str); 31] = [
     ("plant", "samples as parts, in the temporary directory", When::Before, "each cp $STRANGER $TMP/_T_.mcap.part-001"),
     ("plant", "samples as parts, beside the archive", When::Before, "each cp $STRANGER $OUT/_T_.mcap.part-001"),
     ("plant", "an archive, in the temporary directory", When::Before, "each cp $STRANGER $TMP/_T_.mcap"),
@@ -139,12 +139,18 @@ const TRIES: [(&str, &str, When, &str); 30] = [
         When::During,
         "for n in 001 002; do cp $STRANGER $PART.$n; mv $PART.$n ${PART%000}$n; done; cp $STRANGER $TMP/$(basename ${PART%000}001)",
     ),
+    (
+        "plant",
+        "a pipe under the archive's name, while it is recorded",
+        When::During,
+        "mkfifo ${PART%.part-000}; mkfifo $TMP/$(basename ${PART%.part-000})",
+    ),
     ("plant", "a fallback folder", When::Before, "mkdir $TMP/haptic-camera-0 $TMP/haptic-camera-0-0000000000000000"),
     (
         "link",
         ".incomplete to the victim's file",
         When::Before,
-        "each ln -s $SECRET $OUT/_T_.mcap.incomplete; each ln -s $SECRET $OUT/_T_.toml.incomplete; each ln -s $SECRET $TMP/_T_.mcap.incomplete",
+        "each cp $STRANGER $OUT/_T_.mcap.part-001; each ln -s $SECRET $OUT/_T_.mcap.incomplete; each ln -s $SECRET $OUT/_T_.toml.incomplete; each ln -s $SECRET $TMP/_T_.mcap.incomplete",
     ),
     (
         "link",
@@ -429,14 +435,16 @@ fn another_user_cannot_lock_the_page_out() {
     let addresses = listening_addresses(bench.wait_for_process("rerun-viewer").unwrap()).unwrap();
     let (_, port) = addresses[0].split_once(':').unwrap();
     let port = u16::from_str_radix(port, 16).unwrap();
-    let hold = format!("for i in $(seq 200); do exec {{fd}}<>/dev/tcp/127.0.0.1/{port} || break; done; sleep 4");
-    let mut flood = as_nobody(Path::new("bash"), &["-c", &hold]).spawn().unwrap();
+    let hold =
+        format!("for i in $(seq 200); do exec {{fd}}<>/dev/tcp/127.0.0.1/{port} || break; echo $i; done; sleep 4");
+    let flood = as_nobody(Path::new("bash"), &["-c", &hold]).stdout(std::process::Stdio::piped()).spawn().unwrap();
     std::thread::sleep(std::time::Duration::from_secs(2));
     let ask = format!(
         "exec 3<>/dev/tcp/127.0.0.1/{port}; printf 'GET /status HTTP/1.1\\r\\nHost: 127.0.0.1:{port}\\r\\nConnection: close\\r\\n\\r\\n' >&3; timeout 5 cat <&3"
     );
     let answer = Command::new("bash").args(["-c", &ask]).output().unwrap().stdout;
-    flood.wait().unwrap();
+    let opened = flood.wait_with_output().unwrap().stdout;
+    assert!(opened.ends_with(b"\n200\n"), "200 connections: {}", String::from_utf8_lossy(&opened));
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
     assert!(answer.starts_with(b"HTTP/1.1 200"), "the page answers its own user: {}", String::from_utf8_lossy(&answer));
