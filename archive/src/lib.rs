@@ -48,6 +48,7 @@ mod description;
 mod error;
 mod losses;
 mod mcap_file;
+pub mod memory;
 pub mod merge;
 mod overview;
 mod records;

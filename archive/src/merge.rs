@@ -145,5 +145,5 @@ fn by_first_sample(parts: &[PathBuf]) -> Result<Vec<(u64, PathBuf)>, ArchiveErro
 }
 
 fn open(path: &Path) -> Result<Source<File>, ArchiveError> {
-    File::open(path).map(Source::new).map_err(|error| ArchiveError::file(path, error))
+    foreign_files::open(path).map(Source::new).map_err(|error| ArchiveError::file(path, error))
 }

@@ -5,7 +5,7 @@ use dynamics::TorqueTable;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
-    let Ok(table) = TorqueTable::kept_from_csv(text) else { return };
+    let Ok(table) = TorqueTable::kept_from_csv(text.as_bytes()) else { return };
     let first = table.angle_rad()[0];
     for share in [-1e6, -1.0, 0.0, 0.1, 0.5, 0.999, 1.0, 7.3] {
         let angle_rad = first + share * table.period_rad();

@@ -32,6 +32,7 @@ mod model_exchange;
 pub mod rig;
 mod sample;
 pub mod services;
+mod shortage;
 mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};

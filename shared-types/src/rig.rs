@@ -37,9 +37,28 @@ pub fn runtime_dir() -> PathBuf {
 pub fn create_runtime_dir() -> std::io::Result<PathBuf> {
     use std::os::unix::fs::DirBuilderExt as _;
     let directory = runtime_dir();
+    check_runtime_dir(&directory)?;
     std::fs::DirBuilder::new().recursive(true).mode(0o700).create(&directory)?;
     close_to_others(&directory, 0o700)?;
     Ok(directory)
+}
+
+/// Longest path of a runtime directory, bytes: with its name a socket in it has the 107 that Linux permits (unix(7)).
+const LONGEST_RUNTIME_DIR: usize = 80;
+
+/// Refuses a directory in which iceoryx2 cannot work: it permits itself few characters, and sockets a short path.
+fn check_runtime_dir(directory: &Path) -> std::io::Result<()> {
+    let bytes = directory.as_os_str().as_encoded_bytes();
+    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"/._-".contains(byte);
+    if directory.is_absolute() && bytes.len() <= LONGEST_RUNTIME_DIR && bytes.iter().all(plain) {
+        return Ok(());
+    }
+    let reason = format!(
+        "the runtime directory {} will not do: set {RUNTIME_DIR_VARIABLE} to an absolute path of at most \
+         {LONGEST_RUNTIME_DIR} ASCII letters, digits and /._-",
+        directory.display()
+    );
+    Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, reason))
 }
 
 /// Has the calling process make its files for its user alone: archives, models, the rig's lock.

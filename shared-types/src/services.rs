@@ -24,7 +24,7 @@ use iceoryx2::service::builder::request_response::{RequestResponseOpenError, Req
 
 use crate::wire::WireMessage;
 use crate::{
-    BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig,
+    BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig, shortage,
 };
 
 /// Most samples in one block: 1.6 ms at 20 kHz.
@@ -91,13 +91,16 @@ pub enum ServiceError {
         service: &'static str,
     },
     /// iceoryx2 could not give the service or port.
-    #[error("shared memory for '{service}' is not to be had ({reason}); check permissions and space in /dev/shm")]
+    #[error("there is no shared memory for '{service}' ({reason}); {}", shortage::advice())]
     Unavailable {
         /// Service name.
         service: &'static str,
         /// iceoryx2's word for it.
         reason: String,
     },
+    /// The runtime directory cannot be used.
+    #[error(transparent)]
+    RuntimeDirectory(#[from] std::io::Error),
 }
 
 /// A service that carries single messages of one kind.
@@ -186,7 +189,7 @@ pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
 /// iceoryx2's configuration for this rig: its own prefix and its own folder.
 fn config() -> Result<Config, ServiceError> {
     let mut config = Config::default();
-    let directory = rig::create_runtime_dir().map_err(|error| unavailable("runtime directory", &error))?;
+    let directory = rig::create_runtime_dir()?;
     let path = directory.to_string_lossy();
     let root = path.as_ref().try_into().map_err(|error| unavailable("runtime directory", &error))?;
     config.global.set_root_path(&root);

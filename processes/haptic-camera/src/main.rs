@@ -14,6 +14,7 @@ mod doctor;
 mod export;
 mod fit;
 mod harmonic_table;
+mod large_job;
 mod list;
 mod load;
 mod manual;
@@ -37,8 +38,6 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::Parser as _;
-
 use crate::command_line::{Command, CommandLine};
 use crate::outcome::Outcome;
 
@@ -49,7 +48,11 @@ fn main() -> ExitCode {
         .with_writer(std::io::stderr)
         .with_ansi(terminal::log_may_be_coloured())
         .init();
-    let result = match CommandLine::parse().command {
+    let command = match operator::parse::<CommandLine>() {
+        Ok(line) => line.command,
+        Err(status) => return status,
+    };
+    let result = match command {
         Command::Capture(options) => capture::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Tune(options) => tune::run(&options),

@@ -4,6 +4,8 @@ use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
 use indicatif::ProgressBar;
+pub use operator::tell_error;
+use operator::{one_line, visible};
 
 /// The panel that is on the screen: it is taken away while something else is printed, and drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
@@ -32,25 +34,21 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// Tells the operator why a command failed, in one line.
-#[allow(clippy::print_stderr, reason = "the one place where the program tells its error")]
-pub fn tell_error(error: &anyhow::Error) {
-    eprintln!("error: {error:#}");
-}
-
 /// Prints a line for the operator on standard output, or several, without the blanks with which tables fill their lines.
 ///
 /// A closed pipe is no reason to fail: whoever reads has seen enough.
 pub fn say(lines: impl std::fmt::Display) {
     use std::io::Write as _;
     let lines = lines.to_string();
+    let lines = visible(&lines);
     let trimmed: Vec<&str> = lines.split('\n').map(str::trim_end).collect();
     beside_panel(|| drop(writeln!(std::io::stdout(), "{}", trimmed.join("\n"))));
 }
 
-/// Prints a remark for the operator on standard error, apart from results.
+/// Prints a remark for the operator on standard error, in one line apart from results.
 pub fn remark(line: impl std::fmt::Display) {
     use std::io::Write as _;
+    let line = one_line(&line.to_string());
     beside_panel(|| drop(writeln!(std::io::stderr(), "{line}")));
 }
 

@@ -62,7 +62,7 @@ pub fn write(path: &Path, found: &Diagnosis, train: &str, heldout: Option<&str>)
             .lines()
             .last()
             .unwrap_or("the viewer's program did not say why")
-            .trim_start_matches("rerun-viewer: ")
+            .trim_start_matches("error: ")
     );
     Ok(())
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 use archive::{ArchiveError, Overview};
+use foreign_files::TableError;
 use serde::Serialize;
 
 use super::quality::Quality;
@@ -111,7 +112,7 @@ impl Entry {
             ArchiveError::Empty { .. }
             | ArchiveError::NotACapture { .. }
             | ArchiveError::NoSamples { .. }
-            | ArchiveError::WrongHeader { .. } => Health::Foreign,
+            | ArchiveError::Table { error: TableError::Header { .. }, .. } => Health::Foreign,
             _ => Health::Damaged,
         };
         let captured_at_ns = written_ns(path);
