@@ -69,11 +69,8 @@ struct Schema {
 impl Schemas {
     /// Takes note of a schema, up to a bound on all of them together.
     pub(crate) fn learn(&mut self, header: mcap::records::SchemaHeader, data: &[u8]) {
-        let schema = Schema {
-            name: header.name,
-            encoding: header.encoding,
-            text: String::from_utf8_lossy(data).into_owned(),
-        };
+        let schema =
+            Schema { name: header.name, encoding: header.encoding, text: String::from_utf8_lossy(data).into_owned() };
         if self.known.get(&header.id) != Some(&schema) && self.has_room(schema.bytes()) {
             self.known.insert(header.id, schema);
         }
@@ -81,17 +78,19 @@ impl Schemas {
 
     /// What a channel holds; `None` for one that was defined before, as files repeat them, and for those beyond the bounds.
     pub(crate) fn define(&mut self, channel: mcap::records::Channel) -> Option<ChannelDefinition> {
-        let schema = self.known.get(&channel.schema_id);
-        let Schema { name, encoding, text } = schema.cloned().unwrap_or_default();
+        let schema = self.known.get(&channel.schema_id).cloned();
+        let is_complete = schema.is_some() || channel.schema_id == 0;
+        let schema = schema.unwrap_or_default();
         let metadata: usize = channel.metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
-        let bytes = schema.map_or(0, Schema::bytes) + channel.topic.len() + metadata;
+        let bytes = schema.bytes() + channel.topic.len() + metadata;
         if self.defined.contains(&channel.id) || self.defined.len() >= MOST_CHANNELS || !self.has_room(bytes) {
             return None;
         }
         // One whose schema comes later is defined again.
-        if schema.is_some() || channel.schema_id == 0 {
+        if is_complete {
             self.defined.insert(channel.id);
         }
+        let Schema { name, encoding, text } = schema;
         Some(ChannelDefinition {
             topic: channel.topic,
             message_encoding: channel.message_encoding,

@@ -1,7 +1,7 @@
 //! Captures from MCAP archives.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::io::Read as _;
+use std::io::{BufReader, Read as _};
 use std::path::Path;
 
 use mcap::McapError;
@@ -34,8 +34,9 @@ pub(crate) fn read_records(
     path: &Path,
     mut take: impl FnMut(u8, &[u8]) -> Result<(), ArchiveError>,
 ) -> Result<(), ArchiveError> {
-    let mut file = foreign_files::open(path).map_err(|error| ArchiveError::file(path, error))?;
+    let file = foreign_files::open(path).map_err(|error| ArchiveError::file(path, error))?;
     let length = file.metadata().map_err(|error| ArchiveError::file(path, error))?.len();
+    let mut file = BufReader::with_capacity(READ_BYTES, file);
     let mut unpacked = 0;
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()
@@ -49,7 +50,9 @@ pub(crate) fn read_records(
         match event.map_err(|error| broken(path, &error))? {
             LinearReadEvent::ReadRequest(need) => {
                 // A length that the file only claims makes no room in memory.
-                let read = file.read(reader.insert(need.clamp(1, READ_BYTES))).map_err(|error| ArchiveError::file(path, error))?;
+                let read = file
+                    .read(reader.insert(need.clamp(1, READ_BYTES)))
+                    .map_err(|error| ArchiveError::file(path, error))?;
                 reader.notify_read(read);
             }
             LinearReadEvent::Record { data, opcode } => {

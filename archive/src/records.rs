@@ -149,7 +149,11 @@ impl<R: Read> SoundRecords<R> {
         // A checksum of zero means that there is none.
         let has_checksum = frame[33..37] != [0; 4];
         let effort = u64_at(frame, 25).unwrap_or(u64::MAX).saturating_add(length as u64);
-        let unpacked = if has_checksum && affordable(&mut self.tried, effort, position + length as u64) { unpack(frame, true) } else { Unpacked::default() };
+        let unpacked = if has_checksum && affordable(&mut self.tried, effort, position + length as u64) {
+            unpack(frame, true)
+        } else {
+            Unpacked::default()
+        };
         if unpacked.records.is_empty() {
             self.account.damaged_chunks += 1;
             if position == self.explained {
@@ -167,9 +171,8 @@ impl<R: Read> SoundRecords<R> {
     fn attachment(&mut self, length: usize) -> io::Result<Option<Sound>> {
         let end = self.window.offset + length as u64;
         let frame = self.window.ahead(length)?;
-        let has_checksum = frame.len() == length
-            && frame[length - 4..] != [0; 4]
-            && affordable(&mut self.tried, length as u64, end);
+        let has_checksum =
+            frame.len() == length && frame[length - 4..] != [0; 4] && affordable(&mut self.tried, length as u64, end);
         let sound = match has_checksum.then(|| mcap::parse_record(op::ATTACHMENT, &frame[FRAME_HEAD..])) {
             Some(Ok(Record::Attachment { header, data, .. })) => Sound::Attachment {
                 name: header.name,

@@ -183,7 +183,8 @@ impl Layout {
                 Some((name, body.to_owned()))
             })
             .collect();
-        let mut placing = Placing { nested: &nested, fields: Vec::new(), end: 0, variable: false, lines: 0, name_bytes: 0 };
+        let mut placing =
+            Placing { nested: &nested, fields: Vec::new(), end: 0, variable: false, lines: 0, name_bytes: 0 };
         placing.message(&definitions[0], "", "", 0)?;
         let Placing { fields, end, variable, .. } = placing;
         Ok(Self { fields, size: (!variable).then_some(end) })

@@ -119,8 +119,7 @@ impl Calibration {
     pub fn load(path: &Path) -> Result<Self, CalibrationError> {
         let text = foreign_files::read_text(path)
             .map_err(|reason| CalibrationError::Unreadable { path: path.to_owned(), reason })?;
-        Self::from_toml(&text)
-            .map_err(|error| CalibrationError::File { path: path.to_owned(), error: Box::new(error) })
+        Self::from_toml(&text).map_err(|error| CalibrationError::File { path: path.to_owned(), error: Box::new(error) })
     }
 
     /// Reads a calibration from TOML, and makes sure that servo, fit and simulation can work with it.
@@ -139,7 +138,7 @@ impl Calibration {
     /// # Errors
     /// [`CalibrationError::OutOfRange`] for the first that does not.
     pub fn check(&self) -> Result<(), CalibrationError> {
-        const POSITIVE: &str = "more than zero, and finite";
+        const STIFF: &str = "at least 1e-3, and finite";
         const NOT_NEGATIVE: &str = "at least zero, and at most 1e9";
         const ANY: &str = "between -1e9 and 1e9";
         const DELAY: &str = "less than 0.1 s either way";
@@ -154,9 +153,9 @@ impl Calibration {
         #[allow(clippy::cast_precision_loss, reason = "a number of harmonics")]
         let harmonics = cogging.len() as f64;
         let checks = [
-            ("motor_inertia", inertia, inertia > 0.0 && any(inertia), "more than zero, and at most 1e9"),
+            ("motor_inertia", inertia, (1e-9..=LARGEST).contains(&inertia), "at least 1e-9, and at most 1e9"),
             ("gripper_inertia", self.gripper_inertia, not_negative(self.gripper_inertia), NOT_NEGATIVE),
-            ("torque_sensor_stiffness_mnm_rad", stiffness, stiffness > 0.0 && stiffness.is_finite(), POSITIVE),
+            ("torque_sensor_stiffness_mnm_rad", stiffness, stiffness >= 1e-3 && stiffness.is_finite(), STIFF),
             ("torque_zero_mnm", self.torque_zero_mnm, any(self.torque_zero_mnm), ANY),
             ("torque_delay_s", self.torque_delay_s, delay(self.torque_delay_s), DELAY),
             ("acceleration_zero_rad_s2", self.acceleration_zero_rad_s2, any(self.acceleration_zero_rad_s2), ANY),

@@ -30,8 +30,7 @@ fn no_value_that_is_not_finite_or_far_beyond_a_rig_is_taken() {
 
 #[test]
 fn cogging_is_bounded_in_number_and_size() {
-    let harmonic =
-        |torque: &str| format!("[[motor_cogging]]\nper_turn = 7\ntorque_mnm = {torque}\nphase_rad = 0.5\n");
+    let harmonic = |torque: &str| format!("[[motor_cogging]]\nper_turn = 7\ntorque_mnm = {torque}\nphase_rad = 0.5\n");
     Calibration::from_toml(&format!("{SOUND}{}", harmonic("1").repeat(64))).unwrap();
     for text in [harmonic("1").repeat(65), harmonic("nan"), harmonic("1e300")] {
         let refused = Calibration::from_toml(&format!("{SOUND}{text}")).unwrap_err().to_string();

@@ -82,8 +82,7 @@ pub fn read_columns<const N: usize>(
     wanted: [Column; N],
     others: Others,
 ) -> Result<[Option<Vec<f64>>; N], TableError> {
-    let mut table =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).flexible(true).from_reader(text);
+    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).flexible(true).from_reader(text);
     let header = table.headers().map_err(from_csv)?.clone();
     let mut names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim()).collect();
     while names.last().is_some_and(|name| name.is_empty()) {

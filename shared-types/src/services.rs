@@ -24,7 +24,8 @@ use iceoryx2::service::builder::request_response::{RequestResponseOpenError, Req
 
 use crate::wire::WireMessage;
 use crate::{
-    BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig, shortage,
+    BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig,
+    shortage,
 };
 
 /// Most samples in one block: 1.6 ms at 20 kHz.

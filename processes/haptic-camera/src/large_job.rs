@@ -13,40 +13,42 @@ const ARCHIVED_BYTES: f64 = 68.0;
 const LARGE: u64 = 18_000_000;
 const GIGABYTE: f64 = 1e9;
 
-/// Tells how large a run of so many ticks becomes, and refuses one for which disk or memory are too small.
-///
-/// One that `may_end_early` is not refused for what it could come to.
+/// Tells how large the archive of a run of so many ticks becomes, and the memory that its fit takes.
+#[allow(clippy::cast_precision_loss, reason = "ticks of a day")]
+pub fn tell(ticks: u64) {
+    if ticks >= LARGE {
+        let archived = ticks as f64 * ARCHIVED_BYTES;
+        remark(format!(
+            "up to {:.0} million samples: an archive of {:.1} GB, and {:.1} GB of memory to fit it",
+            ticks as f64 / 1e6,
+            archived / GIGABYTE,
+            archived * memory::OF_FILE / GIGABYTE
+        ));
+    }
+}
+
+/// Refuses a run of so many ticks for which disk or memory are too small.
 ///
 /// # Errors
 /// One sentence with the longest run that would fit.
 #[allow(clippy::cast_precision_loss, reason = "ticks of a day, and bytes for display")]
-pub fn admit(ticks: u64, rate_hz: f64, archive: &Path, may_end_early: bool) -> anyhow::Result<()> {
+pub fn admit(ticks: u64, rate_hz: f64, archive: &Path) -> anyhow::Result<()> {
     if ticks < LARGE {
         return Ok(());
     }
-    let samples = ticks as f64;
-    let archived = samples * ARCHIVED_BYTES;
+    let duration_s = ticks as f64 / rate_hz;
+    let archived = ticks as f64 * ARCHIVED_BYTES;
     let analysed = archived * memory::OF_FILE;
-    remark(format!(
-        "up to {:.0} million samples: an archive of {:.1} GB, and {:.1} GB of memory to fit it",
-        samples / 1e6,
-        archived / GIGABYTE,
-        analysed / GIGABYTE
-    ));
-    if may_end_early {
-        return Ok(());
-    }
     let folder = archive.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let disk = nix::sys::statvfs::statvfs(folder).with_context(|| format!("{} cannot be used", folder.display()))?;
     let on_disk = (disk.blocks_available() as f64) * disk.fragment_size() as f64;
-    let fits = |what: &str, needed: f64, free: f64| {
+    let fits = |what: &str, needed: f64, free: f64| -> anyhow::Result<()> {
         ensure!(
             needed <= free,
-            "a run of {:.0} s takes {:.1} GB of {what}, and {:.1} GB are free: make it at most {:.0} s long",
-            samples / rate_hz,
+            "a run of {duration_s:.0} s takes {:.1} GB of {what}, and {:.1} GB are free: make it at most {:.0} s long",
             needed / GIGABYTE,
             free / GIGABYTE,
-            (samples / rate_hz * free / needed).floor()
+            (duration_s * free / needed).floor()
         );
         Ok(())
     };

@@ -60,10 +60,12 @@ impl LoadedCapture {
     /// What to call it in tables and on pages.
     pub fn title(&self) -> String {
         let file = self.capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        match &self.capture.description {
+        let title = match &self.capture.description {
             Some(description) => format!("Knob {} ({file})", description.knob),
             None => file,
-        }
+        };
+        // Either may hold anything of any length.
+        operator::one_line(&title)
     }
 
     /// The report page of a fit of this capture, with the numbers in its captions.

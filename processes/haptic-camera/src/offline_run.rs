@@ -59,7 +59,10 @@ pub fn archive(
     }
     let mut watch = until.map(|share| Watch::new(share, &plan));
     let (planned, rate_hz) = (plan.control.planned_ticks, plan.control.rate_hz);
-    large_job::admit(planned, rate_hz, path, until.is_some())?;
+    large_job::tell(planned);
+    if until.is_none() {
+        large_job::admit(planned, rate_hz, path)?;
+    }
     let armed = ArmedRig::of(plan)?;
     let made = whole_file::write_whole(path, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;

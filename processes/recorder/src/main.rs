@@ -23,7 +23,6 @@ mod streams;
 use std::process::ExitCode;
 use std::time::Duration;
 
-
 /// How often the queues are looked at. They hold sixteen seconds; with the publisher's millisecond this keeps a sample's way
 /// below two.
 const POLL_INTERVAL: Duration = Duration::from_micros(250);

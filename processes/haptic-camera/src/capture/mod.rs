@@ -7,6 +7,7 @@ mod next;
 mod until_named;
 
 use crate::command_line::CaptureOptions;
+use crate::large_job;
 use crate::outcome::Outcome;
 use crate::supervision::{Shown, SupervisedRun, archive_path, listen_for_interrupt};
 pub(crate) use budget::Budget;
@@ -21,6 +22,14 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
         return until_named::run(options, &interrupted);
     }
     let run = supervised(options)?;
+    if !options.run.offline {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "an absurd length is refused later"
+        )]
+        large_job::tell((options.duration_s * options.run.rate_hz) as u64);
+    }
     match run.take(&interrupted)? {
         Some(end) => finish::conclude(&run.archive, &end, options.duration_s),
         None => Ok(Outcome::Failed),

@@ -5,6 +5,7 @@ use std::time::UNIX_EPOCH;
 
 use archive::{ArchiveError, Overview};
 use foreign_files::TableError;
+use operator::one_line;
 use serde::Serialize;
 
 use super::quality::Quality;
@@ -119,7 +120,7 @@ impl Entry {
         Self {
             file: name(path),
             health,
-            problem: Some(error.to_string()),
+            problem: Some(one_line(&error.to_string())),
             captured_at: date(captured_at_ns),
             knob: None,
             replay: false,
