@@ -11,7 +11,7 @@ use crate::error::ArchiveError;
 use crate::sequence::Gap;
 use crate::whole_file::{self, Replace};
 use crate::write::CaptureWriter;
-use crate::{csv_file, mcap_file};
+use crate::{csv_file, mcap_file, memory};
 
 /// A capture, row by row in the order of time. All columns have the same length, at least three.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -62,6 +62,7 @@ impl Capture {
     /// # Errors
     /// [`ArchiveError`], one sentence that names file, row and column where there is one.
     pub fn load(path: &Path) -> Result<Self, ArchiveError> {
+        refuse_too_large(path)?;
         let capture = if is_mcap(path)? { mcap_file::load(path)? } else { csv_file::load(path)? };
         capture.validate()?;
         Ok(capture)
@@ -290,6 +291,18 @@ fn media_type(name: &str) -> &'static str {
     }
 }
 
+/// Refuses a file for which the machine has not enough memory.
+fn refuse_too_large(path: &Path) -> Result<(), ArchiveError> {
+    #[allow(clippy::cast_precision_loss, reason = "a number of bytes for display")]
+    let length = std::fs::metadata(path).map_err(|error| ArchiveError::file(path, error))?.len() as f64;
+    match memory::available() {
+        Some(available) if length * memory::OF_FILE > available => {
+            Err(ArchiveError::TooLarge { path: path.to_owned(), length, available })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Whether a file is an MCAP archive, by its content; otherwise it is text.
 ///
 /// # Errors
@@ -314,7 +327,7 @@ pub(crate) fn is_mcap(path: &Path) -> Result<bool, ArchiveError> {
 fn first_bytes(path: &Path) -> Result<Vec<u8>, ArchiveError> {
     use std::io::Read as _;
     let mut bytes = Vec::new();
-    std::fs::File::open(path)
+    foreign_files::open(path)
         .and_then(|file| file.take(mcap::MAGIC.len() as u64).read_to_end(&mut bytes))
         .map_err(|error| ArchiveError::file(path, error))?;
     Ok(bytes)

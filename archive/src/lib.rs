@@ -51,6 +51,7 @@ mod description;
 mod error;
 mod losses;
 mod mcap_file;
+pub mod memory;
 pub mod merge;
 mod overview;
 pub mod own_file;

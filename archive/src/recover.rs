@@ -122,9 +122,9 @@ impl std::fmt::Display for RecoverySummary {
 /// [`ArchiveError::Missing`], [`ArchiveError::Empty`], [`ArchiveError::SameFile`],
 /// [`ArchiveError::NothingToRecover`], [`ArchiveError::Occupied`], or the operating system's refusal.
 pub fn recover(broken: &Path, output: &Path, unchecked: Unchecked) -> Result<RecoverySummary, ArchiveError> {
-    let file = std::fs::File::open(broken).map_err(|error| ArchiveError::file(broken, error))?;
+    let file = foreign_files::open(broken).map_err(|error| ArchiveError::file(broken, error))?;
     let metadata = file.metadata().map_err(|error| ArchiveError::file(broken, error))?;
-    if metadata.is_file() && metadata.len() == 0 {
+    if metadata.len() == 0 {
         return Err(ArchiveError::Empty { path: broken.to_owned() });
     }
     if is_same_file(broken, output) {

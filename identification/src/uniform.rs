@@ -12,6 +12,8 @@ const JITTER: f64 = 0.01;
 const GAP: f64 = 1.5;
 /// Longest stretch that a gap takes up on the grid, s; the filters forget faster.
 const LONGEST_GAP_S: f64 = 0.5;
+/// Grid points that gaps may take up together, beyond one for each sample: bursts with pauses would fill memory.
+const GAP_POINTS: f64 = 1e6;
 
 /// A capture on an even grid, corrected by the rig's calibration.
 #[derive(Clone, Debug)]
@@ -81,11 +83,12 @@ impl Uniform {
             return Self::regular(samples, step);
         }
         // Time without the excess of long gaps, so that a pause does not fill memory.
+        let longest_s = LONGEST_GAP_S.min((count as f64 + GAP_POINTS) / gaps.max(1) as f64 * step).max(GAP * step);
         let mut compressed = Vec::with_capacity(count);
         let mut excess = 0.0;
         compressed.push(0.0);
         for pair in time.windows(2) {
-            excess += (pair[1] - pair[0] - LONGEST_GAP_S.max(GAP * step)).max(0.0);
+            excess += (pair[1] - pair[0] - longest_s).max(0.0);
             compressed.push(pair[1] - time[0] - excess);
         }
         let length = (compressed[count - 1] / step + 1e-6) as usize + 1;

@@ -33,6 +33,7 @@ mod private_ipc;
 pub mod rig;
 mod sample;
 pub mod services;
+mod shortage;
 mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};

@@ -52,6 +52,7 @@ pub fn runtime_dir() -> PathBuf {
 /// The system's, when it cannot be created, and where it is a link or belongs to another user, who could stop the rig through it.
 pub fn create_runtime_dir() -> std::io::Result<PathBuf> {
     let directory = runtime_dir();
+    check_runtime_dir(&directory)?;
     std::fs::DirBuilder::new().recursive(true).mode(0o700).create(&directory)?;
     open_private_dir(&directory).map_err(|error| {
         let reason = format!("{error}: remove it, or name another directory in {RUNTIME_DIR_VARIABLE}");
@@ -122,6 +123,24 @@ fn forget_shared_memory_dir(runtime_dir: &Path) -> std::io::Result<()> {
 /// Keeps other processes of the rig from making or removing its folder in shared memory.
 fn lock(runtime_dir: &Path) -> std::io::Result<Flock<File>> {
     Ok(Flock::lock(File::open(runtime_dir)?, FlockArg::LockExclusive).map_err(|(_, error)| error)?)
+}
+
+/// Longest path of a runtime directory, bytes: with its name a socket in it has the 107 that Linux permits (unix(7)).
+const LONGEST_RUNTIME_DIR: usize = 80;
+
+/// Refuses a directory that no socket fits into, or whose name a message could not show as it is.
+fn check_runtime_dir(directory: &Path) -> std::io::Result<()> {
+    let bytes = directory.as_os_str().as_encoded_bytes();
+    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"/._-".contains(byte);
+    if directory.is_absolute() && bytes.len() <= LONGEST_RUNTIME_DIR && bytes.iter().all(plain) {
+        return Ok(());
+    }
+    let reason = format!(
+        "the runtime directory {} will not do: set {RUNTIME_DIR_VARIABLE} to an absolute path of at most \
+         {LONGEST_RUNTIME_DIR} ASCII letters, digits and /._-",
+        directory.display()
+    );
+    Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, reason))
 }
 
 /// Has the calling process make its files for its user alone: archives, models, the rig's lock.

@@ -26,6 +26,7 @@ use crate::private_ipc::PrivateIpc;
 use crate::wire::WireMessage;
 use crate::{
     BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig,
+    shortage,
 };
 
 /// Most samples in one block: 1.6 ms at 20 kHz.
@@ -92,13 +93,16 @@ pub enum ServiceError {
         service: &'static str,
     },
     /// iceoryx2 could not give the service or port.
-    #[error("shared memory for '{service}' is not to be had ({reason}); check permissions and space in /dev/shm")]
+    #[error("there is no shared memory for '{service}' ({reason}); {}", shortage::advice())]
     Unavailable {
         /// Service name.
         service: &'static str,
         /// iceoryx2's word for it.
         reason: String,
     },
+    /// The runtime directory cannot be used.
+    #[error(transparent)]
+    RuntimeDirectory(#[from] std::io::Error),
 }
 
 /// A service that carries single messages of one kind.

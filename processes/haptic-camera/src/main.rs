@@ -14,6 +14,7 @@ mod doctor;
 mod export;
 mod fit;
 mod harmonic_table;
+mod large_job;
 mod list;
 mod load;
 mod manual;
@@ -38,8 +39,6 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::Parser as _;
-
 use crate::command_line::{Command, CommandLine};
 use crate::outcome::Outcome;
 
@@ -50,9 +49,9 @@ fn main() -> ExitCode {
         .with_writer(std::io::stderr)
         .with_ansi(terminal::log_may_be_coloured())
         .init();
-    let command = match CommandLine::try_parse() {
+    let command = match operator::parse::<CommandLine>() {
         Ok(line) => line.command,
-        Err(told) => return outcome::tell_usage(&told).into(),
+        Err(status) => return status,
     };
     let result = command.files().check().and_then(|()| match command {
         Command::Capture(options) => capture::run(&options),

@@ -1,10 +1,12 @@
 //! How a command ended, as an exit status.
 
-use std::io::{Error, ErrorKind, Write as _};
+use std::io::{Error, Write as _};
 use std::process::ExitCode;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use indicatif::ProgressBar;
+pub use operator::tell_error;
+use operator::{one_line, visible};
 
 /// The panel that is on the screen: it is taken away while something else is printed, and drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
@@ -32,9 +34,7 @@ impl Outcome {
     pub fn if_output_was_taken(self) -> Self {
         note_output(std::io::stdout().flush());
         let Some(error) = LOST_OUTPUT.get() else { return self };
-        if error.kind() != ErrorKind::BrokenPipe {
-            remark(format!("error: standard output could not be written ({error}); make room, or send it elsewhere"));
-        }
+        operator::tell_lost_output(error);
         if self == Self::Done { Self::Failed } else { self }
     }
 }
@@ -50,32 +50,19 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// Tells the operator why a command failed, in one line.
-pub fn tell_error(error: &anyhow::Error) {
-    remark(format!("error: {error:#}"));
-}
-
-/// Tells what is wrong with a command line, or prints the help or version that it asks for.
-pub fn tell_usage(told: &clap::Error) -> Outcome {
-    let printed = told.print();
-    if told.use_stderr() {
-        return Outcome::WrongUsage;
-    }
-    note_output(printed);
-    Outcome::Done.if_output_was_taken()
-}
-
 /// Prints a line for the operator on standard output, or several, without the blanks with which tables fill their lines.
 ///
 /// A failure ends nothing here; [`Outcome::if_output_was_taken`] tells it in the end.
 pub fn say(lines: impl std::fmt::Display) {
     let lines = lines.to_string();
+    let lines = visible(&lines);
     let trimmed: Vec<&str> = lines.split('\n').map(str::trim_end).collect();
     beside_panel(|| note_output(writeln!(std::io::stdout(), "{}", trimmed.join("\n"))));
 }
 
-/// Prints a remark for the operator on standard error, apart from results.
+/// Prints a remark for the operator on standard error, in one line apart from results.
 pub fn remark(line: impl std::fmt::Display) {
+    let line = one_line(&line.to_string());
     beside_panel(|| drop(writeln!(std::io::stderr(), "{line}")));
 }
 

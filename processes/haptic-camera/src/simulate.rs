@@ -122,6 +122,8 @@ pub(crate) fn torque_at_knob(like: &LoadedCapture) -> Vec<f64> {
 fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Capture {
     let Simulated { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm } = simulated;
     let mut capture = like.capture.clone();
+    // A capture of a rendering is kept as its sensor reads, and its calibration as the rig has it.
+    let rendered = capture.is_rendered();
     capture.angle_rad = angle_rad;
     capture.velocity_rad_s = Some(velocity_rad_s);
     capture.acceleration_rad_s2 = Some(acceleration_rad_s2);
@@ -140,12 +142,12 @@ fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Captu
                 acceleration_delay_s: 0.0,
                 gravity_amplitude_rad_s2: 0.0,
                 torque_sensor_stiffness_mnm_rad: f64::MAX,
-                ..known.clone()
+                ..if rendered { known.seen_from_the_hand() } else { known.clone() }
             }
             .to_toml()
         });
     }
-    capture
+    capture.of_knob()
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a number of samples")]

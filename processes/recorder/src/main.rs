@@ -23,8 +23,6 @@ mod streams;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::Parser as _;
-
 /// How often the queues are looked at. They hold sixteen seconds; with the publisher's millisecond this keeps a sample's way
 /// below two.
 const POLL_INTERVAL: Duration = Duration::from_micros(250);
@@ -42,7 +40,10 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = match operator::parse() {
+        Ok(arguments) => arguments,
+        Err(status) => return status,
+    };
     consumer::start_log();
     consumer::prefer();
     shared_types::rig::keep_files_private();
@@ -50,7 +51,7 @@ fn main() -> ExitCode {
         Ok(0) => ExitCode::SUCCESS,
         Ok(_missing_samples) => ExitCode::from(3),
         Err(error) => {
-            tracing::error!("{error:#}");
+            operator::tell_error(&error);
             ExitCode::FAILURE
         }
     }

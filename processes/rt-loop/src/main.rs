@@ -1,5 +1,6 @@
 //! The real-time process: parse, take the rig, start the loop, publish, stop.
 
+use std::io::IsTerminal as _;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -8,7 +9,6 @@ use std::sync::mpsc;
 use std::thread::JoinHandle;
 
 use anyhow::Context as _;
-use clap::Parser as _;
 use hal::ApparatusError;
 use rt_loop::control::ControlState;
 use rt_loop::drilled_apparatus::DrilledApparatus;
@@ -28,15 +28,17 @@ fn main() -> ExitCode {
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
         .init();
-    match run(&Options::parse()) {
+    let options = match operator::parse() {
+        Ok(options) => options,
+        Err(status) => return status,
+    };
+    match run(&options) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             tracing::debug!("{error:?}");
-            #[allow(clippy::print_stderr, reason = "the one place where this process tells its error")]
-            {
-                eprintln!("error: {error:#}");
-            }
+            operator::tell_error(&error);
             ExitCode::FAILURE
         }
     }
@@ -158,8 +160,7 @@ fn call_watch(tick_loop: &mut TickLoop) -> anyhow::Result<Option<CallWatch>> {
 /// Tells the operator what will be otherwise than asked.
 #[allow(clippy::print_stderr, reason = "the one place where this process tells a remark")]
 fn remark(sentence: impl AsRef<str>) {
-    let sentence = sentence.as_ref();
-    eprintln!("{sentence}");
+    eprintln!("{}", operator::one_line(sentence.as_ref()));
 }
 
 /// Set by SIGINT, SIGTERM and the death of the parent process.

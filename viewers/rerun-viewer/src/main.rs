@@ -5,7 +5,6 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use clap::Parser as _;
 use consumer::Stop;
 
 use rerun_viewer::capture_source::CaptureSource;
@@ -33,7 +32,10 @@ const EXIT_DATA_LOST: i32 = 3;
 const OUTBOX_FRAMES: usize = 40;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = match operator::parse() {
+        Ok(arguments) => arguments,
+        Err(status) => return status,
+    };
     let done = match &arguments.command {
         Some(Command::Diagnosis { json, out }) => diagnosis::record(json, out),
         None => show(&arguments).map(|never| match never {}),
@@ -41,7 +43,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            complain(&error);
+            operator::tell_error(&error);
             ExitCode::FAILURE
         }
     }
@@ -141,12 +143,6 @@ fn follow(
         std::thread::sleep(POLL_PERIOD);
     }
     Ok(())
-}
-
-/// Tells why nothing can be shown.
-#[allow(clippy::print_stderr, reason = "the last word of a process that ends")]
-fn complain(error: &anyhow::Error) {
-    eprintln!("rerun-viewer: {error:#}");
 }
 
 /// Tells the operator how to look from elsewhere.

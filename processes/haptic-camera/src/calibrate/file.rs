@@ -25,10 +25,8 @@ impl Previous {
     /// # Errors
     /// One sentence on what is wrong with it.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("the calibration {} cannot be read; check the path", path.display()))?;
-        let calibration =
-            Calibration::from_toml(&text).with_context(|| format!("{} is no calibration", path.display()))?;
+        let calibration = Calibration::load(path)?;
+        let text = foreign_files::read_text(path)?;
         let comments = text.lines().filter(|line| line.starts_with("# ")).map(str::to_owned).collect();
         Ok(Self { calibration, comments })
     }
@@ -71,6 +69,8 @@ pub fn write(
     for line in told.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
         let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {}", sources.join(", "));
     }
-    text += &told.applied_to(known).to_toml();
+    let learnt = told.applied_to(known);
+    learnt.check().with_context(|| format!("{} is not written: the captures tell what no rig has", path.display()))?;
+    text += &learnt.to_toml();
     replace(path, replaced, &text)
 }

@@ -9,6 +9,7 @@ mod until_named;
 use archive::Claim;
 
 use crate::command_line::CaptureOptions;
+use crate::large_job;
 use crate::outcome::Outcome;
 use crate::supervision::{Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 pub(crate) use budget::Budget;
@@ -24,6 +25,14 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     }
     let claim = claim_archive(&options.run.out, &options.knob, "")?;
     let run = supervised(options, &claim);
+    if !options.run.offline {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "an absurd length is refused later"
+        )]
+        large_job::tell((options.duration_s * options.run.rate_hz) as u64);
+    }
     match run.take(&interrupted)? {
         Some(end) => finish::conclude(&run.archive, &end, options.duration_s),
         None => Ok(Outcome::Failed),

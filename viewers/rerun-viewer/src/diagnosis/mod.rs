@@ -9,9 +9,11 @@ mod layout;
 mod series;
 mod text;
 
+use std::io::{Read as _, Write as _};
 use std::path::Path;
 
-use anyhow::{Context as _, anyhow};
+use anyhow::Context as _;
+use archive::{ArchiveError, whole_file};
 use rerun::{RecordingStreamBuilder, TextDocument};
 
 pub use input::{DiagnosisInput, InputError};
@@ -26,12 +28,12 @@ const APPLICATION: &str = "haptic-camera-diagnosis";
 /// # Errors
 /// One sentence on what is wrong with the JSON, or why the file cannot be written.
 pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
-    let text = std::fs::read_to_string(json).with_context(|| format!("{} cannot be read", json.display()))?;
+    let mut text = String::new();
+    let read = foreign_files::open(json).and_then(|mut file| file.read_to_string(&mut text));
+    read.with_context(|| format!("{} cannot be read", json.display()))?;
     let input = DiagnosisInput::from_json(&text).with_context(|| format!("{} is no diagnosis", json.display()))?;
-    let recording = RecordingStreamBuilder::new(APPLICATION).save(out).map_err(|error| {
-        let error = anyhow::Error::from(error);
-        anyhow!("{} cannot be written ({}); name another place", out.display(), error.root_cause())
-    })?;
+    // rerun's own file sink neither ends nor fails when the disk is full, so the file is written here.
+    let (recording, drawn) = RecordingStreamBuilder::new(APPLICATION).memory().context("nothing can be drawn")?;
     recording.set_log_tick_enabled(false);
     recording.set_log_time_enabled(false);
     layout::send(&recording, &input)?;
@@ -40,6 +42,8 @@ pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
         series::draw(&recording, capture)?;
     }
     charts::draw(&recording, &input)?;
-    recording.flush_blocking().context("the recording could not be finished")?;
-    Ok(())
+    let bytes = drawn.drain_as_bytes().context("the recording could not be finished")?;
+    let refused = |error| ArchiveError::File { path: out.to_owned(), error };
+    whole_file::write_whole(out, |mut file| file.write_all(&bytes).and_then(|()| file.flush()).map_err(refused))
+        .context("the recording cannot be written; name another place")
 }
