@@ -111,6 +111,12 @@ fn a_capture_with_no_room_anywhere_keeps_what_fitted_and_ends_with_status_3() {
     let merged = archive::merge(&parts, &bench.path("merged.mcap"), None).unwrap();
     assert!(merged.ledger.admitted() > 10_000, "{parts:?}: {merged:?}");
     assert_eq!(merged.ledger.missing(), 0, "what is there is without a gap");
+    let (archive, _number) = parts[0].to_str().unwrap().rsplit_once(".part-").unwrap();
+    let mut recover = bench.command(&["recover", archive, "--out", "recovered.mcap"]).unwrap();
+    let recovered = recover.env("TMPDIR", bench.path("other")).output().unwrap();
+    assert_eq!(recovered.status.code(), Some(3), "{}", printed(&recovered));
+    let kept = Capture::load(&bench.path("recovered.mcap")).unwrap().len() as u64;
+    assert_eq!(kept, merged.ledger.admitted(), "the parts in both places were found");
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
 
