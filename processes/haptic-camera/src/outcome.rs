@@ -33,9 +33,8 @@ impl From<Outcome> for ExitCode {
 }
 
 /// Tells the operator why a command failed, in one line.
-#[allow(clippy::print_stderr, reason = "the one place where the program tells its error")]
 pub fn tell_error(error: &anyhow::Error) {
-    eprintln!("error: {error:#}");
+    remark(format!("error: {error:#}"));
 }
 
 /// Prints a line for the operator on standard output, or several, without the blanks with which tables fill their lines.
