@@ -31,7 +31,7 @@ pub fn clear_shared_memory() -> Result<usize, ServiceError> {
     let alone = attached(&node) == 1;
     drop(node);
     if alone && let Err(error) = rig::remove_shared_memory_dir() {
-        return Err(ServiceError::Unavailable { service: "clean-up", reason: error.to_string() });
+        return Err(services::unavailable("clean-up", &error));
     }
     Ok(files_in_shared_memory(&rig::runtime_dir()).len())
 }

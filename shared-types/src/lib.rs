@@ -10,6 +10,8 @@
 //! - **[`RunDescription`]** is what a consumer must know about a run besides its samples, and
 //!   **[`ModelChange`]** tells of each model that a replay begins to render.
 //! - **[`rig`]** says where a rig's shared memory and lock live, so that rigs do not meet.
+//! - **[`shared_memory`]** reserves what a run can come to need of it.
+//! - **[`lease`]** ends a process with the one that started it.
 //!
 //! ```
 //! use shared_types::{Sample, wire::WireMessage};
@@ -28,12 +30,13 @@ mod description;
 pub mod drill;
 mod fit_update;
 mod health;
+pub mod lease;
 mod model_exchange;
 mod private_ipc;
 pub mod rig;
 mod sample;
 pub mod services;
-mod shortage;
+pub mod shared_memory;
 mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};

@@ -91,7 +91,10 @@ pub(crate) fn create_shared_memory_dir() -> std::io::Result<PathBuf> {
         return Ok(directory);
     }
     forget_shared_memory_dir(&runtime_dir)?;
-    let directory = mkdtemp(&Path::new(SHARED_MEMORY).join("haptic-camera-XXXXXX"))?;
+    let directory = mkdtemp(&Path::new(SHARED_MEMORY).join("haptic-camera-XXXXXX")).map_err(|error| {
+        let reason = format!("no folder can be made in {SHARED_MEMORY} ({error}): check its permissions and its space");
+        std::io::Error::new(std::io::Error::from(error).kind(), reason)
+    })?;
     std::os::unix::fs::symlink(&directory, runtime_dir.join(SHARED_MEMORY_LINK))?;
     Ok(directory)
 }

@@ -26,7 +26,7 @@ use crate::private_ipc::PrivateIpc;
 use crate::wire::WireMessage;
 use crate::{
     BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig,
-    shortage,
+    shared_memory,
 };
 
 /// Most samples in one block: 1.6 ms at 20 kHz.
@@ -93,14 +93,28 @@ pub enum ServiceError {
         service: &'static str,
     },
     /// iceoryx2 could not give the service or port.
-    #[error("there is no shared memory for '{service}' ({reason}); {}", shortage::advice())]
+    #[error("shared memory for '{service}' cannot be used ({reason}); {remedy}")]
     Unavailable {
         /// Service name.
         service: &'static str,
         /// iceoryx2's word for it.
         reason: String,
+        /// What to do.
+        remedy: &'static str,
     },
-    /// The runtime directory cannot be used.
+    /// There is not as much shared memory left as a run can come to need.
+    #[error(
+        "a run needs {} MB of shared memory and there are {} MB free in /dev/shm; remove what fills it, or make it larger",
+        needed.div_ceil(1_000_000),
+        free / 1_000_000
+    )]
+    NoRoom {
+        /// What is needed in all, bytes.
+        needed: u64,
+        /// What is free, bytes.
+        free: u64,
+    },
+    /// The runtime directory or the rig's folder in shared memory cannot be used.
     #[error(transparent)]
     RuntimeDirectory(#[from] std::io::Error),
 }
@@ -140,7 +154,7 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
     /// # Errors
     /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
     pub fn publisher(&self, node: &RigNode) -> Result<MessagePublisher<Payload>, ServiceError> {
-        self.service(node)?.publisher_builder().create().map_err(|error| unavailable(self.name, &error))
+        port(self.name, self.service(node)?.publisher_builder().create())
     }
 
     /// A port that receives this topic's messages, those in the history first.
@@ -148,7 +162,7 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
     /// # Errors
     /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
     pub fn subscriber(&self, node: &RigNode) -> Result<MessageSubscriber<Payload>, ServiceError> {
-        self.service(node)?.subscriber_builder().create().map_err(|error| unavailable(self.name, &error))
+        port(self.name, self.service(node)?.subscriber_builder().create())
     }
 
     fn service(
@@ -176,6 +190,7 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
 pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
     // What it warns of, such as what a killed process left behind, is in order here; `IOX2_LOG_LEVEL` asks for more.
     set_log_level_from_env_or(LogLevel::Error);
+    shared_memory::check_any_room()?;
     let name = process_name.try_into().map_err(|error| unavailable("node", &error))?;
     let node = NodeBuilder::new()
         .name(&name)
@@ -190,7 +205,7 @@ pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
 /// iceoryx2's configuration for this rig: everything in the rig's own folder.
 fn config() -> Result<Config, ServiceError> {
     let mut config = Config::default();
-    let directory = rig::create_shared_memory_dir().map_err(|error| unavailable("shared memory", &error))?;
+    let directory = rig::create_shared_memory_dir()?;
     let root = directory.to_string_lossy().as_ref().try_into().map_err(|error| unavailable("shared memory", &error))?;
     config.global.set_root_path(&root);
     Ok(config)
@@ -201,11 +216,7 @@ fn config() -> Result<Config, ServiceError> {
 /// # Errors
 /// [`ServiceError`] when the layout differs, another loop publishes, or shared memory is not to be had.
 pub fn sample_publisher(node: &RigNode) -> Result<SamplePublisher, ServiceError> {
-    sample_service(node)?
-        .publisher_builder()
-        .initial_max_slice_len(SAMPLES_PER_BLOCK)
-        .create()
-        .map_err(|error| unavailable(SAMPLES, &error))
+    port(SAMPLES, sample_service(node)?.publisher_builder().initial_max_slice_len(SAMPLES_PER_BLOCK).create())
 }
 
 /// A port that receives blocks of samples, up to [`SAMPLE_HISTORY_BLOCKS`] past ones first.
@@ -213,7 +224,7 @@ pub fn sample_publisher(node: &RigNode) -> Result<SamplePublisher, ServiceError>
 /// # Errors
 /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
 pub fn sample_subscriber(node: &RigNode) -> Result<SampleSubscriber, ServiceError> {
-    sample_service(node)?.subscriber_builder().create().map_err(|error| unavailable(SAMPLES, &error))
+    port(SAMPLES, sample_service(node)?.subscriber_builder().create())
 }
 
 fn sample_service(
@@ -282,15 +293,11 @@ const MODEL_CHANGES: TextTopic =
 
 impl TextTopic {
     fn publisher(&self, node: &RigNode) -> Result<TextPublisher, ServiceError> {
-        self.service(node)?
-            .publisher_builder()
-            .initial_max_slice_len(self.longest_bytes)
-            .create()
-            .map_err(|error| unavailable(self.name, &error))
+        port(self.name, self.service(node)?.publisher_builder().initial_max_slice_len(self.longest_bytes).create())
     }
 
     fn subscriber(&self, node: &RigNode) -> Result<TextSubscriber, ServiceError> {
-        self.service(node)?.subscriber_builder().create().map_err(|error| unavailable(self.name, &error))
+        port(self.name, self.service(node)?.subscriber_builder().create())
     }
 
     fn service(
@@ -316,11 +323,8 @@ impl TextTopic {
 /// # Errors
 /// [`ServiceError`] when shared memory is not to be had.
 pub fn model_client(node: &RigNode) -> Result<ModelClient, ServiceError> {
-    model_exchange(node)?
-        .client_builder()
-        .initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES)
-        .create()
-        .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
+    let exchange = model_exchange(node)?;
+    port(MODEL_EXCHANGE, exchange.client_builder().initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES).create())
 }
 
 /// The port through which the control loop takes models; its answers are a
@@ -329,11 +333,8 @@ pub fn model_client(node: &RigNode) -> Result<ModelClient, ServiceError> {
 /// # Errors
 /// [`ServiceError`] when shared memory is not to be had.
 pub fn model_server(node: &RigNode) -> Result<ModelServer, ServiceError> {
-    model_exchange(node)?
-        .server_builder()
-        .initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES)
-        .create()
-        .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
+    let exchange = model_exchange(node)?;
+    port(MODEL_EXCHANGE, exchange.server_builder().initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES).create())
 }
 
 type ModelExchange = iceoryx2::service::port_factory::request_response::PortFactory<PrivateIpc, [u8], (), [u8], ()>;
@@ -353,7 +354,7 @@ fn model_exchange(node: &RigNode) -> Result<ModelExchange, ServiceError> {
 /// # Errors
 /// [`ServiceError`] when the layout differs or shared memory is not to be had.
 pub fn control_client(node: &RigNode) -> Result<ControlClient, ServiceError> {
-    control_service(node)?.client_builder().create().map_err(|error| unavailable(CONTROL, &error))
+    port(CONTROL, control_service(node)?.client_builder().create())
 }
 
 /// The port through which the control loop answers.
@@ -361,7 +362,7 @@ pub fn control_client(node: &RigNode) -> Result<ControlClient, ServiceError> {
 /// # Errors
 /// [`ServiceError`] when the layout differs or shared memory is not to be had.
 pub fn control_server(node: &RigNode) -> Result<ControlServer, ServiceError> {
-    control_service(node)?.server_builder().create().map_err(|error| unavailable(CONTROL, &error))
+    port(CONTROL, control_service(node)?.server_builder().create())
 }
 
 fn control_service(
@@ -409,6 +410,13 @@ fn open_error(service: &'static str, layout: u64, error: PublishSubscribeOpenOrC
     }
 }
 
-fn unavailable(service: &'static str, error: &dyn Debug) -> ServiceError {
-    ServiceError::Unavailable { service, reason: format!("{error:?}") }
+/// A port that was made, with the pages that it can come to need: a write to one that is wanting would end the process.
+fn port<Port, Error: Debug>(service: &'static str, made: Result<Port, Error>) -> Result<Port, ServiceError> {
+    let port = made.map_err(|error| unavailable(service, &error))?;
+    shared_memory::reserve()?;
+    Ok(port)
+}
+
+pub(crate) fn unavailable(service: &'static str, error: &dyn Debug) -> ServiceError {
+    ServiceError::Unavailable { service, reason: format!("{error:?}"), remedy: shared_memory::remedy() }
 }

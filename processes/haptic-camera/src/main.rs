@@ -47,6 +47,8 @@ fn main() -> ExitCode {
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
         .with_writer(std::io::stderr)
+        // A terminal that is gone takes no complaint about it either.
+        .log_internal_errors(false)
         .with_ansi(terminal::log_may_be_coloured())
         .init();
     let command = match operator::parse::<CommandLine>() {

@@ -72,5 +72,5 @@ fn record(arguments: &Arguments) -> anyhow::Result<u64> {
         std::thread::sleep(POLL_INTERVAL);
     }
     streams.drain_into(&mut recording, &mut ending)?;
-    recording.finish(ending.published_samples())
+    recording.finish(ending.taken_samples())
 }

@@ -13,7 +13,7 @@ use shared_types::{ClockMapping, MODEL_MAX_BYTES, RunDescription};
 
 use crate::admission::{Admission, Admitted};
 use crate::control::rendering::{self, RenderGains, Renderer, Unrenderable};
-use crate::control::{ControlPlan, ServoGains};
+use crate::control::{ControlPlan, Holding, ServoGains};
 use crate::hand::hand;
 use crate::motor_cogging::MotorCogging;
 use crate::nearest::Nearest;
@@ -113,6 +113,14 @@ pub enum PlanError {
         slowest: f64,
         /// Fastest rate, Hz.
         fastest: f64,
+    },
+    /// A rate at which the servo makes the shaft swing.
+    #[error("at {asked} Hz the servo would shake this knob instead of holding it: {remedy}")]
+    Unstable {
+        /// The rate asked for, Hz.
+        asked: f64,
+        /// What to do instead.
+        remedy: String,
     },
     /// A hand that cannot be had.
     #[error("the hand cannot be had: {0}")]
@@ -271,6 +279,9 @@ impl Plan {
             rate_hz: options.rate_hz,
             planned_ticks,
         };
+        if options.render.is_none() && drive == Drive::Position {
+            check_servo(&control, &rig, knob.inertia())?;
+        }
         let rendering = options.render.as_deref().map(|name| make_rendering(name, &rig, options)).transpose()?;
         Ok(Self {
             apparatus: Box::new(apparatus),
@@ -282,6 +293,21 @@ impl Plan {
             core,
         })
     }
+}
+
+/// Makes sure that the servo holds a knob of this inertia.
+fn check_servo(control: &ControlPlan, rig: &RigDescription, knob_inertia: f64) -> Result<(), PlanError> {
+    let ControlPlan { gains, rate_hz, .. } = *control;
+    let holding = Holding { gains, calibration: &rig.calibration, knob_inertia };
+    if holding.is_stable(rate_hz) {
+        return Ok(());
+    }
+    let fastest_hz = rig.limits.rate_hz;
+    let remedy = match holding.slowest_stable_hz(fastest_hz) {
+        Some(slowest_hz) => format!("give --rate-hz {slowest_hz} or more"),
+        None => format!("with the rig's calibration it holds it at no rate up to {fastest_hz} Hz; calibrate it again"),
+    };
+    Err(PlanError::Unstable { asked: rate_hz, remedy })
 }
 
 /// The model called `name`, made ready to be rendered on the rig.

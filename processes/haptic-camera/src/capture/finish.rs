@@ -10,11 +10,9 @@ use crate::fit;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{Kind, write};
-use crate::supervision::RunEnd;
+use crate::supervision::{Archived, RunEnd};
 use crate::until_ci::Achieved;
 
-/// Gaps that are told one by one.
-const TOLD_GAPS: usize = 5;
 /// Names that are tried for what is made of a capture.
 const NAMES_TRIED: u32 = 1_000;
 
@@ -119,13 +117,7 @@ pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(
     end.tell();
     let Some(archive) = end.left_archive(archive) else { return Ok(None) };
     let loaded = LoadedCapture::load(&archive)?;
-    let missing: u64 = loaded.capture.gaps.iter().map(|gap| gap.count).sum();
     say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
-    if missing > 0 {
-        let told: Vec<String> = loaded.capture.gaps.iter().take(TOLD_GAPS).map(ToString::to_string).collect();
-        let more = if loaded.capture.gaps.len() > told.len() { ", ...; the archive says where" } else { "" };
-        remark(format!("{missing} samples are missing in the archive: {}{more}", told.join(", ")));
-    }
-    let outcome = end.outcome(missing);
+    let outcome = end.settle(&Archived::from(&loaded.capture));
     Ok(Some((loaded, outcome)))
 }

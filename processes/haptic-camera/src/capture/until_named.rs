@@ -45,8 +45,9 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
     }
     // While the rig rests and a diagnosis is under way there is nothing to end in order.
     let at_rest = Arc::new(AtomicBool::new(false));
-    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGINT, STOPPED, Arc::clone(&at_rest))?;
-    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGTERM, STOPPED, Arc::clone(&at_rest))?;
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
+        signal_hook::flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;
+    }
     let held_out = if options.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
     let first = [
         Experiment { sweep: options.sweep.clone(), amplitude_rad: options.amplitude },

@@ -1,7 +1,10 @@
 //! A run of the rig: the control loop and its consumers, started, watched and ended together.
 
+mod account;
 mod child;
+mod consumer;
 mod consumers;
+mod heard;
 mod lines;
 mod loop_link;
 mod panel;
@@ -16,13 +19,15 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use archive::Claim;
+use shared_types::clean_up::files_in_shared_memory;
 use shared_types::drill::{self, Drill};
-use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime};
+use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime, rig};
 
 use crate::command_line::RunOptions;
 use crate::offline_run;
 use crate::outcome::{remark, say};
 use crate::until_ci::{Knowledge, Share, StopRule};
+pub(crate) use account::Archived;
 pub(crate) use child::program_path;
 use child::{Child, program};
 use consumers::Consumers;
@@ -42,6 +47,8 @@ const RECORDER_DONE: Duration = Duration::from_secs(120);
 const LOOP_HUNG: Duration = Duration::from_secs(10);
 /// Longest wait for the loop to take the torque down and end.
 const LOOP_ENDS: Duration = Duration::from_secs(3);
+/// Exit statuses with which the loop has said itself why it cannot run: an error, and wrong usage.
+const SAID_WHY: [i32; 2] = [1, 2];
 /// Time between two looks at the run.
 const CYCLE: Duration = Duration::from_millis(20);
 
@@ -63,14 +70,15 @@ pub(crate) struct SupervisedRun<'a> {
     pub(crate) shown: Shown,
 }
 
-/// Set by Ctrl-C and by SIGTERM, which end a run in order.
+/// Set by Ctrl-C, by SIGTERM and by the closing of the terminal, which end a run in order.
 ///
 /// # Errors
 /// When the system refuses.
 pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
     let interrupted = Arc::new(AtomicBool::new(false));
-    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(&interrupted))?;
-    signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&interrupted))?;
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
+        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
+    }
     Ok(interrupted)
 }
 
@@ -151,6 +159,7 @@ impl SupervisedRun<'_> {
         self.tell_start(link.status());
 
         if let Err(error) = link.request(CommandKind::Start) {
+            control_loop.end(LOOP_ENDS);
             consumers.end();
             return Err(error);
         }
@@ -163,7 +172,20 @@ impl SupervisedRun<'_> {
             if let Some(drill) = &drill {
                 drill.panic_if_told();
             }
+            let has_ended = control_loop.has_ended();
             link.listen();
+            if link.status().finished == 1 {
+                break;
+            }
+            if has_ended {
+                progress.close();
+                remark(format!(
+                    "the control loop ended in the middle of the run ({}); what was recorded so far is kept",
+                    control_loop.end_in_words()
+                ));
+                loop_died = true;
+                break;
+            }
             consumers.revive(&link);
             progress.show(&link);
             if !stopped_by_operator && is_enough_known(rule.as_mut(), &link) {
@@ -173,22 +195,16 @@ impl SupervisedRun<'_> {
                 stopped_by_operator = true;
                 stop(&link, control_loop);
             }
-            if link.status().finished == 1 {
-                break;
-            }
             if link.silence_of_loop() > LOOP_HUNG {
                 remark("the control loop no longer answers and is ended");
                 control_loop.end(LOOP_ENDS);
             }
-            if control_loop.has_ended() {
-                progress.close();
-                remark("the control loop ended in the middle of the run; what was recorded so far is kept");
-                loop_died = true;
-                break;
-            }
         }
         progress.close();
-        let recorder_exit = consumers.finish_recorder(RECORDER_DONE, || link.listen());
+        let recorder_exit = consumers.finish_recorder(RECORDER_DONE, || {
+            link.listen();
+            !control_loop.has_ended()
+        });
         let restarts = consumers.end();
         let interrupted = stopped_by_operator;
         let models = link.models().to_vec();
@@ -222,6 +238,9 @@ fn stop(link: &LoopLink, control_loop: &mut Child) {
 
 /// Takes away what the run left in shared memory.
 pub(crate) fn clear_shared_memory() {
+    if files_in_shared_memory(&rig::runtime_dir()).is_empty() {
+        return;
+    }
     match shared_types::clean_up::clear_shared_memory() {
         Ok(0) => {}
         // Whoever still follows the rig needs them, and takes them away at its end.
@@ -236,6 +255,12 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
     let mut link: Option<LoopLink> = None;
     loop {
         if control_loop.has_ended() {
+            if control_loop.exit_code().is_none_or(|code| !SAID_WHY.contains(&code)) {
+                remark(format!(
+                    "the control loop ended before it was ready ({}); run `haptic-camera doctor`",
+                    control_loop.end_in_words()
+                ));
+            }
             return Ok(None);
         }
         match &mut link {

@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::command_line::{ReplayOptions, RunOptions};
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
-use crate::supervision::{Shown, SupervisedRun, archive_stem};
+use crate::supervision::{Archived, Shown, SupervisedRun, archive_stem};
 use compare::Verified;
 
 /// Largest difference of a parameter that passes if its interval does not hold the intended value, %.
@@ -174,6 +174,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     // Nobody watches four captures in a row.
     let run_options = RunOptions { no_viewer: true, native_viewer: false, ..options.run.clone() };
     let mut remarks_told = false;
+    let mut is_data_lost = false;
     let mut make = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<PathBuf> {
         let archive = folder.join(format!("{name}.mcap"));
         let mut task = vec![format!("--render={}", options.model), format!("--duration-s={duration_s}")];
@@ -198,6 +199,10 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         if let Some(fault) = end.fault_words() {
             anyhow::bail!("the {name} ended in a fault: {fault}");
         }
+        let archive = end.left_archive(&archive).with_context(|| format!("the {name} left no archive"))?;
+        let outcome = end.settle(&Archived::read(&archive)?);
+        anyhow::ensure!(outcome != Outcome::Failed, "the {name} did not come to its end");
+        is_data_lost |= outcome == Outcome::DataLost;
         Ok(archive)
     };
     let captured = captures::verify(&model, options.run.rate_hz, &mut make)?;
@@ -212,5 +217,9 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
             say(format!("report   {}", path.display()));
         }
     }
-    Ok(if verification.passed { Outcome::Done } else { Outcome::Failed })
+    Ok(match (verification.passed, is_data_lost) {
+        (true, false) => Outcome::Done,
+        (true, true) => Outcome::DataLost,
+        (false, _) => Outcome::Failed,
+    })
 }
