@@ -30,7 +30,7 @@ pub fn clear_shared_memory() -> Result<usize, ServiceError> {
     }
     let alone = attached(&node) == 1;
     drop(node);
-    if alone && let Err(error) = rig::remove_shared_memory_dir() {
+    if alone && let Err(error) = rig::remove_shared_memory() {
         return Err(services::unavailable("clean-up", &error));
     }
     Ok(files_in_shared_memory(&rig::runtime_dir()).len())
@@ -39,8 +39,7 @@ pub fn clear_shared_memory() -> Result<usize, ServiceError> {
 /// What the rig with this runtime directory has in shared memory: its folder there and everything in it.
 #[must_use]
 pub fn files_in_shared_memory(runtime_dir: &Path) -> Vec<PathBuf> {
-    let mut found: Vec<PathBuf> =
-        rig::shared_memory_dir(runtime_dir).filter(|folder| folder.exists()).into_iter().collect();
+    let mut found = rig::shared_memory_dirs(runtime_dir);
     let mut next = 0;
     while let Some(path) = found.get(next) {
         // What is no folder has no entries.

@@ -14,6 +14,8 @@ use nix::fcntl::{Flock, FlockArg};
 use nix::libc;
 use nix::unistd::{User, geteuid, mkdtemp};
 
+use crate::wire::fnv1a;
+
 /// Names the directory that stands for the rig.
 pub const RUNTIME_DIR_VARIABLE: &str = "HAPTIC_CAMERA_RUNTIME_DIR";
 
@@ -87,15 +89,17 @@ pub fn open_private_dir(path: &Path) -> std::io::Result<File> {
 pub(crate) fn create_shared_memory_dir() -> std::io::Result<PathBuf> {
     let runtime_dir = create_runtime_dir()?;
     let _one_at_a_time = lock(&runtime_dir)?;
-    if let Some(directory) = shared_memory_dir(&runtime_dir).filter(|directory| open_private_dir(directory).is_ok()) {
+    let link = runtime_dir.join(SHARED_MEMORY_LINK);
+    if let Some(directory) = std::fs::read_link(&link).ok().filter(|directory| open_private_dir(directory).is_ok()) {
         return Ok(directory);
     }
-    forget_shared_memory_dir(&runtime_dir)?;
-    let directory = mkdtemp(&Path::new(SHARED_MEMORY).join("haptic-camera-XXXXXX")).map_err(|error| {
+    forget_shared_memory(&runtime_dir)?;
+    let template = format!("{}XXXXXX", shared_memory_prefix(&runtime_dir));
+    let directory = mkdtemp(&Path::new(SHARED_MEMORY).join(template)).map_err(|error| {
         let reason = format!("no folder can be made in {SHARED_MEMORY} ({error}): check its permissions and its space");
         std::io::Error::new(std::io::Error::from(error).kind(), reason)
     })?;
-    std::os::unix::fs::symlink(&directory, runtime_dir.join(SHARED_MEMORY_LINK))?;
+    std::os::unix::fs::symlink(&directory, link)?;
     Ok(directory)
 }
 
@@ -103,24 +107,33 @@ pub(crate) fn create_shared_memory_dir() -> std::io::Result<PathBuf> {
 ///
 /// # Errors
 /// The system's.
-pub(crate) fn remove_shared_memory_dir() -> std::io::Result<()> {
+pub(crate) fn remove_shared_memory() -> std::io::Result<()> {
     let runtime_dir = runtime_dir();
     let _one_at_a_time = lock(&runtime_dir)?;
-    let Some(directory) = shared_memory_dir(&runtime_dir) else { return Ok(()) };
-    forget_shared_memory_dir(&runtime_dir)?;
-    open_private_dir(&directory).and_then(|_| std::fs::remove_dir_all(&directory))
+    forget_shared_memory(&runtime_dir)
 }
 
-/// The folder in shared memory of the rig with this runtime directory; `None` before its first process and after its last.
-pub(crate) fn shared_memory_dir(runtime_dir: &Path) -> Option<PathBuf> {
-    std::fs::read_link(runtime_dir.join(SHARED_MEMORY_LINK)).ok()
+/// The folders in shared memory that the rig with this runtime directory made: one while it is attached to, and what is left of
+/// earlier ones if the runtime directory was removed meanwhile.
+pub(crate) fn shared_memory_dirs(runtime_dir: &Path) -> Vec<PathBuf> {
+    let prefix = shared_memory_prefix(runtime_dir);
+    let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+    let named = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix));
+    named.map(|entry| entry.path()).filter(|path| open_private_dir(path).is_ok()).collect()
 }
 
-fn forget_shared_memory_dir(runtime_dir: &Path) -> std::io::Result<()> {
+fn forget_shared_memory(runtime_dir: &Path) -> std::io::Result<()> {
     match std::fs::remove_file(runtime_dir.join(SHARED_MEMORY_LINK)) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
+        _ => {}
     }
+    shared_memory_dirs(runtime_dir).iter().try_for_each(std::fs::remove_dir_all)
+}
+
+/// What the names of its folders begin with. Others may make such names too; theirs are not the rig's.
+fn shared_memory_prefix(runtime_dir: &Path) -> String {
+    let named = std::path::absolute(runtime_dir).unwrap_or_else(|_| runtime_dir.to_owned());
+    format!("haptic-camera-{:016x}-", fnv1a(named.as_os_str().as_encoded_bytes()))
 }
 
 /// Keeps other processes of the rig from making or removing its folder in shared memory.

@@ -100,7 +100,7 @@ pub(crate) fn field_lines(fields: &[Field]) -> String {
 }
 
 /// FNV-1a, 64 bit: a short name for a long one.
-fn fnv1a(bytes: &[u8]) -> u64 {
+pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
