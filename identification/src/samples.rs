@@ -1,5 +1,6 @@
 //! The samples of a capture, and why they may not do.
 
+use crate::uniform::typical_step;
 use crate::vector;
 
 /// A capture's columns, borrowed. All have one length.
@@ -19,6 +20,11 @@ pub struct Samples<'a> {
 
 /// Fewest samples from which anything is fitted.
 pub const FEWEST_SAMPLES: usize = 200;
+
+/// Slowest rate of samples that are fitted, Hz.
+const SLOWEST_HZ: f64 = 0.001;
+/// Fastest rate of samples that are fitted, Hz; the length of filters, and so their memory, grows with it.
+const FASTEST_HZ: f64 = 1e6;
 
 /// Why no model at all could be fitted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,6 +62,14 @@ pub enum FitError {
         previous_s: f64,
         /// The time found, s.
         time_s: f64,
+    },
+    /// Samples that come faster or more slowly than any rig's.
+    #[error(
+        "the samples come at {rate_hz:.3e} Hz, but a fit takes {SLOWEST_HZ} to {FASTEST_HZ} Hz; give t_s in seconds"
+    )]
+    Rate {
+        /// The rate of most of them, Hz.
+        rate_hz: f64,
     },
     /// The knob was not turned.
     #[error("the knob did not move (travel {travel_rad} rad over the capture); excite it with a sweep")]
@@ -124,6 +138,10 @@ impl Samples<'_> {
                 previous_s: self.t_s[index],
                 time_s: self.t_s[index + 1],
             });
+        }
+        let rate_hz = 1.0 / typical_step(self.t_s).0;
+        if !(rate_hz >= SLOWEST_HZ && rate_hz.round() <= FASTEST_HZ) {
+            return Err(FitError::Rate { rate_hz });
         }
         let travel_rad = span(self.angle_rad);
         if travel_rad <= 0.0 {
