@@ -84,7 +84,9 @@ fn a_control_loop_that_somebody_asks_to_end_leaves_a_whole_archive_and_what_is_s
 fn a_publisher_without_a_processor_over_the_end_of_the_run_loses_nothing_that_the_ring_holds() {
     let bench = Bench::new().unwrap();
     let child = start(&bench, "9");
-    let Some(publisher) = StoppedThread::stop(bench.wait_for_process("rt-loop").unwrap()) else { return };
+    let Some(publisher) = StoppedThread::stop(bench.wait_for_process("rt-loop").unwrap()) else {
+        return drop(child.wait_with_output());
+    };
     std::thread::sleep(Duration::from_secs(9));
     drop(publisher);
     assert_whole(&ended(&bench, child, 0).0, 90_000);
@@ -94,7 +96,9 @@ fn a_publisher_without_a_processor_over_the_end_of_the_run_loses_nothing_that_th
 fn what_the_ring_cannot_hold_at_the_end_of_the_run_is_a_gap_that_is_told() {
     let bench = Bench::new().unwrap();
     let child = start(&bench, "20");
-    let Some(publisher) = StoppedThread::stop(bench.wait_for_process("rt-loop").unwrap()) else { return };
+    let Some(publisher) = StoppedThread::stop(bench.wait_for_process("rt-loop").unwrap()) else {
+        return drop(child.wait_with_output());
+    };
     // The supervisor too, which would give up a control loop that says nothing for so long.
     let supervisor = bench.wait_for_process("haptic-camera").unwrap();
     kill(supervisor, Signal::SIGSTOP).unwrap();

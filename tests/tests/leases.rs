@@ -45,6 +45,28 @@ fn a_hangup_ends_a_capture_in_order_though_nobody_reads_its_output_any_more() {
 }
 
 #[test]
+fn a_capture_that_was_started_to_outlive_its_terminal_goes_on_to_its_end() {
+    let bench = Bench::new().unwrap();
+    let plain = bench.command(&["capture", "--duration-s", "5", "--no-viewer", "--out", "out"]).unwrap();
+    let mut child = Command::new("nohup")
+        .arg(plain.get_program())
+        .args(plain.get_args())
+        .env(shared_types::rig::RUNTIME_DIR_VARIABLE, bench.path("rig"))
+        .current_dir(plain.get_current_dir().unwrap())
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    kill(Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGHUP).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
+    assert_eq!(capture.tick.last(), Some(&49_999));
+}
+
+#[test]
 fn a_terminal_that_is_closed_ends_a_capture_in_order() {
     let bench = Bench::new().unwrap();
     let capture = bench.command(&["capture", "--duration-s", "60", "--no-viewer", "--out", "out"]).unwrap();

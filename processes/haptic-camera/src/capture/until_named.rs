@@ -18,7 +18,7 @@ use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{Kind, to_output, write};
 use crate::recording;
-use crate::supervision::claim_archive;
+use crate::supervision::{claim_archive, ending_signals};
 
 /// The motion that is held out, unless it is the sweep asked for …
 const HELD_OUT: &str = "multisine";
@@ -45,7 +45,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
     }
     // While the rig rests and a diagnosis is under way there is nothing to end in order.
     let at_rest = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
+    for signal in ending_signals() {
         signal_hook::flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;
     }
     let held_out = if options.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };

@@ -96,15 +96,15 @@ impl Child {
         self.let_go();
         if !self.wait(patience) {
             self.kill();
+            self.wait(Duration::from_secs(1));
         }
     }
 
-    /// Ends it at once.
+    /// Kills it, without waiting for its end.
     pub(crate) fn kill(&mut self) {
         if !self.has_ended() {
             let _ = kill(self.pid(), Signal::SIGKILL);
         }
-        self.wait(Duration::from_secs(1));
     }
 
     /// Waits for its end; `false` when it has not come within `patience`.

@@ -53,6 +53,8 @@ struct Life {
     heard: Heard,
     /// Since when it was seen to be stopped.
     stopped: Option<Instant>,
+    /// Whether it was killed. It may be some time in dying, if a thread of it waits for the disk.
+    is_killed: bool,
 }
 
 impl Consumer {
@@ -66,7 +68,7 @@ impl Consumer {
         self.life = None;
         let child = spawn(self.kind, &self.arguments, self.loop_core, self.starts, words)?;
         let heard = Heard::of(child.id(), rig::monotonic_time_ns());
-        self.life = Some(Life { child, heard, stopped: None });
+        self.life = Some(Life { child, heard, stopped: None, is_killed: false });
         self.starts += 1;
         Ok(())
     }
@@ -83,7 +85,7 @@ impl Consumer {
 
     /// Whether no process does its work.
     pub(super) fn is_away(&mut self) -> bool {
-        self.life.as_mut().is_none_or(|life| life.child.has_ended())
+        self.life.as_mut().is_none_or(Life::is_over)
     }
 
     /// Whether the process that does its work, or did it last, has lived for longer than one that fails at once.
@@ -151,10 +153,16 @@ impl Consumer {
 }
 
 impl Life {
+    /// Whether it will do nothing more, be it that it cannot be reaped so far.
+    fn is_over(&mut self) -> bool {
+        self.is_killed || self.child.has_ended() || !rig::process_exists(self.child.id())
+    }
+
     fn end_at_once(&mut self, kind: ProcessKind) {
-        if !self.child.has_ended() {
+        if !self.is_over() {
             remark(format!("{} no longer answers and is started again", kind.name()));
             self.child.kill();
+            self.is_killed = true;
         }
     }
 }

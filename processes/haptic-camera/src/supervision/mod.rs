@@ -10,10 +10,10 @@ mod loop_link;
 mod panel;
 mod progress;
 mod run_end;
+mod signals;
 mod words;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -35,6 +35,7 @@ use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;
 pub(crate) use run_end::{FeltModel, RunEnd};
+pub(crate) use signals::{ending_signals, listen_for_interrupt};
 
 /// Longest wait for the loop to be ready.
 const LOOP_READY: Duration = Duration::from_secs(10);
@@ -68,18 +69,6 @@ pub(crate) struct SupervisedRun<'a> {
     pub(crate) until: Option<Share>,
     /// What the operator sees while it goes on.
     pub(crate) shown: Shown,
-}
-
-/// Set by Ctrl-C, by SIGTERM and by the closing of the terminal, which end a run in order.
-///
-/// # Errors
-/// When the system refuses.
-pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
-        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
-    }
-    Ok(interrupted)
 }
 
 /// Claims the name of an archive in `out`.
@@ -159,8 +148,14 @@ impl SupervisedRun<'_> {
         self.tell_start(link.status());
 
         if let Err(error) = link.request(CommandKind::Start) {
+            let had_ended = control_loop.has_ended();
             control_loop.end(LOOP_ENDS);
             consumers.end();
+            anyhow::ensure!(
+                !had_ended,
+                "the control loop ended before the run began ({})",
+                control_loop.end_in_words()
+            );
             return Err(error);
         }
         let mut rule = self.until.map(|share| StopRule::new(share, link.torque_step_mnm()));
