@@ -55,7 +55,7 @@ pub enum TableError {
     /// A line is no row of numbers.
     #[error("line {line}: {reason}")]
     Line {
-        /// Line, counted from 1.
+        /// Line, counted from 1; where empty lines or comments stand before the row, the first of them.
         line: u64,
         /// What is wrong with it.
         reason: String,

@@ -44,7 +44,7 @@ fn a_wrong_table_is_told_with_its_line() {
         ("t_s,angle_rad,t_s\n", "it has the columns `t_s,angle_rad,t_s`, but"),
         ("t_s;angle_rad\n0;2,5\n", "; write commas between them, and numbers with a point"),
         ("t_s\tangle_rad\n", "; write commas between them, and numbers with a point"),
-        ("t_s,angle_rad\n0,1\n\n0,2,5\n", "line 4: it has 3 cells, but the header has 2; write numbers with a point"),
+        ("t_s,angle_rad\n0,1\n0,2,5\n", "line 3: it has 3 cells, but the header has 2; write numbers with a point"),
         ("t_s,angle_rad\n0\n", "line 2: it has 1 cells, but the header has 2"),
         ("t_s,angle_rad\n0,\"2,5\"\n", "line 2: `2,5` in the column angle_rad is not a number; write it with a point"),
         ("t_s,angle_rad\n0,\n", "line 2: `` in the column angle_rad is not a number"),
