@@ -25,6 +25,12 @@ BARS_S = {"alone": (1, 2), "loaded": (2, 4)}
 STEP_S = 0.1
 MEMORY_EVERY_S = 5
 PATIENCE_S = 300
+# Where the viewer begins, and by what it is enlarged.
+PLACE = """(() => {
+  const viewer = document.getElementById("viewer");
+  const { top, height } = viewer.getBoundingClientRect();
+  return [top, height / viewer.offsetHeight];
+})()"""
 # Notes when the time that the viewer shows, and the newest that it holds, have changed.
 WATCH = """
 window.seen = [];
@@ -148,8 +154,8 @@ def measure(tab, asked, folder):
         number = page["page"]
         browser.wait_until(number, "document.body.dataset.newest > 0")
         loading_s = time.monotonic() - opened
-        top = browser.ask(page=number, evaluate="document.getElementById('viewer').getBoundingClientRect().top")["value"]
-        browser.ask(page=number, click=[TABS[tab], top + TABS_HEIGHT // 2])
+        top, scale = browser.ask(page=number, evaluate=PLACE)["value"]
+        browser.ask(page=number, click=[scale * TABS[tab], top + scale * TABS_HEIGHT / 2])
         browser.ask(page=number, evaluate=f"void (() => {{{WATCH}}})()")
         time.sleep(2)
         usage = Usage(page["process"])
