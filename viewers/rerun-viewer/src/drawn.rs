@@ -125,7 +125,7 @@ impl Drawn {
         Ok(Answer { contents, file })
     }
 
-    fn with<Answer>(&self, work: impl FnOnce(&mut Kept) -> Answer) -> Answer {
+    fn with<T>(&self, work: impl FnOnce(&mut Kept) -> T) -> T {
         // Whatever panicked in between left whole messages.
         work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -200,7 +200,7 @@ fn merged(chunks: Vec<(StoreId, Chunk)>) -> anyhow::Result<Vec<(StoreId, Chunk)>
             None => alike.push((store, vec![chunk])),
         }
     }
-    let whole = |(store, mut group): (StoreId, Vec<Chunk>)| {
+    let whole = |(store, mut group): (StoreId, Vec<Chunk>)| -> anyhow::Result<(StoreId, Chunk)> {
         // By pairs, so that no row is copied more often than the logarithm of their number.
         while group.len() > 1 {
             group = group
@@ -209,7 +209,7 @@ fn merged(chunks: Vec<(StoreId, Chunk)>) -> anyhow::Result<Vec<(StoreId, Chunk)>
                     [one, other] => Chunk::concat_and_sort(one, other),
                     _ => Ok(pair[0].clone()),
                 })
-                .collect::<Result<_, _>>()?;
+                .collect::<Result<Vec<_>, _>>()?;
         }
         Ok((store, group.remove(0)))
     };

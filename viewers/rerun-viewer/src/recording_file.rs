@@ -75,7 +75,7 @@ impl RecordingFile {
         self.with(State::finish).map_err(|error| cannot_be_written(&self.path, &error))
     }
 
-    fn with<Answer>(&self, work: impl FnOnce(&mut State) -> Answer) -> Answer {
+    fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {
         // Whatever panicked in between left whole messages.
         work(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
     }
