@@ -16,6 +16,8 @@ use rerun::external::re_log_types::StoreId;
 use rerun::log::{Chunk, LogMsg};
 use serde::Serialize;
 
+use crate::drawing::TIMELINE;
+
 /// Bytes of the run at which an answer ends. It is more than the plots show, 10 s, and as much is kept at least, for the
 /// pages that are there.
 const ANSWER_BYTES: u64 = 2 << 20;
@@ -173,7 +175,8 @@ impl Kept {
         }
         let chunks: Vec<_> =
             self.pieces.range(first..after.max(first)).flat_map(|piece| piece.chunks.iter().cloned()).collect();
-        let newest = chunks.iter().filter_map(|(store, chunk)| Some((store, newest_ns(chunk)?))).max_by_key(|(_, time)| *time);
+        let newest =
+            chunks.iter().filter_map(|(store, chunk)| Some((store, newest_ns(chunk)?))).max_by_key(|(_, time)| *time);
         let contents = Contents {
             first: if first > begin { self.pieces[first].number } else { from },
             next: end,
@@ -188,7 +191,8 @@ impl Kept {
 
 /// The time of a chunk's newest row, ns.
 fn newest_ns(chunk: &Chunk) -> Option<i64> {
-    chunk.timelines().values().map(|times| times.time_range().max().as_i64()).max()
+    let times = chunk.timelines().values().find(|times| times.name() == TIMELINE)?;
+    Some(times.time_range().max().as_i64())
 }
 
 /// One chunk for all rows of an entity that have the same columns.
@@ -276,7 +280,7 @@ mod tests {
 
     /// A piece of the run: a value for this moment.
     fn draw(drawn: &Drawn, recording: &RecordingStream, moment: i64) {
-        recording.set_time_sequence("moment", moment);
+        recording.set_time_sequence(TIMELINE, moment);
         recording.log("value", &Scalars::single(moment as f64)).unwrap();
         recording.flush_blocking().unwrap();
         drawn.seal();
@@ -285,7 +289,7 @@ mod tests {
     /// A large share of an answer, and nothing that compresses.
     fn draw_much(drawn: &Drawn, recording: &RecordingStream, moment: u64) {
         let noise = (0..40_000).map(|index| ((index * 2_654_435_761_u64 + moment) as f64).sqrt().sin());
-        recording.set_time_sequence("moment", i64::try_from(moment).unwrap());
+        recording.set_time_sequence(TIMELINE, i64::try_from(moment).unwrap());
         recording.log("value", &Scalars::new(noise)).unwrap();
         recording.flush_blocking().unwrap();
         drawn.seal();

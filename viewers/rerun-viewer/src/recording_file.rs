@@ -22,9 +22,8 @@ pub struct RecordingFile {
 }
 
 struct State {
-    /// The same file as the encoder's.
-    file: File,
-    encoder: Encoder<File>,
+    /// Until the file is finished or cannot be written.
+    encoder: Option<Encoder<File>>,
     failure: Option<EncodeError>,
 }
 
@@ -38,8 +37,7 @@ impl RecordingFile {
         let begin = || -> anyhow::Result<State> {
             let file = open(path)?;
             let (version, options) = (rerun::build_info().version, EncodingOptions::PROTOBUF_COMPRESSED);
-            let encoder = Encoder::new_eager(version, options, file.try_clone()?)?;
-            Ok(State { file, encoder, failure: None })
+            Ok(State { encoder: Some(Encoder::new_eager(version, options, file)?), failure: None })
         };
         ensure!(
             may_be_replaced(path),
@@ -83,17 +81,20 @@ impl RecordingFile {
 
 impl State {
     fn write(&mut self, messages: &[LogMsg]) {
-        for message in messages {
-            if self.failure.is_none() {
-                self.failure = self.encoder.append(message).err();
-            }
+        let Some(encoder) = &mut self.encoder else { return };
+        self.failure = messages.iter().try_for_each(|message| encoder.append(message).map(drop)).err();
+        if self.failure.is_some() {
+            // One that is dropped tries to write its end, and complains itself.
+            let _ = self.encoder.take().map(Encoder::into_inner);
         }
     }
 
     fn finish(&mut self) -> anyhow::Result<()> {
-        self.encoder.finish()?;
-        self.encoder.flush_blocking()?;
-        match self.file.sync_all() {
+        let Some(mut encoder) = self.encoder.take() else { return Ok(()) };
+        let finished = encoder.finish();
+        let file = encoder.into_inner()?;
+        finished?;
+        match file.sync_all() {
             // A pipe or a device has nothing to wait for.
             Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
             synced => Ok(synced?),
@@ -120,5 +121,9 @@ fn may_be_replaced(path: &Path) -> bool {
 }
 
 fn cannot_be_written(path: &Path, error: &anyhow::Error) -> anyhow::Error {
-    anyhow!("{} cannot be written ({}); free space on its disk or name another place", path.display(), error.root_cause())
+    anyhow!(
+        "{} cannot be written ({}); free space on its disk or name another place",
+        path.display(),
+        error.root_cause()
+    )
 }

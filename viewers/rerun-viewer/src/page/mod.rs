@@ -57,12 +57,7 @@ const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; 
 ///
 /// # Errors
 /// When rerun's program for browsers or a thread is not to be had.
-pub fn serve(
-    listener: TcpListener,
-    patience: Duration,
-    glance: SharedGlance,
-    drawn: Drawn,
-) -> anyhow::Result<()> {
+pub fn serve(listener: TcpListener, patience: Duration, glance: SharedGlance, drawn: Drawn) -> anyhow::Result<()> {
     let open_to_network = !listener.local_addr()?.ip().is_loopback();
     let instance = format!("{}-{}", std::process::id(), shared_types::rig::monotonic_time_ns());
     // Kept for as long as the process lives, so that its 40 MB are never copied for an answer.
