@@ -478,7 +478,6 @@ fn another_user_is_shown_nothing_by_the_live_view() {
         let by_name = Command::new("bash").args(["-c", &question(path, "knobs.example:80")]).output().unwrap().stdout;
         assert!(by_name.starts_with(b"HTTP/1.1 403"), "{}", String::from_utf8_lossy(&by_name));
     }
-    // The server behind the page is reached through this folder alone.
     assert_closed_to_others(&[bench.path("rig")]);
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));

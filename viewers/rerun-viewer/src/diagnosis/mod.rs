@@ -9,16 +9,16 @@ mod layout;
 mod series;
 mod text;
 
-use std::io::{Read as _, Write as _};
+use std::io::Read as _;
 use std::path::Path;
 
 use anyhow::Context as _;
-use archive::{ArchiveError, whole_file};
 use rerun::{RecordingStreamBuilder, TextDocument};
 
 pub use input::{DiagnosisInput, InputError};
 
 use crate::entities::SUMMARY;
+use crate::recording_file::RecordingFile;
 
 /// Name under which rerun keeps the layout.
 const APPLICATION: &str = "haptic-camera-diagnosis";
@@ -32,8 +32,9 @@ pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
     let read = foreign_files::open(json).and_then(|mut file| file.read_to_string(&mut text));
     read.with_context(|| format!("{} cannot be read", json.display()))?;
     let input = DiagnosisInput::from_json(&text).with_context(|| format!("{} is no diagnosis", json.display()))?;
-    // rerun's own file sink neither ends nor fails when the disk is full, so the file is written here.
-    let (recording, drawn) = RecordingStreamBuilder::new(APPLICATION).memory().context("nothing can be drawn")?;
+    let file = RecordingFile::create(out)?;
+    let recording = RecordingStreamBuilder::new(APPLICATION).buffered()?;
+    recording.set_sink(Box::new(file.sink()));
     recording.set_log_tick_enabled(false);
     recording.set_log_time_enabled(false);
     layout::send(&recording, &input)?;
@@ -42,8 +43,6 @@ pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
         series::draw(&recording, capture)?;
     }
     charts::draw(&recording, &input)?;
-    let bytes = drawn.drain_as_bytes().context("the recording could not be finished")?;
-    let refused = |error| ArchiveError::File { path: out.to_owned(), error };
-    whole_file::write_whole(out, |mut file| file.write_all(&bytes).and_then(|()| file.flush()).map_err(refused))
-        .context("the recording cannot be written; name another place")
+    recording.flush_blocking().context("the recording could not be finished")?;
+    file.finish()
 }
