@@ -4,7 +4,7 @@
 //! kernel ends the process (SIGBUS). So a rig asks for room before it begins, and its ports have their pages from the
 //! start.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
 
 use nix::errno::Errno;
@@ -57,6 +57,12 @@ pub(crate) fn check_any_room() -> Result<(), ServiceError> {
 /// [`ServiceError::NoRoom`].
 pub(crate) fn reserve() -> Result<(), ServiceError> {
     for path in rig_files() {
+        // The others must not even be opened: to close a file lets go of the locks on it (fcntl(2)), and by such a lock
+        // iceoryx2 knows that a process lives.
+        let is_sparse = |file: &Metadata| file.is_file() && file.blocks() * 512 < file.len();
+        if !path.symlink_metadata().is_ok_and(|file| is_sparse(&file)) {
+            continue;
+        }
         // Another process of the rig may have taken it away, or not have given it its size so far.
         let opened = File::options().write(true).custom_flags(OFlag::O_NOFOLLOW.bits()).open(&path);
         let Ok(file) = opened else { continue };

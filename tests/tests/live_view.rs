@@ -142,7 +142,9 @@ fn shows_all(browser: &mut Browser, page: Page, (name, x, views): Tab) {
     let mut number = |expression: &str| browser.evaluate(page, expression).unwrap().as_f64().unwrap();
     let top = number("document.getElementById('viewer').getBoundingClientRect().top");
     // Without a graphics card the viewer draws fewer pixels than it covers.
-    let scale = number("document.getElementById('viewer').getBoundingClientRect().height / document.getElementById('viewer').offsetHeight");
+    let scale = number(
+        "document.getElementById('viewer').getBoundingClientRect().height / document.getElementById('viewer').offsetHeight",
+    );
     let [width, height] = SIZE.map(f64::from);
     let (tabs_height, time_bar_height) = (scale * TABS_HEIGHT, scale * TIME_BAR_HEIGHT);
     browser.click(page, (scale * f64::from(x)) as u32, (top + tabs_height / 2.0) as u32).unwrap();
