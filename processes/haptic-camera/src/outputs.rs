@@ -30,7 +30,9 @@ pub enum Kind {
     Simulation,
     /// A manual page.
     ManualPage,
-    /// An archive, a table or a recording, in which nothing tells ours from others': the name must be free.
+    /// A diagnosis as a rerun file.
+    Recording,
+    /// An archive or a table, in which nothing tells ours from others': the name must be free.
     Data,
 }
 
@@ -47,6 +49,8 @@ impl Kind {
             Self::Header => Replace::Marked(" as numbers, made by haptic-camera "),
             Self::Simulation => Replace::Marked("\"apparatus\": \"simulation\""),
             Self::ManualPage => Replace::Marked(".TH haptic-camera"),
+            // The application's name, which rerun writes first.
+            Self::Recording => Replace::Marked("haptic-camera-diagnosis"),
             Self::Data => Replace::Nothing,
         }
     }

@@ -15,7 +15,7 @@ impl Command {
                 .reading(&options.run.calibration)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page)
-                .writing(options.recording.as_ref(), Kind::Data),
+                .writing(options.recording.as_ref(), Kind::Recording),
             Self::Replay(options) => files
                 .reading([&options.model, &options.hand])
                 .reading(&options.run.calibration)
@@ -33,7 +33,7 @@ impl Command {
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.out.as_ref(), Kind::DiagnosedModel)
                 .writing(options.report.as_ref(), Kind::Page)
-                .writing(options.recording.as_ref(), Kind::Data),
+                .writing(options.recording.as_ref(), Kind::Recording),
             Self::Calibrate(options) => {
                 // The calibration that is given may be the one that is written.
                 files.reading(&options.captures).replacing(Some(&options.out), options.replaced())
