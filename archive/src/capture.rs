@@ -1,6 +1,7 @@
 //! A capture in memory: one column per quantity, from an MCAP archive or a CSV table.
 
 use std::collections::BTreeMap;
+use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
 use shared_types::{ClockMapping, ModelChange, RunDescription, Sample};
@@ -8,9 +9,9 @@ use shared_types::{ClockMapping, ModelChange, RunDescription, Sample};
 use crate::description::attachment;
 use crate::error::ArchiveError;
 use crate::sequence::Gap;
-use crate::whole_file;
+use crate::whole_file::{self, Replace};
 use crate::write::CaptureWriter;
-use crate::{csv_file, mcap_file};
+use crate::{csv_file, mcap_file, memory};
 
 /// A capture, row by row in the order of time. All columns have the same length, at least three.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,6 +62,7 @@ impl Capture {
     /// # Errors
     /// [`ArchiveError`], one sentence that names file, row and column where there is one.
     pub fn load(path: &Path) -> Result<Self, ArchiveError> {
+        refuse_too_large(path)?;
         let capture = if is_mcap(path)? { mcap_file::load(path)? } else { csv_file::load(path)? };
         capture.validate()?;
         Ok(capture)
@@ -174,44 +176,50 @@ impl Capture {
         Ok(())
     }
 
-    /// Writes the capture as an MCAP archive, with its description and attachments.
+    /// Writes the capture as an MCAP archive, with its description and attachments, where there is none yet.
     ///
     /// Columns that the capture does not have become NaN, which reads back as absent.
     ///
     /// # Errors
     /// What [`validate`](Self::validate) reports, [`ArchiveError::SharedTick`] when the rows are not
-    /// evenly spaced, or the operating system's refusal.
+    /// evenly spaced, or what [`write_whole`](whole_file::write_whole) does.
     pub fn write_mcap(&self, path: &Path) -> Result<(), ArchiveError> {
-        self.validate()?;
-        whole_file::write_whole(path, |place| {
-            let run = self.description_or_default();
-            let mut writer = CaptureWriter::new(place, &run)?;
-            for (name, content) in &self.attachments {
-                if !is_described_by_run(name, &run) {
-                    writer.attach(name, media_type(name), content)?;
-                }
-            }
-            for change in &self.models {
-                writer.model(change)?;
-            }
-            for row in 0..self.len() {
-                if row > 0 && self.tick[row] <= self.tick[row - 1] {
-                    return Err(ArchiveError::SharedTick { row: row + 1, rate_hz: self.rate_hz });
-                }
-                writer.sample(&self.sample(row, &run))?;
-            }
-            writer.finish()?;
-            Ok(())
-        })
+        whole_file::write_whole(path, Replace::Nothing, |place| self.write_mcap_to(place))
     }
 
-    /// Writes the capture as a CSV table; every number reads back to the last bit.
+    /// [`write_mcap`](Self::write_mcap) without a file.
     ///
     /// # Errors
-    /// What [`validate`](Self::validate) reports, or the operating system's refusal.
+    /// As there.
+    pub fn write_mcap_to<W: Write + Seek>(&self, output: W) -> Result<(), ArchiveError> {
+        self.validate()?;
+        let run = self.description_or_default();
+        let mut writer = CaptureWriter::new(output, &run)?;
+        for (name, content) in &self.attachments {
+            if !is_described_by_run(name, &run) {
+                writer.attach(name, media_type(name), content)?;
+            }
+        }
+        for change in &self.models {
+            writer.model(change)?;
+        }
+        for row in 0..self.len() {
+            if row > 0 && self.tick[row] <= self.tick[row - 1] {
+                return Err(ArchiveError::SharedTick { row: row + 1, rate_hz: self.rate_hz });
+            }
+            writer.sample(&self.sample(row, &run))?;
+        }
+        writer.finish()?;
+        Ok(())
+    }
+
+    /// Writes the capture as a CSV table, where there is none yet; every number reads back to the last bit.
+    ///
+    /// # Errors
+    /// What [`validate`](Self::validate) reports, or what [`write_whole`](whole_file::write_whole) does.
     pub fn write_csv(&self, path: &Path) -> Result<(), ArchiveError> {
         self.validate()?;
-        whole_file::write_whole(path, |place| csv_file::write(self, place))
+        whole_file::write_whole(path, Replace::Nothing, |place| csv_file::write(self, place))
     }
 
     fn description_or_default(&self) -> RunDescription {
@@ -283,6 +291,18 @@ fn media_type(name: &str) -> &'static str {
     }
 }
 
+/// Refuses a file for which the machine has not enough memory.
+fn refuse_too_large(path: &Path) -> Result<(), ArchiveError> {
+    #[allow(clippy::cast_precision_loss, reason = "a number of bytes for display")]
+    let length = std::fs::metadata(path).map_err(|error| ArchiveError::file(path, error))?.len() as f64;
+    match memory::available() {
+        Some(available) if length * memory::OF_FILE > available => {
+            Err(ArchiveError::TooLarge { path: path.to_owned(), length, available })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Whether a file is an MCAP archive, by its content; otherwise it is text.
 ///
 /// # Errors
@@ -307,7 +327,7 @@ pub(crate) fn is_mcap(path: &Path) -> Result<bool, ArchiveError> {
 fn first_bytes(path: &Path) -> Result<Vec<u8>, ArchiveError> {
     use std::io::Read as _;
     let mut bytes = Vec::new();
-    std::fs::File::open(path)
+    foreign_files::open(path)
         .and_then(|file| file.take(mcap::MAGIC.len() as u64).read_to_end(&mut bytes))
         .map_err(|error| ArchiveError::file(path, error))?;
     Ok(bytes)

@@ -1,6 +1,6 @@
 //! The channels of a capture and how they are told apart.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::{Seek, Write};
 
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,11 @@ pub(crate) const STATUS_TOPIC: &str = "/status";
 pub(crate) const HEALTH_TOPIC: &str = "/health";
 /// Topic of the models that a replay begins to render.
 pub(crate) const MODELS_TOPIC: &str = "/models";
+
+/// More channels than any archive has.
+const MOST_CHANNELS: usize = 1024;
+/// Most bytes that schemas, and the channels with their copies of them, may have together.
+const MOST_BYTES: usize = 64 << 20;
 
 /// Encoding of the schemas: the message definition language of ROS 2.
 const SCHEMA_ENCODING: &str = "ros2msg";
@@ -45,11 +50,16 @@ pub(crate) struct SampleLayout {
     pub(crate) size: Option<usize>,
 }
 
-/// The schemas that a file has named so far, and so what its channels hold.
+/// The schemas and channels that a file has named so far.
 #[derive(Default)]
-pub(crate) struct Schemas(HashMap<u16, Schema>);
+pub(crate) struct Schemas {
+    known: HashMap<u16, Schema>,
+    defined: HashSet<u16>,
+    /// Size of all that is known and defined.
+    bytes: usize,
+}
 
-#[derive(Clone, Default)]
+#[derive(Clone, Default, PartialEq)]
 struct Schema {
     name: String,
     encoding: String,
@@ -57,23 +67,51 @@ struct Schema {
 }
 
 impl Schemas {
-    /// Takes note of a schema.
+    /// Takes note of a schema, up to a bound on all of them together.
     pub(crate) fn learn(&mut self, header: mcap::records::SchemaHeader, data: &[u8]) {
-        let text = String::from_utf8_lossy(data).into_owned();
-        self.0.insert(header.id, Schema { name: header.name, encoding: header.encoding, text });
+        let schema =
+            Schema { name: header.name, encoding: header.encoding, text: String::from_utf8_lossy(data).into_owned() };
+        if self.known.get(&header.id) != Some(&schema) && self.has_room(schema.bytes()) {
+            self.known.insert(header.id, schema);
+        }
     }
 
-    /// What a channel holds; without a schema if the file has not named it.
-    pub(crate) fn define(&self, channel: mcap::records::Channel) -> ChannelDefinition {
-        let Schema { name, encoding, text } = self.0.get(&channel.schema_id).cloned().unwrap_or_default();
-        ChannelDefinition {
+    /// What a channel holds; `None` for one that was defined before, as files repeat them, and for those beyond the bounds.
+    pub(crate) fn define(&mut self, channel: mcap::records::Channel) -> Option<ChannelDefinition> {
+        let schema = self.known.get(&channel.schema_id).cloned();
+        let is_complete = schema.is_some() || channel.schema_id == 0;
+        let schema = schema.unwrap_or_default();
+        let metadata: usize = channel.metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
+        let bytes = schema.bytes() + channel.topic.len() + metadata;
+        if self.defined.contains(&channel.id) || self.defined.len() >= MOST_CHANNELS || !self.has_room(bytes) {
+            return None;
+        }
+        // One whose schema comes later is defined again.
+        if is_complete {
+            self.defined.insert(channel.id);
+        }
+        let Schema { name, encoding, text } = schema;
+        Some(ChannelDefinition {
             topic: channel.topic,
             message_encoding: channel.message_encoding,
             metadata: channel.metadata,
             schema_name: name,
             schema_encoding: encoding,
             schema_text: text,
-        }
+        })
+    }
+
+    /// Counts so many bytes more, if there is room for them.
+    fn has_room(&mut self, bytes: usize) -> bool {
+        let room = self.bytes + bytes <= MOST_BYTES;
+        self.bytes += if room { bytes } else { 0 };
+        room
+    }
+}
+
+impl Schema {
+    fn bytes(&self) -> usize {
+        self.name.len() + self.encoding.len() + self.text.len()
     }
 }
 

@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::path::Path;
 
+use foreign_files::{Column, Others, read_columns};
+
 use crate::capture::Capture;
 use crate::error::ArchiveError;
 
@@ -16,35 +18,20 @@ const COLUMNS: [&str; 5] = [TIME, ANGLE, VELOCITY, ACCELERATION, TORQUE];
 
 /// Reads a table; its columns may stand in any order.
 pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
-    let file = std::fs::File::open(path).map_err(|error| ArchiveError::file(path, error))?;
-    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
-    let header = table.headers().map_err(|error| not_a_row(path, 0, &error))?.clone();
-    let names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim()).collect();
-    let mut columns = known_columns(path, &names)?;
-    let mut record = csv::StringRecord::new();
-    let mut row = 0;
-    while table.read_record(&mut record).map_err(|error| not_a_row(path, row + 1, &error))? {
-        row += 1;
-        for (cell, (name, values)) in record.iter().zip(&mut columns) {
-            let value = cell.parse::<f64>().map_err(|_| ArchiveError::BadRow {
-                path: path.to_owned(),
-                row,
-                reason: format!("`{cell}` in the column {name} is not a number"),
-            })?;
-            values.push(value);
-        }
-    }
-    let mut take = |wanted: &str| {
-        let place = columns.iter().position(|(name, _)| *name == wanted)?;
-        Some(columns.swap_remove(place).1)
-    };
-    let t_s = take(TIME).unwrap_or_default();
+    let file = foreign_files::open(path).map_err(|error| ArchiveError::file(path, error))?;
+    let wanted = COLUMNS.map(|name| match name {
+        VELOCITY | ACCELERATION => Column::optional(name),
+        _ => Column::required(name),
+    });
+    let columns = read_columns(file, wanted, Others::Refused).map_err(|error| ArchiveError::table(path, error))?;
+    let [t_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm] = columns;
+    let t_s = t_s.unwrap_or_default();
     let mut capture = Capture {
         source: path.to_owned(),
-        angle_rad: take(ANGLE).unwrap_or_default(),
-        velocity_rad_s: take(VELOCITY),
-        acceleration_rad_s2: take(ACCELERATION),
-        torque_mnm: take(TORQUE).unwrap_or_default(),
+        angle_rad: angle_rad.unwrap_or_default(),
+        velocity_rad_s,
+        acceleration_rad_s2,
+        torque_mnm: torque_mnm.unwrap_or_default(),
         rate_hz: rate_hz(&t_s),
         seq: (0..t_s.len() as u64).collect(),
         ..Capture::default()
@@ -52,39 +39,6 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
     capture.tick = ticks(&t_s, capture.rate_hz);
     capture.t_s = t_s;
     Ok(capture)
-}
-
-/// Checks the header; each column with its name, still empty.
-fn known_columns(path: &Path, names: &[&str]) -> Result<Vec<(&'static str, Vec<f64>)>, ArchiveError> {
-    let columns: Vec<&'static str> =
-        names.iter().filter_map(|name| COLUMNS.into_iter().find(|known| known == name)).collect();
-    let complete = [TIME, ANGLE, TORQUE].iter().all(|name| columns.contains(name));
-    let repeats = columns.iter().enumerate().any(|(index, name)| columns[..index].contains(name));
-    if !complete || repeats || columns.len() != names.len() {
-        return Err(ArchiveError::WrongHeader { path: path.to_owned(), found: short(&names.join(",")) });
-    }
-    Ok(columns.into_iter().map(|name| (name, Vec::new())).collect())
-}
-
-/// A header that is no header can be a whole file: show its beginning.
-fn short(header: &str) -> String {
-    const SHOWN: usize = 200;
-    let mut text: String = header.chars().filter(|character| !character.is_control()).take(SHOWN).collect();
-    if header.chars().count() > SHOWN {
-        text.push_str("...");
-    }
-    text
-}
-
-fn not_a_row(path: &Path, row: usize, error: &csv::Error) -> ArchiveError {
-    if let csv::ErrorKind::UnequalLengths { expected_len, len, .. } = error.kind() {
-        let reason = format!("it has {len} cells, but the header has {expected_len}");
-        return ArchiveError::BadRow { path: path.to_owned(), row, reason };
-    }
-    if let csv::ErrorKind::Utf8 { .. } = error.kind() {
-        return ArchiveError::NotACapture { path: path.to_owned() };
-    }
-    ArchiveError::BadRow { path: path.to_owned(), row, reason: crate::error::with_causes(error) }
 }
 
 /// The rate of a table, Hz: ticks over the whole span, where the median interval says what a tick is.

@@ -2,6 +2,10 @@
 
 use std::path::PathBuf;
 
+use foreign_files::TableError;
+
+use crate::memory::OF_FILE;
+
 /// Why a capture could not be read, written, merged or recovered.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
@@ -81,27 +85,13 @@ pub enum ArchiveError {
         /// The file.
         path: PathBuf,
     },
-    /// The table's columns are not those of a capture.
-    #[error(
-        "{} has the columns `{found}`; a capture has \
-         `t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm`",
-        path.display()
-    )]
-    WrongHeader {
+    /// The table is none of a capture.
+    #[error("{}: {error}", path.display())]
+    Table {
         /// The file.
         path: PathBuf,
-        /// The columns that were found.
-        found: String,
-    },
-    /// A cell or line of the table is not readable as numbers.
-    #[error("{}, row {row}: {reason}", path.display())]
-    BadRow {
-        /// The file.
-        path: PathBuf,
-        /// Row, counted from 1 below the header.
-        row: usize,
-        /// What is wrong with it.
-        reason: String,
+        /// What is wrong with it, and in which line.
+        error: TableError,
     },
     /// A value is NaN or infinite.
     #[error("{}, row {row}: {column} is {value}; a capture holds finite numbers only", path.display())]
@@ -137,6 +127,21 @@ pub enum ArchiveError {
         path: PathBuf,
         /// Rows that it has.
         rows: usize,
+    },
+    /// There is not enough memory for the file.
+    #[error(
+        "{} is {:.1} GB long, and to work with it takes {:.1} GB of memory, of which {:.1} GB are free; \
+         use a machine with more, or capture for at most {:.0} % of that time",
+        path.display(), length / 1e9, length * OF_FILE / 1e9, available / 1e9,
+        (100.0 * available / (length * OF_FILE)).floor()
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its length, bytes.
+        length: f64,
+        /// Memory that is free, bytes.
+        available: f64,
     },
     /// The columns of a capture in memory differ in length.
     #[error("the column {column} has {rows} rows, but angle_rad has {expected}")]
@@ -174,6 +179,14 @@ pub enum ArchiveError {
         /// The file.
         path: PathBuf,
     },
+    /// There is something that an output must not take the place of.
+    #[error("{} is {by}; choose another name, or remove it first", path.display())]
+    Occupied {
+        /// The place.
+        path: PathBuf,
+        /// What it is.
+        by: &'static str,
+    },
     /// A part belongs to another run.
     #[error("{} belongs to run {found:016x}, not to run {expected:016x}; merge the parts of one run only", path.display())]
     OtherRun {
@@ -199,6 +212,15 @@ impl ArchiveError {
             Self::Missing { path: path.to_owned() }
         } else {
             Self::File { path: path.to_owned(), error }
+        }
+    }
+
+    /// What is wrong with the table at `path`.
+    pub(crate) fn table(path: &std::path::Path, error: TableError) -> Self {
+        match error {
+            TableError::NotText => Self::NotACapture { path: path.to_owned() },
+            TableError::System { kind, reason } => Self::file(path, std::io::Error::new(kind, reason)),
+            error => Self::Table { path: path.to_owned(), error },
         }
     }
 

@@ -23,6 +23,8 @@
 //! | [`schema`] | where each field lies in a message, from the schema in the file |
 //! | [`recover`](mod@recover) | a whole file from a broken one, saying what was lost |
 //! | [`merge`](mod@merge) | one file from the parts that a restarted recorder leaves |
+//! | [`parts`], [`claim`] | the names of files while a run is recorded, and where they lie |
+//! | [`whole_file`] | every output: whole or not at all, and in nothing else's place |
 //! | [`sequence`] | which samples are there and which are missing |
 //!
 //! ```
@@ -42,14 +44,18 @@
 
 pub mod capture;
 mod channels;
+pub mod claim;
 mod combine;
 mod csv_file;
 mod description;
 mod error;
 mod losses;
 mod mcap_file;
+pub mod memory;
 pub mod merge;
 mod overview;
+pub mod own_file;
+pub mod parts;
 mod records;
 pub mod recover;
 pub mod schema;
@@ -59,6 +65,7 @@ pub mod whole_file;
 pub mod write;
 
 pub use capture::Capture;
+pub use claim::Claim;
 pub use description::{CAPTURE_METADATA, GAPS_METADATA, RECOVERY_METADATA, attachment, unit_of};
 pub use error::ArchiveError;
 pub use losses::{Loss, Place};

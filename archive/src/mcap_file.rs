@@ -1,8 +1,7 @@
 //! Captures from MCAP archives.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read as _};
 use std::path::Path;
 
 use mcap::McapError;
@@ -15,9 +14,12 @@ use crate::capture::Capture;
 use crate::channels::Schemas;
 use crate::description::{CAPTURE_METADATA, GAPS_METADATA, attachment};
 use crate::error::{ArchiveError, with_causes};
-use crate::records::{MAX_RECORD_BYTES, attachment_body_length};
+use crate::records::{MAX_RECORD_BYTES, attachment_body_length, may_unpack_to};
 use crate::schema::{FieldLayout, Layout};
 use crate::sequence::{Gap, SequenceLedger};
+
+/// Bytes read from the file at a time.
+const READ_BYTES: usize = 1 << 20;
 
 /// Reads an archive that must be whole; every checksum is compared.
 pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
@@ -32,8 +34,10 @@ pub(crate) fn read_records(
     path: &Path,
     mut take: impl FnMut(u8, &[u8]) -> Result<(), ArchiveError>,
 ) -> Result<(), ArchiveError> {
-    let file = File::open(path).map_err(|error| ArchiveError::file(path, error))?;
-    let mut file = BufReader::with_capacity(1 << 20, file);
+    let file = foreign_files::open(path).map_err(|error| ArchiveError::file(path, error))?;
+    let length = file.metadata().map_err(|error| ArchiveError::file(path, error))?.len();
+    let mut file = BufReader::with_capacity(READ_BYTES, file);
+    let mut unpacked = 0;
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
@@ -45,10 +49,18 @@ pub(crate) fn read_records(
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| broken(path, &error))? {
             LinearReadEvent::ReadRequest(need) => {
-                let read = file.read(reader.insert(need.max(1))).map_err(|error| ArchiveError::file(path, error))?;
+                // A length that the file only claims makes no room in memory.
+                let read = file
+                    .read(reader.insert(need.clamp(1, READ_BYTES)))
+                    .map_err(|error| ArchiveError::file(path, error))?;
                 reader.notify_read(read);
             }
             LinearReadEvent::Record { data, opcode } => {
+                unpacked += data.len() as u64;
+                if unpacked > may_unpack_to(length) {
+                    let reason = format!("its {length} bytes unpack to more than a recording's would");
+                    return Err(ArchiveError::Damaged { path: path.to_owned(), reason });
+                }
                 past_the_messages |= opcode == op::DATA_END;
                 if !past_the_messages {
                     if opcode == op::ATTACHMENT && attachment_body_length(data) != Some(data.len() as u64) {
@@ -132,7 +144,7 @@ impl<'a> Content<'a> {
 
     fn channel(&mut self, channel: mcap::records::Channel) -> Result<(), ArchiveError> {
         let channel_id = channel.id;
-        let definition = self.schemas.define(channel);
+        let Some(definition) = self.schemas.define(channel) else { return Ok(()) };
         if definition.holds_samples() {
             let layout = Layout::parse(&definition.schema_text)
                 .map_err(|error| ArchiveError::Schema { path: self.path.to_owned(), error })?;

@@ -13,9 +13,10 @@ use shared_types::RunDescription;
 use crate::combine::{Combiner, advance};
 use crate::description::attachment;
 use crate::error::ArchiveError;
+use crate::own_file;
 use crate::sequence::SequenceLedger;
 use crate::source::{Item, Source, SourceMessage};
-use crate::whole_file;
+use crate::whole_file::{self, Replace};
 
 /// What a merged archive holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,7 +32,7 @@ pub struct MergeSummary {
 /// The run that an archive or a part belongs to; `None` when it does not say.
 ///
 /// # Errors
-/// [`ArchiveError::Missing`] or [`ArchiveError::File`] when it cannot be read.
+/// [`ArchiveError::Missing`] or [`ArchiveError::File`] when it cannot be read, or is no file of the user's own.
 pub fn run_id(path: &Path) -> Result<Option<u64>, ArchiveError> {
     let mut source = open(path)?;
     while let Some(item) = source.next().map_err(|error| ArchiveError::file(path, error))? {
@@ -50,7 +51,8 @@ pub fn run_id(path: &Path) -> Result<Option<u64>, ArchiveError> {
 /// Merges `parts` into `output`, which appears when it is whole; the parts stay.
 ///
 /// `published` is the number of samples that the run had, if known: what is missing at the end
-/// becomes a gap like any other. Memory does not grow with the parts' length.
+/// becomes a gap like any other. Memory does not grow with the parts' length. An archive of the same run at `output` is replaced,
+/// and nothing else.
 ///
 /// # Errors
 /// [`ArchiveError::NoParts`], [`ArchiveError::OtherRun`], or what reading and writing report.
@@ -58,12 +60,14 @@ pub fn merge(parts: &[PathBuf], output: &Path, published: Option<u64>) -> Result
     if parts.is_empty() {
         return Err(ArchiveError::NoParts { path: output.to_owned() });
     }
-    check_one_run(parts)?;
-    whole_file::write_whole(output, |mut place| merge_into(parts, &mut place, published))
+    let run = one_run(parts)?;
+    let is_same_run = run.is_some() && run_id(output).is_ok_and(|found| found == run);
+    let replace = if is_same_run { Replace::Anything } else { Replace::Nothing };
+    whole_file::write_whole(output, replace, |mut place| merge_into(parts, &mut place, published))
 }
 
-/// Refuses parts of different runs; a part that does not say is welcome.
-fn check_one_run(parts: &[PathBuf]) -> Result<(), ArchiveError> {
+/// The run of the parts; refuses parts of different runs. A part that does not say is welcome.
+fn one_run(parts: &[PathBuf]) -> Result<Option<u64>, ArchiveError> {
     let mut expected = None;
     for path in parts {
         if let Some(found) = run_id(path)? {
@@ -73,7 +77,7 @@ fn check_one_run(parts: &[PathBuf]) -> Result<(), ArchiveError> {
             }
         }
     }
-    Ok(())
+    Ok(expected)
 }
 
 /// A part whose next sample is at hand.
@@ -145,5 +149,5 @@ fn by_first_sample(parts: &[PathBuf]) -> Result<Vec<(u64, PathBuf)>, ArchiveErro
 }
 
 fn open(path: &Path) -> Result<Source<File>, ArchiveError> {
-    File::open(path).map(Source::new).map_err(|error| ArchiveError::file(path, error))
+    own_file::open(path).map(Source::new).map_err(|error| ArchiveError::file(path, error))
 }

@@ -90,8 +90,8 @@ impl Content {
             Record::Schema { header, data } => self.schemas.learn(header, &data),
             Record::Channel(channel) => {
                 let channel_id = channel.id;
-                let definition = self.schemas.define(channel);
-                if definition.holds_samples()
+                if let Some(definition) = self.schemas.define(channel)
+                    && definition.holds_samples()
                     && let Some(fields) = Fields::find(path, &definition.schema_text)?
                 {
                     self.channels.insert(channel_id, fields);

@@ -14,12 +14,21 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 /// The longest record that is taken seriously, bytes.
 pub(crate) const MAX_RECORD_BYTES: usize = 256 * 1024 * 1024;
+/// Bytes that content may unpack to wherever it lies, beyond what [`UNPACKED_SHARE`] grants.
+const UNPACKED_ALWAYS: u64 = 64 << 20;
+/// Bytes that each byte of a file may unpack to. Samples of a sensor with noise unpack to three, those of a knob at rest to ten.
+const UNPACKED_SHARE: u64 = 16;
 /// Opcode and length.
 const FRAME_HEAD: usize = 9;
 /// Enough for a chunk's header, and for an attachment's with names of ordinary length.
 const LOOK_AHEAD: usize = 1024;
 /// Bytes read from the file at a time.
 const READ_BYTES: usize = 256 * 1024;
+
+/// Most bytes that a file of `length` bytes may unpack to: what holds more was made to fill memory.
+pub(crate) const fn may_unpack_to(length: u64) -> u64 {
+    UNPACKED_ALWAYS.saturating_add(UNPACKED_SHARE.saturating_mul(length))
+}
 
 /// Something sound in the file.
 #[derive(Debug)]
@@ -68,6 +77,8 @@ pub(crate) struct SoundRecords<R> {
     explained: u64,
     /// Where the last record began that only has to be made anew.
     last_frame: u64,
+    /// Bytes that were unpacked and compared with checksums so far, for nothing too.
+    tried: u64,
     account: Account,
     ended: bool,
 }
@@ -78,6 +89,7 @@ impl<R: Read> SoundRecords<R> {
             window: Window { input, bytes: Vec::new(), start: 0, offset: 0, at_end: false },
             explained: 0,
             last_frame: 0,
+            tried: 0,
             account: Account::default(),
             ended: false,
         }
@@ -124,7 +136,9 @@ impl<R: Read> SoundRecords<R> {
         let frame = self.window.ahead(length)?;
         if frame.len() < length {
             let expected = position == self.explained;
-            let unpacked = if expected { unpack(frame, false) } else { Unpacked::default() };
+            let effort = u64_at(frame, 25).unwrap_or(0);
+            let affordable = expected && affordable(&mut self.tried, effort, position + frame.len() as u64);
+            let unpacked = if affordable { unpack(frame, false) } else { Unpacked::default() };
             self.window.skip(1);
             if !expected {
                 return Ok(None);
@@ -134,7 +148,12 @@ impl<R: Read> SoundRecords<R> {
         }
         // A checksum of zero means that there is none.
         let has_checksum = frame[33..37] != [0; 4];
-        let unpacked = if has_checksum { unpack(frame, true) } else { Unpacked::default() };
+        let effort = u64_at(frame, 25).unwrap_or(u64::MAX).saturating_add(length as u64);
+        let unpacked = if has_checksum && affordable(&mut self.tried, effort, position + length as u64) {
+            unpack(frame, true)
+        } else {
+            Unpacked::default()
+        };
         if unpacked.records.is_empty() {
             self.account.damaged_chunks += 1;
             if position == self.explained {
@@ -150,8 +169,10 @@ impl<R: Read> SoundRecords<R> {
     }
 
     fn attachment(&mut self, length: usize) -> io::Result<Option<Sound>> {
+        let end = self.window.offset + length as u64;
         let frame = self.window.ahead(length)?;
-        let has_checksum = frame.len() == length && frame[length - 4..] != [0; 4];
+        let has_checksum =
+            frame.len() == length && frame[length - 4..] != [0; 4] && affordable(&mut self.tried, length as u64, end);
         let sound = match has_checksum.then(|| mcap::parse_record(op::ATTACHMENT, &frame[FRAME_HEAD..])) {
             Some(Ok(Record::Attachment { header, data, .. })) => Sound::Attachment {
                 name: header.name,
@@ -217,6 +238,17 @@ impl<R: Read> SoundRecords<R> {
         }
         self.ended = true;
     }
+}
+
+/// Whether `effort` more bytes may be unpacked and compared, up to `position` of the file: records inside records would
+/// otherwise be tried for ever.
+fn affordable(tried: &mut u64, effort: u64, position: u64) -> bool {
+    let total = tried.saturating_add(effort);
+    let permitted = total <= 2 * may_unpack_to(position);
+    if permitted {
+        *tried = total;
+    }
+    permitted
 }
 
 /// Length of the whole record, if the lengths in a chunk's header agree with each other.

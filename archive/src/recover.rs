@@ -17,7 +17,7 @@ use crate::error::ArchiveError;
 use crate::losses::{Loss, Losses, Place};
 use crate::sequence::Gap;
 use crate::source::Source;
-use crate::whole_file;
+use crate::whole_file::{self, Replace};
 
 /// What becomes of samples from a chunk that the end of the file cuts off, which no checksum covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -116,21 +116,21 @@ impl std::fmt::Display for RecoverySummary {
 
 /// Writes to `output` what of the archive `broken` is sound.
 ///
-/// The original is only read. `output` appears when it is whole.
+/// The original is only read. `output` appears when it is whole, and replaces nothing.
 ///
 /// # Errors
 /// [`ArchiveError::Missing`], [`ArchiveError::Empty`], [`ArchiveError::SameFile`],
-/// [`ArchiveError::NothingToRecover`], or the operating system's refusal.
+/// [`ArchiveError::NothingToRecover`], [`ArchiveError::Occupied`], or the operating system's refusal.
 pub fn recover(broken: &Path, output: &Path, unchecked: Unchecked) -> Result<RecoverySummary, ArchiveError> {
-    let file = std::fs::File::open(broken).map_err(|error| ArchiveError::file(broken, error))?;
+    let file = foreign_files::open(broken).map_err(|error| ArchiveError::file(broken, error))?;
     let metadata = file.metadata().map_err(|error| ArchiveError::file(broken, error))?;
-    if metadata.is_file() && metadata.len() == 0 {
+    if metadata.len() == 0 {
         return Err(ArchiveError::Empty { path: broken.to_owned() });
     }
     if is_same_file(broken, output) {
         return Err(ArchiveError::SameFile { path: broken.to_owned() });
     }
-    whole_file::write_whole(output, |mut place| recover_stream(file, &mut place, broken, unchecked))
+    whole_file::write_whole(output, Replace::Nothing, |mut place| recover_stream(file, &mut place, broken, unchecked))
 }
 
 /// [`recover`] without files: from any reader to any writer. `name` stands in errors.

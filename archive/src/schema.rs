@@ -74,14 +74,17 @@ pub enum SchemaError {
         name: String,
     },
     /// Types contain each other, or an array is absurdly long.
-    #[error("it has more than {MAX_FIELDS} fields or nests deeper than {MAX_DEPTH} levels")]
+    #[error("it has more than {MAX_FIELDS} fields, nests deeper than {MAX_DEPTH} levels or is longer than 64 KiB")]
     TooLarge,
 }
 
 /// More fields than any message of an instrument has.
-const MAX_FIELDS: usize = 100_000;
+const MAX_FIELDS: usize = 4096;
 /// More lines, counted each time that an array repeats them, than any message of an instrument has.
-const MAX_LINES: usize = 1_000_000;
+const MAX_LINES: usize = 65_536;
+/// More bytes than any schema of an instrument has, and than the names of all fields have together: a name counts again in
+/// every element of an array.
+const MAX_BYTES: usize = 65_536;
 /// Deeper than any message of an instrument nests.
 const MAX_DEPTH: usize = 16;
 
@@ -159,6 +162,9 @@ impl Layout {
     /// # Errors
     /// [`SchemaError`] when a line or a type is not understood.
     pub fn parse(text: &str) -> Result<Self, SchemaError> {
+        if text.len() > MAX_BYTES {
+            return Err(SchemaError::TooLarge);
+        }
         let mut definitions = text.split_inclusive('\n').fold(vec![String::new()], |mut sections, line| {
             let rule = line.trim_end();
             if rule.len() >= 3 && rule.bytes().all(|byte| byte == b'=') {
@@ -177,7 +183,8 @@ impl Layout {
                 Some((name, body.to_owned()))
             })
             .collect();
-        let mut placing = Placing { nested: &nested, fields: Vec::new(), end: 0, variable: false, lines: 0 };
+        let mut placing =
+            Placing { nested: &nested, fields: Vec::new(), end: 0, variable: false, lines: 0, name_bytes: 0 };
         placing.message(&definitions[0], "", "", 0)?;
         let Placing { fields, end, variable, .. } = placing;
         Ok(Self { fields, size: (!variable).then_some(end) })
@@ -205,6 +212,8 @@ struct Placing<'a> {
     variable: bool,
     /// Messages and lines of theirs that were gone through: a message without fields makes an array endless too.
     lines: usize,
+    /// Length of all names so far.
+    name_bytes: usize,
 }
 
 impl Placing<'_> {
@@ -229,7 +238,8 @@ impl Placing<'_> {
     }
 
     fn field(&mut self, type_name: &str, name: &str, package: &str, depth: usize) -> Result<(), SchemaError> {
-        if depth > MAX_DEPTH || self.fields.len() > MAX_FIELDS {
+        self.name_bytes += name.len();
+        if depth > MAX_DEPTH || self.fields.len() > MAX_FIELDS || self.name_bytes > 16 * MAX_BYTES {
             return Err(SchemaError::TooLarge);
         }
         let (element, count) = match type_name.split_once('[') {

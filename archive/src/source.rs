@@ -117,8 +117,9 @@ impl<R: Read> Source<R> {
             Ok(Record::Schema { header, data }) => self.schemas.learn(header, &data),
             Ok(Record::Channel(channel)) => {
                 let id = channel.id;
-                let definition = self.schemas.define(channel);
-                self.define(id, definition);
+                if let Some(definition) = self.schemas.define(channel) {
+                    self.define(id, definition);
+                }
             }
             Ok(Record::Message { header, data }) => {
                 let start = place.end - data.len();

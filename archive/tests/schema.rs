@@ -130,3 +130,10 @@ fn a_schema_that_makes_no_sense_is_refused() {
     let towering: String = (0..10).map(|level| format!("===\nMSG: p/L{level}\np/L{}[99] x\n", level + 1)).collect();
     assert!(matches!(Layout::parse(&format!("p/L0 x\n{towering}===\nMSG: p/L10\n")), Err(SchemaError::TooLarge)));
 }
+
+#[test]
+fn names_that_repeat_in_every_element_of_an_array_are_bounded() {
+    // 60 kB that would become 6 GB of names.
+    let long = format!("p/T[99000] {}\n===\nMSG: p/T\nuint8 x\n", "a".repeat(60_000));
+    assert!(matches!(Layout::parse(&long), Err(SchemaError::TooLarge)));
+}

@@ -57,8 +57,8 @@ fn a_wrong_header_is_shown_beside_the_right_one() {
     let bench = Bench::new();
     assert_eq!(
         bench.refusal("a.csv", "time,angle,torque\n0,0,0\n"),
-        "a.csv has the columns `time,angle,torque`; \
-         a capture has `t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm`"
+        "a.csv: it has the columns `time,angle,torque`, but they must be \
+         `t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm`"
     );
     for header in ["t_s,angle_rad", "t_s,angle_rad,torque_mnm,torque_mnm", "t_s,angle_rad,torque_mnm,colour", "0,1,2"] {
         assert!(bench.refusal("b.csv", format!("{header}\n1,2,3\n")).contains(&format!("columns `{header}`")));
@@ -66,23 +66,26 @@ fn a_wrong_header_is_shown_beside_the_right_one() {
 }
 
 #[test]
-fn a_value_that_is_not_finite_is_told_with_row_and_column() {
+fn a_value_that_is_not_finite_is_told_with_line_and_column() {
     let bench = Bench::new();
     let table = |cell: &str| format!("t_s,angle_rad,torque_mnm\n0,0,0\n0.1,0,{cell}\n0.2,0,0\n");
     assert_eq!(
         bench.refusal("a.csv", table("NaN")),
-        "a.csv, row 2: torque_mnm is NaN; a capture holds finite numbers only"
+        "a.csv: line 3: torque_mnm is NaN, but it must be a finite number"
     );
     assert_eq!(
         bench.refusal("a.csv", table("-inf")),
-        "a.csv, row 2: torque_mnm is -inf; a capture holds finite numbers only"
+        "a.csv: line 3: torque_mnm is -inf, but it must be a finite number"
     );
     assert_eq!(
         bench.refusal("a.csv", table("1e999")),
-        "a.csv, row 2: torque_mnm is inf; a capture holds finite numbers only"
+        "a.csv: line 3: torque_mnm is inf, but it must be a finite number"
     );
-    assert_eq!(bench.refusal("a.csv", table("")), "a.csv, row 2: `` in the column torque_mnm is not a number");
-    assert_eq!(bench.refusal("a.csv", table("1,5")), "a.csv, row 2: it has 4 cells, but the header has 3");
+    assert_eq!(bench.refusal("a.csv", table("")), "a.csv: line 3: `` in the column torque_mnm is not a number");
+    assert_eq!(
+        bench.refusal("a.csv", table("1,5")),
+        "a.csv: line 3: it has 4 cells, but the header has 3; write numbers with a point, as in 1.5"
+    );
 }
 
 #[test]

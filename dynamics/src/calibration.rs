@@ -1,5 +1,7 @@
 //! What is known of a rig from measurement.
 
+use std::path::{Path, PathBuf};
+
 use serde::{Deserialize, Serialize};
 
 /// A rig's calibration: what a capture must be corrected by, and how well each sensor sees.
@@ -69,18 +71,118 @@ impl CoggingHarmonic {
     }
 }
 
-/// A calibration that cannot be read.
+/// Why a calibration cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[error("the calibration cannot be read: {0}")]
-pub struct CalibrationError(String);
+pub enum CalibrationError {
+    /// The file cannot be read.
+    #[error("the calibration {} cannot be read ({reason}); check the path", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's word for it.
+        reason: std::io::Error,
+    },
+    /// The text is not TOML, or not of a calibration's form.
+    #[error("the calibration cannot be read: {0}")]
+    Malformed(String),
+    /// A value that no rig can have.
+    #[error("the calibration has a {quantity} of {value}, but it must be {requirement}")]
+    OutOfRange {
+        /// The quantity's key.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        requirement: &'static str,
+    },
+    /// What is wrong with the text of a file.
+    #[error("{}: {error}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        error: Box<CalibrationError>,
+    },
+}
+
+/// Most harmonics of a motor's cogging, so that a tick of the control loop has time for them.
+const MOST_COGGING: usize = 64;
+/// Largest magnitude of any value but a stiffness, which may stand for a rigid sensor: far beyond every rig, and far from
+/// where sums and squares are no longer finite.
+const LARGEST: f64 = 1e9;
 
 impl Calibration {
-    /// Reads a calibration from TOML.
+    /// Reads a calibration file.
     ///
     /// # Errors
-    /// [`CalibrationError`] with the parser's word for it.
+    /// [`CalibrationError`] with the path.
+    pub fn load(path: &Path) -> Result<Self, CalibrationError> {
+        let text = foreign_files::read_text(path)
+            .map_err(|reason| CalibrationError::Unreadable { path: path.to_owned(), reason })?;
+        Self::from_toml(&text).map_err(|error| CalibrationError::File { path: path.to_owned(), error: Box::new(error) })
+    }
+
+    /// Reads a calibration from TOML, and makes sure that servo, fit and simulation can work with it.
+    ///
+    /// # Errors
+    /// [`CalibrationError`] with the parser's word for it, or the first value out of its range.
     pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
-        toml::from_str(text).map_err(|error| CalibrationError(error.to_string().trim().replace('\n', " ")))
+        let read: Self = toml::from_str(text)
+            .map_err(|error| CalibrationError::Malformed(error.to_string().trim().replace('\n', " ")))?;
+        read.check()?;
+        Ok(read)
+    }
+
+    /// Checks that every value lies where that of a rig can.
+    ///
+    /// # Errors
+    /// [`CalibrationError::OutOfRange`] for the first that does not.
+    pub fn check(&self) -> Result<(), CalibrationError> {
+        const STIFF: &str = "at least 1e-3, and finite";
+        const NOT_NEGATIVE: &str = "at least zero, and at most 1e9";
+        const ANY: &str = "between -1e9 and 1e9";
+        const DELAY: &str = "less than 0.1 s either way";
+        let any = |value: f64| value.abs() <= LARGEST;
+        let not_negative = |value: f64| (0.0..=LARGEST).contains(&value);
+        let delay = |value: f64| value.abs() < 0.1;
+        let [coulomb_mnm, viscous, command_delay_s] =
+            [self.motor_coulomb_mnm, self.motor_viscous, self.command_delay_s].map(Option::unwrap_or_default);
+        let stiffness = self.torque_sensor_stiffness_mnm_rad;
+        let inertia = self.motor_inertia;
+        let cogging = self.motor_cogging.as_deref().unwrap_or_default();
+        #[allow(clippy::cast_precision_loss, reason = "a number of harmonics")]
+        let harmonics = cogging.len() as f64;
+        let checks = [
+            ("motor_inertia", inertia, (1e-9..=LARGEST).contains(&inertia), "at least 1e-9, and at most 1e9"),
+            ("gripper_inertia", self.gripper_inertia, not_negative(self.gripper_inertia), NOT_NEGATIVE),
+            ("torque_sensor_stiffness_mnm_rad", stiffness, stiffness >= 1e-3 && stiffness.is_finite(), STIFF),
+            ("torque_zero_mnm", self.torque_zero_mnm, any(self.torque_zero_mnm), ANY),
+            ("torque_delay_s", self.torque_delay_s, delay(self.torque_delay_s), DELAY),
+            ("acceleration_zero_rad_s2", self.acceleration_zero_rad_s2, any(self.acceleration_zero_rad_s2), ANY),
+            ("acceleration_delay_s", self.acceleration_delay_s, delay(self.acceleration_delay_s), DELAY),
+            ("gravity_amplitude_rad_s2", self.gravity_amplitude_rad_s2, any(self.gravity_amplitude_rad_s2), ANY),
+            ("gravity_phase_rad", self.gravity_phase_rad, any(self.gravity_phase_rad), ANY),
+            ("angle_step_rad", self.angle_step_rad, not_negative(self.angle_step_rad), NOT_NEGATIVE),
+            ("torque_step_mnm", self.torque_step_mnm, not_negative(self.torque_step_mnm), NOT_NEGATIVE),
+            (
+                "acceleration_step_rad_s2",
+                self.acceleration_step_rad_s2,
+                not_negative(self.acceleration_step_rad_s2),
+                NOT_NEGATIVE,
+            ),
+            ("motor_coulomb_mnm", coulomb_mnm, not_negative(coulomb_mnm), NOT_NEGATIVE),
+            ("motor_viscous", viscous, not_negative(viscous), NOT_NEGATIVE),
+            ("command_delay_s", command_delay_s, command_delay_s.abs() < 0.01, "less than 0.01 s either way"),
+            ("number of harmonics of motor_cogging", harmonics, cogging.len() <= MOST_COGGING, "at most 64"),
+        ];
+        let in_cogging = cogging.iter().flat_map(|harmonic| [harmonic.torque_mnm, harmonic.phase_rad]);
+        let in_cogging = in_cogging.map(|value| ("number in motor_cogging", value, any(value), ANY));
+        match checks.into_iter().chain(in_cogging).find(|(_, _, permitted, _)| !permitted) {
+            Some((quantity, value, _, requirement)) => {
+                Err(CalibrationError::OutOfRange { quantity, value, requirement })
+            }
+            None => Ok(()),
+        }
     }
 
     /// The calibration as TOML.

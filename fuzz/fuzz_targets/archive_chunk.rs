@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use mcap::records::op;
 
-fuzz_target!(|records: &[u8]| {
+fuzz_target!(|records: &[u8]| fuzz::bounded(records.len(), || {
     let mut file = mcap::MAGIC.to_vec();
     record(&mut file, op::HEADER, &[0; 8]);
     let mut chunk = vec![0; 16];
@@ -19,7 +19,7 @@ fuzz_target!(|records: &[u8]| {
     record(&mut file, op::FOOTER, &[0; 20]);
     file.extend(mcap::MAGIC);
     fuzz::read_and_recover(&file);
-});
+}));
 
 fn record(file: &mut Vec<u8>, opcode: u8, body: &[u8]) {
     file.push(opcode);

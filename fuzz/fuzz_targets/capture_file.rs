@@ -3,4 +3,4 @@
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|file: &[u8]| fuzz::read_and_recover(file));
+fuzz_target!(|file: &[u8]| fuzz::bounded(file.len(), || fuzz::read_and_recover(file)));

@@ -9,7 +9,7 @@ use shared_types::{
 };
 use zerocopy::FromBytes as _;
 
-fuzz_target!(|input: &[u8]| {
+fuzz_target!(|input: &[u8]| fuzz::bounded(input.len(), || {
     let Some((&kind, body)) = input.split_first() else { return };
     match kind {
         0 => schema(body),
@@ -21,7 +21,7 @@ fuzz_target!(|input: &[u8]| {
         2 => json(body),
         _ => fixed_size(body),
     }
-});
+}));
 
 fn schema(body: &[u8]) {
     let Ok(layout) = Layout::parse(&String::from_utf8_lossy(body)) else { return };

@@ -4,7 +4,7 @@
 use dynamics::{Calibration, Excitation};
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|text: &str| {
+fuzz_target!(|text: &str| fuzz::bounded(text.len(), || {
     if let Ok(calibration) = Calibration::from_toml(text) {
         let written = toml::to_string(&calibration).expect("a calibration can be written");
         Calibration::from_toml(&written).expect("what was written is read");
@@ -14,4 +14,4 @@ fuzz_target!(|text: &str| {
             let _ = excitation.at(time_s);
         }
     }
-});
+}));

@@ -1,11 +1,29 @@
-//! What the fuzz targets do alike.
+//! What the fuzz targets do alike: memory bounded by the size of the input, and files read and recovered.
 
+use std::alloc::System;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use archive::recover::{Unchecked, recover_stream};
 use archive::{ArchiveError, Capture};
+use cap::Cap;
+
+/// Memory that any input may take, bytes, besides [`MEMORY_SHARE`].
+const MEMORY: usize = 1_000_000_000;
+/// Bytes of memory that each byte of input may take.
+const MEMORY_SHARE: usize = 10;
+
+/// An allocation beyond the limit fails, which ends the process with the input that asked for it.
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
+
+/// Does something with an input of `length` bytes, in as much memory as its size permits beyond what is held already.
+pub fn bounded(length: usize, work: impl FnOnce()) {
+    ALLOCATOR.set_limit(ALLOCATOR.allocated() + MEMORY + MEMORY_SHARE * length).expect("more than is allocated");
+    work();
+    ALLOCATOR.set_limit(usize::MAX).expect("no limit");
+}
 
 /// Bytes as a whole file, read and recovered; whatever they are, neither may panic, and what recovery
 /// gives is an archive that recovers again without loss.

@@ -35,6 +35,10 @@ fn write_seeds() -> std::io::Result<()> {
     let run = description();
     seed("rig_files", "calibration", run.calibration_toml.as_bytes())?;
     seed("rig_files", "excitation", run.excitation_toml.as_bytes())?;
+    let sweep: Vec<u8> = [1e-4_f64, 2.0, 5.0].into_iter().flat_map(f64::to_le_bytes).collect();
+    seed("analysis", "sweep", &sweep)?;
+    let pause = [&[0, 44, 1, 255], &0.3_f64.to_le_bytes()[..]].concat();
+    seed("analysis", "pause", &[sweep, pause].concat())?;
     seed("torque_table", "table", b"angle_rad,torque_mnm\n0,0\n0.1,5\n0.2,-5e0\n0.3,0\n")?;
     let table =
         b"t_s,angle_rad,velocity_rad_s,acceleration_rad_s2,torque_mnm\n0,0,1,2,3\n1e-4,1,1,2,3\n2e-4,2,1,2,-3.5\n";

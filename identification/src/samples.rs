@@ -1,5 +1,6 @@
 //! The samples of a capture, and why they may not do.
 
+use crate::uniform::typical_step;
 use crate::vector;
 
 /// A capture's columns, borrowed. All have one length.
@@ -19,6 +20,15 @@ pub struct Samples<'a> {
 
 /// Fewest samples from which anything is fitted.
 pub const FEWEST_SAMPLES: usize = 200;
+
+/// Largest magnitude of a measured value, in the column's unit: squares and sums of more would not be finite for long.
+const LARGEST: f64 = 1e9;
+/// Longest capture, s: a day, and some. What goes on between two samples is simulated and drawn however far apart they are.
+const LONGEST_S: f64 = 1e5;
+/// Slowest rate of samples that are fitted, Hz.
+const SLOWEST_HZ: f64 = 0.001;
+/// Fastest rate of samples that are fitted, Hz; the length of filters, and so their memory, grows with it.
+const FASTEST_HZ: f64 = 1e6;
 
 /// Why no model at all could be fitted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -47,6 +57,16 @@ pub enum FitError {
         /// Index of the sample, from 0.
         index: usize,
     },
+    /// A value beyond what any sensor reads.
+    #[error("sample {index} of {column} is {value:.3e}, beyond what any sensor reads; remove it or capture again")]
+    Extreme {
+        /// The column.
+        column: &'static str,
+        /// Index of the sample, from 0.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
     /// Time that stands still or runs backwards.
     #[error("time does not rise at sample {index} ({previous_s} s, then {time_s} s); sort the capture by time")]
     TimeNotRising {
@@ -56,6 +76,22 @@ pub enum FitError {
         previous_s: f64,
         /// The time found, s.
         time_s: f64,
+    },
+    /// Samples that come faster or more slowly than any rig's.
+    #[error(
+        "the samples come at {rate_hz:.3e} Hz, but a fit takes {SLOWEST_HZ} to {FASTEST_HZ} Hz; give t_s in seconds"
+    )]
+    Rate {
+        /// The rate of most of them, Hz.
+        rate_hz: f64,
+    },
+    /// Samples that lie farther apart than a day.
+    #[error(
+        "the samples span {span_s:.3e} s, but a capture lasts a day at most; give t_s in seconds, and every capture a file"
+    )]
+    TooLong {
+        /// From the first sample to the last, s.
+        span_s: f64,
     },
     /// The knob was not turned.
     #[error("the knob did not move (travel {travel_rad} rad over the capture); excite it with a sweep")]
@@ -112,6 +148,12 @@ impl Samples<'_> {
             {
                 return Err(FitError::NotFinite { column, index });
             }
+            if column != "t_s"
+                && vector::extent(values).is_some_and(|(low, high)| low < -LARGEST || high > LARGEST)
+                && let Some(index) = values.iter().position(|value| value.abs() > LARGEST)
+            {
+                return Err(FitError::Extreme { column, index, value: values[index] });
+            }
         }
         if self.t_s.len() < FEWEST_SAMPLES {
             return Err(FitError::TooFewSamples { samples: self.t_s.len() });
@@ -124,6 +166,14 @@ impl Samples<'_> {
                 previous_s: self.t_s[index],
                 time_s: self.t_s[index + 1],
             });
+        }
+        let span_s = self.t_s[self.t_s.len() - 1] - self.t_s[0];
+        if span_s > LONGEST_S {
+            return Err(FitError::TooLong { span_s });
+        }
+        let rate_hz = 1.0 / typical_step(self.t_s).0;
+        if !(rate_hz >= SLOWEST_HZ && rate_hz.round() <= FASTEST_HZ) {
+            return Err(FitError::Rate { rate_hz });
         }
         let travel_rad = span(self.angle_rad);
         if travel_rad <= 0.0 {

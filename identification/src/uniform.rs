@@ -12,6 +12,8 @@ const JITTER: f64 = 0.01;
 const GAP: f64 = 1.5;
 /// Longest stretch that a gap takes up on the grid, s; the filters forget faster.
 const LONGEST_GAP_S: f64 = 0.5;
+/// Grid points that gaps may take up together, beyond one for each sample: bursts with pauses would fill memory.
+const GAP_POINTS: f64 = 1e5;
 
 /// A capture on an even grid, corrected by the rig's calibration.
 #[derive(Clone, Debug)]
@@ -61,17 +63,11 @@ impl Uniform {
     fn on_grid(samples: &Samples<'_>) -> Self {
         let time = samples.t_s;
         let count = time.len();
-        let mean = (time[count - 1] - time[0]) / (count - 1) as f64;
-        let mut farthest = 0.0_f64;
-        for (left, right) in time.iter().zip(&time[1..]) {
-            farthest = farthest.max((right - left - mean).abs());
+        let (typical, is_regular) = typical_step(time);
+        if is_regular {
+            return Self::regular(samples, typical);
         }
-        // No step differs by more than the scatter may be: neither gaps nor jitter, and nothing to sort.
-        if farthest < JITTER * mean {
-            return Self::regular(samples, mean);
-        }
-        let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let typical = median(&mut steps);
+        let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
         let regular: Vec<f64> = steps.iter().copied().filter(|step| *step <= GAP * typical).collect();
         let step = regular.iter().sum::<f64>() / regular.len().max(1) as f64;
@@ -81,11 +77,12 @@ impl Uniform {
             return Self::regular(samples, step);
         }
         // Time without the excess of long gaps, so that a pause does not fill memory.
+        let longest_s = LONGEST_GAP_S.min((count as f64 + GAP_POINTS) / gaps.max(1) as f64 * step).max(GAP * step);
         let mut compressed = Vec::with_capacity(count);
         let mut excess = 0.0;
         compressed.push(0.0);
         for pair in time.windows(2) {
-            excess += (pair[1] - pair[0] - LONGEST_GAP_S.max(GAP * step)).max(0.0);
+            excess += (pair[1] - pair[0] - longest_s).max(0.0);
             compressed.push(pair[1] - time[0] - excess);
         }
         let length = (compressed[count - 1] / step + 1e-6) as usize + 1;
@@ -211,6 +208,22 @@ impl Uniform {
             self.acceleration_lag_s = calibration.acceleration_delay_s;
         }
     }
+}
+
+/// The time from most samples to the next, s, and whether it is the same from each: without gaps and jitter, and so without
+/// anything to sort.
+#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+pub(crate) fn typical_step(time: &[f64]) -> (f64, bool) {
+    let mean = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+    let mut farthest = 0.0_f64;
+    for (left, right) in time.iter().zip(&time[1..]) {
+        farthest = farthest.max((right - left - mean).abs());
+    }
+    if farthest < JITTER * mean {
+        return (mean, true);
+    }
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    (median(&mut steps), false)
 }
 
 /// The signal behind a first-order low-pass with a time constant of `lag` samples, exact for straight lines between samples.

@@ -10,7 +10,7 @@ from pathlib import Path
 
 PROGRAMS = Path(os.environ.get("CARGO_TARGET_DIR", "target")).absolute() / "release"
 CONSUMERS = ("recorder", "live-fitter", "rerun-viewer")
-# A consumer that dies younger than 1 s several times in a row is given up by its supervisor.
+# A consumer that dies younger than 1 s several times in a row is started again after longer and longer pauses.
 LIFE_S = 1.1
 
 

@@ -1,12 +1,13 @@
 //! Taking away what a rig's processes left in shared memory.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use iceoryx2::node::{CleanupState, Node, NodeState};
-use iceoryx2::prelude::{CallbackProgression, ipc};
+use iceoryx2::prelude::CallbackProgression;
 
-use crate::rig::{self, SHARED_MEMORY};
+use crate::private_ipc::PrivateIpc;
+use crate::rig;
 use crate::services::{self, ServiceError};
 
 /// A process that was killed is not known as dead to iceoryx2 at once, hence retries.
@@ -29,30 +30,31 @@ pub fn clear_shared_memory() -> Result<usize, ServiceError> {
     }
     let alone = attached(&node) == 1;
     drop(node);
-    if alone {
-        // iceoryx2 keeps a file per rig for good; with nobody attached nobody needs it.
-        for file in files_in_shared_memory(&rig::runtime_dir()) {
-            let _ = std::fs::remove_file(Path::new(SHARED_MEMORY).join(file));
-        }
+    if alone && let Err(error) = rig::remove_shared_memory() {
+        return Err(services::unavailable("clean-up", &error));
     }
     Ok(files_in_shared_memory(&rig::runtime_dir()).len())
 }
 
-/// Names of the files that the rig with this runtime directory has in shared memory.
+/// What the rig with this runtime directory has in shared memory: its folder there and everything in it.
 #[must_use]
-pub fn files_in_shared_memory(runtime_dir: &Path) -> Vec<String> {
-    let prefix = rig::shared_memory_prefix_of(runtime_dir);
-    let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
-    entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .filter(|name| name.starts_with(&prefix))
-        .collect()
+pub fn files_in_shared_memory(runtime_dir: &Path) -> Vec<PathBuf> {
+    let mut found = rig::shared_memory_dirs(runtime_dir);
+    let mut next = 0;
+    while let Some(path) = found.get(next) {
+        // What is no folder has no entries.
+        let entries =
+            std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect::<Vec<_>>();
+        found.extend(entries);
+        next += 1;
+    }
+    found
 }
 
 /// Nodes of this rig that are not known to be dead, the caller's included.
 fn attached(node: &services::RigNode) -> usize {
     let mut count = 0;
-    let listed = Node::<ipc::Service>::list(node.config(), |state| {
+    let listed = Node::<PrivateIpc>::list(node.config(), |state| {
         count += usize::from(!matches!(state, NodeState::Dead(_)));
         CallbackProgression::Continue
     });

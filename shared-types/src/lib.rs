@@ -10,6 +10,8 @@
 //! - **[`RunDescription`]** is what a consumer must know about a run besides its samples, and
 //!   **[`ModelChange`]** tells of each model that a replay begins to render.
 //! - **[`rig`]** says where a rig's shared memory and lock live, so that rigs do not meet.
+//! - **[`shared_memory`]** reserves what a run can come to need of it.
+//! - **[`lease`]** ends a process with the one that started it.
 //!
 //! ```
 //! use shared_types::{Sample, wire::WireMessage};
@@ -28,10 +30,13 @@ mod description;
 pub mod drill;
 mod fit_update;
 mod health;
+pub mod lease;
 mod model_exchange;
+mod private_ipc;
 pub mod rig;
 mod sample;
 pub mod services;
+pub mod shared_memory;
 mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};
@@ -39,6 +44,7 @@ pub use description::{ClockMapping, RunDescription};
 pub use fit_update::{Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
 pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};
+pub use private_ipc::PrivateIpc;
 pub use sample::{BlockHeader, Fault, LoopState, Sample};
 pub use status::{LATENESS_BIN_EDGES_NS, LoopStatus, realtime};
 

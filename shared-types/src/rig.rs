@@ -1,12 +1,20 @@
 //! Where a rig's lock and shared memory live, and the clocks that its processes share.
 //!
-//! A rig is named by its runtime directory, `$HAPTIC_CAMERA_RUNTIME_DIR`, or else a folder of the
-//! user's own under `$XDG_RUNTIME_DIR` or the temporary directory. Everything of iceoryx2's that
-//! belongs to the rig carries a prefix made from that path: two rigs never meet, and what one
-//! leaves behind can be found.
+//! A rig is named by its runtime directory, `$HAPTIC_CAMERA_RUNTIME_DIR`, or else a folder under `$XDG_RUNTIME_DIR` or in the
+//! user's home. Its shared memory lies in a folder of its own below `/dev/shm`, whose name is drawn by lot and noted in the
+//! runtime directory. Only the user may enter either folder: nothing that another user makes, names or removes meets a rig,
+//! and two rigs never meet.
 
+use std::fs::File;
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+use nix::fcntl::{Flock, FlockArg};
+use nix::libc;
+use nix::unistd::{User, geteuid, mkdtemp};
+
+use crate::wire::fnv1a;
 
 /// Names the directory that stands for the rig.
 pub const RUNTIME_DIR_VARIABLE: &str = "HAPTIC_CAMERA_RUNTIME_DIR";
@@ -18,7 +26,13 @@ pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
 /// arrival from the consumers.
 pub const TIMINGS_VARIABLE: &str = "HAPTIC_CAMERA_TIMINGS";
 
-/// The directory that holds the rig's lock and iceoryx2's bookkeeping.
+/// In the runtime directory: a link to the folder in shared memory.
+const SHARED_MEMORY_LINK: &str = "shared-memory";
+
+/// The directory that holds the rig's lock.
+///
+/// Without a variable it lies in the user's home as the system knows it, not in the temporary directory, where anybody could
+/// have taken its name; a user without a home has nothing else.
 #[must_use]
 pub fn runtime_dir() -> PathBuf {
     if let Some(directory) = std::env::var_os(RUNTIME_DIR_VARIABLE) {
@@ -27,78 +41,127 @@ pub fn runtime_dir() -> PathBuf {
     if let Some(directory) = std::env::var_os("XDG_RUNTIME_DIR") {
         return PathBuf::from(directory).join("haptic-camera");
     }
-    std::env::temp_dir().join(format!("haptic-camera-{}", nix::unistd::getuid()))
+    let user = User::from_uid(geteuid()).ok().flatten();
+    match user.map(|user| user.dir).filter(|home| home.is_dir()) {
+        Some(home) => home.join(".local/state/haptic-camera"),
+        None => std::env::temp_dir().join(format!("haptic-camera-{}", geteuid())),
+    }
 }
 
 /// Creates the runtime directory, open to the user alone; one that is there is closed to others.
 ///
 /// # Errors
-/// The system's, when it cannot be created, and where it belongs to another user, who could stop the rig through it.
+/// The system's, when it cannot be created, and where it is a link or belongs to another user, who could stop the rig through it.
 pub fn create_runtime_dir() -> std::io::Result<PathBuf> {
-    use std::os::unix::fs::DirBuilderExt as _;
     let directory = runtime_dir();
+    check_runtime_dir(&directory)?;
     std::fs::DirBuilder::new().recursive(true).mode(0o700).create(&directory)?;
-    close_to_others(&directory, 0o700)?;
+    open_private_dir(&directory).map_err(|error| {
+        let reason = format!("{error}: remove it, or name another directory in {RUNTIME_DIR_VARIABLE}");
+        std::io::Error::new(error.kind(), reason)
+    })?;
     Ok(directory)
+}
+
+/// Opens a directory that only the calling process's user may enter; one of his that others may enter is closed to them.
+///
+/// # Errors
+/// The system's, and where `path` is a link or belongs to another user. What that names stays as it is.
+pub fn open_private_dir(path: &Path) -> std::io::Result<File> {
+    let named = |error: std::io::Error| std::io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+    let directory =
+        File::options().read(true).custom_flags(libc::O_DIRECTORY | libc::O_NOFOLLOW).open(path).map_err(named)?;
+    let found = directory.metadata().map_err(named)?;
+    if found.uid() != geteuid().as_raw() {
+        let reason = format!("{} belongs to user {}", path.display(), found.uid());
+        return Err(std::io::Error::new(std::io::ErrorKind::PermissionDenied, reason));
+    }
+    if found.mode() & 0o077 != 0 {
+        directory.set_permissions(std::fs::Permissions::from_mode(0o700)).map_err(named)?;
+    }
+    Ok(directory)
+}
+
+/// The folder that holds the rig's shared memory, made under a new name if there is none.
+///
+/// # Errors
+/// The system's, when the runtime directory or shared memory cannot be used.
+pub(crate) fn create_shared_memory_dir() -> std::io::Result<PathBuf> {
+    let runtime_dir = create_runtime_dir()?;
+    let _one_at_a_time = lock(&runtime_dir)?;
+    let link = runtime_dir.join(SHARED_MEMORY_LINK);
+    if let Some(directory) = std::fs::read_link(&link).ok().filter(|directory| open_private_dir(directory).is_ok()) {
+        return Ok(directory);
+    }
+    forget_shared_memory(&runtime_dir)?;
+    let template = format!("{}XXXXXX", shared_memory_prefix(&runtime_dir));
+    let directory = mkdtemp(&Path::new(SHARED_MEMORY).join(template)).map_err(|error| {
+        let reason = format!("no folder can be made in {SHARED_MEMORY} ({error}): check its permissions and its space");
+        std::io::Error::new(std::io::Error::from(error).kind(), reason)
+    })?;
+    std::os::unix::fs::symlink(&directory, link)?;
+    Ok(directory)
+}
+
+/// Removes the rig's folder in shared memory with everything in it.
+///
+/// # Errors
+/// The system's.
+pub(crate) fn remove_shared_memory() -> std::io::Result<()> {
+    let runtime_dir = runtime_dir();
+    let _one_at_a_time = lock(&runtime_dir)?;
+    forget_shared_memory(&runtime_dir)
+}
+
+/// The folders in shared memory that the rig with this runtime directory made: one while it is attached to, and what is left of
+/// earlier ones if the runtime directory was removed meanwhile.
+pub(crate) fn shared_memory_dirs(runtime_dir: &Path) -> Vec<PathBuf> {
+    let prefix = shared_memory_prefix(runtime_dir);
+    let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+    let named = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix));
+    named.map(|entry| entry.path()).filter(|path| open_private_dir(path).is_ok()).collect()
+}
+
+fn forget_shared_memory(runtime_dir: &Path) -> std::io::Result<()> {
+    match std::fs::remove_file(runtime_dir.join(SHARED_MEMORY_LINK)) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    shared_memory_dirs(runtime_dir).iter().try_for_each(std::fs::remove_dir_all)
+}
+
+/// What the names of its folders begin with. Others may make such names too; theirs are not the rig's.
+fn shared_memory_prefix(runtime_dir: &Path) -> String {
+    let named = std::path::absolute(runtime_dir).unwrap_or_else(|_| runtime_dir.to_owned());
+    format!("haptic-camera-{:016x}-", fnv1a(named.as_os_str().as_encoded_bytes()))
+}
+
+/// Keeps other processes of the rig from making or removing its folder in shared memory.
+fn lock(runtime_dir: &Path) -> std::io::Result<Flock<File>> {
+    Ok(Flock::lock(File::open(runtime_dir)?, FlockArg::LockExclusive).map_err(|(_, error)| error)?)
+}
+
+/// Longest path of a runtime directory, bytes: with its name a socket in it has the 107 that Linux permits (unix(7)).
+const LONGEST_RUNTIME_DIR: usize = 80;
+
+/// Refuses a directory that no socket fits into, or whose name a message could not show as it is.
+fn check_runtime_dir(directory: &Path) -> std::io::Result<()> {
+    let bytes = directory.as_os_str().as_encoded_bytes();
+    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"/._-".contains(byte);
+    if directory.is_absolute() && bytes.len() <= LONGEST_RUNTIME_DIR && bytes.iter().all(plain) {
+        return Ok(());
+    }
+    let reason = format!(
+        "the runtime directory {} will not do: set {RUNTIME_DIR_VARIABLE} to an absolute path of at most \
+         {LONGEST_RUNTIME_DIR} ASCII letters, digits and /._-",
+        directory.display()
+    );
+    Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, reason))
 }
 
 /// Has the calling process make its files for its user alone: archives, models, the rig's lock.
 pub fn keep_files_private() {
     nix::sys::stat::umask(nix::sys::stat::Mode::from_bits_truncate(0o077));
-}
-
-/// Closes what others could open in shared memory under the rig's prefix.
-///
-/// iceoryx2 makes its segments for the user alone, but one, which counts the rig's nodes, for everyone.
-///
-/// # Errors
-/// Where such a file belongs to another user, who could have made it first.
-pub(crate) fn close_shared_memory(prefix: &str) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(SHARED_MEMORY)?.flatten() {
-        if entry.file_name().to_string_lossy().starts_with(prefix) {
-            match close_to_others(&entry.path(), 0o600) {
-                // Another process of the rig ended just now and took it away.
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-                closed => closed?,
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Leaves a file or folder to its owner, who must be the calling process's user.
-fn close_to_others(path: &Path, mode: u32) -> std::io::Result<()> {
-    use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
-    let found = std::fs::metadata(path)?;
-    if found.uid() != nix::unistd::geteuid().as_raw() {
-        let reason = format!(
-            "{} belongs to user {}: remove it, or name another directory in {RUNTIME_DIR_VARIABLE}",
-            path.display(),
-            found.uid()
-        );
-        return Err(std::io::Error::new(std::io::ErrorKind::PermissionDenied, reason));
-    }
-    if found.mode() & 0o077 != 0 {
-        std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode))?;
-    }
-    Ok(())
-}
-
-/// The prefix of every shared-memory file of the rig, such as `hc_0123456789abcdef_`.
-#[must_use]
-pub fn shared_memory_prefix() -> String {
-    shared_memory_prefix_of(&runtime_dir())
-}
-
-/// The prefix of every shared-memory file of the rig with the given runtime directory.
-#[must_use]
-pub fn shared_memory_prefix_of(runtime_dir: &Path) -> String {
-    format!("hc_{:016x}_", fnv1a(runtime_dir.as_os_str().as_encoded_bytes()))
-}
-
-/// FNV-1a, 64 bit: a short name for a long one.
-pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 /// Whether a process has not ended yet. One that has, but that nobody has reaped, does not count.

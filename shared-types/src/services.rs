@@ -17,14 +17,16 @@ use iceoryx2::port::client::Client;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::server::Server;
 use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::{LogLevel, SignalHandlingMode, ZeroCopySend, ipc, set_log_level_from_env_or};
+use iceoryx2::prelude::{LogLevel, SignalHandlingMode, ZeroCopySend, set_log_level_from_env_or};
 use iceoryx2::service::attribute::AttributeVerifier;
 use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError};
 use iceoryx2::service::builder::request_response::{RequestResponseOpenError, RequestResponseOpenOrCreateError};
 
+use crate::private_ipc::PrivateIpc;
 use crate::wire::WireMessage;
 use crate::{
     BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig,
+    shared_memory,
 };
 
 /// Most samples in one block: 1.6 ms at 20 kHz.
@@ -47,28 +49,28 @@ const MAX_CONSUMERS: usize = 6;
 const MAX_NODES: usize = 16;
 
 /// Our kind of iceoryx2 node: between processes, for a single thread.
-pub type RigNode = Node<ipc::Service>;
+pub type RigNode = Node<PrivateIpc>;
 /// Sends blocks of samples.
-pub type SamplePublisher = Publisher<ipc::Service, [Sample], BlockHeader>;
+pub type SamplePublisher = Publisher<PrivateIpc, [Sample], BlockHeader>;
 /// Receives blocks of samples.
-pub type SampleSubscriber = Subscriber<ipc::Service, [Sample], BlockHeader>;
+pub type SampleSubscriber = Subscriber<PrivateIpc, [Sample], BlockHeader>;
 /// Sends single messages of one kind.
-pub type MessagePublisher<Payload> = Publisher<ipc::Service, Payload, ()>;
+pub type MessagePublisher<Payload> = Publisher<PrivateIpc, Payload, ()>;
 /// Receives single messages of one kind.
-pub type MessageSubscriber<Payload> = Subscriber<ipc::Service, Payload, ()>;
+pub type MessageSubscriber<Payload> = Subscriber<PrivateIpc, Payload, ()>;
 /// Asks the control loop.
-pub type ControlClient = Client<ipc::Service, ControlRequest, (), ControlResponse, ()>;
+pub type ControlClient = Client<PrivateIpc, ControlRequest, (), ControlResponse, ()>;
 /// Answers for the control loop.
-pub type ControlServer = Server<ipc::Service, ControlRequest, (), ControlResponse, ()>;
+pub type ControlServer = Server<PrivateIpc, ControlRequest, (), ControlResponse, ()>;
 
 /// Sends texts.
-pub type TextPublisher = Publisher<ipc::Service, [u8], ()>;
+pub type TextPublisher = Publisher<PrivateIpc, [u8], ()>;
 /// Receives texts.
-pub type TextSubscriber = Subscriber<ipc::Service, [u8], ()>;
+pub type TextSubscriber = Subscriber<PrivateIpc, [u8], ()>;
 /// Sends models to the control loop.
-pub type ModelClient = Client<ipc::Service, [u8], (), [u8], ()>;
+pub type ModelClient = Client<PrivateIpc, [u8], (), [u8], ()>;
 /// Takes models for the control loop.
-pub type ModelServer = Server<ipc::Service, [u8], (), [u8], ()>;
+pub type ModelServer = Server<PrivateIpc, [u8], (), [u8], ()>;
 
 /// Why a port could not be had.
 #[derive(Debug, thiserror::Error)]
@@ -91,13 +93,30 @@ pub enum ServiceError {
         service: &'static str,
     },
     /// iceoryx2 could not give the service or port.
-    #[error("shared memory for '{service}' is not to be had ({reason}); check permissions and space in /dev/shm")]
+    #[error("shared memory for '{service}' cannot be used ({reason}); {remedy}")]
     Unavailable {
         /// Service name.
         service: &'static str,
         /// iceoryx2's word for it.
         reason: String,
+        /// What to do.
+        remedy: &'static str,
     },
+    /// There is not as much shared memory left as a run can come to need.
+    #[error(
+        "a run needs {} MB of shared memory and there are {} MB free in /dev/shm; remove what fills it, or make it larger",
+        needed.div_ceil(1_000_000),
+        free / 1_000_000
+    )]
+    NoRoom {
+        /// What is needed in all, bytes.
+        needed: u64,
+        /// What is free, bytes.
+        free: u64,
+    },
+    /// The runtime directory or the rig's folder in shared memory cannot be used.
+    #[error(transparent)]
+    RuntimeDirectory(#[from] std::io::Error),
 }
 
 /// A service that carries single messages of one kind.
@@ -135,7 +154,7 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
     /// # Errors
     /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
     pub fn publisher(&self, node: &RigNode) -> Result<MessagePublisher<Payload>, ServiceError> {
-        self.service(node)?.publisher_builder().create().map_err(|error| unavailable(self.name, &error))
+        port(self.name, self.service(node)?.publisher_builder().create())
     }
 
     /// A port that receives this topic's messages, those in the history first.
@@ -143,13 +162,13 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
     /// # Errors
     /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
     pub fn subscriber(&self, node: &RigNode) -> Result<MessageSubscriber<Payload>, ServiceError> {
-        self.service(node)?.subscriber_builder().create().map_err(|error| unavailable(self.name, &error))
+        port(self.name, self.service(node)?.subscriber_builder().create())
     }
 
     fn service(
         &self,
         node: &RigNode,
-    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, Payload, ()>, ServiceError>
+    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<PrivateIpc, Payload, ()>, ServiceError>
     {
         node.service_builder(&service_name(self.name)?)
             .publish_subscribe::<Payload>()
@@ -171,27 +190,24 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
 pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
     // What it warns of, such as what a killed process left behind, is in order here; `IOX2_LOG_LEVEL` asks for more.
     set_log_level_from_env_or(LogLevel::Error);
+    shared_memory::check_any_room()?;
     let name = process_name.try_into().map_err(|error| unavailable("node", &error))?;
     let node = NodeBuilder::new()
         .name(&name)
         .signal_handling_mode(SignalHandlingMode::Disabled)
         .config(&config()?)
-        .create::<ipc::Service>()
+        .create::<PrivateIpc>()
         .map_err(|error| unavailable("node", &error))?;
-    rig::close_shared_memory(&rig::shared_memory_prefix()).map_err(|error| unavailable("node", &error))?;
     node.try_cleanup_dead_nodes();
     Ok(node)
 }
 
-/// iceoryx2's configuration for this rig: its own prefix and its own folder.
+/// iceoryx2's configuration for this rig: everything in the rig's own folder.
 fn config() -> Result<Config, ServiceError> {
     let mut config = Config::default();
-    let directory = rig::create_runtime_dir().map_err(|error| unavailable("runtime directory", &error))?;
-    let path = directory.to_string_lossy();
-    let root = path.as_ref().try_into().map_err(|error| unavailable("runtime directory", &error))?;
+    let directory = rig::create_shared_memory_dir()?;
+    let root = directory.to_string_lossy().as_ref().try_into().map_err(|error| unavailable("shared memory", &error))?;
     config.global.set_root_path(&root);
-    config.global.prefix =
-        rig::shared_memory_prefix().as_str().try_into().map_err(|error| unavailable("prefix", &error))?;
     Ok(config)
 }
 
@@ -200,11 +216,7 @@ fn config() -> Result<Config, ServiceError> {
 /// # Errors
 /// [`ServiceError`] when the layout differs, another loop publishes, or shared memory is not to be had.
 pub fn sample_publisher(node: &RigNode) -> Result<SamplePublisher, ServiceError> {
-    sample_service(node)?
-        .publisher_builder()
-        .initial_max_slice_len(SAMPLES_PER_BLOCK)
-        .create()
-        .map_err(|error| unavailable(SAMPLES, &error))
+    port(SAMPLES, sample_service(node)?.publisher_builder().initial_max_slice_len(SAMPLES_PER_BLOCK).create())
 }
 
 /// A port that receives blocks of samples, up to [`SAMPLE_HISTORY_BLOCKS`] past ones first.
@@ -212,13 +224,13 @@ pub fn sample_publisher(node: &RigNode) -> Result<SamplePublisher, ServiceError>
 /// # Errors
 /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
 pub fn sample_subscriber(node: &RigNode) -> Result<SampleSubscriber, ServiceError> {
-    sample_service(node)?.subscriber_builder().create().map_err(|error| unavailable(SAMPLES, &error))
+    port(SAMPLES, sample_service(node)?.subscriber_builder().create())
 }
 
 fn sample_service(
     node: &RigNode,
 ) -> Result<
-    iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, [Sample], BlockHeader>,
+    iceoryx2::service::port_factory::publish_subscribe::PortFactory<PrivateIpc, [Sample], BlockHeader>,
     ServiceError,
 > {
     node.service_builder(&service_name(SAMPLES)?)
@@ -281,21 +293,17 @@ const MODEL_CHANGES: TextTopic =
 
 impl TextTopic {
     fn publisher(&self, node: &RigNode) -> Result<TextPublisher, ServiceError> {
-        self.service(node)?
-            .publisher_builder()
-            .initial_max_slice_len(self.longest_bytes)
-            .create()
-            .map_err(|error| unavailable(self.name, &error))
+        port(self.name, self.service(node)?.publisher_builder().initial_max_slice_len(self.longest_bytes).create())
     }
 
     fn subscriber(&self, node: &RigNode) -> Result<TextSubscriber, ServiceError> {
-        self.service(node)?.subscriber_builder().create().map_err(|error| unavailable(self.name, &error))
+        port(self.name, self.service(node)?.subscriber_builder().create())
     }
 
     fn service(
         &self,
         node: &RigNode,
-    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, [u8], ()>, ServiceError>
+    ) -> Result<iceoryx2::service::port_factory::publish_subscribe::PortFactory<PrivateIpc, [u8], ()>, ServiceError>
     {
         node.service_builder(&service_name(self.name)?)
             .publish_subscribe::<[u8]>()
@@ -315,11 +323,8 @@ impl TextTopic {
 /// # Errors
 /// [`ServiceError`] when shared memory is not to be had.
 pub fn model_client(node: &RigNode) -> Result<ModelClient, ServiceError> {
-    model_exchange(node)?
-        .client_builder()
-        .initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES)
-        .create()
-        .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
+    let exchange = model_exchange(node)?;
+    port(MODEL_EXCHANGE, exchange.client_builder().initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES).create())
 }
 
 /// The port through which the control loop takes models; its answers are a
@@ -328,14 +333,11 @@ pub fn model_client(node: &RigNode) -> Result<ModelClient, ServiceError> {
 /// # Errors
 /// [`ServiceError`] when shared memory is not to be had.
 pub fn model_server(node: &RigNode) -> Result<ModelServer, ServiceError> {
-    model_exchange(node)?
-        .server_builder()
-        .initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES)
-        .create()
-        .map_err(|error| unavailable(MODEL_EXCHANGE, &error))
+    let exchange = model_exchange(node)?;
+    port(MODEL_EXCHANGE, exchange.server_builder().initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES).create())
 }
 
-type ModelExchange = iceoryx2::service::port_factory::request_response::PortFactory<ipc::Service, [u8], (), [u8], ()>;
+type ModelExchange = iceoryx2::service::port_factory::request_response::PortFactory<PrivateIpc, [u8], (), [u8], ()>;
 
 fn model_exchange(node: &RigNode) -> Result<ModelExchange, ServiceError> {
     node.service_builder(&service_name(MODEL_EXCHANGE)?)
@@ -352,7 +354,7 @@ fn model_exchange(node: &RigNode) -> Result<ModelExchange, ServiceError> {
 /// # Errors
 /// [`ServiceError`] when the layout differs or shared memory is not to be had.
 pub fn control_client(node: &RigNode) -> Result<ControlClient, ServiceError> {
-    control_service(node)?.client_builder().create().map_err(|error| unavailable(CONTROL, &error))
+    port(CONTROL, control_service(node)?.client_builder().create())
 }
 
 /// The port through which the control loop answers.
@@ -360,19 +362,13 @@ pub fn control_client(node: &RigNode) -> Result<ControlClient, ServiceError> {
 /// # Errors
 /// [`ServiceError`] when the layout differs or shared memory is not to be had.
 pub fn control_server(node: &RigNode) -> Result<ControlServer, ServiceError> {
-    control_service(node)?.server_builder().create().map_err(|error| unavailable(CONTROL, &error))
+    port(CONTROL, control_service(node)?.server_builder().create())
 }
 
 fn control_service(
     node: &RigNode,
 ) -> Result<
-    iceoryx2::service::port_factory::request_response::PortFactory<
-        ipc::Service,
-        ControlRequest,
-        (),
-        ControlResponse,
-        (),
-    >,
+    iceoryx2::service::port_factory::request_response::PortFactory<PrivateIpc, ControlRequest, (), ControlResponse, ()>,
     ServiceError,
 > {
     let layout = ControlRequest::layout_id() ^ ControlResponse::layout_id();
@@ -414,6 +410,13 @@ fn open_error(service: &'static str, layout: u64, error: PublishSubscribeOpenOrC
     }
 }
 
-fn unavailable(service: &'static str, error: &dyn Debug) -> ServiceError {
-    ServiceError::Unavailable { service, reason: format!("{error:?}") }
+/// A port that was made, with the pages that it can come to need: a write to one that is wanting would end the process.
+fn port<Port, Error: Debug>(service: &'static str, made: Result<Port, Error>) -> Result<Port, ServiceError> {
+    let port = made.map_err(|error| unavailable(service, &error))?;
+    shared_memory::reserve()?;
+    Ok(port)
+}
+
+pub(crate) fn unavailable(service: &'static str, error: &dyn Debug) -> ServiceError {
+    ServiceError::Unavailable { service, reason: format!("{error:?}"), remedy: shared_memory::remedy() }
 }

@@ -19,13 +19,13 @@ wire_message! {
         pub wall_clock_time_ns: u64,
         /// Ticks that the run will have; 0 when it has no planned end.
         pub planned_ticks: u64,
-        /// Samples published so far: the next `seq`.
+        /// Samples published so far.
         pub published_samples: u64,
         /// Ticks missed so far because the loop was not given the processor in time.
         pub missed_ticks: u64,
         /// Times at which one or more ticks were missed.
         pub overruns: u64,
-        /// Samples lost because the ring to the publisher was full.
+        /// Samples that were taken but never published, because the ring to the publisher was full.
         pub dropped_samples: u64,
         /// Ticks so far in which the passivity guard of a rendering took energy back.
         pub guarded_ticks: u64,
@@ -71,6 +71,12 @@ pub mod realtime {
 }
 
 impl LoopStatus {
+    /// Samples that the run has taken, published or not. Once it has ended this is the `seq` after the last one's.
+    #[must_use]
+    pub fn taken_samples(&self) -> u64 {
+        self.published_samples + self.dropped_samples
+    }
+
     /// The bin of [`LoopStatus::lateness_counts`] for a lateness in ns.
     #[must_use]
     pub fn lateness_bin(lateness_ns: u64) -> usize {

@@ -82,7 +82,7 @@ pub trait WireMessage: zerocopy::IntoBytes + zerocopy::Immutable + Sized {
             .lines()
             .flat_map(|line| [line.split('#').next().unwrap_or_default().trim_end(), "\n"])
             .collect();
-        crate::rig::fnv1a(types_and_names.as_bytes())
+        fnv1a(types_and_names.as_bytes())
     }
 
     /// The message's bytes as they lie in shared memory: the CDR body.
@@ -97,6 +97,11 @@ pub(crate) fn field_lines(fields: &[Field]) -> String {
         let _ = writeln!(text, "{} {}  # {}", field.ros_type, field.name, field.comment);
         text
     })
+}
+
+/// FNV-1a, 64 bit: a short name for a long one.
+pub(crate) fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 /// Defines a payload: the struct, its schema and its layout, from one list of fields.

@@ -61,19 +61,19 @@ fn a_process_built_from_another_layout_is_refused_with_what_to_do() {
     let layout = AttributeVerifier::new()
         .require(&"layout".try_into().unwrap(), &"0123456789abcdef".try_into().unwrap())
         .unwrap();
-    let _other = node
+    let other = node
         .service_builder(&"haptic-camera/loop-status".try_into().unwrap())
         .publish_subscribe::<LoopStatus>()
         .open_or_create_with_attributes(&layout)
         .unwrap();
     // A payload of another type altogether.
-    let _stranger = node
+    let stranger = node
         .service_builder(&"haptic-camera/samples".try_into().unwrap())
         .publish_subscribe::<[u64]>()
         .open_or_create()
         .unwrap();
 
-    let _other_commands = node
+    let other_commands = node
         .service_builder(&"haptic-camera/control".try_into().unwrap())
         .request_response::<ControlRequest, ControlResponse>()
         .open_or_create_with_attributes(&layout)
@@ -86,5 +86,6 @@ fn a_process_built_from_another_layout_is_refused_with_what_to_do() {
     assert!(status.to_string().contains("use the programs of one build together"));
     let samples = services::sample_subscriber(&node).unwrap_err();
     assert!(matches!(samples, ServiceError::OtherLayout { .. }), "{samples}");
-    drop(node);
+    drop((other, stranger, other_commands, node));
+    assert_eq!(shared_types::clean_up::clear_shared_memory().unwrap(), 0, "nothing is left");
 }

@@ -6,6 +6,7 @@
 pub mod browser;
 pub mod guide;
 pub mod live_view;
+mod stopped_thread;
 pub mod trials;
 
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, ensure};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
+pub use stopped_thread::StoppedThread;
 
 static TURN: Mutex<()> = Mutex::new(());
 
@@ -131,15 +133,37 @@ impl Bench {
         Ok(kill(self.wait_for_process(name)?, Signal::SIGKILL)?)
     }
 
+    /// Every process of the instrument that runs on this bench, with its program's name.
+    #[must_use]
+    pub fn all_processes(&self) -> Vec<(&'static str, Pid)> {
+        let programs = ["haptic-camera", "rt-loop", "recorder", "live-fitter", "rerun-viewer"];
+        programs.into_iter().flat_map(|name| self.processes(name).into_iter().map(move |pid| (name, pid))).collect()
+    }
+
+    /// Waits until every process of the bench has ended; ends those that have not after ten seconds and gives their
+    /// number.
+    #[must_use]
+    pub fn end_orphans(&self) -> usize {
+        let deadline = Instant::now() + Duration::from_secs(10);
+        loop {
+            let left = self.all_processes();
+            if left.is_empty() || Instant::now() > deadline {
+                for &(_, process) in &left {
+                    // One that ends by itself now is none the less late.
+                    let _ = kill(process, Signal::SIGKILL);
+                }
+                return left.len();
+            }
+            std::thread::sleep(Duration::from_millis(25));
+        }
+    }
+
     /// What of this bench's rig lies in shared memory, and which of its processes run.
     #[must_use]
     pub fn leftovers(&self) -> Vec<String> {
         let in_memory = shared_types::clean_up::files_in_shared_memory(&self.path("rig")).into_iter();
-        let running = ["haptic-camera", "rt-loop", "recorder", "live-fitter", "rerun-viewer"]
-            .into_iter()
-            .filter(|name| !self.processes(name).is_empty())
-            .map(str::to_owned);
-        in_memory.chain(running).collect()
+        let in_memory = in_memory.map(|path| path.display().to_string());
+        in_memory.chain(self.all_processes().into_iter().map(|(name, _)| name.to_owned())).collect()
     }
 }
 

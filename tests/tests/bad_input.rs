@@ -32,7 +32,7 @@ fn a_capture_that_is_none_is_refused_with_its_reason() {
     let wrong = csv(&bench, "wrong.csv", "time,angle,torque", &["0,0,0", "1,1,1", "2,2,2"]);
     refused(&bench, &["fit", &wrong], 1, &["t_s", "time"]);
     let nan = csv(&bench, "nan.csv", HEADER, &["0,0,0", "1,NaN,1", "2,2,2"]);
-    refused(&bench, &["fit", &nan], 1, &["angle_rad", "row 2"]);
+    refused(&bench, &["fit", &nan], 1, &["angle_rad", "line 3"]);
     let unordered = csv(&bench, "unordered.csv", HEADER, &["0,0,0", "2,1,1", "1,2,2"]);
     refused(&bench, &["fit", &unordered], 1, &["row 3"]);
     let two = csv(&bench, "two.csv", HEADER, &["0,0,0", "1,1,1"]);

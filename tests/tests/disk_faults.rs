@@ -1,6 +1,7 @@
 //! Disks and folders that fail under a capture: what is kept, and that the loop does not notice.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop at a failure; a skipped one says so")]
 
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output};
 use std::time::Duration;
@@ -50,8 +51,19 @@ fn ended(child: Child, status: i32, said: &[&str]) -> Output {
     output
 }
 
+/// The run's own folder in the temporary directory.
+fn fallback(bench: &Bench) -> PathBuf {
+    let folders: Vec<PathBuf> =
+        std::fs::read_dir(bench.path("other")).unwrap().flatten().map(|entry| entry.path()).collect();
+    assert_eq!(folders.len(), 1, "one run, one folder: {folders:?}");
+    assert_eq!(folders[0].metadata().unwrap().mode() & 0o777, 0o700, "closed to others");
+    folders[0].clone()
+}
+
 fn assert_whole_in_other(bench: &Bench) {
-    assert_whole(bench, &Capture::load(&bench.only_archive("other").unwrap()).unwrap());
+    let folder = fallback(bench);
+    let archive = bench.only_archive(folder.to_str().unwrap()).unwrap();
+    assert_whole(bench, &Capture::load(&archive).unwrap());
 }
 
 /// Every sample of the run is there, and the loop had every tick.
@@ -91,14 +103,20 @@ fn a_capture_with_no_room_anywhere_keeps_what_fitted_and_ends_with_status_3() {
     let output = ended(start(&bench), 3, &["no other place is left", "haptic-camera recover"]);
     assert!(printed(&output).contains("samples  "), "the run itself went to its end: {}", printed(&output));
     // As the message says, once there is room: parts in both places are one archive's.
-    let parts: Vec<PathBuf> = ["out", "other"]
+    let parts: Vec<PathBuf> = [bench.path("out"), fallback(&bench)]
         .iter()
-        .flat_map(|folder| std::fs::read_dir(bench.path(folder)).unwrap().flatten())
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap().flatten())
         .map(|entry| entry.path())
         .collect();
     let merged = archive::merge(&parts, &bench.path("merged.mcap"), None).unwrap();
     assert!(merged.ledger.admitted() > 10_000, "{parts:?}: {merged:?}");
     assert_eq!(merged.ledger.missing(), 0, "what is there is without a gap");
+    let (archive, _number) = parts[0].to_str().unwrap().rsplit_once(".part-").unwrap();
+    let mut recover = bench.command(&["recover", archive, "--out", "recovered.mcap"]).unwrap();
+    let recovered = recover.env("TMPDIR", bench.path("other")).output().unwrap();
+    assert_eq!(recovered.status.code(), Some(3), "{}", printed(&recovered));
+    let kept = Capture::load(&bench.path("recovered.mcap")).unwrap().len() as u64;
+    assert_eq!(kept, merged.ledger.admitted(), "the parts in both places were found");
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
 

@@ -57,7 +57,7 @@ fn a_viewer_killed_ten_times_costs_no_sample() {
 fn keeps_its_promises(victim: Victim, fault: Fault) {
     let outcome = Trial::of_kind(victim, fault, 7).run(&Bench::new().unwrap()).unwrap();
     assert_eq!(outcome.broken, Vec::<String>::new());
-    assert_eq!(outcome.lost_samples, 0);
+    assert_eq!((outcome.lost_samples, outcome.lost_unsaid, outcome.orphans), (0, 0, 0));
 }
 
 #[test]

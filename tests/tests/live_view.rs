@@ -139,13 +139,18 @@ fn data_arrives(browser: &mut Browser, page: Page) {
 
 /// Clicks on a tab and waits until each of its views shows something.
 fn shows_all(browser: &mut Browser, page: Page, (name, x, views): Tab) {
-    let top = browser.evaluate(page, "document.getElementById('viewer').getBoundingClientRect().top").unwrap();
-    let top = top.as_f64().unwrap();
+    let mut number = |expression: &str| browser.evaluate(page, expression).unwrap().as_f64().unwrap();
+    let top = number("document.getElementById('viewer').getBoundingClientRect().top");
+    // Without a graphics card the viewer draws fewer pixels than it covers.
+    let scale = number(
+        "document.getElementById('viewer').getBoundingClientRect().height / document.getElementById('viewer').offsetHeight",
+    );
     let [width, height] = SIZE.map(f64::from);
-    browser.click(page, x, (top + TABS_HEIGHT / 2.0) as u32).unwrap();
+    let (tabs_height, time_bar_height) = (scale * TABS_HEIGHT, scale * TIME_BAR_HEIGHT);
+    browser.click(page, (scale * f64::from(x)) as u32, (top + tabs_height / 2.0) as u32).unwrap();
     for &(shows, [left, above, wide, high]) in views {
-        let room = height - top - TABS_HEIGHT - TIME_BAR_HEIGHT;
-        let down = top + TABS_HEIGHT + above * room;
+        let room = height - top - tabs_height - time_bar_height;
+        let down = top + tabs_height + above * room;
         let part = [left * width, down, wide * width, high * room].map(|pixels| pixels as u32);
         let mut look = browser.look(page, part).unwrap();
         // What has arrived a moment ago may not be drawn yet, by a browser that has no graphics card.
@@ -213,7 +218,7 @@ fn a_client_that_never_reads_disturbs_nobody() {
     let (head, _) = view.drawn("").unwrap();
     let (instance, next) = (head["instance"].as_str().unwrap(), &head["next"]);
     view.wait_for(|status| status["time_s"].as_f64() > Some(9.0)).unwrap();
-    let (_, more) = view.drawn(&format!("instance={instance}&since={next}")).unwrap();
+    let (_, more) = view.drawn(&format!("instance={instance}&from={next}")).unwrap();
     assert!(more > 0, "the one that reads is given more");
     assert_eq!(bench.wait_for_process("rerun-viewer").unwrap(), viewer, "the viewer was never restarted");
     // The page's program alone, which is a part of the viewer's, is 40 MiB.

@@ -49,8 +49,8 @@ impl Model {
     /// # Errors
     /// [`ModelError`], as [`Model::from_toml`] and for a file that cannot be read.
     pub fn load(path: &Path) -> Result<Self, ModelError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|reason| ModelError::Unreadable { path: path.to_owned(), reason })?;
+        let text = foreign_files::read_text(path)
+            .map_err(|reason| ModelError::Unreadable { path: path.to_owned(), reason })?;
         Self::from_toml(&text, &path.display().to_string())
     }
 

@@ -1,7 +1,9 @@
 //! Why points are no torque table.
 
+use foreign_files::TableError;
+
 /// Points that are no periodic function of the angle.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TorqueTableError {
     /// Two columns of different length.
     #[error("the table has {angles} angles but {torques} torques; give every point both")]
@@ -74,13 +76,7 @@ pub enum TorqueTableError {
     /// A slope beyond what a number can hold.
     #[error("the table's torque changes too steeply to be computed with; move its points apart")]
     TooSteep,
-    /// A first line other than the header.
-    #[error("the table must begin with the header angle_rad,torque_mnm")]
-    Header,
-    /// A line that is not two numbers.
-    #[error("line {line} of the table is not two numbers, as in 0.1,-3.5")]
-    Line {
-        /// Line, counted from 1.
-        line: usize,
-    },
+    /// A text that is no table of numbers.
+    #[error(transparent)]
+    Text(#[from] TableError),
 }

@@ -1,8 +1,11 @@
 //! A torque drawn as points over the angle, with a smooth curve through them.
 
-mod csv_text;
 mod error;
 mod interpolant;
+
+use std::io::Read;
+
+use foreign_files::{Column, Others, read_columns};
 
 use crate::interned;
 
@@ -50,12 +53,13 @@ impl TorqueTable {
         Self::through(angle_rad, torque_mnm, period_rad).map(interned::table)
     }
 
-    /// The same from a text of two columns with the header `angle_rad,torque_mnm`, the last point repeating the first.
+    /// The same from a text with the columns `angle_rad` and `torque_mnm`, the last point repeating the first.
     ///
     /// # Errors
     /// [`TorqueTableError`], also for text that is no such table.
-    pub fn kept_from_csv(text: &str) -> Result<&'static Self, TorqueTableError> {
-        let (angle_rad, torque_mnm) = csv_text::columns(text)?;
+    pub fn kept_from_csv(text: impl Read) -> Result<&'static Self, TorqueTableError> {
+        let wanted = ["angle_rad", "torque_mnm"].map(Column::required);
+        let [angle_rad, torque_mnm] = read_columns(text, wanted, Others::Refused)?.map(Option::unwrap_or_default);
         Self::kept(&angle_rad, &torque_mnm, None)
     }
 

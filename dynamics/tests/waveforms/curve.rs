@@ -120,17 +120,18 @@ fn what_is_no_periodic_function_is_refused_with_the_number_that_was_exceeded() {
 #[test]
 fn a_text_of_two_columns_is_a_table() {
     let text = "\u{feff}angle_rad,torque_mnm\r\n0.0, 0.0\r\n0.1,5\r\n\r\n0.2,-5\r\n0.3,0\r\n";
-    let table = TorqueTable::kept_from_csv(text).unwrap();
+    let table = TorqueTable::kept_from_csv(text.as_bytes()).unwrap();
     assert_eq!(
         (table.period_rad(), table.angle_rad(), table.points_mnm()),
         (0.3, &[0.0, 0.1, 0.2][..], &[0.0, 5.0, -5.0][..])
     );
     for (text, expected) in [
-        ("", TorqueTableError::Header),
-        ("angle,torque\n0,0\n", TorqueTableError::Header),
-        ("angle_rad,torque_mnm\n0.0,1.0\n0.1;2\n", TorqueTableError::Line { line: 3 }),
-        ("angle_rad,torque_mnm\n0.0,1.0,2.0\n", TorqueTableError::Line { line: 2 }),
+        ("", "they must be `angle_rad,torque_mnm`"),
+        ("angle,torque\n0,0\n", "they must be `angle_rad,torque_mnm`"),
+        ("angle_rad,torque_mnm\n0.0,1.0\n0.1;2\n", "line 3: "),
+        ("angle_rad,torque_mnm\n0.0,1.0,2.0\n", "line 2: "),
     ] {
-        assert_eq!(TorqueTable::kept_from_csv(text), Err(expected), "{text}");
+        let refused = TorqueTable::kept_from_csv(text.as_bytes()).unwrap_err();
+        assert!(matches!(refused, TorqueTableError::Text(_)) && refused.to_string().contains(expected), "{refused}");
     }
 }

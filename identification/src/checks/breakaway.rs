@@ -51,6 +51,10 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
     let knob_rad = knob_angles(samples, known);
     let away_rad = known.map(|known| AWAY_STEPS * known.angle_step_rad).filter(|away| *away > 0.0).unwrap_or(AWAY_RAD);
     let (rest, soon) = ((REST_S * rate_hz) as usize, (SOON_S * rate_hz) as usize);
+    if rest == 0 {
+        // Between two samples a knob may have rested and broken away unseen.
+        return Ok(Vec::new());
+    }
     let read = ((READ_S * rate_hz) as usize).max(3).min(rest);
     let average = ((AVERAGE_S * rate_hz) as usize).max(3).min(read);
 

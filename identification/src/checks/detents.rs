@@ -3,12 +3,14 @@
 use std::f64::consts::TAU;
 
 use super::profile::{BINS_PER_TURN, Profile};
-use crate::samples::{FitError, Samples};
+use crate::samples::{FitError, Samples, span};
 
 /// Agreement of the two directions' torques over angle from which they show detents, as a correlation.
 const REPEATS: f64 = 0.5;
 /// Scatter of the detents' distances, relative to their mean, beyond which they are no detents.
 const UNEVEN: f64 = 0.3;
+/// Most turns over which detents are counted; each takes memory, and ten would do.
+const MOST_TURNS: f64 = 1000.0;
 /// Fewest bins that both directions must have passed.
 const FEWEST_BINS: usize = 100;
 
@@ -42,6 +44,12 @@ pub enum CountError {
         /// Angle passed both ways, rad.
         passed_rad: f64,
     },
+    /// More turns than detents are counted over.
+    #[error("the knob turned {turns:.0} times, too far to count detents; capture with `--sweep slow-turn`")]
+    TooManyTurns {
+        /// Turns from the smallest angle to the largest.
+        turns: f64,
+    },
     /// The torque over the angle does not repeat.
     #[error(
         "no detents to count: the torque over the angle is not the same on the way there and back (correlation {correlation:.2})"
@@ -69,6 +77,10 @@ pub enum CountError {
 /// [`CountError`] for a capture that does not turn both ways, or a knob without detents.
 pub fn count_detents(samples: &Samples<'_>) -> Result<DetentCount, CountError> {
     samples.check()?;
+    let turns = span(samples.angle_rad) / TAU;
+    if turns > MOST_TURNS {
+        return Err(CountError::TooManyTurns { turns });
+    }
     let profile = Profile::of(samples);
     if profile.mean_mnm.len() < FEWEST_BINS {
         return Err(CountError::TooLittleTravel { passed_rad: profile.mean_mnm.len() as f64 * TAU / BINS_PER_TURN });

@@ -1,9 +1,8 @@
 //! What every consumer of the sample stream does alike: stop in order, say how it is, log.
 //!
 //! A consumer may crash, hang, be killed or be restarted at any moment; the control loop does not
-//! notice. It ends at SIGTERM, which also comes when the process that started it dies. SIGINT, which
-//! a terminal sends to everyone at once, is left to the supervisor, unless the operator has the
-//! consumer itself in the foreground.
+//! notice. It ends with the process that started it, by its [lease](shared_types::lease); signals are left to that
+//! process, unless an operator started the consumer.
 
 mod arrivals;
 mod health;
@@ -26,6 +25,8 @@ pub fn start_log() {
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
+        // A terminal that is gone takes no complaint about it either.
+        .log_internal_errors(false)
         .with_ansi(std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty()))
         .with_target(false)
         .without_time()

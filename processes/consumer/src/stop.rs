@@ -3,57 +3,60 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use nix::sys::signal::Signal;
 use shared_types::drill::{self, Drill};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use shared_types::lease::Lease;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 /// The system does not let the process listen for its end.
 #[derive(Debug, thiserror::Error)]
 #[error("the process cannot listen for its end ({0}); nothing can be done but to start it again")]
 pub struct StopError(#[from] std::io::Error);
 
-/// Knows whether SIGTERM came, from the supervisor or because the supervisor died.
+/// Knows whether the process is to end.
+///
+/// Under a supervisor that is when its [`Lease`] ends. The signals that end a process come to all at once when a terminal
+/// closes or a machine goes down; they are left to the supervisor, which ends the run in order.
 #[derive(Debug)]
 pub struct Stop {
     asked: Arc<AtomicBool>,
+    lease: Option<Lease>,
     drill: Option<Drill>,
 }
 
 impl Stop {
-    /// Begins to listen. SIGINT, which a terminal sends to everyone at once, is left to the
-    /// supervisor.
+    /// Begins to listen. Without a supervisor SIGTERM ends the process.
     ///
     /// # Errors
     /// [`StopError`] when the system refuses.
     pub fn listen() -> Result<Self, StopError> {
-        let asked = Arc::new(AtomicBool::new(false));
-        signal_hook::flag::register(SIGTERM, Arc::clone(&asked))?;
-        signal_hook::flag::register(SIGINT, Arc::new(AtomicBool::new(false)))?;
-        let parent = nix::unistd::getppid();
-        nix::sys::prctl::set_pdeathsig(Signal::SIGTERM).map_err(std::io::Error::from)?;
-        if nix::unistd::getppid() != parent {
-            // It died between the two lines above.
-            asked.store(true, Ordering::Relaxed);
+        let lease = Lease::of_this_process()?;
+        let (asked, left_to_supervisor) = (Arc::default(), Arc::default());
+        let of_sigterm = if lease.is_some() { &left_to_supervisor } else { &asked };
+        signal_hook::flag::register(SIGTERM, Arc::clone(of_sigterm))?;
+        for signal in [SIGINT, SIGHUP] {
+            signal_hook::flag::register(signal, Arc::clone(&left_to_supervisor))?;
         }
-        Ok(Self { asked, drill: Drill::listen(drill::SERVING_THREAD)? })
+        Ok(Self { asked, lease, drill: Drill::listen(drill::SERVING_THREAD)? })
     }
 
-    /// Begins to listen in a program that the operator has in the foreground: SIGINT ends it too.
+    /// Begins to listen in a program that the operator has in the foreground: SIGINT and SIGHUP end it too.
     ///
     /// # Errors
     /// [`StopError`] when the system refuses.
     pub fn listen_in_foreground() -> Result<Self, StopError> {
         let stop = Self::listen()?;
-        signal_hook::flag::register(SIGINT, Arc::clone(&stop.asked))?;
+        for signal in [SIGINT, SIGHUP] {
+            signal_hook::flag::register(signal, Arc::clone(&stop.asked))?;
+        }
         Ok(stop)
     }
 
-    /// True once the process was told to end.
+    /// True once the process is to end.
     #[must_use]
     pub fn is_asked(&self) -> bool {
         if let Some(drill) = &self.drill {
             drill.panic_if_told();
         }
-        self.asked.load(Ordering::Relaxed)
+        self.asked.load(Ordering::Relaxed) || self.lease.as_ref().is_some_and(Lease::has_ended)
     }
 }

@@ -11,9 +11,9 @@ use serde::Serialize;
 
 use crate::command_line;
 use crate::diagnosis_text;
-use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, to_output, write, write_json};
 use crate::recording;
 
 /// Diagnoses a capture and writes what was asked for.
@@ -49,7 +49,7 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
             description: format!("diagnosed from {}: {}", options.train.display(), found.summary),
             effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
         };
-        write(path, &model.to_toml())?;
+        write(path, Kind::DiagnosedModel, &model.to_toml())?;
     }
     let page =
         DiagnosisPage { found: &found, train: train.facts(), heldout: heldout.as_ref().map(LoadedCapture::facts) };
@@ -86,7 +86,7 @@ pub fn tell(page: &DiagnosisPage<'_>, json: Option<&Path>, report: Option<&Path>
     let DiagnosisPage { found, train, heldout } = page;
     let told = Told { found, numbers: DiagnosisNumbers::of(found), train, heldout: heldout.as_ref(), figures };
     write_json(json, &told)?;
-    made.map_or(Ok(()), |(path, (html, _))| write(path, &html))
+    made.map_or(Ok(()), |(path, (html, _))| write(path, Kind::Page, &html))
 }
 
 /// The model to start from.

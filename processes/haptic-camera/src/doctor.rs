@@ -6,14 +6,13 @@ use comfy_table::{Table, presets};
 use nix::sys::resource::{Resource, getrlimit};
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::rig;
+use shared_types::shared_memory::NEEDED_BYTES;
 
 use crate::outcome::{Outcome, say};
 use crate::supervision::program_path;
 
 /// The programs that a capture starts.
 const PROGRAMS: [&str; 4] = ["rt-loop", "recorder", "live-fitter", "rerun-viewer"];
-/// Shared memory that a rig takes at most, bytes.
-const SHARED_MEMORY_BYTES: u64 = 300 * 1024 * 1024;
 
 /// One thing looked at.
 struct Finding {
@@ -93,11 +92,11 @@ fn scheduler_guard() -> Finding {
 
 fn shared_memory() -> Finding {
     let free = nix::sys::statvfs::statvfs("/dev/shm").map_or(0, |stat| stat.blocks_available() * stat.fragment_size());
-    let good = free >= SHARED_MEMORY_BYTES;
+    let good = free >= NEEDED_BYTES;
     let found = if good {
         format!("{} MiB free in /dev/shm", free >> 20)
     } else {
-        format!("{} MiB free in /dev/shm, {} are needed; remove what fills it", free >> 20, SHARED_MEMORY_BYTES >> 20)
+        format!("{} MiB free in /dev/shm, {} are needed; remove what fills it", free >> 20, NEEDED_BYTES >> 20)
     };
     Finding { subject: "shared memory", good, found }
 }

@@ -1,6 +1,5 @@
 //! `fit`: from a capture to a model.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
@@ -13,6 +12,7 @@ use crate::command_line;
 use crate::harmonic_table::harmonic_table;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, to_output, write, write_json};
 use crate::parameter_table::{parameter_table, reasons};
 use crate::repeatability::{agreement_line, repeatability_table};
 
@@ -37,10 +37,10 @@ fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result
     let (page, figures) = page.unwrap_or_default();
     write_numbers(options.json.as_deref(), &loaded, &fit, figures)?;
     if let Some(path) = &options.out {
-        write(path, &fit.model(&loaded.title()).to_toml())?;
+        write(path, Kind::FittedModel, &fit.model(&loaded.title()).to_toml())?;
     }
     if let Some(path) = &options.report {
-        write(path, &page)?;
+        write(path, Kind::Page, &page)?;
     }
     Ok(Outcome::Done)
 }
@@ -66,11 +66,15 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
     write_json(options.json.as_deref(), &ToldTogether { average: &average, numbers, fits: told })?;
     if let Some(path) = &options.out {
         let titles: Vec<String> = loaded.iter().map(LoadedCapture::title).collect();
-        write(path, &average.model(&titles.join(" and ")).to_toml())?;
+        write(path, Kind::FittedModel, &average.model(&titles.join(" and ")).to_toml())?;
     }
     if let Some(path) = &options.report {
         let captures = loaded.iter().map(LoadedCapture::facts).collect();
-        write(path, &report::average_page(&AveragePage { average: &average, fits: &fits, captures, truth }))?;
+        write(
+            path,
+            Kind::Page,
+            &report::average_page(&AveragePage { average: &average, fits: &fits, captures, truth }),
+        )?;
     }
     Ok(Outcome::Done)
 }
@@ -119,25 +123,6 @@ struct ToldTogether<'a> {
     fits: Vec<Told<'a>>,
 }
 
-/// Whether standard output is for the JSON alone.
-pub fn to_output(json: Option<&Path>) -> bool {
-    json == Some(Path::new("-"))
-}
-
-/// Writes a result as JSON, if it was asked for.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_json(path: Option<&Path>, result: &impl serde::Serialize) -> anyhow::Result<()> {
-    let Some(path) = path else { return Ok(()) };
-    let text = serde_json::to_string_pretty(result)? + "\n";
-    if to_output(Some(path)) {
-        say(text.trim_end());
-        return Ok(());
-    }
-    write(path, &text)
-}
-
 /// Fits a capture with all that is known of its rig.
 ///
 /// # Errors
@@ -171,18 +156,4 @@ fn show_fit(truth: Option<&Model>, fit: &Fit) {
     for line in reasons(fit).iter().chain(&fit.notes) {
         say(format!("- {line}"));
     }
-}
-
-/// Writes a text file; whole or not at all.
-///
-/// # Errors
-/// When the folder cannot be written to.
-pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
-        file.persist(path)?;
-        Ok(())
-    });
-    written.with_context(|| format!("{} cannot be written; choose another place", path.display()))
 }

@@ -28,7 +28,7 @@ impl LoadedCapture {
     pub fn load(path: &Path) -> anyhow::Result<Self> {
         let capture = Capture::load(path)?.of_knob();
         let calibration = match capture.attached_text(attachment::CALIBRATION).filter(|text| !text.is_empty()) {
-            Some(text) => Some(Calibration::from_toml(text)?),
+            Some(text) => Some(Calibration::from_toml(text).with_context(|| path.display().to_string())?),
             None if capture.description.is_none() => read_calibration_beside(path)?,
             None => None,
         };
@@ -60,10 +60,12 @@ impl LoadedCapture {
     /// What to call it in tables and on pages.
     pub fn title(&self) -> String {
         let file = self.capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        match &self.capture.description {
+        let title = match &self.capture.description {
             Some(description) => format!("Knob {} ({file})", description.knob),
             None => file,
-        }
+        };
+        // Either may hold anything of any length.
+        operator::one_line(&title)
     }
 
     /// The report page of a fit of this capture, with the numbers in its captions.
@@ -108,16 +110,12 @@ pub fn calibration_beside(table: &Path) -> PathBuf {
 /// The calibration of an exported table; `None` for a table that came without one.
 fn read_calibration_beside(table: &Path) -> anyhow::Result<Option<Calibration>> {
     let path = calibration_beside(table);
-    match std::fs::read_to_string(&path) {
-        Ok(text) => {
-            let known =
-                Calibration::from_toml(&text).with_context(|| format!("{} is no calibration", path.display()))?;
-            remark(format!("the rig's calibration is that of {}", path.display()));
-            Ok(Some(known))
-        }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(error).with_context(|| format!("{} cannot be read", path.display())),
+    if !path.try_exists().with_context(|| format!("{} cannot be read", path.display()))? {
+        return Ok(None);
     }
+    let known = Calibration::load(&path)?;
+    remark(format!("the rig's calibration is that of {}", path.display()));
+    Ok(Some(known))
 }
 
 /// Date and time of a capture in the reader's time zone.

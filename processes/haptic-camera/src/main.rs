@@ -14,11 +14,13 @@ mod doctor;
 mod export;
 mod fit;
 mod harmonic_table;
+mod large_job;
 mod list;
 mod load;
 mod manual;
 mod offline_run;
 mod outcome;
+mod outputs;
 mod parameter_table;
 mod recompute;
 mod recording;
@@ -37,8 +39,6 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::Parser as _;
-
 use crate::command_line::{Command, CommandLine};
 use crate::outcome::Outcome;
 
@@ -47,9 +47,15 @@ fn main() -> ExitCode {
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
         .with_writer(std::io::stderr)
+        // A terminal that is gone takes no complaint about it either.
+        .log_internal_errors(false)
         .with_ansi(terminal::log_may_be_coloured())
         .init();
-    let result = match CommandLine::parse().command {
+    let command = match operator::parse::<CommandLine>() {
+        Ok(line) => line.command,
+        Err(status) => return status,
+    };
+    let result = command.files().check().and_then(|()| match command {
         Command::Capture(options) => capture::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Tune(options) => tune::run(&options),
@@ -69,13 +75,11 @@ fn main() -> ExitCode {
         Command::Recompute(options) => recompute::run(&options),
         Command::Recover(options) => recover::run(&options),
         Command::Doctor => doctor::run(),
-    };
-    match result {
-        Ok(outcome) => outcome.into(),
-        Err(error) => {
-            tracing::debug!("{error:?}");
-            outcome::tell_error(&error);
-            Outcome::Failed.into()
-        }
-    }
+    });
+    let outcome = result.unwrap_or_else(|error| {
+        tracing::debug!("{error:?}");
+        outcome::tell_error(&error);
+        if error.is::<outputs::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
+    });
+    outcome.if_output_was_taken().into()
 }

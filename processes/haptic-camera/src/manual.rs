@@ -5,6 +5,7 @@ use clap::CommandFactory as _;
 
 use crate::command_line::{CommandLine, CompletionsOptions, ManOptions};
 use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, write};
 
 /// Prints the completions of a shell on standard output.
 ///
@@ -26,11 +27,15 @@ pub fn completions(options: &CompletionsOptions) -> anyhow::Result<Outcome> {
 /// When the folder cannot be written to.
 pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
     let folder = &options.folder;
-    std::fs::create_dir_all(folder)
-        .and_then(|()| clap_mangen::generate_to(CommandLine::command(), folder))
-        .with_context(|| {
-            format!("the manual pages cannot be written to {}; choose another folder", folder.display())
-        })?;
+    let refused = || format!("the manual pages cannot be written to {}; choose another folder", folder.display());
+    let made = tempfile::tempdir()?;
+    clap_mangen::generate_to(CommandLine::command(), &made)?;
+    std::fs::create_dir_all(folder).with_context(refused)?;
+    for page in std::fs::read_dir(&made)? {
+        let page = page?;
+        let text = std::fs::read_to_string(page.path())?;
+        write(&folder.join(page.file_name()), Kind::ManualPage, &text).with_context(refused)?;
+    }
     say(format!("the manual pages lie in {}; `man {0}/haptic-camera.1` shows the first", folder.display()));
     Ok(Outcome::Done)
 }

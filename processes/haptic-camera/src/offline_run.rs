@@ -4,13 +4,16 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context as _;
-use archive::{CaptureWriter, whole_file};
+use archive::whole_file::{self, Replace};
+use archive::{ArchiveError, CaptureWriter};
 use clap::Parser as _;
+use hal::Apparatus;
 use identification::live::{LiveFit, LiveSample};
 use rt_loop::control::{ControlState, Reading, Request};
 use rt_loop::plan::{Options, Plan};
 use shared_types::{Fault, LoopState, ModelChange, RunDescription, Sample};
 
+use crate::large_job;
 use crate::outcome::remark;
 use crate::until_ci::{Achieved, Knowledge, Share, StopRule};
 
@@ -20,8 +23,10 @@ const ARMED_S: f64 = 0.3;
 const ESTIMATES_S: f64 = 0.04;
 
 /// How an offline run went.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct OfflineRun {
+    /// Identity of the run.
+    pub run_id: u64,
     /// Samples that were taken.
     pub samples: usize,
     /// Why it ended early, if a limit was passed.
@@ -56,20 +61,24 @@ pub fn archive(
         plan.rendering.iter().flat_map(|rendering| &rendering.remarks).for_each(remark);
     }
     let mut watch = until.map(|share| Watch::new(share, &plan));
-    let (samples, fault) = samples_of(plan, stop, watch.as_mut())?;
-    whole_file::write_whole(path, |place| {
+    let (planned, rate_hz) = (plan.control.planned_ticks, plan.control.rate_hz);
+    large_job::tell(planned);
+    if until.is_none() {
+        large_job::admit(planned, rate_hz, path)?;
+    }
+    let armed = ArmedRig::of(plan)?;
+    let made = whole_file::write_whole(path, Replace::Nothing, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;
         if let Some(model) = first_model(&description) {
             writer.model(&model)?;
         }
-        for sample in &samples {
-            writer.sample(&dated(sample, &description))?;
-        }
-        writer.finish().map(drop)
+        let keep = |sample: &Sample| writer.sample(&dated(sample, &description)).map(drop);
+        let made = armed.turn(stop, watch.as_mut(), keep)?;
+        writer.finish()?;
+        Ok(made)
     })?;
-    let guarded_ticks = samples.iter().filter(|sample| sample.flags & Sample::GUARDED != 0).count() as u64;
     let achieved = watch.map(|watch| watch.rule.achieved());
-    Ok(OfflineRun { samples: samples.len(), fault, rendered, guarded_ticks, achieved })
+    Ok(OfflineRun { run_id: description.run_id, rendered, achieved, ..made })
 }
 
 /// Fits what is captured as it comes, as the live fitter does, and says when enough is known.
@@ -121,49 +130,67 @@ fn dated(sample: &Sample, run: &RunDescription) -> Sample {
     Sample { monotonic_time_ns: run.clock.monotonic_time_ns.saturating_add(since_start_ns), ..*sample }
 }
 
-/// Every sample of a run, tick by tick.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "ticks of a run of minutes"
-)]
-fn samples_of(
-    plan: Plan,
-    stop: &AtomicBool,
-    mut watch: Option<&mut Watch>,
-) -> anyhow::Result<(Vec<Sample>, Option<Fault>)> {
-    let Plan { mut apparatus, rig, control, rendering, .. } = plan;
-    let state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
-    let mut state = match rendering {
-        Some(rendering) => state.with_renderer(rendering.renderer),
-        None => state,
-    };
-    apparatus.enable()?;
-    state.arm();
-    let start = (ARMED_S * control.rate_hz) as u64;
-    let mut samples = Vec::new();
-    for tick in 0.. {
-        if tick == start {
-            state.request(Request::Start);
-        }
-        if stop.load(Ordering::Acquire) {
-            state.request(Request::Stop);
-        }
-        let measurement = apparatus.read((tick as f64 * 1e9 / control.rate_hz).round() as u64);
-        let output = state.step(&Reading { elapsed_ticks: 1, measurement });
-        let _ = apparatus.write_torque(output.torque_mnm);
-        if let (Some(watch), Some(sample)) = (&mut watch, &output.sample)
-            && watch.take(sample)
-        {
-            state.request(Request::Stop);
-        }
-        samples.extend(output.sample);
-        match state.state() {
-            LoopState::Armed | LoopState::Running | LoopState::Stopping => {}
-            LoopState::Idle | LoopState::Fault => break,
-        }
+/// The simulated rig with its amplifier switched on, and the control step that drives it.
+struct ArmedRig {
+    apparatus: Box<dyn Apparatus>,
+    state: ControlState,
+    rate_hz: f64,
+}
+
+impl ArmedRig {
+    fn of(plan: Plan) -> anyhow::Result<Self> {
+        let Plan { mut apparatus, rig, control, rendering, .. } = plan;
+        let state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
+        let mut state = match rendering {
+            Some(rendering) => state.with_renderer(rendering.renderer),
+            None => state,
+        };
+        apparatus.enable()?;
+        state.arm();
+        Ok(Self { apparatus, state, rate_hz: control.rate_hz })
     }
-    apparatus.disable();
-    Ok((samples, state.fault()))
+
+    /// Makes the run tick by tick; every sample goes to `keep` as it comes, so that memory does not grow with the run.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "ticks of a run of a day"
+    )]
+    fn turn(
+        self,
+        stop: &AtomicBool,
+        mut watch: Option<&mut Watch>,
+        mut keep: impl FnMut(&Sample) -> Result<(), ArchiveError>,
+    ) -> Result<OfflineRun, ArchiveError> {
+        let Self { mut apparatus, mut state, rate_hz } = self;
+        let start = (ARMED_S * rate_hz) as u64;
+        let mut made = OfflineRun::default();
+        for tick in 0.. {
+            if tick == start {
+                state.request(Request::Start);
+            }
+            if stop.load(Ordering::Acquire) {
+                state.request(Request::Stop);
+            }
+            let measurement = apparatus.read((tick as f64 * 1e9 / rate_hz).round() as u64);
+            let output = state.step(&Reading { elapsed_ticks: 1, measurement });
+            let _ = apparatus.write_torque(output.torque_mnm);
+            if let Some(sample) = &output.sample {
+                if watch.as_mut().is_some_and(|watch| watch.take(sample)) {
+                    state.request(Request::Stop);
+                }
+                made.samples += 1;
+                made.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
+                keep(sample)?;
+            }
+            match state.state() {
+                LoopState::Armed | LoopState::Running | LoopState::Stopping => {}
+                LoopState::Idle | LoopState::Fault => break,
+            }
+        }
+        apparatus.disable();
+        made.fault = state.fault();
+        Ok(made)
+    }
 }

@@ -1,12 +1,18 @@
 //! How a command ended, as an exit status.
 
+use std::io::{Error, Write as _};
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use indicatif::ProgressBar;
+pub use operator::tell_error;
+use operator::{one_line, visible};
 
 /// The panel that is on the screen: it is taken away while something else is printed, and drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Why standard output no longer takes anything.
+static LOST_OUTPUT: OnceLock<Error> = OnceLock::new();
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +27,18 @@ pub enum Outcome {
     DataLost,
 }
 
+impl Outcome {
+    /// The same, or a failure if standard output did not take all that was printed; told, unless whoever read it has closed it,
+    /// as `head` does.
+    #[must_use]
+    pub fn if_output_was_taken(self) -> Self {
+        note_output(std::io::stdout().flush());
+        let Some(error) = LOST_OUTPUT.get() else { return self };
+        operator::tell_lost_output(error);
+        if self == Self::Done { Self::Failed } else { self }
+    }
+}
+
 impl From<Outcome> for ExitCode {
     fn from(outcome: Outcome) -> Self {
         Self::from(match outcome {
@@ -32,26 +50,27 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// Tells the operator why a command failed, in one line.
-#[allow(clippy::print_stderr, reason = "the one place where the program tells its error")]
-pub fn tell_error(error: &anyhow::Error) {
-    eprintln!("error: {error:#}");
-}
-
 /// Prints a line for the operator on standard output, or several, without the blanks with which tables fill their lines.
 ///
-/// A closed pipe is no reason to fail: whoever reads has seen enough.
+/// A failure ends nothing here; [`Outcome::if_output_was_taken`] tells it in the end.
 pub fn say(lines: impl std::fmt::Display) {
-    use std::io::Write as _;
     let lines = lines.to_string();
+    let lines = visible(&lines);
     let trimmed: Vec<&str> = lines.split('\n').map(str::trim_end).collect();
-    beside_panel(|| drop(writeln!(std::io::stdout(), "{}", trimmed.join("\n"))));
+    beside_panel(|| note_output(writeln!(std::io::stdout(), "{}", trimmed.join("\n"))));
 }
 
-/// Prints a remark for the operator on standard error, apart from results.
+/// Prints a remark for the operator on standard error, in one line apart from results.
 pub fn remark(line: impl std::fmt::Display) {
-    use std::io::Write as _;
+    let line = one_line(&line.to_string());
     beside_panel(|| drop(writeln!(std::io::stderr(), "{line}")));
+}
+
+fn note_output(printed: std::io::Result<()>) {
+    if let Err(error) = printed {
+        // The first failure is the one that matters.
+        let _ = LOST_OUTPUT.set(error);
+    }
 }
 
 /// Keeps what is printed from now on apart from a panel on the same terminal.

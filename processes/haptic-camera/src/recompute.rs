@@ -10,8 +10,8 @@ use serde::Serialize;
 use shared_types::{LoopState, ModelChange, RunDescription, Sample};
 
 use crate::command_line::RecomputeOptions;
-use crate::fit::{to_output, write_json};
 use crate::outcome::{Outcome, remark, say};
+use crate::outputs::{to_output, write_json};
 
 /// What computing a replay again tells.
 #[derive(Debug, Serialize)]

@@ -58,11 +58,7 @@ pub fn write(path: &Path, found: &Diagnosis, train: &str, heldout: Option<&str>)
     anyhow::ensure!(
         output.status.success(),
         "the recording cannot be written: {}",
-        said.trim()
-            .lines()
-            .last()
-            .unwrap_or("the viewer's program did not say why")
-            .trim_start_matches("rerun-viewer: ")
+        said.trim().lines().last().unwrap_or("the viewer's program did not say why").trim_start_matches("error: ")
     );
     Ok(())
 }

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use archive::Unchecked;
-use archive::whole_file::beside;
+use archive::parts::{self, fallback_dirs};
+use archive::whole_file::folder_of;
 
 use crate::command_line::RecoverOptions;
 use crate::outcome::{Outcome, remark, say};
@@ -29,12 +30,18 @@ pub fn run(options: &RecoverOptions) -> anyhow::Result<Outcome> {
     Ok(if summary.lossy { Outcome::DataLost } else { Outcome::Done })
 }
 
-/// The parts of an archive that was never closed, as the recorder names them: beside it, and in the temporary directory.
+/// The parts of an archive that was never closed: beside it, and in the fallback folders of the user's runs. Without parts of a run
+/// there are none; what belongs to no run is left out.
 fn parts_of(archive: &Path) -> Vec<PathBuf> {
-    let elsewhere = std::env::temp_dir().join(archive.file_name().unwrap_or_default());
-    let places = if elsewhere == archive { vec![archive] } else { vec![archive, elsewhere.as_path()] };
-    let numbered = |place: &Path| (0..1_000).map(|number| beside(place, &format!(".part-{number:03}"))).collect();
-    places.into_iter().flat_map(|place| -> Vec<PathBuf> { numbered(place) }).filter(|path| path.is_file()).collect()
+    let mut places = fallback_dirs();
+    places.insert(0, folder_of(archive).to_owned());
+    let found = places.iter().flat_map(|place| parts::find(archive, place));
+    let (of_a_run, others): (Vec<_>, Vec<_>) = found.partition(|part| matches!(part.run_id, Ok(Some(_))));
+    let refused: Vec<_> = others.iter().filter_map(|part| part.run_id.as_ref().err()).collect();
+    if let [first, more @ ..] = refused.as_slice() {
+        remark(format!("left out: {first}, and {} more files of such names", more.len()));
+    }
+    of_a_run.into_iter().map(|part| part.path).collect()
 }
 
 /// Makes one archive of the parts of a recording that nobody ended.

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::command_line::ReplayOptions;
-use crate::outcome::{Outcome, remark, say};
-use crate::supervision::{FeltModel, RunEnd, Shown, SupervisedRun, archive_path, listen_for_interrupt};
+use crate::outcome::{Outcome, say};
+use crate::supervision::{Archived, FeltModel, RunEnd, Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::verify;
 
 /// Length of a replay without a clock, which no hand at the rig could end, s.
@@ -24,17 +24,18 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
         return verify::run(options, &interrupted);
     }
     let duration_s = options.duration_s.or(options.run.offline.then_some(OFFLINE_S));
+    let claim = claim_archive(&options.run.out, &options.model, "replay-")?;
     let run = SupervisedRun {
         in_words: in_words(options, duration_s),
         task: task(options, duration_s),
         options: &options.run,
-        archive: archive_path(&options.run.out, &options.model, "replay-")?,
+        archive: claim.archive().to_owned(),
         duration_s,
         until: None,
         shown: Shown::Rendering,
     };
     match run.take(&interrupted)? {
-        Some(end) => Ok(conclude(&run.archive, &end)),
+        Some(end) => conclude(&run.archive, &end),
         None => Ok(Outcome::Failed),
     }
 }
@@ -75,7 +76,7 @@ fn in_words(options: &ReplayOptions, duration_s: Option<f64>) -> String {
 }
 
 /// Tells what was rendered, how it went and where the archive lies.
-fn conclude(archive: &Path, end: &RunEnd) -> Outcome {
+fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
     end.tell();
     end.models.iter().enumerate().take(LISTED_MODELS).for_each(|(index, FeltModel { tick, name })| {
         #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
@@ -86,11 +87,8 @@ fn conclude(archive: &Path, end: &RunEnd) -> Outcome {
         say(format!("         and {} more models; the archive has them all", end.models.len() - LISTED_MODELS));
     }
     say(format!("guard    took energy back in {} ticks", end.status.guarded_ticks));
-    let Some(archive) = end.left_archive(archive) else { return end.outcome_without_archive() };
-    say(format!("archive  {} ({} samples)", archive.display(), end.status.published_samples));
-    let outcome = end.outcome(0);
-    if outcome == Outcome::DataLost {
-        remark("samples are missing in the archive; it says where");
-    }
-    outcome
+    let Some(archive) = end.left_archive(archive) else { return Ok(end.outcome_without_archive()) };
+    let archived = Archived::read(&archive)?;
+    say(format!("archive  {} ({} samples)", archive.display(), archived.samples));
+    Ok(end.settle(&archived))
 }

@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
+use archive::claim;
 
 use crate::command_line::RigOptions;
 use crate::offline_run;
@@ -36,9 +37,8 @@ impl RigRun {
     /// Whatever keeps the run from being made or recorded, and a fault that ended it.
     pub fn archive(&self, rig: &RigOptions, purpose: &str) -> anyhow::Result<PathBuf> {
         let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
-        let folder = rig.captures_in.join(format!("{time}-{purpose}"));
-        std::fs::create_dir_all(&folder)
-            .with_context(|| format!("the folder {} cannot be made; choose another", folder.display()))?;
+        let folder = claim::folder(&rig.captures_in, &format!("{time}-{purpose}"))
+            .with_context(|| format!("no folder can be made in {}; choose another", rig.captures_in.display()))?;
         say(format!(
             "{} with {} for {} s{}",
             match self.knob {

@@ -1,13 +1,14 @@
 //! `simulate`: a model along a capture's motion or torque.
 
 use anyhow::Context as _;
-use archive::Capture;
+use archive::{Capture, whole_file};
 use dynamics::simulate::ForwardSimulation;
 use dynamics::{Calibration, Direction, Model, Motion, shifted};
 
 use crate::command_line::{SimulateOptions, SimulationDrive};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::outputs::Kind;
 
 /// Speed below which a model without stick of its own counts as resting, rad/s.
 const RESTING_RAD_S: f64 = 0.02;
@@ -35,10 +36,10 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         }
     };
     let capture = described(simulated, &like, &model);
-    if options.out.extension().is_some_and(|extension| extension == "csv") {
+    if options.writes_table() {
         capture.write_csv(&options.out)?;
     } else {
-        capture.write_mcap(&options.out)?;
+        whole_file::write_whole(&options.out, Kind::Simulation.replaces(), |place| capture.write_mcap_to(place))?;
     }
     say(format!("{}: {} samples; {difference} from the capture", options.out.display(), capture.len()));
     Ok(Outcome::Done)
@@ -121,6 +122,8 @@ pub(crate) fn torque_at_knob(like: &LoadedCapture) -> Vec<f64> {
 fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Capture {
     let Simulated { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm } = simulated;
     let mut capture = like.capture.clone();
+    // A capture of a rendering is kept as its sensor reads, and its calibration as the rig has it.
+    let rendered = capture.is_rendered();
     capture.angle_rad = angle_rad;
     capture.velocity_rad_s = Some(velocity_rad_s);
     capture.acceleration_rad_s2 = Some(acceleration_rad_s2);
@@ -139,12 +142,12 @@ fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Captu
                 acceleration_delay_s: 0.0,
                 gravity_amplitude_rad_s2: 0.0,
                 torque_sensor_stiffness_mnm_rad: f64::MAX,
-                ..known.clone()
+                ..if rendered { known.seen_from_the_hand() } else { known.clone() }
             }
             .to_toml()
         });
     }
-    capture
+    capture.of_knob()
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a number of samples")]

@@ -248,3 +248,31 @@ fn captures_of_one_second_have_names_that_sort_by_time() {
     let names: Vec<String> = (0..3).map(|_| captured(folder, "3")).collect();
     assert!(names.windows(2).all(|pair| pair[0] < pair[1]), "{names:?}");
 }
+
+#[test]
+fn captures_begun_at_once_into_one_folder_are_all_kept_each_with_its_own_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let begun: Vec<_> = (1..=6)
+        .map(|seed: u64| {
+            let line = format!("capture --offline --knob 3 --duration-s 2 --rate-hz 2000 --seed {seed} --out shared");
+            let mut command = Command::new(env!("CARGO_BIN_EXE_haptic-camera"));
+            command.args(line.split(' ')).current_dir(folder);
+            (seed, command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap())
+        })
+        .collect();
+    for (seed, capture) in begun {
+        let output = capture.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let archive = said.lines().find_map(|line| line.strip_prefix("archive  ")).unwrap();
+        let archive = folder.join(archive.split(" (").next().unwrap());
+        let capture = Capture::load(&archive).unwrap();
+        let notes = capture.description.unwrap().notes;
+        assert!(notes.iter().any(|(name, value)| name == "seed" && *value == seed.to_string()), "{seed}: {notes:?}");
+        let json: Value = serde_json::from_slice(&std::fs::read(archive.with_extension("json")).unwrap()).unwrap();
+        assert_eq!(json["capture"]["source"].as_str(), archive.file_name().unwrap().to_str());
+        assert!(archive.with_extension("toml").exists() && archive.with_extension("html").exists());
+    }
+    assert_eq!(std::fs::read_dir(folder.join("shared")).unwrap().count(), 6 * 4, "nothing else is left");
+}

@@ -12,7 +12,6 @@ mod update;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::Parser as _;
 use consumer::Stop;
 use dynamics::Calibration;
 use identification::live::{LiveFit, LiveSample};
@@ -32,13 +31,16 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = match operator::parse() {
+        Ok(arguments) => arguments,
+        Err(status) => return status,
+    };
     consumer::start_log();
     consumer::prefer();
     match fit_stream(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            tracing::error!("{error:#}");
+            operator::tell_error(&error);
             ExitCode::FAILURE
         }
     }

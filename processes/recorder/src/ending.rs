@@ -9,6 +9,10 @@ use crate::recording::Recording;
 const PATIENCE_NS: u64 = 1_000_000_000;
 /// How long the last estimates and health reports are waited for after the last sample, ns.
 const AFTERMATH_NS: u64 = 200_000_000;
+/// How long the run's end is waited for once the recorder is asked to stop, ns: a supervisor that is gone takes the control
+/// loop with it too, whose last samples come within that.
+const FAREWELL_NS: u64 = 3_000_000_000;
+
 /// Watches for the end of a run. Times are CLOCK_MONOTONIC.
 #[derive(Debug)]
 pub(crate) struct Ending {
@@ -19,6 +23,8 @@ pub(crate) struct Ending {
     news_ns: u64,
     /// When every sample of the run was here, ns.
     complete_ns: Option<u64>,
+    /// When the recorder was asked to stop, ns.
+    asked_ns: Option<u64>,
 }
 
 /// Why a recording ends.
@@ -30,12 +36,14 @@ enum Cause {
     Overdue,
     /// The control loop's process is gone.
     SourceGone,
+    /// The recorder was asked to stop while the run goes on.
+    Asked,
 }
 
 impl Ending {
     /// Watches for the end of this run.
     pub(crate) fn of_run(run_id: u64) -> Self {
-        Self { run_id, status: None, source: SourceWatch::default(), news_ns: 0, complete_ns: None }
+        Self { run_id, status: None, source: SourceWatch::default(), news_ns: 0, complete_ns: None, asked_ns: None }
     }
 
     /// Takes note of the control loop's status; false for one of another run.
@@ -57,26 +65,26 @@ impl Ending {
         self.news_ns = now_ns;
     }
 
-    /// Samples that the run has published, as far as the control loop has said.
-    pub(crate) fn published_samples(&self) -> u64 {
-        self.status.map_or(0, |status| status.published_samples)
+    /// Samples that the run has taken, as far as the control loop has said.
+    pub(crate) fn taken_samples(&self) -> u64 {
+        self.status.map_or(0, |status| status.taken_samples())
     }
 
     /// True when the recording is to be ended; says why unless the run simply is complete.
     pub(crate) fn has_come(&mut self, recording: &Recording, stop: &Stop) -> bool {
-        if stop.is_asked() {
-            tracing::info!("asked to stop: the archive ends here");
-            return true;
-        }
         let now_ns = rig::monotonic_time_ns();
+        if stop.is_asked() {
+            self.asked_ns.get_or_insert(now_ns);
+        }
         let cause = self.cause(now_ns, recording.next_seq(), self.source.is_gone(now_ns));
         match cause {
             None | Some(Cause::Complete) => {}
             Some(Cause::Overdue) => tracing::warn!(
                 "the run had {} samples, but only the first {} of them came in the end",
-                self.published_samples(),
+                self.taken_samples(),
                 recording.next_seq()
             ),
+            Some(Cause::Asked) => tracing::warn!("asked to stop while the run goes on: the archive ends here"),
             Some(Cause::SourceGone) => {
                 tracing::warn!("the control loop is gone before the run's end: the archive ends here");
             }
@@ -85,15 +93,16 @@ impl Ending {
     }
 
     fn cause(&mut self, now_ns: u64, next_seq: u64, source_is_gone: bool) -> Option<Cause> {
-        let status = self.status?;
+        let asked = self.asked_ns.filter(|asked_ns| now_ns.saturating_sub(*asked_ns) > FAREWELL_NS);
+        let Some(status) = self.status else { return asked.map(|_| Cause::Asked) };
         if status.finished == 1 {
-            if next_seq >= status.published_samples {
+            if next_seq >= status.taken_samples() {
                 let complete_ns = *self.complete_ns.get_or_insert(now_ns);
                 return (now_ns.saturating_sub(complete_ns) > AFTERMATH_NS).then_some(Cause::Complete);
             }
             return (now_ns.saturating_sub(self.news_ns) > PATIENCE_NS).then_some(Cause::Overdue);
         }
-        source_is_gone.then_some(Cause::SourceGone)
+        if source_is_gone { Some(Cause::SourceGone) } else { asked.map(|_| Cause::Asked) }
     }
 }
 
@@ -133,6 +142,28 @@ mod tests {
         assert!(ending.hear(&status(0, 10), SECOND));
         assert_eq!(ending.cause(2 * SECOND, 10, false), None);
         assert_eq!(ending.cause(2 * SECOND, 10, true), Some(Cause::SourceGone));
+    }
+
+    #[test]
+    fn one_that_is_asked_to_stop_waits_for_the_end_of_the_run_and_not_for_ever() {
+        let mut ending = Ending::of_run(5);
+        ending.asked_ns = Some(SECOND);
+        assert!(ending.hear(&status(0, 10), SECOND));
+        assert_eq!(ending.cause(2 * SECOND, 10, false), None);
+        assert_eq!(ending.cause(SECOND + FAREWELL_NS + 1, 10, false), Some(Cause::Asked));
+        assert!(ending.hear(&status(1, 20), 2 * SECOND));
+        assert_eq!(ending.cause(2 * SECOND, 20, false), None);
+        assert_eq!(ending.cause(2 * SECOND + AFTERMATH_NS + 1, 20, false), Some(Cause::Complete));
+    }
+
+    #[test]
+    fn samples_that_the_loop_dropped_at_the_end_are_waited_for_and_told() {
+        let mut ending = Ending::of_run(5);
+        let dropped = LoopStatus { dropped_samples: 30, ..status(1, 70) };
+        assert!(ending.hear(&dropped, SECOND));
+        assert_eq!(ending.taken_samples(), 100);
+        assert_eq!(ending.cause(SECOND + AFTERMATH_NS + 1, 70, false), None);
+        assert_eq!(ending.cause(SECOND + PATIENCE_NS + 1, 70, false), Some(Cause::Overdue));
     }
 
     #[test]

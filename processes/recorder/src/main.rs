@@ -8,7 +8,7 @@
 //! half a second before is on the disk. Restarted with the same `--out` it goes on in a new part,
 //! `FILE.mcap.part-001` and so on; the samples of the meantime reach it as history. At the end of
 //! the run the parts become `FILE.mcap`, each sample once. **When the disk is full**, or the
-//! folder is removed, it goes on in the temporary directory; where there is no room either it keeps 100 s in memory and
+//! folder is removed, it goes on in a folder of its own in the temporary directory; where there is no room either it keeps 100 s in memory and
 //! looks for room. **When the control loop dies** it ends the archive properly.
 //!
 //! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but samples are missing.
@@ -23,8 +23,6 @@ mod streams;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::Parser as _;
-
 /// How often the queues are looked at. They hold sixteen seconds; with the publisher's millisecond this keeps a sample's way
 /// below two.
 const POLL_INTERVAL: Duration = Duration::from_micros(250);
@@ -33,7 +31,7 @@ const POLL_INTERVAL: Duration = Duration::from_micros(250);
 #[derive(clap::Parser)]
 #[command(version)]
 struct Arguments {
-    /// The archive to write; must not hold another run.
+    /// The archive to write; where another run holds the name, the archive goes to the temporary directory.
     #[arg(long, value_name = "FILE.mcap")]
     out: std::path::PathBuf,
     /// Times this process was restarted during the run, for its health report.
@@ -42,7 +40,10 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = match operator::parse() {
+        Ok(arguments) => arguments,
+        Err(status) => return status,
+    };
     consumer::start_log();
     consumer::prefer();
     shared_types::rig::keep_files_private();
@@ -50,7 +51,7 @@ fn main() -> ExitCode {
         Ok(0) => ExitCode::SUCCESS,
         Ok(_missing_samples) => ExitCode::from(3),
         Err(error) => {
-            tracing::error!("{error:#}");
+            operator::tell_error(&error);
             ExitCode::FAILURE
         }
     }
@@ -71,5 +72,5 @@ fn record(arguments: &Arguments) -> anyhow::Result<u64> {
         std::thread::sleep(POLL_INTERVAL);
     }
     streams.drain_into(&mut recording, &mut ending)?;
-    recording.finish(ending.published_samples())
+    recording.finish(ending.taken_samples())
 }

@@ -1,54 +1,32 @@
-//! The parts that lie on the disk, and the archive that they become.
+//! The parts of this run that lie on the disk.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use archive::whole_file::beside;
-
-/// Most parts of one archive.
-const MAX_PARTS: usize = 1_000;
-
-/// The name of part `number` of the archive `out`, in `directory`.
-fn part_path(out: &Path, directory: &Path, number: usize) -> PathBuf {
-    let name = out.file_name().map_or_else(|| Path::new("capture.mcap"), Path::new);
-    directory.join(beside(name, &format!(".part-{number:03}")))
-}
-
-/// The directory of `path`.
-pub(crate) fn directory_of(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-        _ => PathBuf::from("."),
-    }
-}
+use archive::parts;
 
 /// The first name for a part that is still free.
 pub(crate) fn next_free(out: &Path, directory: &Path) -> anyhow::Result<PathBuf> {
-    (0..MAX_PARTS)
-        .map(|number| part_path(out, directory, number))
+    (0..parts::MOST)
+        .map(|number| parts::path(out, directory, number))
         .find(|path| path.symlink_metadata().is_err())
-        .with_context(|| format!("{} has {MAX_PARTS} parts already; move them away", out.display()))
+        .with_context(|| format!("{} has {} parts already; move them away", out.display(), parts::MOST))
 }
 
-/// The parts of this run that lie in `directory`, oldest first; parts of other runs are left alone.
+/// The parts of this run that lie in `directory`, oldest first; what is not known to be its own is left alone.
 pub(crate) fn of_run(out: &Path, directory: &Path, run_id: u64) -> Vec<PathBuf> {
-    (0..MAX_PARTS)
-        .map(|number| part_path(out, directory, number))
-        .filter(|path| path.is_file())
-        .filter(|path| match archive::run_id(path) {
-            Ok(found) => {
-                let ours = found.is_none_or(|found| found == run_id);
-                if !ours {
-                    tracing::warn!("{} is left over from another run and stays as it is", path.display());
-                }
-                ours
-            }
-            Err(error) => {
-                tracing::warn!("a part is left out: {error}");
-                false
-            }
-        })
-        .collect()
+    let is_ours = |part: &parts::Part| match part.run_id {
+        Ok(Some(found)) => found == run_id,
+        // A recorder that was killed at once left it. Nothing is lost with it, and it need not stay.
+        Ok(None) => part.is_empty(),
+        Err(_) => false,
+    };
+    let (ours, others): (Vec<_>, Vec<_>) = parts::find(out, directory).into_iter().partition(is_ours);
+    if let [first, more @ ..] = others.as_slice() {
+        let why = first.run_id.as_ref().err().map_or_else(|| first.path.display().to_string(), ToString::to_string);
+        tracing::warn!("no part of this run, and left alone: {why}, and {} more files of such names", more.len());
+    }
+    ours.into_iter().map(|part| part.path).collect()
 }
 
 /// Removes parts whose content is safe elsewhere.

@@ -4,9 +4,10 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, bail};
-use archive::whole_file::put_in_place;
-use archive::{ArchiveError, SequenceLedger};
+use anyhow::Context as _;
+use archive::parts::{create_fallback_dir, fallback_dir};
+use archive::whole_file::{folder_of, put_in_place};
+use archive::{SequenceLedger, claim};
 use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
 
 use crate::part::{Flushed, Part};
@@ -36,8 +37,6 @@ const MOST_KEPT: usize = 1_000_000;
 pub(crate) struct Recording {
     out: PathBuf,
     run: RunDescription,
-    /// Where parts can go: beside the archive, or where there is room.
-    directories: [PathBuf; 2],
     /// `None` while no place takes one.
     part: Option<Part>,
     /// Every sample that this process received, over all its parts.
@@ -56,21 +55,17 @@ pub(crate) struct Recording {
 impl Recording {
     /// Begins a new part beside those that earlier starts may have left.
     pub(crate) fn begin(out: &Path, run: RunDescription) -> anyhow::Result<Self> {
-        if out.exists() && archive::run_id(out)? != Some(run.run_id) {
-            bail!("{} exists and holds another run; give --out another name", out.display());
-        }
-        let directories = [parts::directory_of(out), std::env::temp_dir()];
         // If it cannot be made, the part below cannot either, and says so.
-        let _ = std::fs::create_dir_all(&directories[0]);
-        let part = create_part(out, &directories[0], &run).or_else(|error| {
-            let part = create_part(out, &directories[1], &run).context("no place for the archive is left")?;
+        let _ = std::fs::create_dir_all(folder_of(out));
+        let part = create_part(out, folder_of(out), &run).or_else(|error| {
+            let elsewhere = || create_part(out, &create_fallback_dir(run.run_id)?, &run);
+            let part = elsewhere().context("no place for the archive is left")?;
             tracing::error!("{error:#}; recording to {} instead", part.path.display());
             anyhow::Ok(part)
         })?;
         Ok(Self {
             out: out.to_owned(),
             run,
-            directories,
             part: Some(part),
             received: SequenceLedger::default(),
             unsaved: VecDeque::new(),
@@ -152,7 +147,7 @@ impl Recording {
     /// Goes on in a new part elsewhere, with everything that the failed one did not take.
     fn fall_back(&mut self, error: &anyhow::Error) {
         if let Some(file) = self.part.take().and_then(Part::give_up) {
-            self.rescues.extend(Rescue::begin(file, &self.out, &self.directories[1]));
+            self.rescues.extend(Rescue::begin(file, &self.out, self.run_id()));
         }
         self.flushed = Instant::now();
         match self.go_on() {
@@ -166,8 +161,10 @@ impl Recording {
 
     /// Begins a part where everything that waits can be written; gives its file.
     fn go_on(&mut self) -> anyhow::Result<PathBuf> {
-        let [first, second] = &self.directories;
-        let part = self.begin_part_in(second).or_else(|error| self.begin_part_in(first).map_err(|_| error))?;
+        let elsewhere = create_fallback_dir(self.run_id()).context("there is no temporary directory");
+        let part = elsewhere
+            .and_then(|elsewhere| self.begin_part_in(&elsewhere))
+            .or_else(|error| self.begin_part_in(folder_of(&self.out)).map_err(|_| error))?;
         let path = part.path.clone();
         self.part = Some(part);
         // What was under way is nothing to the new part's disk.
@@ -199,28 +196,34 @@ impl Recording {
     }
 
     fn parts(&self) -> Vec<PathBuf> {
-        let [first, second] = &self.directories;
-        let mut parts = parts::of_run(&self.out, first, self.run_id());
-        // An archive in the temporary directory has nowhere else to go.
-        if first.canonicalize().ok() != second.canonicalize().ok() {
-            parts.extend(parts::of_run(&self.out, second, self.run_id()));
-        }
-        parts
+        let elsewhere = fallback_dir(self.run_id());
+        let places = [folder_of(&self.out), &elsewhere];
+        places.into_iter().flat_map(|place| parts::of_run(&self.out, place, self.run_id())).collect()
     }
 
     /// Ends the last part and makes one archive of all; the number of samples that are missing.
-    pub(crate) fn finish(mut self, published_samples: u64) -> anyhow::Result<u64> {
+    pub(crate) fn finish(self, published_samples: u64) -> anyhow::Result<u64> {
+        let (out, elsewhere) = (self.out.clone(), fallback_dir(self.run_id()));
+        let missing = self.end(published_samples);
+        claim::release(&out);
+        // It stays as long as something lies in it.
+        let _ = std::fs::remove_dir(elsewhere);
+        missing
+    }
+
+    fn end(mut self, published_samples: u64) -> anyhow::Result<u64> {
         self.flush();
         self.rescues.drain(..).for_each(Rescue::finish);
-        let alone = self.parts().len() == 1 && !self.out.exists();
+        let alone = self.parts().len() == 1 && self.out.symlink_metadata().is_err();
         if let Some(mut part) = self.part.take() {
             if alone {
                 part.writer.published(published_samples);
             }
             match part.finish() {
-                Ok((path, summary)) if alone && path.parent() == Some(&self.directories[0]) => {
-                    put_in_place(&path, &self.out)?;
-                    return Ok(tell(&self.out, &summary.ledger));
+                Ok((path, summary)) if alone && path.parent() == Some(folder_of(&self.out)) => {
+                    if put_in_place(&path, &self.out).is_ok() {
+                        return Ok(tell(&self.out, &summary.ledger));
+                    }
                 }
                 Ok(_) => {}
                 // What was flushed is sound without an end, and is merged like any other part.
@@ -230,18 +233,21 @@ impl Recording {
             tracing::error!("{} messages found no place to the end and are lost", self.unsaved.len());
         }
         let mut sources = self.parts();
-        let Self { out, directories, received, .. } = self;
-        if out.exists() {
+        let Self { out, run, received, .. } = self;
+        let elsewhere = fallback_dir(run.run_id).join(out.file_name().unwrap_or(out.as_os_str()));
+        for ended in [&elsewhere, &out] {
             // An earlier start had ended this run's archive already; this one adds to it.
-            sources.insert(0, out.clone());
+            if archive::run_id(ended).is_ok_and(|found| found == Some(run.run_id)) {
+                sources.insert(0, ended.clone());
+            }
         }
-        let elsewhere = directories[1].join(out.file_name().unwrap_or(out.as_os_str()));
-        let merged =
-            archive::merge(&sources, &out, Some(published_samples)).map(|merged| (&out, merged)).or_else(|error| {
-                let merged = archive::merge(&sources, &elsewhere, Some(published_samples))?;
-                tracing::error!("{error}; the archive is {} instead", elsewhere.display());
-                Ok::<_, ArchiveError>((&elsewhere, merged))
-            });
+        let merged = archive::merge(&sources, &out, Some(published_samples)).map(|merged| (&out, merged));
+        let merged = merged.map_err(anyhow::Error::from).or_else(|error| {
+            create_fallback_dir(run.run_id)?;
+            let merged = archive::merge(&sources, &elsewhere, Some(published_samples))?;
+            tracing::error!("{error}; the archive is {} instead", elsewhere.display());
+            anyhow::Ok((&elsewhere, merged))
+        });
         match merged {
             Ok((place, merged)) => {
                 sources.retain(|source| source != place);
@@ -251,7 +257,7 @@ impl Recording {
             Err(error) => {
                 let paths: Vec<String> = sources.iter().map(|path| path.display().to_string()).collect();
                 tracing::error!(
-                    "{error}; the parts stay as they are: {}. Make room, then run `haptic-camera recover {} --out \
+                    "{error:#}; the parts stay as they are: {}. Make room, then run `haptic-camera recover {} --out \
                      FIXED.mcap`",
                     paths.join(", "),
                     out.display()

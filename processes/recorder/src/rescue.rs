@@ -5,6 +5,8 @@ use std::io::{Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
+use archive::parts::create_fallback_dir;
+
 use crate::parts;
 
 /// Copies the file of a removed part, which exists as long as it is open, on a thread of its own: the queues do not wait.
@@ -14,14 +16,15 @@ pub(crate) struct Rescue {
 }
 
 impl Rescue {
-    /// Begins to copy what was flushed of `removed` into a new part of `out` in `directory`; tells why it cannot.
-    pub(crate) fn begin(removed: File, out: &Path, directory: &Path) -> Option<Self> {
-        let begun = parts::next_free(out, directory).and_then(|path| {
+    /// Begins to copy what was flushed of `removed` into a new part of `out` in the run's fallback folder; tells why it cannot.
+    pub(crate) fn begin(removed: File, out: &Path, run_id: u64) -> Option<Self> {
+        let begin = || {
+            let path = parts::next_free(out, &create_fallback_dir(run_id)?)?;
             let place = File::options().write(true).create_new(true).open(&path)?;
             let copy = std::thread::Builder::new().name("rescue".to_owned()).spawn(move || copy(removed, place))?;
-            Ok(Self { path, copy })
-        });
-        begun
+            anyhow::Ok(Self { path, copy })
+        };
+        begin()
             .inspect_err(|error| tracing::error!("what was recorded before it was removed cannot be saved: {error:#}"))
             .ok()
     }

@@ -10,11 +10,12 @@ use std::time::{Duration, Instant};
 use archive::Capture;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::update_connections::UpdateConnections as _;
-use iceoryx2::prelude::ipc;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use shared_types::services::{self, FIT_UPDATES, LOOP_STATUS, MessagePublisher, RigNode, SamplePublisher};
-use shared_types::{BlockHeader, ClockMapping, FitUpdate, LoopStatus, RunDescription, Sample, rig};
+use shared_types::{
+    BlockHeader, ClockMapping, FitUpdate, LoopStatus, PrivateIpc, RunDescription, Sample, clean_up, rig,
+};
 use tempfile::TempDir;
 
 const RUN_ID: u64 = 0xfeed;
@@ -28,7 +29,7 @@ struct Rig {
     samples: SamplePublisher,
     status: MessagePublisher<LoopStatus>,
     fits: MessagePublisher<FitUpdate>,
-    description: Publisher<ipc::Service, [u8], ()>,
+    description: Publisher<PrivateIpc, [u8], ()>,
     published: u64,
     process_id: u32,
     _node: RigNode,
@@ -36,16 +37,14 @@ struct Rig {
     directory: TempDir,
 }
 
-/// What iceoryx2 leaves of a rig when its last process has gone: removed with the test.
-struct SharedMemory(String);
+/// What iceoryx2 leaves of the rig of this runtime directory when its last process has gone: removed with the test.
+struct SharedMemory(PathBuf);
 
 impl Drop for SharedMemory {
     fn drop(&mut self) {
-        for entry in std::fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
-            if entry.file_name().to_string_lossy().starts_with(&self.0) {
-                // Another process of the rig may have removed it just now.
-                let _ = std::fs::remove_file(entry.path());
-            }
+        if let Some(folder) = clean_up::files_in_shared_memory(&self.0).first() {
+            // Another process of the rig may have removed it just now.
+            let _ = std::fs::remove_dir_all(folder);
         }
     }
 }
@@ -89,7 +88,7 @@ impl Rig {
             published: 0,
             process_id: std::process::id(),
             _node: node,
-            _shared_memory: SharedMemory(rig::shared_memory_prefix()),
+            _shared_memory: SharedMemory(rig::runtime_dir()),
             directory,
         };
         std::fs::create_dir(rig.elsewhere()).unwrap();
@@ -109,6 +108,12 @@ impl Rig {
     /// The temporary directory as the recorder sees it.
     fn elsewhere(&self) -> PathBuf {
         self.directory.path().join("elsewhere")
+    }
+
+    /// Where it goes on when the folder that was asked for fails.
+    fn fallback(&self) -> PathBuf {
+        let run = archive::parts::fallback_dir(RUN_ID);
+        self.elsewhere().join(run.file_name().unwrap())
     }
 
     fn start_recorder(&self, restarts: u32) -> Process {
@@ -350,8 +355,10 @@ fn an_archive_of_another_run_is_never_overwritten() {
     std::fs::write(rig.out(), &other).unwrap();
     rig.publish_blocks(10);
     let mut recorder = rig.start_recorder(0);
-    assert_eq!(rig.finish(&mut recorder), 1);
+    assert_eq!(rig.finish(&mut recorder), 0);
     assert_eq!(std::fs::read(rig.out()).unwrap(), other);
+    assert_eq!(files_in(rig.directory.path()), ["run.mcap"]);
+    rig.assert_complete(&rig.fallback().join("run.mcap"));
 }
 
 #[test]
@@ -372,11 +379,12 @@ fn a_recorder_started_again_after_its_archive_was_ended_loses_nothing_of_it() {
 fn a_place_that_cannot_be_written_to_sends_the_recording_to_the_temporary_directory() {
     let mut rig = Rig::new();
     let mut recorder = rig.start_recorder_to(Path::new("/proc/no/such/place/run.mcap"), 0);
-    rig.wait_for("the part elsewhere", |path| path.join("elsewhere/run.mcap.part-000").exists());
+    let part = rig.fallback().join("run.mcap.part-000");
+    rig.wait_for("the part elsewhere", |_| part.exists());
     rig.publish_blocks(300);
     assert_eq!(rig.finish(&mut recorder), 0);
-    assert_eq!(files_in(&rig.elsewhere()), ["run.mcap"], "the archive is where there is room");
-    rig.assert_complete(&rig.elsewhere().join("run.mcap"));
+    assert_eq!(files_in(&rig.fallback()), ["run.mcap"], "the archive is where there is room");
+    rig.assert_complete(&rig.fallback().join("run.mcap"));
 }
 
 /// A disk of so many kilobytes, for as long as it lives.
@@ -419,8 +427,8 @@ fn a_folder_that_is_removed_during_the_run_costs_no_sample() {
     std::fs::remove_dir_all(&folder).unwrap();
     rig.publish_blocks(1200);
     assert_eq!(rig.finish(&mut recorder), 0);
-    assert_eq!(files_in(&rig.elsewhere()), ["run.mcap"], "what was removed was saved from the open file");
-    rig.assert_complete(&rig.elsewhere().join("run.mcap"));
+    assert_eq!(files_in(&rig.fallback()), ["run.mcap"], "what was removed was saved from the open file");
+    rig.assert_complete(&rig.fallback().join("run.mcap"));
 }
 
 #[test]
@@ -439,7 +447,7 @@ fn a_disk_that_becomes_read_only_costs_no_sample() {
     rig.publish_blocks(1000);
     assert_eq!(rig.finish(&mut recorder), 0);
     assert_eq!(files_in(&disk.0), ["run.mcap.part-000"], "what cannot be removed stays");
-    rig.assert_complete(&rig.elsewhere().join("run.mcap"));
+    rig.assert_complete(&rig.fallback().join("run.mcap"));
 }
 
 #[test]
@@ -451,7 +459,7 @@ fn two_full_disks_cost_no_sample_when_room_is_made_in_time() {
     rig.publish_blocks(4000);
     other.remount("size=64m");
     assert_eq!(rig.finish(&mut recorder), 0);
-    rig.assert_complete(&rig.elsewhere().join("run.mcap"));
+    rig.assert_complete(&rig.fallback().join("run.mcap"));
 }
 
 #[test]
@@ -464,7 +472,7 @@ fn two_full_disks_leave_what_fitted_readable_and_the_loss_is_told() {
     rig.publish_blocks(4000);
     assert_eq!(rig.finish(&mut recorder), 3);
     let mut parts = Vec::new();
-    for folder in [&disk.0, &rig.elsewhere()] {
+    for folder in [&disk.0, &rig.fallback()] {
         parts.extend(files_in(folder).into_iter().map(|name| folder.join(name)));
     }
     let merged = rig.directory.path().join("merged.mcap");
@@ -486,8 +494,43 @@ fn a_disk_that_fills_up_costs_no_sample() {
     rig.publish_blocks(3000);
     assert_eq!(rig.finish(&mut recorder), 0);
     assert_eq!(files_in(&disk.0), [""; 0], "the parts were merged elsewhere");
-    assert_eq!(files_in(&rig.elsewhere()), ["run.mcap"]);
-    rig.assert_complete(&rig.elsewhere().join("run.mcap"));
+    assert_eq!(files_in(&rig.fallback()), ["run.mcap"]);
+    rig.assert_complete(&rig.fallback().join("run.mcap"));
+}
+
+#[test]
+fn what_the_recorder_did_not_make_is_never_part_of_its_run() {
+    let mut rig = Rig::new();
+    let place = rig.directory.path().to_owned();
+    // Samples of nobody's run under the name of the next part, a pipe that nobody writes to, a folder, a link.
+    let mut stranger = archive_with_samples(RUN_ID + 1);
+    let name = stranger.windows(8).position(|bytes| bytes == b"run.json").unwrap();
+    stranger[name] = b'X';
+    std::fs::write(place.join("run.mcap.part-001"), &stranger).unwrap();
+    assert!(Command::new("mkfifo").arg(place.join("run.mcap.part-002")).status().unwrap().success());
+    std::fs::create_dir(place.join("run.mcap.part-003")).unwrap();
+    std::fs::write(place.join("theirs"), archive_with_samples(RUN_ID)).unwrap();
+    std::os::unix::fs::symlink("theirs", place.join("run.mcap.part-004")).unwrap();
+    let mut recorder = rig.start_recorder(0);
+    rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
+    rig.publish_blocks(300);
+    recorder.kill();
+    let mut recorder = rig.start_recorder(1);
+    rig.publish_blocks(300);
+    assert_eq!(rig.finish(&mut recorder), 0);
+    rig.assert_complete(&rig.out());
+    let left: Vec<String> = (1..=4).map(|number| format!("run.mcap.part-00{number}")).collect();
+    assert_eq!(files_in(&place), [&["run.mcap".to_owned()][..], &left].concat(), "what is not its own stays");
+    assert_eq!(std::fs::read(place.join("run.mcap.part-001")).unwrap(), stranger);
+}
+
+/// An archive of a run with this identity and samples that the rig never published.
+fn archive_with_samples(run_id: u64) -> Vec<u8> {
+    let mut writer = archive::CaptureWriter::new(std::io::Cursor::new(Vec::new()), &description(run_id)).unwrap();
+    for seq in 0..100_000 {
+        writer.sample(&Sample { torque_mnm: 1e6, ..sample(seq) }).unwrap();
+    }
+    writer.finish().unwrap().1.into_inner()
 }
 
 /// An archive of a run with this identity, without samples.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use dynamics::{Drive, Excitation};
+use foreign_files::{Column, Others, read_columns};
 use hal::simulated::{Grip, Hand, Intention};
 
 use crate::plan::{Options, PlanError};
@@ -40,37 +41,21 @@ pub(crate) fn hand(options: &Options) -> Result<Option<Hand>, PlanError> {
     Ok(Some(Hand { grip, intention, begins_s: HAND_BEGINS_S }))
 }
 
-/// Reads the columns `t_s` and `angle_rad` of a CSV file of evenly spaced rows.
+/// Reads the columns `t_s` and `angle_rad` of a table of evenly spaced rows.
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn recorded_motion(path: &Path) -> Result<Intention, String> {
-    let told = |what: String| format!("{}: {what}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|error| told(error.to_string()))?;
-    let mut lines = text.lines();
-    let header: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
-    let column = |name: &str| {
-        header.iter().position(|found| *found == name).ok_or_else(|| told(format!("has no column {name}")))
-    };
-    let (time, angle) = (column("t_s")?, column("angle_rad")?);
-    let mut rows = Vec::new();
-    for (number, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        let cells: Vec<&str> = line.split(',').collect();
-        let value = |index: usize| cells.get(index).and_then(|cell| cell.trim().parse::<f64>().ok());
-        match (value(time), value(angle)) {
-            (Some(time_s), Some(angle_rad)) if time_s.is_finite() && angle_rad.is_finite() => {
-                rows.push((time_s, angle_rad));
-            }
-            _ => return Err(told(format!("row {} has no t_s and angle_rad", number + 2))),
-        }
+    let told = |what: &dyn std::fmt::Display| format!("{}: {what}", path.display());
+    let file = foreign_files::open(path).map_err(|error| told(&error))?;
+    let wanted = ["t_s", "angle_rad"].map(Column::required);
+    let columns = read_columns(file, wanted, Others::PassedOver).map_err(|error| told(&error))?;
+    let [t_s, angle_rad] = columns.map(Option::unwrap_or_default);
+    let duration_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
+    let rate_hz = (t_s.len().max(1) - 1) as f64 / duration_s;
+    if !(t_s.len() >= 2 && duration_s > 0.0 && rate_hz.is_finite()) {
+        return Err(told(&"it needs at least two rows with rising t_s"));
     }
-    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Err(told("has no rows".to_owned())) };
-    let duration_s = last.0 - first.0;
-    if rows.len() < 2 || duration_s <= 0.0 {
-        return Err(told("needs at least two rows with rising t_s".to_owned()));
+    if t_s.windows(2).any(|pair| ((pair[1] - pair[0]) * rate_hz - 1.0).abs() > 0.5) {
+        return Err(told(&"its t_s is not evenly spaced; resample it"));
     }
-    let rate_hz = (rows.len() - 1) as f64 / duration_s;
-    let uneven = rows.windows(2).any(|pair| ((pair[1].0 - pair[0].0) * rate_hz - 1.0).abs() > 0.5);
-    if uneven {
-        return Err(told("its t_s is not evenly spaced; resample it".to_owned()));
-    }
-    Ok(Intention::Recorded { angle_rad: rows.into_iter().map(|(_, angle_rad)| angle_rad).collect(), rate_hz })
+    Ok(Intention::Recorded { angle_rad, rate_hz })
 }

@@ -1,14 +1,14 @@
 //! The real-time process: parse, take the rig, start the loop, publish, stop.
 
+use std::io::IsTerminal as _;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 use std::thread::JoinHandle;
 
 use anyhow::Context as _;
-use clap::Parser as _;
 use hal::ApparatusError;
 use rt_loop::control::ControlState;
 use rt_loop::drilled_apparatus::DrilledApparatus;
@@ -16,11 +16,12 @@ use rt_loop::plan::{Options, Plan};
 use rt_loop::publisher::StreamPublisher;
 use rt_loop::realtime::{
     CallWatch, Permission, SharedState, TickLog, TickLoop, WATCH_CALLS_VARIABLE, WakefulProcessors, block_signals,
-    keep_off_core,
+    keep_off_core, prefer_publisher,
 };
 use rt_loop::rig_lock::RigLock;
 use shared_types::RunDescription;
 use shared_types::drill::{self, Drill};
+use shared_types::lease::Lease;
 use shared_types::rig::TIMINGS_VARIABLE;
 
 fn main() -> ExitCode {
@@ -28,22 +29,27 @@ fn main() -> ExitCode {
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        // A terminal that is gone takes no complaint about it either.
+        .log_internal_errors(false)
         .init();
-    match run(&Options::parse()) {
+    let options = match operator::parse() {
+        Ok(options) => options,
+        Err(status) => return status,
+    };
+    match run(&options) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             tracing::debug!("{error:?}");
-            #[allow(clippy::print_stderr, reason = "the one place where this process tells its error")]
-            {
-                eprintln!("error: {error:#}");
-            }
+            operator::tell_error(&error);
             ExitCode::FAILURE
         }
     }
 }
 
 fn run(options: &Options) -> anyhow::Result<()> {
-    let stop_signal = stop_signal()?;
+    let must_end = must_end()?;
+    shared_types::shared_memory::check_room()?;
     let plan = Plan::new(options)?;
     let _lock = RigLock::take()?;
     let control =
@@ -81,6 +87,7 @@ fn run(options: &Options) -> anyhow::Result<()> {
     })?;
     let permission = permission.recv().context("the real-time thread ended before it began")?;
     keep_off_core(core);
+    prefer_publisher();
     let _wakeful = WakefulProcessors::request();
     if let Some(refused) = permission.refused() {
         tracing::warn!("running without {refused}: ticks may be late, and the capture says so");
@@ -90,9 +97,12 @@ fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(tick_log) = tick_log {
         publisher.log_ticks(tick_log);
     }
+    if must_end() {
+        return Ok(());
+    }
     start.send(()).context("the real-time thread ended before it began")?;
     let real_time = RunningLoop { shared, thread: Some(real_time) };
-    publisher.serve(&stop_signal, || {
+    publisher.serve(must_end, || {
         if let Some(drill) = &drill {
             drill.panic_if_told();
         }
@@ -155,18 +165,18 @@ fn call_watch(tick_loop: &mut TickLoop) -> anyhow::Result<Option<CallWatch>> {
     Ok(Some(watch))
 }
 
-/// Tells the operator what will be otherwise than asked.
-#[allow(clippy::print_stderr, reason = "the one place where this process tells a remark")]
+/// Tells the operator an error, or what will be otherwise than asked. That nobody reads is no reason to stop.
 fn remark(sentence: impl AsRef<str>) {
-    let sentence = sentence.as_ref();
-    eprintln!("{sentence}");
+    use std::io::Write as _;
+    let _ = writeln!(std::io::stderr(), "{}", operator::one_line(sentence.as_ref()));
 }
 
-/// Set by SIGINT, SIGTERM and the death of the parent process.
-fn stop_signal() -> anyhow::Result<Arc<AtomicBool>> {
-    let flag = Arc::new(AtomicBool::new(false));
-    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(&flag))?;
-    signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&flag))?;
-    nix::sys::prctl::set_pdeathsig(nix::sys::signal::Signal::SIGTERM)?;
-    Ok(flag)
+/// Whether the process is to end: a signal came, or its supervisor is gone or lets go.
+fn must_end() -> anyhow::Result<impl Fn() -> bool> {
+    let signalled = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
+        signal_hook::flag::register(signal, Arc::clone(&signalled))?;
+    }
+    let lease = Lease::of_this_process()?;
+    Ok(move || signalled.load(Ordering::Relaxed) || lease.as_ref().is_some_and(Lease::has_ended))
 }

@@ -1,11 +1,11 @@
 //! What the process was asked to do, checked against the rig.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Parser;
 use dynamics::excitation::ExcitationError;
 use dynamics::knobs::Fixture;
-use dynamics::{Calibration, Drive, Excitation, Model, ModelError, knobs};
+use dynamics::{Calibration, CalibrationError, Drive, Excitation, Model, ModelError, knobs};
 use hal::simulated::{RigParameters, SimulatedRig};
 use hal::{Apparatus, RigDescription};
 use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
@@ -13,7 +13,7 @@ use shared_types::{ClockMapping, MODEL_MAX_BYTES, RunDescription};
 
 use crate::admission::{Admission, Admitted};
 use crate::control::rendering::{self, RenderGains, Renderer, Unrenderable};
-use crate::control::{ControlPlan, ServoGains};
+use crate::control::{ControlPlan, Holding, ServoGains};
 use crate::hand::hand;
 use crate::motor_cogging::MotorCogging;
 use crate::nearest::Nearest;
@@ -22,8 +22,6 @@ use crate::stability::BoundExceeded;
 
 /// Slowest rate at which the servo's velocity filter still does its work, Hz.
 const SLOWEST_RATE_HZ: f64 = 2_000.0;
-/// Most harmonics of a motor's cogging, so that a tick has time for them.
-const MOST_COGGING: usize = 64;
 /// Longest run, s: a day.
 const LONGEST_DURATION_S: f64 = 86_400.0;
 
@@ -98,26 +96,9 @@ pub enum PlanError {
     /// A knob that the simulated rig cannot turn.
     #[error("the knob cannot be put on the simulated rig: {0}")]
     Unmountable(String),
-    /// A calibration file that cannot be read.
-    #[error("the calibration {} cannot be read: {reason}", path.display())]
-    CalibrationUnreadable {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// A calibration that no rig can have.
-    #[error("the calibration {} has a {quantity} of {value}, but it must be {requirement}", path.display())]
-    CalibrationRange {
-        /// The file.
-        path: PathBuf,
-        /// The quantity's key.
-        quantity: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        requirement: &'static str,
-    },
+    /// A calibration that cannot be used.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
     /// An excitation that cannot be had.
     #[error(transparent)]
     Excitation(#[from] ExcitationError),
@@ -132,6 +113,14 @@ pub enum PlanError {
         slowest: f64,
         /// Fastest rate, Hz.
         fastest: f64,
+    },
+    /// A rate at which the servo makes the shaft swing.
+    #[error("at {asked} Hz the servo would shake this knob instead of holding it: {remedy}")]
+    Unstable {
+        /// The rate asked for, Hz.
+        asked: f64,
+        /// What to do instead.
+        remedy: String,
     },
     /// A hand that cannot be had.
     #[error("the hand cannot be had: {0}")]
@@ -268,7 +257,7 @@ impl Plan {
             .map_err(|error| PlanError::Unmountable(error.to_string()))?;
         let mut rig = apparatus.description().clone();
         if let Some(path) = &options.calibration {
-            rig.calibration = calibration(path)?;
+            rig.calibration = Calibration::load(path)?;
         }
         if !(options.rate_hz >= SLOWEST_RATE_HZ && options.rate_hz <= rig.limits.rate_hz) {
             return Err(PlanError::Rate {
@@ -290,6 +279,9 @@ impl Plan {
             rate_hz: options.rate_hz,
             planned_ticks,
         };
+        if options.render.is_none() && drive == Drive::Position {
+            check_servo(&control, &rig, knob.inertia())?;
+        }
         let rendering = options.render.as_deref().map(|name| make_rendering(name, &rig, options)).transpose()?;
         Ok(Self {
             apparatus: Box::new(apparatus),
@@ -303,49 +295,19 @@ impl Plan {
     }
 }
 
-/// Reads a calibration and makes sure that servo and fit can work with it.
-fn calibration(path: &Path) -> Result<Calibration, PlanError> {
-    let unreadable = |reason: String| PlanError::CalibrationUnreadable { path: path.to_owned(), reason };
-    let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
-    let known = Calibration::from_toml(&text).map_err(|error| unreadable(error.to_string()))?;
-    let [coulomb_mnm, viscous, command_delay_s] =
-        [known.motor_coulomb_mnm, known.motor_viscous, known.command_delay_s].map(Option::unwrap_or_default);
-    let cogging = known.motor_cogging.as_deref().unwrap_or_default();
-    let numbers = cogging.iter().flat_map(|harmonic| [harmonic.torque_mnm, harmonic.phase_rad]);
-    #[allow(clippy::cast_precision_loss, reason = "a number of harmonics")]
-    let harmonics = cogging.len() as f64;
-    let checks = [
-        ("motor_inertia", known.motor_inertia, known.motor_inertia > 0.0, "more than zero, and finite"),
-        ("gripper_inertia", known.gripper_inertia, known.gripper_inertia >= 0.0, "zero or more, and finite"),
-        (
-            "torque_sensor_stiffness_mnm_rad",
-            known.torque_sensor_stiffness_mnm_rad,
-            known.torque_sensor_stiffness_mnm_rad > 0.0,
-            "more than zero, and finite",
-        ),
-        ("torque_zero_mnm", known.torque_zero_mnm, true, "finite"),
-        ("torque_delay_s", known.torque_delay_s, known.torque_delay_s.abs() < 0.1, "less than 0.1 s either way"),
-        ("acceleration_zero_rad_s2", known.acceleration_zero_rad_s2, true, "finite"),
-        (
-            "acceleration_delay_s",
-            known.acceleration_delay_s,
-            known.acceleration_delay_s.abs() < 0.1,
-            "less than 0.1 s either way",
-        ),
-        ("gravity_amplitude_rad_s2", known.gravity_amplitude_rad_s2, true, "finite"),
-        ("gravity_phase_rad", known.gravity_phase_rad, true, "finite"),
-        ("motor_coulomb_mnm", coulomb_mnm, coulomb_mnm >= 0.0, "zero or more, and finite"),
-        ("motor_viscous", viscous, viscous >= 0.0, "zero or more, and finite"),
-        ("command_delay_s", command_delay_s, command_delay_s.abs() < 0.01, "less than 0.01 s either way"),
-        ("number of harmonics of motor_cogging", harmonics, cogging.len() <= MOST_COGGING, "at most 64"),
-        ("number in motor_cogging", numbers.sum(), true, "finite"),
-    ];
-    match checks.into_iter().find(|(_, value, permitted, _)| !(value.is_finite() && *permitted)) {
-        Some((quantity, value, _, requirement)) => {
-            Err(PlanError::CalibrationRange { path: path.to_owned(), quantity, value, requirement })
-        }
-        None => Ok(known),
+/// Makes sure that the servo holds a knob of this inertia.
+fn check_servo(control: &ControlPlan, rig: &RigDescription, knob_inertia: f64) -> Result<(), PlanError> {
+    let ControlPlan { gains, rate_hz, .. } = *control;
+    let holding = Holding { gains, calibration: &rig.calibration, knob_inertia };
+    if holding.is_stable(rate_hz) {
+        return Ok(());
     }
+    let fastest_hz = rig.limits.rate_hz;
+    let remedy = match holding.slowest_stable_hz(fastest_hz) {
+        Some(slowest_hz) => format!("give --rate-hz {slowest_hz} or more"),
+        None => format!("with the rig's calibration it holds it at no rate up to {fastest_hz} Hz; calibrate it again"),
+    };
+    Err(PlanError::Unstable { asked: rate_hz, remedy })
 }
 
 /// The model called `name`, made ready to be rendered on the rig.

@@ -1,10 +1,9 @@
 //! The publisher thread: ring to shared memory, status, commands, models.
 //!
-//! Runs on any core but the loop's, at ordinary priority. If it stalls, the ring holds four
-//! seconds; nothing it does can hold up the loop.
+//! Runs on any core but the loop's, at a real-time priority below the loop's where that is permitted. If it stalls, the
+//! ring holds sixteen seconds; nothing it does can hold up the loop.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use iceoryx2::port::update_connections::UpdateConnections as _;
@@ -33,7 +32,7 @@ pub enum PublisherError {
     #[error(transparent)]
     Service(#[from] ServiceError),
     /// The run's description did not go out.
-    #[error("the run's description could not be published ({0}); free space in /dev/shm and start again")]
+    #[error("the run's description could not be published ({0})")]
     Description(String),
 }
 
@@ -48,6 +47,8 @@ pub struct StreamPublisher {
     requests: Producer<Request>,
     shared: Arc<SharedState>,
     current: LoopStatus,
+    /// Samples that came out of the ring and could not be sent.
+    unsent_samples: u64,
     has_run: bool,
     shutdown: bool,
     tick_log: Option<TickLog>,
@@ -87,6 +88,7 @@ impl StreamPublisher {
                 process_id: std::process::id(),
                 ..LoopStatus::default()
             },
+            unsent_samples: 0,
             has_run: false,
             shutdown: false,
             tick_log: None,
@@ -114,9 +116,9 @@ impl StreamPublisher {
         self.tick_log
     }
 
-    /// Publishes until the process is asked to end, by request or by `stop_signal`, and the torque is
+    /// Publishes until the process is to end, by request or because it `must_end`, and the torque is
     /// down; or until the loop is no longer `alive`.
-    pub fn serve(&mut self, stop_signal: &AtomicBool, alive: impl Fn() -> bool) {
+    pub fn serve(&mut self, must_end: impl Fn() -> bool, alive: impl Fn() -> bool) {
         let mut next_status_ns = 0;
         let mut shown = LoopState::Idle;
         loop {
@@ -127,7 +129,7 @@ impl StreamPublisher {
             }
             self.models.serve(state);
             self.answer_requests();
-            if stop_signal.load(Ordering::Acquire) && !self.shutdown {
+            if !self.shutdown && must_end() {
                 self.begin_shutdown();
             }
             // A run shorter than a stall of this thread is never seen running, but its samples are there.
@@ -138,11 +140,15 @@ impl StreamPublisher {
             let now_ns = monotonic_time_ns();
             if now_ns >= next_status_ns || state != shown || finished != (self.current.finished == 1) {
                 self.current.finished = u32::from(finished);
+                // What no block could be loaned for by now is not counted on.
+                let left_in_ring = if finished { self.incoming.slots() as u64 } else { 0 };
+                self.current.dropped_samples = self.shared.dropped_samples() + self.unsent_samples + left_in_ring;
                 self.publish_status(state, now_ns);
                 next_status_ns = now_ns + STATUS_INTERVAL_NS;
                 shown = state;
             }
             if (self.shutdown && at_rest) || !alive() {
+                self.publish_samples();
                 self.models.close();
                 return;
             }
@@ -161,13 +167,18 @@ impl StreamPublisher {
                 return;
             };
             block.user_header_mut().run_id = self.current.run_id;
+            let mut counted = self.current;
             let block = block.write_from_fn(|_| {
                 let sample = self.incoming.pop().unwrap_or_default();
-                count(&mut self.current, &sample);
+                count(&mut counted, &sample);
                 sample
             });
-            if let Err(error) = block.send() {
-                tracing::error!("a block of {waiting} samples could not be sent ({error:?})");
+            match block.send() {
+                Ok(_) => self.current = counted,
+                Err(error) => {
+                    self.unsent_samples += waiting as u64;
+                    tracing::error!("a block of {waiting} samples could not be sent ({error:?})");
+                }
             }
         }
     }
@@ -208,6 +219,8 @@ impl StreamPublisher {
         self.current.wall_clock_time_ns = wall_clock_time_ns();
         self.current.state = state.code();
         self.current.fault = self.shared.fault_code();
+        self.current.missed_ticks = self.shared.missed_ticks();
+        self.current.overruns = self.shared.overruns();
         self.current.angle_rad = self.shared.angle_rad();
         if let Err(error) = self.status.send_copy(self.current) {
             tracing::warn!("the status could not be sent ({error:?})");
@@ -227,9 +240,6 @@ fn has_run(state: LoopState, published_samples: u64) -> bool {
 /// Adds one sample to the counts of the status.
 fn count(status: &mut LoopStatus, sample: &Sample) {
     status.published_samples += 1;
-    status.missed_ticks += u64::from(sample.missed_ticks);
-    status.overruns += u64::from(sample.missed_ticks > 0);
-    status.dropped_samples += u64::from(sample.dropped_samples);
     status.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
     (status.torque_mnm, status.flags) = (sample.torque_mnm, sample.flags);
     // After a stall the loop came this much too late for the first tick that it missed.

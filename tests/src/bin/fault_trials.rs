@@ -36,6 +36,10 @@ fn main() -> anyhow::Result<ExitCode> {
             eprintln!("trial {number}, {:?} {:?} at {:.2} s: {promise}", trial.victim, trial.fault, trial.moment_s);
             broken += 1;
         }
+        if outcome.lost_unsaid > 0 || outcome.orphans > 0 {
+            eprintln!("trial {number}: {} samples lost unsaid, {} orphans", outcome.lost_unsaid, outcome.orphans);
+            broken += 1;
+        }
         trials.push((trial, outcome));
     }
     println!("{}", markdown(&trials));

@@ -45,8 +45,14 @@ impl Victim {
 pub enum Fault {
     /// SIGKILL: gone at once, as for want of memory.
     Killed,
+    /// SIGKILL within the first moments of the program that starts the others, several times over.
+    KilledEarly,
     /// SIGSTOP, and SIGCONT five seconds later.
     Stopped,
+    /// SIGTERM: somebody asks it to end, as at the end of a session.
+    Terminated,
+    /// SIGHUP: the terminal is closed.
+    HungUp,
     /// A panic on the thread that serves the others.
     Panic,
     /// A panic on the control loop's real-time thread.
@@ -62,8 +68,10 @@ impl Fault {
     #[allow(clippy::expect_used, reason = "constants of the operating system")]
     pub fn signal(self) -> Signal {
         match self {
-            Self::Killed => Signal::SIGKILL,
+            Self::Killed | Self::KilledEarly => Signal::SIGKILL,
             Self::Stopped => Signal::SIGSTOP,
+            Self::Terminated => Signal::SIGTERM,
+            Self::HungUp => Signal::SIGHUP,
             Self::Panic => Signal::try_from(drill::SERVING_THREAD).expect("a signal"),
             Self::PanicInRealTime => Signal::try_from(drill::REAL_TIME_THREAD).expect("a signal"),
         }
@@ -81,26 +89,39 @@ pub struct Trial {
     pub moment_s: f64,
     /// Planned length of the capture, s.
     pub duration_s: f64,
+    /// Draws what else there is to draw.
+    pub seed: u64,
 }
 
 impl Trial {
     /// Every pair of process and fault.
-    pub const KINDS: [(Victim, Fault); 16] = [
+    pub const KINDS: [(Victim, Fault); 27] = [
         (Victim::Recorder, Fault::Killed),
         (Victim::Recorder, Fault::Stopped),
+        (Victim::Recorder, Fault::Terminated),
+        (Victim::Recorder, Fault::HungUp),
         (Victim::Recorder, Fault::Panic),
         (Victim::LiveFitter, Fault::Killed),
         (Victim::LiveFitter, Fault::Stopped),
+        (Victim::LiveFitter, Fault::Terminated),
+        (Victim::LiveFitter, Fault::HungUp),
         (Victim::LiveFitter, Fault::Panic),
         (Victim::Viewer, Fault::Killed),
         (Victim::Viewer, Fault::Stopped),
+        (Victim::Viewer, Fault::Terminated),
+        (Victim::Viewer, Fault::HungUp),
         (Victim::Viewer, Fault::Panic),
         (Victim::ControlLoop, Fault::Killed),
         (Victim::ControlLoop, Fault::Stopped),
+        (Victim::ControlLoop, Fault::Terminated),
+        (Victim::ControlLoop, Fault::HungUp),
         (Victim::ControlLoop, Fault::Panic),
         (Victim::ControlLoop, Fault::PanicInRealTime),
         (Victim::Supervisor, Fault::Killed),
+        (Victim::Supervisor, Fault::KilledEarly),
         (Victim::Supervisor, Fault::Stopped),
+        (Victim::Supervisor, Fault::Terminated),
+        (Victim::Supervisor, Fault::HungUp),
         (Victim::Supervisor, Fault::Panic),
     ];
 
@@ -121,6 +142,6 @@ impl Trial {
         let share = Xoshiro256PlusPlus::seed_from_u64(seed).next_u64() as f64 / u64::MAX as f64;
         let earliest_s = if victim.is_consumer() { 0.0 } else { 1.5 };
         let duration_s = if fault == Fault::Stopped { 10.0 } else { 6.0 };
-        Self { victim, fault, moment_s: earliest_s + 2.5 * share, duration_s }
+        Self { victim, fault, moment_s: earliest_s + 2.5 * share, duration_s, seed }
     }
 }

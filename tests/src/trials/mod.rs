@@ -4,6 +4,7 @@
 //! broken; what a trial measured besides, the table of many trials needs (see `scripts/study-faults`).
 
 mod draw;
+mod early;
 mod evidence;
 mod outcome;
 mod restarts;
@@ -11,6 +12,7 @@ mod table;
 mod watched;
 
 pub use draw::{Fault, Trial, Victim};
+pub use early::EarlyKills;
 pub use evidence::Evidence;
 pub use outcome::Outcome;
 pub use restarts::{Restarts, capture_with_restarts};

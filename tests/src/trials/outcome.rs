@@ -4,20 +4,27 @@ use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Context as _, ensure};
+use anyhow::Context as _;
 use archive::Capture;
 use nix::sys::signal::{Signal, kill};
 use shared_types::rig::monotonic_time_ns;
-use shared_types::{LoopState, ProcessKind, clean_up, drill};
+use shared_types::{LoopState, ProcessKind, clean_up, drill, shared_memory};
 
 use super::watched::Watched;
-use super::{Evidence, Fault, Trial, Victim};
+use super::{EarlyKills, Evidence, Fault, Trial, Victim};
 use crate::Bench;
 
 /// How long a stopped process stays stopped.
 const STOPPED: Duration = Duration::from_secs(5);
 /// Longest time until a whole run must have ended.
 const PATIENCE: Duration = Duration::from_secs(90);
+/// Kills of one trial of killing early, and the latest moment of each.
+const EARLY: (u32, Duration) = (5, Duration::from_millis(50));
+/// How the operator is told that a run did not come to its planned end.
+const TOLD_ENDS: [&str; 4] =
+    ["were never taken", "ended in the middle of the run", "the run ended in a fault", "stopped by the operator"];
+/// How the operator is told that a run never began.
+const NOTHING_BEGAN: &str = "the control loop ended before";
 /// Longest time until a process is back, and until a lost source is told, s.
 const PROMPT_S: f64 = 1.0;
 
@@ -30,6 +37,10 @@ pub struct Outcome {
     pub late: Vec<String>,
     /// Samples that were published and are not in the archive.
     pub lost_samples: u64,
+    /// Samples planned or published that are neither in the archive nor told to be missing.
+    pub lost_unsaid: u64,
+    /// Processes of the run that did not end with it.
+    pub orphans: usize,
     /// Time from the fault to the first report of the process that took the victim's place, s.
     pub back_after_s: Option<f64>,
     /// Time from the loss of the control loop until the last of supervisor and recorder had told it, s.
@@ -50,6 +61,23 @@ impl Trial {
     /// # Errors
     /// When the trial could not be made; a broken promise is no error.
     pub fn run(&self, bench: &Bench) -> anyhow::Result<Outcome> {
+        let mut outcome =
+            if self.fault == Fault::KilledEarly { self.kill_early(bench)? } else { self.disturb_capture(bench)? };
+        if !self.victim.is_consumer() {
+            outcome.expect_new_capture(bench)?;
+        }
+        let left = bench.leftovers();
+        outcome.expect(left.is_empty(), || format!("left behind: {left:?}"));
+        Ok(outcome)
+    }
+
+    fn kill_early(&self, bench: &Bench) -> anyhow::Result<Outcome> {
+        let (kills, latest) = EARLY;
+        let orphans = EarlyKills { kills, latest, seed: self.seed }.orphans(bench)?;
+        Ok(Outcome { orphans, ..Outcome::default() })
+    }
+
+    fn disturb_capture(&self, bench: &Bench) -> anyhow::Result<Outcome> {
         let duration = format!("{}", self.duration_s);
         let mut arguments = vec!["capture", "--duration-s", &duration, "--out", "out"];
         if self.victim != Victim::Viewer {
@@ -72,9 +100,15 @@ impl Trial {
         }
         let shared_memory_bytes = shared_memory_bytes(&bench.path("rig"));
         let (status, said) = program.wait(PATIENCE)?;
-        wait_until_alone(bench)?;
 
-        let mut outcome = Outcome { shared_memory_bytes, ..Outcome::default() };
+        let mut outcome = Outcome { shared_memory_bytes, orphans: bench.end_orphans(), ..Outcome::default() };
+        let needed = shared_memory::NEEDED_BYTES;
+        outcome.expect(shared_memory_bytes <= needed, || format!("{shared_memory_bytes} bytes of {needed} needed"));
+        if said.iter().any(|(_, line)| line.contains(NOTHING_BEGAN)) {
+            // On a busy machine the fault came before the run: there is nothing to lose.
+            outcome.expect(status.code() == Some(1), || format!("exit {status} of a run that never began"));
+            return Ok(outcome);
+        }
         outcome.expect_exit(self, status.code());
         let archive = match bench.only_archive("out") {
             Ok(archive) => archive,
@@ -84,7 +118,7 @@ impl Trial {
             }
         };
         let evidence = Evidence::read(&archive).context("the archive is not whole")?;
-        outcome.look_at_archive(self, &evidence, &Capture::load(&archive)?);
+        outcome.look_at_archive(self, &evidence, &Capture::load(&archive)?, &said);
         outcome.lateness_rank = evidence.rank_of_lateness(fault_ns);
         (outcome.missed_after_fault, outcome.missed_in_run) = evidence.missed_ticks(fault_ns);
         match self.victim {
@@ -92,19 +126,13 @@ impl Trial {
             Victim::Supervisor => {}
             _ => outcome.look_at_return(self, &evidence, u32::try_from(victim.as_raw())?, fault_ns),
         }
-        if !self.victim.is_consumer() {
-            outcome.expect_new_capture(bench)?;
-        }
-        let left = bench.leftovers();
-        if !left.is_empty() {
-            outcome.broken.push(format!("left behind: {left:?}"));
-        }
         Ok(outcome)
     }
 
     /// Exit code of the command that the operator started; `None` when a signal ended it.
     fn expected_exit(&self) -> Option<i32> {
         match (self.victim, self.fault) {
+            (Victim::ControlLoop, Fault::Terminated | Fault::HungUp) => Some(3),
             (Victim::ControlLoop, _) => Some(1),
             (Victim::Supervisor, Fault::Killed) => None,
             (Victim::Supervisor, Fault::Panic) => Some(101),
@@ -126,7 +154,7 @@ impl Outcome {
     }
 
     /// No sample is missing, or the archive itself says which.
-    fn look_at_archive(&mut self, trial: &Trial, evidence: &Evidence, capture: &Capture) {
+    fn look_at_archive(&mut self, trial: &Trial, evidence: &Evidence, capture: &Capture, said: &[(u64, String)]) {
         let published = evidence.published_samples();
         self.lost_samples = published - evidence.samples.len() as u64;
         let holes = evidence.holes();
@@ -136,12 +164,22 @@ impl Outcome {
         self.expect(told == lost, || format!("{lost} samples are missing, {told} are told to be"));
         let in_order = evidence.samples.windows(2).all(|pair| pair[0].tick < pair[1].tick);
         self.expect(in_order, || "ticks out of order".to_owned());
+        let planned = capture.description.as_ref().map_or(0, |run| run.planned_ticks);
+        // A sample that is lost takes with it how many ticks were missed before it; the loop has counted them too.
+        let seen: u64 = evidence.samples.iter().map(|sample| u64::from(sample.missed_ticks)).sum();
+        let missed = evidence.statuses.iter().map(|status| status.missed_ticks).fold(seen, u64::max);
+        let ticks = evidence.samples.len() as u64 + missed;
         if trial.victim.is_consumer() || (trial.victim, trial.fault) == (Victim::Supervisor, Fault::Stopped) {
-            let planned = capture.description.as_ref().map_or(0, |run| run.planned_ticks);
-            let missed: u64 = evidence.samples.iter().map(|sample| u64::from(sample.missed_ticks)).sum();
-            let ticks = evidence.samples.len() as u64 + missed;
-            self.expect(ticks == planned, || format!("{ticks} ticks are accounted for, {planned} were planned"));
+            let accounted = ticks + told;
+            self.expect(accounted == planned, || {
+                format!("{accounted} ticks are accounted for, {planned} were planned")
+            });
         }
+        // Whoever would say it is dead itself.
+        let nobody_can_say = trial.victim == Victim::Supervisor && matches!(trial.fault, Fault::Killed | Fault::Panic);
+        let is_told = said.iter().any(|(_, line)| TOLD_ENDS.iter().any(|told| line.contains(told)));
+        let unaccounted = if is_told || nobody_can_say { 0 } else { planned.saturating_sub(ticks + told) };
+        self.lost_unsaid = lost.saturating_sub(told).max(unaccounted);
         if (trial.victim, trial.fault) == (Victim::ControlLoop, Fault::Stopped) {
             let last = evidence.samples.last().and_then(|sample| LoopState::from_code(sample.state));
             self.expect(last == Some(LoopState::Fault), || format!("the run ended in {last:?} instead of a fault"));
@@ -157,9 +195,10 @@ impl Outcome {
         };
         let reports = evidence.reports(kind);
         // One that was stopped may go on by itself, on a machine that kept its supervisor from looking.
-        let is_stopped = trial.fault == Fault::Stopped;
+        // A signal that asks it to end is left to the supervisor.
+        let may_go_on = matches!(trial.fault, Fault::Stopped | Fault::Terminated | Fault::HungUp);
         let back =
-            reports.iter().find(|&&(process, time_ns)| time_ns > fault_ns && (is_stopped || process != process_id));
+            reports.iter().find(|&&(process, time_ns)| time_ns > fault_ns && (may_go_on || process != process_id));
         self.back_after_s = back.map(|&(_, time_ns)| seconds(time_ns - fault_ns));
         self.expect(self.back_after_s.is_some(), || format!("{} did not come back", kind.name()));
         if let Some(back_after_s) = self.back_after_s.filter(|&back_after_s| back_after_s >= PROMPT_S) {
@@ -169,7 +208,7 @@ impl Outcome {
 
     /// Supervisor and recorder say within a second that their source is gone.
     fn look_at_end(&mut self, trial: &Trial, said: &[(u64, String)], fault_ns: u64) {
-        if trial.fault == Fault::Stopped {
+        if matches!(trial.fault, Fault::Stopped | Fault::Terminated | Fault::HungUp) {
             return;
         }
         for word in ["the control loop ended in the middle of the run", "the control loop is gone"] {
@@ -192,27 +231,11 @@ impl Outcome {
     }
 }
 
-/// Waits until every process of the bench has ended.
-fn wait_until_alone(bench: &Bench) -> anyhow::Result<()> {
-    for _ in 0..400 {
-        let programs = ["haptic-camera", "rt-loop", "recorder", "live-fitter", "rerun-viewer"];
-        if programs.iter().all(|program| bench.processes(program).is_empty()) {
-            return Ok(());
-        }
-        std::thread::sleep(Duration::from_millis(25));
-    }
-    ensure!(false, "processes of the run do not end");
-    Ok(())
-}
-
 /// Memory that files of the rig hold in shared memory, bytes.
 #[must_use]
 pub(super) fn shared_memory_bytes(runtime_dir: &Path) -> u64 {
     let files = clean_up::files_in_shared_memory(runtime_dir).into_iter();
-    files
-        .filter_map(|file| std::fs::metadata(Path::new("/dev/shm").join(file)).ok())
-        .map(|metadata| metadata.blocks() * 512)
-        .sum()
+    files.filter_map(|file| std::fs::metadata(file).ok()).map(|metadata| metadata.blocks() * 512).sum()
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a time within a run")]

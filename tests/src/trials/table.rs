@@ -10,8 +10,8 @@ use super::{Outcome, Trial};
 #[must_use]
 pub fn markdown(trials: &[(Trial, Outcome)]) -> String {
     let mut text = String::from(
-        "| process | fault | trials | promises broken | later than promised | samples lost | back after, s (median, longest) | source told gone after, s (longest) |\n\
-         |---|---|---|---|---|---|---|---|\n",
+        "| process | fault | trials | promises broken | later than promised | samples lost | lost unsaid | orphans | back after, s (median, longest) | source told gone after, s (longest) |\n\
+         |---|---|---|---|---|---|---|---|---|---|\n",
     );
     for (victim, fault) in Trial::KINDS {
         let of_kind: Vec<&Outcome> =
@@ -19,6 +19,8 @@ pub fn markdown(trials: &[(Trial, Outcome)]) -> String {
         let broken: usize = of_kind.iter().map(|outcome| outcome.broken.len()).sum();
         let late: usize = of_kind.iter().map(|outcome| outcome.late.len()).sum();
         let lost: u64 = of_kind.iter().map(|outcome| outcome.lost_samples).sum();
+        let unsaid: u64 = of_kind.iter().map(|outcome| outcome.lost_unsaid).sum();
+        let orphans: usize = of_kind.iter().map(|outcome| outcome.orphans).sum();
         let back = sorted(of_kind.iter().filter_map(|outcome| outcome.back_after_s).collect());
         let told = sorted(of_kind.iter().filter_map(|outcome| outcome.told_after_s).collect());
         let back = match (back.get(back.len() / 2), back.last()) {
@@ -29,10 +31,14 @@ pub fn markdown(trials: &[(Trial, Outcome)]) -> String {
         let program = victim.program();
         let trials = of_kind.len();
         // Writing to a String does not fail.
-        let _ = writeln!(text, "| {program} | {fault:?} | {trials} | {broken} | {late} | {lost} | {back} | {told} |");
+        let _ = writeln!(
+            text,
+            "| {program} | {fault:?} | {trials} | {broken} | {late} | {lost} | {unsaid} | {orphans} | {back} | {told} |"
+        );
     }
     let _ = writeln!(text, "\n{}", disturbance(trials));
-    let memory = sorted(trials.iter().map(|(_, outcome)| outcome.shared_memory_bytes as f64 / 1e6).collect());
+    let measured = trials.iter().map(|(_, outcome)| outcome.shared_memory_bytes).filter(|&bytes| bytes > 0);
+    let memory = sorted(measured.map(|bytes| bytes as f64 / 1e6).collect());
     if let (Some(least), Some(most)) = (memory.first(), memory.last()) {
         let _ = writeln!(text, "Shared memory of the rig shortly before the end: {least:.1} to {most:.1} MB.");
     }

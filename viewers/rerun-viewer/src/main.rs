@@ -5,7 +5,6 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use clap::Parser as _;
 use consumer::Stop;
 
 use rerun_viewer::capture_source::CaptureSource;
@@ -15,7 +14,6 @@ use rerun_viewer::frame::Frame;
 use rerun_viewer::glance::SharedGlance;
 use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
-use rerun_viewer::page;
 use rerun_viewer::picture::Picture;
 use rerun_viewer::port;
 use rerun_viewer::remote::{self, Host};
@@ -33,7 +31,10 @@ const EXIT_DATA_LOST: i32 = 3;
 const OUTBOX_FRAMES: usize = 40;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = match operator::parse() {
+        Ok(arguments) => arguments,
+        Err(status) => return status,
+    };
     let done = match &arguments.command {
         Some(Command::Diagnosis { json, out }) => diagnosis::record(json, out),
         None => show(&arguments).map(|never| match never {}),
@@ -41,7 +42,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            complain(&error);
+            operator::tell_error(&error);
             ExitCode::FAILURE
         }
     }
@@ -50,6 +51,8 @@ fn main() -> ExitCode {
 /// Shows a run or a capture until told to stop, then ends the process.
 fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     consumer::start_log();
+    // The note of the port, and a file that is asked for.
+    shared_types::rig::keep_files_private();
     let in_foreground = arguments.foreground || arguments.capture.is_some();
     let stop = if in_foreground { Stop::listen_in_foreground()? } else { Stop::listen()? };
 
@@ -73,7 +76,8 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
 
     let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
     let shown = screen.show_from(Arc::clone(&outbox))?;
-    follow(source, picture, &outbox, &glance, &stop, ends_with_run)?;
+    let is_over = || stop.is_asked() || outbox.is_closed();
+    follow(source, picture, &outbox, &glance, &is_over, ends_with_run)?;
     if in_foreground && subject == Subject::Live {
         // There is no supervisor to do it.
         shared_types::clean_up::clear_shared_memory()?;
@@ -81,7 +85,10 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
 
     // rerun waits without limit when it is dropped, so it is given a time and then left behind.
     outbox.close();
-    let closed_in_time = shown.recv_timeout(exit_limit).is_ok();
+    let closed_in_time = match shown.recv_timeout(exit_limit) {
+        Ok(closed) => closed.map(|()| true)?,
+        Err(_) => false,
+    };
     if !closed_in_time && ends_with_run {
         tracing::error!(
             "the file was not closed within {} s and may lack its end; free space on its disk and capture again",
@@ -92,7 +99,6 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
         tracing::warn!("{} frames were not shown because the screen was not fast enough", outbox.dropped());
     }
     let data_was_lost = ends_with_run && (!closed_in_time || outbox.dropped() > 0);
-    page::socket::remove();
     std::process::exit(if data_was_lost { EXIT_DATA_LOST } else { 0 });
 }
 
@@ -113,17 +119,17 @@ fn is_same_file(one: &Path, other: &Path) -> bool {
     matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
 }
 
-/// Turns what the source gives into frames until told to stop.
+/// Turns what the source gives into frames until it is over.
 fn follow(
     mut source: Box<dyn Source>,
     mut picture: Picture,
     outbox: &Outbox<Frame>,
     glance: &SharedGlance,
-    stop: &Stop,
+    is_over: &impl Fn() -> bool,
     ends_with_run: bool,
 ) -> anyhow::Result<()> {
     let mut next_frame = Instant::now();
-    while !stop.is_asked() {
+    while !is_over() {
         if !(source.can_wait() && outbox.is_full()) {
             let rate_hz = picture.rate_hz();
             source.poll(rate_hz.is_some(), &mut |event| picture.take_in(event))?;
@@ -141,12 +147,6 @@ fn follow(
         std::thread::sleep(POLL_PERIOD);
     }
     Ok(())
-}
-
-/// Tells why nothing can be shown.
-#[allow(clippy::print_stderr, reason = "the last word of a process that ends")]
-fn complain(error: &anyhow::Error) {
-    eprintln!("rerun-viewer: {error:#}");
 }
 
 /// Tells the operator how to look from elsewhere.

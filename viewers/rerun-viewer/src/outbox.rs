@@ -84,6 +84,11 @@ impl<T> Outbox<T> {
         self.filled.notify_all();
     }
 
+    /// Whether nothing more will come, or be taken.
+    pub fn is_closed(&self) -> bool {
+        self.lock().closed
+    }
+
     fn lock(&self) -> MutexGuard<'_, State<T>> {
         // A thread that panicked between two of the plain assignments above left nothing half done.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)

@@ -21,17 +21,15 @@ use crate::{enough, process_conditions, summary};
 
 /// Bin of the lateness, of which only the largest stays.
 const LATENESS_BIN_NS: i64 = 20_000_000;
-/// Points a second of the x-y plots.
-const SCATTER_RATE_HZ: f64 = 400.0;
+/// Points a second of the x-y plots: more in 10 s would lie over each other.
+const SCATTER_RATE_HZ: f64 = 200.0;
 /// Points of the x-y plots whose range the axes show: 10 s.
-const SCATTER_POINTS: usize = 4_000;
+const SCATTER_POINTS: usize = 2_000;
 /// Points of the x-y plots for the whole of a finished capture.
 const WHOLE_SCATTER_POINTS: usize = 8_000;
-/// How often the x-y plots get their new points. A browser pays for each message, not for each
-/// point: without a graphics card it takes in some forty a second, and falls behind if more come.
-const PLOT_PERIOD: Duration = Duration::from_millis(1_000);
-/// How often the signals get their new points, for the same reason; the knob itself is turned with every frame.
-const SIGNALS_PERIOD: Duration = Duration::from_millis(500);
+/// How often the x-y plots get their new points. A browser pays for each message, not for each point, and without a
+/// graphics card falls behind if more come than it takes in.
+const PLOT_PERIOD: Duration = Duration::from_millis(500);
 /// How often the curves and the texts are renewed.
 const SLOW_PERIOD: Duration = Duration::from_millis(2_500);
 /// Slow periods that the extremes in the text look back: 10 s, as the plots do.
@@ -68,7 +66,6 @@ pub struct Picture {
     texts_shown: [String; 3],
     knob: KnobTrack,
     newest_reading: Option<Reading>,
-    next_signals: Instant,
     next_redraw: Instant,
     next_plot: Instant,
     next_slow: Instant,
@@ -109,7 +106,6 @@ impl Default for Picture {
             texts_shown: Default::default(),
             knob: KnobTrack::default(),
             newest_reading: None,
-            next_signals: Instant::now(),
             next_redraw: Instant::now(),
             next_plot: Instant::now(),
             next_slow: Instant::now(),
@@ -284,15 +280,12 @@ impl Picture {
         let mut frame = Frame {
             run_id,
             time_ns: self.newest.map_or(0, |newest| newest.time_ns),
-            series: Vec::new(),
+            series: self.signals.take_rows(),
             plots: Vec::new(),
             lateness: None,
             knob: None,
             texts: Vec::new(),
         };
-        if is_due(&mut self.next_signals, now, SIGNALS_PERIOD) || finished {
-            frame.series = self.signals.take_rows();
-        }
         if is_due(&mut self.next_redraw, now, REDRAW_PERIOD) {
             self.knob.show_again();
             self.texts_shown = Default::default();
@@ -447,13 +440,13 @@ mod tests {
     }
 
     #[test]
-    fn a_second_of_the_run_is_shown_with_at_most_500_points_and_every_spike() {
+    fn a_second_of_the_run_is_shown_with_at_most_200_points_and_every_spike() {
         let mut picture = Picture::default();
         picture.take_in(Event::Status(&status(7)));
         picture.take_in(Event::Samples { run_id: 7, samples: &second_of_samples() });
         let frame = picture.next_frame(0).unwrap();
         let torque = rows(&frame, "signals/torque_mnm").unwrap();
-        assert!(torque.values.len() <= 500);
+        assert!(torque.values.len() <= 200);
         let spike = torque.values.iter().position(|&value| value == 99.0).unwrap();
         assert_eq!(torque.times_ns[spike], 543_200_000);
     }

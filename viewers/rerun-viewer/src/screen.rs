@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::{Context as _, bail};
 use bytesize::ByteSize;
 use rerun::sink::{CallbackSink, GrpcSink, GrpcSinkConnectionState};
 use rerun::{RecordingStream, RecordingStreamBuilder, SpawnError, SpawnOptions};
@@ -23,7 +23,8 @@ use crate::frame::Frame;
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
 use crate::outbox::{self, Outbox};
-use crate::{entities, guard, layout, page, port};
+use crate::recording_file::RecordingFile;
+use crate::{entities, layout, page, port};
 
 /// Name under which rerun keeps the layout.
 const APPLICATION: &str = "haptic-camera";
@@ -73,7 +74,7 @@ impl Destination {
         }
         let taken = port::take(SocketAddr::new(*bind, *web_port), *restarts)?;
         let address = taken.local_addr()?;
-        Ok(Self::Web { address, taken: Some(taken), memory_limit, patience: guard::PATIENCE })
+        Ok(Self::Web { address, taken: Some(taken), memory_limit, patience: page::server::PATIENCE })
     }
 
     /// Whether there is nothing left to do when the run has ended.
@@ -100,6 +101,8 @@ pub struct Screen {
     shown: Option<(u64, Pen)>,
     /// Where pages take from what is drawn.
     drawn: Drawn,
+    /// Where what is drawn is written to, if to a file.
+    file: Option<RecordingFile>,
     disconnected: Arc<AtomicBool>,
     next_check: Instant,
 }
@@ -118,13 +121,15 @@ impl Screen {
             Destination::Native { .. } | Destination::File(_) => 0,
         };
         let drawn = Drawn::new(memory_limit);
-        let carrier = carrier(&destination, subject, &drawn)?;
-        if let Destination::Web { address, taken, patience, .. } = &mut destination
+        let file = match &destination {
+            Destination::File(path) => Some(RecordingFile::create(path)?),
+            Destination::Web { .. } | Destination::Native { .. } => None,
+        };
+        let carrier = carrier(&destination, subject, &drawn, file.as_ref())?;
+        if let Destination::Web { taken, patience, .. } = &mut destination
             && let Some(listener) = taken.take()
         {
-            let open_to_network = !address.ip().is_loopback();
-            let page = page::serve(open_to_network, glance, drawn.clone()).context("the web page cannot be served")?;
-            guard::forward(listener, page, *patience)?;
+            page::serve(listener, *patience, glance, drawn.clone()).context("the web page cannot be served")?;
         }
         Ok(Self {
             destination,
@@ -132,6 +137,7 @@ impl Screen {
             carrier,
             shown: None,
             drawn,
+            file,
             disconnected: Arc::default(),
             next_check: Instant::now(),
         })
@@ -155,27 +161,38 @@ impl Screen {
 
     /// Shows frames from `outbox` on a thread of its own until it is closed and empty.
     ///
-    /// The receiver is told once everything is written and the destination is closed.
+    /// The receiver is told once everything is written and the destination is closed, or why a file cannot be written, as
+    /// soon as that is known.
     ///
     /// # Errors
     /// When no thread is to be had.
-    pub fn show_from(mut self, outbox: Arc<Outbox<Frame>>) -> anyhow::Result<mpsc::Receiver<()>> {
+    pub fn show_from(self, outbox: Arc<Outbox<Frame>>) -> anyhow::Result<mpsc::Receiver<anyhow::Result<()>>> {
         let (closed, is_closed) = mpsc::channel();
         let show = move || {
-            loop {
-                match outbox.take(CONNECTION_CHECK) {
-                    outbox::Taken::Item(frame) => self.show(&frame, &outbox),
-                    outbox::Taken::Nothing => {}
-                    outbox::Taken::Closed => break,
-                }
-                self.look_after_window();
-            }
-            drop(self);
+            let shown = self.show_all(&outbox);
+            // Nobody need fill it any more.
+            outbox.close();
             // Nobody listens any more when the time for closing has passed.
-            let _ = closed.send(());
+            let _ = closed.send(shown);
         };
         std::thread::Builder::new().name("screen".to_owned()).spawn(show).context("no thread for the screen")?;
         Ok(is_closed)
+    }
+
+    fn show_all(mut self, outbox: &Outbox<Frame>) -> anyhow::Result<()> {
+        loop {
+            match outbox.take(CONNECTION_CHECK) {
+                outbox::Taken::Item(frame) => self.show(&frame, outbox),
+                outbox::Taken::Nothing => {}
+                outbox::Taken::Closed => break,
+            }
+            self.look_after_window();
+            self.file.as_ref().map_or(Ok(()), RecordingFile::check)?;
+        }
+        let file = self.file.take();
+        // What was drawn leaves rerun at the latest when it is dropped.
+        drop(self);
+        file.as_ref().map_or(Ok(()), RecordingFile::finish)
     }
 
     fn show(&mut self, frame: &Frame, outbox: &Outbox<Frame>) {
@@ -196,7 +213,7 @@ impl Screen {
         if is_page {
             pen.flush()?;
             self.carrier.flush_blocking()?;
-            self.drawn.seal()?;
+            self.drawn.seal();
         }
         Ok(())
     }
@@ -230,7 +247,7 @@ impl Screen {
                 }
             });
         } else if listens(grpc_port) {
-            match carrier(&self.destination, self.subject, &self.drawn) {
+            match carrier(&self.destination, self.subject, &self.drawn, self.file.as_ref()) {
                 Ok(carrier) => self.begin_afresh(carrier),
                 Err(error) => tracing::error!("the new window cannot be used: {error:#}"),
             }
@@ -246,7 +263,12 @@ impl Screen {
 }
 
 /// A recording that leads to the destination, with layout and styles.
-fn carrier(destination: &Destination, subject: Subject, drawn: &Drawn) -> anyhow::Result<RecordingStream> {
+fn carrier(
+    destination: &Destination,
+    subject: Subject,
+    drawn: &Drawn,
+    file: Option<&RecordingFile>,
+) -> anyhow::Result<RecordingStream> {
     let builder = RecordingStreamBuilder::new(APPLICATION);
     let recording = match destination {
         Destination::Web { .. } => {
@@ -258,15 +280,18 @@ fn carrier(destination: &Destination, subject: Subject, drawn: &Drawn) -> anyhow
         Destination::Native { grpc_port, .. } => {
             builder.connect_grpc_opts(format!("rerun+http://127.0.0.1:{grpc_port}/proxy"))?
         }
-        Destination::File(path) => builder.save(path).map_err(|error| {
-            let error = anyhow::Error::from(error);
-            anyhow!("{} cannot be written ({}); name another place", path.display(), error.root_cause())
-        })?,
+        Destination::File(_) => {
+            let recording = builder.buffered()?;
+            if let Some(file) = file {
+                recording.set_sink(Box::new(file.sink()));
+            }
+            recording
+        }
     };
     layout::send(&recording, subject)?;
     if matches!(destination, Destination::Web { .. }) {
         recording.flush_blocking()?;
-        drawn.seal()?;
+        drawn.seal();
     }
     Ok(recording)
 }

@@ -1,15 +1,13 @@
 //! The signals of a run, reduced to what a screen can show, and their extremes.
 
 use crate::decimation::{Decimator, Keep};
-use crate::entities::{self, MODEL_TORQUE, SIGNALS};
+use crate::entities::{self, SIGNALS};
 use crate::extremes::Extremes;
 use crate::frame::SeriesRows;
 use crate::source::Reading;
 
-/// Two points a bin give at most 500 points a second of each signal.
-const SIGNAL_BIN_NS: i64 = 4_000_000;
-/// Bin of the model's torque, which is drawn as dots over the measured line.
-const MODEL_BIN_NS: i64 = 10_000_000;
+/// Width of a pixel of a plot that shows 10 s in 1000 pixels; a bin keeps two points.
+const BIN_NS: i64 = 10_000_000;
 
 /// One decimator and one window of extremes for each of [`SIGNALS`].
 #[derive(Debug)]
@@ -21,10 +19,7 @@ pub struct Signals {
 impl Signals {
     /// No signals yet; the extremes look back `steps_kept` steps.
     pub fn new(steps_kept: usize) -> Self {
-        let decimator = |field| {
-            let bin_ns = if field == MODEL_TORQUE { MODEL_BIN_NS } else { SIGNAL_BIN_NS };
-            Decimator::new(Keep::MinMax, bin_ns)
-        };
+        let decimator = |_| Decimator::new(Keep::MinMax, BIN_NS);
         Self { decimators: SIGNALS.map(decimator), extremes: std::array::from_fn(|_| Extremes::new(steps_kept)) }
     }
 

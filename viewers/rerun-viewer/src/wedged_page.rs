@@ -95,7 +95,7 @@ fn pages_that_never_read_stop_no_other_and_cost_a_bounded_memory() {
             wedged.push(client(address, ""));
         }
         let (instance, next) = (standing["instance"].as_str().unwrap(), &standing["next"]);
-        let (head, bytes) = fetch(address, &format!("instance={instance}&since={next}"));
+        let (head, bytes) = fetch(address, &format!("instance={instance}&from={next}"));
         (standing, taken) = (head, taken + bytes);
     }
     let bound_mib = KEPT_MIB + WEDGED as f64 * ANSWER_MIB + ON_ITS_WAY_MIB;

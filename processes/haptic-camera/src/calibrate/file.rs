@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use archive::whole_file::Replace;
 use dynamics::Calibration;
 use identification::calibration::Calibrated;
 
 use super::table;
-use crate::fit;
+use crate::outputs::{CALIBRATION_MARK, replace};
 use crate::repeatability::digits;
 
 /// A calibration file as it was.
@@ -24,21 +25,20 @@ impl Previous {
     /// # Errors
     /// One sentence on what is wrong with it.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("the calibration {} cannot be read; check the path", path.display()))?;
-        let calibration =
-            Calibration::from_toml(&text).with_context(|| format!("{} is no calibration", path.display()))?;
+        let calibration = Calibration::load(path)?;
+        let text = foreign_files::read_text(path)?;
         let comments = text.lines().filter(|line| line.starts_with("# ")).map(str::to_owned).collect();
         Ok(Self { calibration, comments })
     }
 }
 
-/// Writes what was known with what was learnt in its place.
+/// Writes what was known with what was learnt in its place; `replaced` is what it may replace.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn write(
     path: &Path,
+    replaced: Replace,
     told: &Calibrated,
     known: &Calibration,
     previous: Option<&Previous>,
@@ -48,7 +48,7 @@ pub fn write(
         told.estimates.iter().any(|estimate| comment.starts_with(&format!("# {}:", estimate.quantity)))
             || (told.cogging.is_some() && comment.starts_with("# motor_cogging"))
     };
-    let mut text = String::new();
+    let mut text = CALIBRATION_MARK.to_owned();
     for comment in previous.iter().flat_map(|previous| &previous.comments).filter(|comment| !learnt(comment)) {
         let _ = writeln!(text, "{comment}");
     }
@@ -69,6 +69,8 @@ pub fn write(
     for line in told.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
         let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {}", sources.join(", "));
     }
-    text += &told.applied_to(known).to_toml();
-    fit::write(path, &text)
+    let learnt = told.applied_to(known);
+    learnt.check().with_context(|| format!("{} is not written: the captures tell what no rig has", path.display()))?;
+    text += &learnt.to_toml();
+    replace(path, replaced, &text)
 }

@@ -59,7 +59,7 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     for note in &told.notes {
         say(format!("- {note}"));
     }
-    file::write(&options.out, &told, &known, previous.as_ref(), &captures)?;
+    file::write(&options.out, options.replaced(), &told, &known, previous.as_ref(), &captures)?;
     say(format!("calibration  {}", options.out.display()));
     Ok(Outcome::Done)
 }

@@ -2,16 +2,19 @@
 
 use std::path::Path;
 
+use archive::claim::numbered;
+use archive::whole_file;
 use identification::Fit;
 
 use crate::fit;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
-use crate::supervision::RunEnd;
+use crate::outputs::{Kind, write};
+use crate::supervision::{Archived, RunEnd};
 use crate::until_ci::Achieved;
 
-/// Gaps that are told one by one.
-const TOLD_GAPS: usize = 5;
+/// Names that are tried for what is made of a capture.
+const NAMES_TRIED: u32 = 1_000;
 
 /// Tells how the run went, fits the archive and writes model and report beside it.
 ///
@@ -44,14 +47,24 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
     Ok(outcome)
 }
 
-/// Writes model, report and figures beside the archive.
+/// Writes model, report and figures beside the archive, under its name unless somebody has taken that meanwhile.
 fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
-    let beside = |extension| loaded.capture.source.with_extension(extension);
+    let archive = &loaded.capture.source;
+    let stem = archive.file_stem().unwrap_or_default().to_string_lossy();
+    let results = [("toml", Kind::FittedModel), ("html", Kind::Page), ("json", Kind::Json)];
+    let named = |number, ending: &str| archive.with_file_name(format!("{}.{ending}", numbered(&stem, number)));
+    let is_free = |number: &u32| {
+        let mut checked =
+            results.iter().map(|(ending, kind)| whole_file::check(&named(*number, ending), kind.replaces()));
+        checked.all(|free| free.is_ok())
+    };
+    let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
+    let beside = |extension| named(number, extension);
     let (model, report) = (beside("toml"), beside("html"));
-    fit::write(&model, &fitted.model(&loaded.title()).to_toml())?;
+    write(&model, Kind::FittedModel, &fitted.model(&loaded.title()).to_toml())?;
     say(format!("model    {}", model.display()));
     let (page, figures) = loaded.report_page(fitted);
-    fit::write(&report, &page)?;
+    write(&report, Kind::Page, &page)?;
     say(format!("report   {}", report.display()));
     // For `list`, and for whoever computes with the intervals.
     fit::write_numbers(Some(&beside("json")), loaded, fitted, figures)
@@ -104,13 +117,7 @@ pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(
     end.tell();
     let Some(archive) = end.left_archive(archive) else { return Ok(None) };
     let loaded = LoadedCapture::load(&archive)?;
-    let missing: u64 = loaded.capture.gaps.iter().map(|gap| gap.count).sum();
     say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
-    if missing > 0 {
-        let told: Vec<String> = loaded.capture.gaps.iter().take(TOLD_GAPS).map(ToString::to_string).collect();
-        let more = if loaded.capture.gaps.len() > told.len() { ", ...; the archive says where" } else { "" };
-        remark(format!("{missing} samples are missing in the archive: {}{more}", told.join(", ")));
-    }
-    let outcome = end.outcome(missing);
+    let outcome = end.settle(&Archived::from(&loaded.capture));
     Ok(Some((loaded, outcome)))
 }

@@ -6,9 +6,12 @@ mod finish;
 mod next;
 mod until_named;
 
+use archive::Claim;
+
 use crate::command_line::CaptureOptions;
+use crate::large_job;
 use crate::outcome::Outcome;
-use crate::supervision::{Shown, SupervisedRun, archive_path, listen_for_interrupt};
+use crate::supervision::{Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 pub(crate) use budget::Budget;
 
 /// Runs a capture from start to end, or capture after capture until the knob's effects have names.
@@ -20,7 +23,16 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     if options.diagnose {
         return until_named::run(options, &interrupted);
     }
-    let run = supervised(options)?;
+    let claim = claim_archive(&options.run.out, &options.knob, "")?;
+    let run = supervised(options, &claim);
+    if !options.run.offline {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "an absurd length is refused later"
+        )]
+        large_job::tell((options.duration_s * options.run.rate_hz) as u64);
+    }
     match run.take(&interrupted)? {
         Some(end) => finish::conclude(&run.archive, &end, options.duration_s),
         None => Ok(Outcome::Failed),
@@ -28,7 +40,7 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
 }
 
 /// What the run of a capture needs.
-fn supervised(options: &CaptureOptions) -> anyhow::Result<SupervisedRun<'_>> {
+fn supervised<'a>(options: &'a CaptureOptions, claim: &Claim) -> SupervisedRun<'a> {
     let mut task = vec![
         format!("--knob={}", options.knob),
         format!("--sweep={}", options.sweep),
@@ -40,15 +52,15 @@ fn supervised(options: &CaptureOptions) -> anyhow::Result<SupervisedRun<'_>> {
     if let Some(amplitude) = options.amplitude {
         task.push(format!("--amplitude={amplitude}"));
     }
-    Ok(SupervisedRun {
+    SupervisedRun {
         in_words: in_words(options),
         task,
         options: &options.run,
-        archive: archive_path(&options.run.out, &options.knob, "")?,
+        archive: claim.archive().to_owned(),
         duration_s: Some(options.duration_s),
         until: options.until_ci,
         shown: Shown::Fit,
-    })
+    }
 }
 
 /// What is captured, and how.

@@ -14,10 +14,11 @@ use super::{finish, supervised};
 use crate::command_line::{CaptureOptions, RunOptions};
 use crate::diagnose;
 use crate::diagnosis_text;
-use crate::fit::{to_output, write};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, remark, say};
+use crate::outputs::{Kind, to_output, write};
 use crate::recording;
+use crate::supervision::{claim_archive, ending_signals};
 
 /// The motion that is held out, unless it is the sweep asked for …
 const HELD_OUT: &str = "multisine";
@@ -44,8 +45,9 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
     }
     // While the rig rests and a diagnosis is under way there is nothing to end in order.
     let at_rest = Arc::new(AtomicBool::new(false));
-    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGINT, STOPPED, Arc::clone(&at_rest))?;
-    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGTERM, STOPPED, Arc::clone(&at_rest))?;
+    for signal in ending_signals() {
+        signal_hook::flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;
+    }
     let held_out = if options.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
     let first = [
         Experiment { sweep: options.sweep.clone(), amplitude_rad: options.amplitude },
@@ -125,7 +127,8 @@ fn one_more(
         run: RunOptions { seed: options.run.seed.wrapping_add(index as u64), ..options.run.clone() },
         ..options.clone()
     };
-    let run = supervised(&options)?;
+    let claim = claim_archive(&options.run.out, &options.knob, "")?;
+    let run = supervised(&options, &claim);
     let Some(end) = run.take(interrupted)? else { return Ok(None) };
     let read = finish::read_back(&run.archive, &end)?;
     Ok(read.map(|(loaded, outcome)| (Taken { experiment, path: loaded.capture.source.clone(), loaded }, outcome)))
@@ -163,7 +166,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
         effects: found.model.effects.clone(),
     };
-    write(&beside("toml"), &model.to_toml())?;
+    write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
     let page = DiagnosisPage { found, train: first.loaded.facts(), heldout: Some(held_out.loaded.facts()) };
     let report = options.report.clone().unwrap_or_else(|| beside("html"));

@@ -8,9 +8,9 @@ use identification::checks::{DetentCount, FreeTravel, breakaways, count_detents,
 use serde::Serialize;
 
 use crate::command_line::CheckOptions;
-use crate::fit::{to_output, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::outputs::{to_output, write_json};
 pub use breakaway::Threshold;
 
 /// What one capture shows.

@@ -7,6 +7,7 @@ mod compare;
 mod compose;
 mod diagnose;
 mod export;
+mod files;
 mod fit;
 mod list;
 mod manual;
@@ -50,7 +51,8 @@ use clap::{Parser, Subcommand};
     RUST_LOG     what the programs log to standard error, as info or recorder=debug\n  \
     NO_COLOR     no colours in the log; where it is no terminal there are none\n  \
     HAPTIC_CAMERA_RUNTIME_DIR\n               \
-    names the rig: two directories are two rigs [default: in $XDG_RUNTIME_DIR]\n\n\
+    names the rig: two directories are two rigs [default: in\n               \
+    $XDG_RUNTIME_DIR, or in the user's home]\n\n\
     First steps:\n  \
     haptic-camera doctor\n  \
     haptic-camera capture --knob 3 --duration-s 10\n  \

@@ -12,9 +12,10 @@ use identification::{Fit, Parameters};
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
 
 use crate::command_line::CompareOptions;
-use crate::fit::{fit_capture, to_output, write, write_json};
+use crate::fit::fit_capture;
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, to_output, write, write_json};
 use crate::parameter_table::true_value;
 
 /// Longest name of a model that stands over a column, letters.
@@ -31,7 +32,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     }
     write_json(options.json.as_deref(), &compared)?;
     if let Some(path) = &options.report {
-        write(path, &report::comparison_page(&compared))?;
+        write(path, Kind::Page, &report::comparison_page(&compared))?;
     }
     Ok(Outcome::Done)
 }

@@ -10,8 +10,8 @@ use dynamics::{Composition, CompositionError, Model, Role, Source, composition_n
 pub use self::arguments::{Assignment, Extra};
 
 use crate::command_line::ComposeOptions;
-use crate::fit::write;
 use crate::outcome::{Outcome, remark, say, tell_error};
+use crate::outputs::replace;
 
 /// Composes a model and writes it.
 ///
@@ -20,7 +20,7 @@ use crate::outcome::{Outcome, remark, say, tell_error};
 /// here.
 pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let sources = Sources::load(options)?;
-    destination::check(options)?;
+    let replaced = destination::replaced(options)?;
     let composition = match composed(&sources, options) {
         Ok(composition) => composition,
         Err(error) => {
@@ -29,7 +29,7 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
         }
     };
     let model = composition.model(&name(options), &sources.description());
-    write(&options.out, &model.to_toml())?;
+    replace(&options.out, replaced, &model.to_toml())?;
     say(table::parts(&composition, &model));
     say(format!(
         "{}: {}; its torque changes by up to {:.4} mNm/rad",

@@ -21,9 +21,9 @@ pub fn load(given: &str) -> anyhow::Result<Source> {
 
 /// A drawn table as a model of nothing else.
 fn drawn(path: &Path) -> anyhow::Result<Model> {
-    let text = std::fs::read_to_string(path)
+    let text = foreign_files::open(path)
         .with_context(|| format!("the table {} cannot be read; check the path", path.display()))?;
-    let table = TorqueTable::kept_from_csv(&text).with_context(|| path.display().to_string())?;
+    let table = TorqueTable::kept_from_csv(text).with_context(|| path.display().to_string())?;
     let effect = Effect::new(&effects::torque_table::KIND, &[1.0]).with_table(table);
     Ok(Model { name: path.display().to_string(), description: String::new(), effects: vec![effect] })
 }

@@ -8,13 +8,14 @@ mod torque_over_angle;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use archive::{attachment, whole_file};
+use archive::attachment;
+use archive::whole_file::write_bytes;
 use dynamics::knobs;
 
 use crate::command_line::ExportOptions;
-use crate::fit::write;
 use crate::load::{LoadedCapture, calibration_beside};
 use crate::outcome::{Outcome, say, tell_error};
+use crate::outputs::{CALIBRATION_MARK, Kind, write};
 use torque_over_angle::TorqueOverAngle;
 
 /// What cannot be written as asked.
@@ -24,8 +25,6 @@ enum UsageError {
     Capture(PathBuf),
     #[error("{} has none of the endings that a model can be exported as; name the file .csv or .h", .0.display())]
     Model(PathBuf),
-    #[error("{} is what is to be exported; name another file with --out", .0.display())]
-    SameFile(PathBuf),
 }
 
 /// Writes a capture or a model in another format.
@@ -36,9 +35,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let is_model = options.source.parse::<u32>().is_ok() || source.extension().is_some_and(|ending| ending == "toml");
-    let same = source.canonicalize().ok().is_some_and(|path| options.out.canonicalize().is_ok_and(|out| out == path));
     let wrong = match (is_model, ending.as_str()) {
-        _ if same => Some(UsageError::SameFile(options.out.clone())),
         (true, "csv" | "h") | (false, "csv" | "parquet") => None,
         (true, _) => Some(UsageError::Model(options.out.clone())),
         (false, _) => Some(UsageError::Capture(options.out.clone())),
@@ -62,7 +59,7 @@ fn capture_as_csv(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
     say(format!("{}: {} samples; angles in rad, torque in mNm, time in s", out.display(), loaded.capture.len()));
     if let Some(calibration) = &loaded.calibration {
         let beside = calibration_beside(out);
-        write(&beside, &calibration.to_toml())?;
+        write(&beside, Kind::Calibration, &(CALIBRATION_MARK.to_owned() + &calibration.to_toml()))?;
         say(format!("{}: the rig's calibration, which `fit` takes from beside the table", beside.display()));
     }
     Ok(Outcome::Done)
@@ -74,18 +71,14 @@ fn capture_as_parquet(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
     let metadata = columns::metadata(&loaded, &columns);
     let bytes = parquet_file::bytes(&columns, metadata)
         .with_context(|| format!("{} cannot be made into Parquet", source.display()))?;
-    whole_file::write_whole(out, |mut place| {
-        use std::io::Write as _;
-        let refused = |error| archive::ArchiveError::File { path: out.to_owned(), error };
-        place.write_all(&bytes).and_then(|()| place.flush()).map_err(refused)
-    })?;
+    write_bytes(out, Kind::Data.replaces(), &bytes)?;
     say(format!("{}: {} samples, {} columns with their units", out.display(), loaded.capture.len(), columns.len()));
     Ok(Outcome::Done)
 }
 
 fn model_table(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let table = TorqueOverAngle::of(&knobs::named(&options.source)?, options.points, options.over)?;
-    write(&options.out, &table.to_csv())?;
+    write(&options.out, Kind::Data, &table.to_csv())?;
     say(format!("{}: {}", options.out.display(), table.in_words()));
     Ok(Outcome::Done)
 }
@@ -96,7 +89,7 @@ fn firmware_header(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
     let table = has_table.then(|| TorqueOverAngle::of(&model, options.points, options.over)).transpose()?;
     let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    write(&options.out, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
+    write(&options.out, Kind::Header, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
     let words = table.map_or_else(|| "no torque of the angle, so no table".to_owned(), |table| table.in_words());
     say(format!("{}: {words}", options.out.display()));
     Ok(Outcome::Done)

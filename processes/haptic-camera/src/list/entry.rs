@@ -4,6 +4,8 @@ use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 use archive::{ArchiveError, Overview};
+use foreign_files::TableError;
+use operator::one_line;
 use serde::Serialize;
 
 use super::quality::Quality;
@@ -111,14 +113,14 @@ impl Entry {
             ArchiveError::Empty { .. }
             | ArchiveError::NotACapture { .. }
             | ArchiveError::NoSamples { .. }
-            | ArchiveError::WrongHeader { .. } => Health::Foreign,
+            | ArchiveError::Table { error: TableError::Header { .. }, .. } => Health::Foreign,
             _ => Health::Damaged,
         };
         let captured_at_ns = written_ns(path);
         Self {
             file: name(path),
             health,
-            problem: Some(error.to_string()),
+            problem: Some(one_line(&error.to_string())),
             captured_at: date(captured_at_ns),
             knob: None,
             replay: false,

@@ -8,8 +8,8 @@ use anyhow::Context as _;
 use serde::Serialize;
 
 use crate::command_line::ListOptions;
-use crate::fit::{to_output, write_json};
 use crate::outcome::{Outcome, say};
+use crate::outputs::{to_output, write_json};
 use entry::Entry;
 
 /// Endings of what lies beside a capture and was made of it: no captures, and no strangers.

@@ -1,5 +1,6 @@
 //! How good a capture's fit is: from the JSON beside it, or from a fit made for the purpose.
 
+use std::io::BufReader;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -22,8 +23,8 @@ pub(super) struct Quality {
 impl Quality {
     /// Of a capture that can be read; nothing where it tells no model, or is too long to be fitted in passing.
     pub(super) fn of(path: &Path, samples: u64) -> Self {
-        let beside = std::fs::read(path.with_extension("json")).ok();
-        let told = beside.and_then(|json| serde_json::from_slice::<Self>(&json).ok());
+        let beside = foreign_files::open(&path.with_extension("json")).ok();
+        let told = beside.and_then(|json| serde_json::from_reader::<_, Self>(BufReader::new(json)).ok());
         if let Some(told) = told.filter(|told| told.relative_error_percent.is_some()) {
             return told;
         }

@@ -1,6 +1,7 @@
 //! The list as a table for an 80-column terminal.
 
 use comfy_table::{CellAlignment, Table, presets};
+use operator::one_line;
 
 use super::entry::{Entry, Health};
 
@@ -20,8 +21,8 @@ pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
         };
         let percent = entry.quality.relative_error_percent.map(|error| format!("{error:.1} %"));
         table.add_row([
-            shortened(&entry.file, NAME_LETTERS),
-            shortened(entry.knob.as_deref().unwrap_or("-"), KNOB_LETTERS),
+            shortened(&one_line(&entry.file), NAME_LETTERS),
+            shortened(&one_line(entry.knob.as_deref().unwrap_or("-")), KNOB_LETTERS),
             entry.captured_at.as_deref().and_then(minutes).unwrap_or_else(|| "-".to_owned()),
             number(entry.duration_s, 1),
             percent.unwrap_or_else(|| "-".to_owned()),
@@ -93,7 +94,7 @@ fn remark(entry: &Entry) -> Option<String> {
     if entry.recovered {
         words.push("recovered from a broken archive".to_owned());
     }
-    (!words.is_empty()).then(|| format!("- {}: {}", entry.file, words.join(", ")))
+    (!words.is_empty()).then(|| format!("- {}: {}", one_line(&entry.file), words.join(", ")))
 }
 
 #[cfg(test)]

@@ -12,9 +12,9 @@ use report::{CaptureFacts, RigTest};
 use anyhow::Context as _;
 
 use crate::command_line::RigTestOptions;
-use crate::fit::{to_output, write, write_json};
 use crate::load::LoadedCapture;
 use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, to_output, write, write_json};
 use crate::rig_run::RigRun;
 use channel::{Channel, LAG_HZ};
 
@@ -82,7 +82,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     }
     write_json(options.json.as_deref(), &test)?;
     if let Some(path) = &options.report {
-        write(path, &report::rig_test_page(&test))?;
+        write(path, Kind::Page, &report::rig_test_page(&test))?;
     }
     Ok(Outcome::Done)
 }

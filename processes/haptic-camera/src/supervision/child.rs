@@ -1,16 +1,18 @@
 //! A process that this one starts, and its end.
 
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
+use shared_types::lease;
 
 use crate::terminal;
 
-/// The command that starts one of our programs, which lie beside this one.
+/// The command that starts one of our programs, which lie beside this one, for as long as this one lives.
 ///
 /// # Errors
 /// When it is not there.
@@ -20,7 +22,7 @@ pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
     let mut command = Command::new(path);
     // A Ctrl-C at the terminal reaches this program alone, which then ends the run in order.
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
-    command.stdin(Stdio::null());
+    lease::grant(&mut command);
     if !terminal::log_may_be_coloured() {
         // Their logs go where ours goes.
         command.env("NO_COLOR", "1");
@@ -40,7 +42,7 @@ pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
 pub(crate) struct Child {
     process: std::process::Child,
     started: Instant,
-    exit: Option<Option<i32>>,
+    exit: Option<ExitStatus>,
 }
 
 impl Child {
@@ -64,24 +66,44 @@ impl Child {
         if self.exit.is_none()
             && let Ok(Some(status)) = self.process.try_wait()
         {
-            self.exit = Some(status.code());
+            self.exit = Some(status);
         }
         self.exit.is_some()
     }
 
     /// Its exit code, `None` while it runs or when a signal ended it.
     pub(crate) fn exit_code(&self) -> Option<i32> {
-        self.exit.flatten()
+        self.exit.and_then(|status| status.code())
     }
 
-    /// Asks it to end, and after `patience` makes it.
-    pub(crate) fn end(&mut self, patience: Duration) {
-        if !self.has_ended() {
-            let _ = kill(self.pid(), Signal::SIGTERM);
+    /// How it ended, in words.
+    pub(crate) fn end_in_words(&self) -> String {
+        let signal = self.exit.and_then(|status| status.signal()).map(Signal::try_from);
+        match (signal, self.exit_code()) {
+            (Some(Ok(signal)), _) => format!("it was ended by {signal}"),
+            (_, Some(code)) => format!("its exit status is {code}"),
+            _ => "how it ended is not known".to_owned(),
         }
+    }
+
+    /// Ends its lease: it ends in order.
+    pub(crate) fn let_go(&mut self) {
+        drop(self.process.stdin.take());
+    }
+
+    /// Lets it go, and after `patience` makes it end.
+    pub(crate) fn end(&mut self, patience: Duration) {
+        self.let_go();
         if !self.wait(patience) {
-            let _ = kill(self.pid(), Signal::SIGKILL);
+            self.kill();
             self.wait(Duration::from_secs(1));
+        }
+    }
+
+    /// Kills it, without waiting for its end.
+    pub(crate) fn kill(&mut self) {
+        if !self.has_ended() {
+            let _ = kill(self.pid(), Signal::SIGKILL);
         }
     }
 
@@ -97,7 +119,7 @@ impl Child {
         true
     }
 
-    pub(super) fn pid(&self) -> Pid {
+    fn pid(&self) -> Pid {
         Pid::from_raw(i32::try_from(self.process.id()).unwrap_or(i32::MAX))
     }
 }

@@ -12,6 +12,7 @@ use shared_types::{
 };
 
 use super::FeltModel;
+use super::heard::Heard;
 
 /// Longest wait for the loop's answer to a request.
 const ANSWER: Duration = Duration::from_secs(2);
@@ -25,9 +26,13 @@ pub(crate) struct LoopLink {
     descriptions: TextSubscriber,
     model_changes: TextSubscriber,
     loop_process: u32,
+    /// The loop's last word.
+    heard: Heard,
     status: LoopStatus,
     fit: Option<FitUpdate>,
     health: Vec<ProcessHealth>,
+    /// Longest time without a word of the recorder.
+    longest_absence: Duration,
     torque_zero_mnm: f64,
     torque_step_mnm: f64,
     models: Vec<FeltModel>,
@@ -47,9 +52,11 @@ impl LoopLink {
             descriptions: services::description_subscriber(&node)?,
             model_changes: services::model_subscriber(&node)?,
             loop_process,
+            heard: Heard::of(loop_process, rig::monotonic_time_ns()),
             status: LoopStatus::default(),
             fit: None,
             health: Vec::new(),
+            longest_absence: Duration::ZERO,
             torque_zero_mnm: 0.0,
             torque_step_mnm: 0.0,
             models: Vec::new(),
@@ -61,6 +68,7 @@ impl LoopLink {
     pub(crate) fn listen(&mut self) {
         while let Ok(Some(status)) = self.statuses.receive() {
             if status.process_id == self.loop_process {
+                self.heard.hear(status.monotonic_time_ns);
                 self.status = *status;
             }
         }
@@ -68,6 +76,9 @@ impl LoopLink {
             self.fit = Some(*fit);
         }
         while let Ok(Some(health)) = self.healths.receive() {
+            if health.process == ProcessKind::Recorder.code() {
+                self.longest_absence = self.longest_absence.max(self.absence_of_recorder());
+            }
             self.health.retain(|known| known.process != health.process);
             self.health.push(*health);
         }
@@ -135,9 +146,21 @@ impl LoopLink {
         self.health.iter().find(|health| health.process_id == process_id).map(|health| health.monotonic_time_ns)
     }
 
-    /// How long ago the loop last said how it is.
+    /// How long the loop has been silent since it last said how it is.
     pub(crate) fn silence_of_loop(&self) -> Duration {
-        Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(self.status.monotonic_time_ns))
+        self.heard.silence()
+    }
+
+    /// How long nothing has come from a recorder that has reported before.
+    pub(crate) fn absence_of_recorder(&self) -> Duration {
+        let recorder = self.health.iter().find(|health| health.process == ProcessKind::Recorder.code());
+        let last_ns = recorder.map(|health| health.monotonic_time_ns);
+        last_ns.map_or(Duration::ZERO, |last_ns| Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(last_ns)))
+    }
+
+    /// The longest of these times so far.
+    pub(crate) fn longest_absence_of_recorder(&self) -> Duration {
+        self.longest_absence.max(self.absence_of_recorder())
     }
 
     /// Asks something of the loop.

@@ -1,27 +1,33 @@
 //! A run of the rig: the control loop and its consumers, started, watched and ended together.
 
+mod account;
 mod child;
+mod consumer;
 mod consumers;
+mod heard;
 mod lines;
 mod loop_link;
 mod panel;
 mod progress;
 mod run_end;
+mod signals;
 mod words;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
+use archive::Claim;
+use shared_types::clean_up::files_in_shared_memory;
 use shared_types::drill::{self, Drill};
-use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime};
+use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime, rig};
 
 use crate::command_line::RunOptions;
 use crate::offline_run;
 use crate::outcome::{remark, say};
 use crate::until_ci::{Knowledge, Share, StopRule};
+pub(crate) use account::Archived;
 pub(crate) use child::program_path;
 use child::{Child, program};
 use consumers::Consumers;
@@ -29,6 +35,7 @@ use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;
 pub(crate) use run_end::{FeltModel, RunEnd};
+pub(crate) use signals::{ending_signals, listen_for_interrupt};
 
 /// Longest wait for the loop to be ready.
 const LOOP_READY: Duration = Duration::from_secs(10);
@@ -41,6 +48,8 @@ const RECORDER_DONE: Duration = Duration::from_secs(120);
 const LOOP_HUNG: Duration = Duration::from_secs(10);
 /// Longest wait for the loop to take the torque down and end.
 const LOOP_ENDS: Duration = Duration::from_secs(3);
+/// Exit statuses with which the loop has said itself why it cannot run: an error, and wrong usage.
+const SAID_WHY: [i32; 2] = [1, 2];
 /// Time between two looks at the run.
 const CYCLE: Duration = Duration::from_millis(20);
 
@@ -62,37 +71,24 @@ pub(crate) struct SupervisedRun<'a> {
     pub(crate) shown: Shown,
 }
 
-/// Set by Ctrl-C and by SIGTERM, which end a run in order.
-///
-/// # Errors
-/// When the system refuses.
-pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    signal_hook::flag::register(signal_hook::consts::SIGINT, Arc::clone(&interrupted))?;
-    signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&interrupted))?;
-    Ok(interrupted)
-}
-
-/// Where an archive goes: a name that sorts by time and says what was on the rig, a knob's number or file.
-///
-/// The time is the operator's. A further archive of the same second ends in `_02`, which sorts behind the first's `.mcap` as a
-/// dash would not.
+/// Claims the name of an archive in `out`.
 ///
 /// # Errors
 /// When the folder cannot be made.
-pub(crate) fn archive_path(out: &Path, knob: &str, before: &str) -> anyhow::Result<PathBuf> {
+pub(crate) fn claim_archive(out: &Path, knob: &str, before: &str) -> anyhow::Result<Claim> {
     std::fs::create_dir_all(out)
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", out.display()))?;
+    Ok(Claim::take(out, &archive_stem(knob, before)))
+}
+
+/// What an archive is called: a name that sorts by time, the operator's, and says what was on the rig, a knob's number or file.
+pub(crate) fn archive_stem(knob: &str, before: &str) -> String {
     let knob = Path::new(knob).file_stem().map_or_else(String::new, |stem| {
         stem.to_string_lossy().chars().map(|letter| if letter.is_alphanumeric() { letter } else { '-' }).collect()
     });
     let knob = if knob.parse::<u32>().is_ok() { format!("knob-{knob}") } else { knob };
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
-    let free = (1..).map(|number| match number {
-        1 => out.join(format!("{time}-{before}{knob}.mcap")),
-        _ => out.join(format!("{time}-{before}{knob}_{number:02}.mcap")),
-    });
-    free.into_iter().find(|path| !path.exists()).context("no free name for the archive")
+    format!("{time}-{before}{knob}")
 }
 
 impl SupervisedRun<'_> {
@@ -122,6 +118,7 @@ impl SupervisedRun<'_> {
         let run = offline_run::archive(&self.loop_arguments(), &self.archive, interrupted, self.until)?;
         Ok(RunEnd {
             status: LoopStatus {
+                run_id: run.run_id,
                 published_samples: run.samples as u64,
                 fault: run.fault.map_or(0, Fault::code),
                 guarded_ticks: run.guarded_ticks,
@@ -151,7 +148,14 @@ impl SupervisedRun<'_> {
         self.tell_start(link.status());
 
         if let Err(error) = link.request(CommandKind::Start) {
+            let had_ended = control_loop.has_ended();
+            control_loop.end(LOOP_ENDS);
             consumers.end();
+            anyhow::ensure!(
+                !had_ended,
+                "the control loop ended before the run began ({})",
+                control_loop.end_in_words()
+            );
             return Err(error);
         }
         let mut rule = self.until.map(|share| StopRule::new(share, link.torque_step_mnm()));
@@ -163,7 +167,20 @@ impl SupervisedRun<'_> {
             if let Some(drill) = &drill {
                 drill.panic_if_told();
             }
+            let has_ended = control_loop.has_ended();
             link.listen();
+            if link.status().finished == 1 {
+                break;
+            }
+            if has_ended {
+                progress.close();
+                remark(format!(
+                    "the control loop ended in the middle of the run ({}); what was recorded so far is kept",
+                    control_loop.end_in_words()
+                ));
+                loop_died = true;
+                break;
+            }
             consumers.revive(&link);
             progress.show(&link);
             if !stopped_by_operator && is_enough_known(rule.as_mut(), &link) {
@@ -173,22 +190,16 @@ impl SupervisedRun<'_> {
                 stopped_by_operator = true;
                 stop(&link, control_loop);
             }
-            if link.status().finished == 1 {
-                break;
-            }
             if link.silence_of_loop() > LOOP_HUNG {
                 remark("the control loop no longer answers and is ended");
                 control_loop.end(LOOP_ENDS);
             }
-            if control_loop.has_ended() {
-                progress.close();
-                remark("the control loop ended in the middle of the run; what was recorded so far is kept");
-                loop_died = true;
-                break;
-            }
         }
         progress.close();
-        let recorder_exit = consumers.finish_recorder(RECORDER_DONE, || link.listen());
+        let recorder_exit = consumers.finish_recorder(RECORDER_DONE, || {
+            link.listen();
+            !control_loop.has_ended()
+        });
         let restarts = consumers.end();
         let interrupted = stopped_by_operator;
         let models = link.models().to_vec();
@@ -222,6 +233,9 @@ fn stop(link: &LoopLink, control_loop: &mut Child) {
 
 /// Takes away what the run left in shared memory.
 pub(crate) fn clear_shared_memory() {
+    if files_in_shared_memory(&rig::runtime_dir()).is_empty() {
+        return;
+    }
     match shared_types::clean_up::clear_shared_memory() {
         Ok(0) => {}
         // Whoever still follows the rig needs them, and takes them away at its end.
@@ -236,6 +250,12 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
     let mut link: Option<LoopLink> = None;
     loop {
         if control_loop.has_ended() {
+            if control_loop.exit_code().is_none_or(|code| !SAID_WHY.contains(&code)) {
+                remark(format!(
+                    "the control loop ended before it was ready ({}); run `haptic-camera doctor`",
+                    control_loop.end_in_words()
+                ));
+            }
             return Ok(None);
         }
         match &mut link {

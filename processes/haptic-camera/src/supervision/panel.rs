@@ -1,6 +1,7 @@
 //! The panel of a capture under way: what is known of the knob, how late the loop was, what was lost. 80 columns by 16 lines.
 
 use std::fmt::Write as _;
+use std::time::Duration;
 
 use shared_types::{FitUpdate, LATENESS_BIN_EDGES_NS, LoopStatus, ProcessKind};
 
@@ -10,6 +11,11 @@ use crate::until_ci::{Knowledge, Known, Standing, Yardstick};
 
 /// Lines of the panel: the bar, the table's head, eight parameters, and what follows.
 pub(super) const FIT_LINES: u16 = 14;
+
+/// Silence of the recorder, which reports twice a second, after which it cannot be said that nothing is lost.
+const RECORDER_AWAY: Duration = Duration::from_millis(1_500);
+/// How long the stream keeps what a recorder missed.
+const STREAM_HISTORY: Duration = Duration::from_secs(8);
 
 /// Time in the run, beside the bar.
 pub(super) fn time(link: &LoopLink, planned_steps: Option<u64>) -> String {
@@ -131,7 +137,12 @@ pub(super) fn losses(link: &LoopLink) -> String {
         .collect();
     let restarts: u32 = link.consumers().iter().map(|health| health.restarts).sum();
     let mut words = format!("{} ticks missed", status.missed_ticks);
-    if lost.is_empty() {
+    let (absence, longest) = (link.absence_of_recorder(), link.longest_absence_of_recorder());
+    if longest > STREAM_HISTORY {
+        let _ = write!(words, ", samples lost while there was no recorder for {:.1} s", longest.as_secs_f64());
+    } else if absence > RECORDER_AWAY {
+        let _ = write!(words, ", no recorder for {:.1} s", absence.as_secs_f64());
+    } else if lost.is_empty() {
         words += ", no sample lost";
     }
     for (who, samples) in lost {

@@ -81,7 +81,7 @@ impl Progress {
                     bar.set_prefix(panel::time(link, bar.length()));
                     bar.set_message(panel::below(link, self.yardstick.as_ref()));
                 } else {
-                    bar.set_message(line());
+                    bar.set_message(operator::visible(&line()).into_owned());
                 }
                 bar.set_position(steps(link.elapsed_s()));
             }

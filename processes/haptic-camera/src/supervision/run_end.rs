@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use archive::parts::fallback_dir;
 use shared_types::{Fault, LoopStatus, ProcessKind};
 
+use super::account::{self, Archived};
 use crate::outcome::{Outcome, remark, say};
 use crate::until_ci::Achieved;
 
@@ -38,21 +40,18 @@ impl RunEnd {
     /// Tells how the run went.
     pub(crate) fn tell(&self) {
         let status = &self.status;
+        let taken = status.taken_samples();
         if let Some(fault) = self.fault_words() {
-            remark(format!("the run ended in a fault after {} samples: {fault}", status.published_samples));
+            remark(format!("the run ended in a fault after {taken} samples: {fault}"));
         } else if self.interrupted {
-            say(format!("stopped by the operator after {} samples", status.published_samples));
+            say(format!("stopped by the operator after {taken} samples"));
         }
         say(format!(
-            "samples  {} taken, {} ticks missed in {} stalls, longest lateness {:.3} ms",
-            status.published_samples,
+            "samples  {taken} taken, {} ticks missed in {} stalls, longest lateness {:.3} ms",
             status.missed_ticks,
             status.overruns,
             ns_to_ms(status.max_lateness_ns)
         ));
-        if status.dropped_samples > 0 {
-            remark(format!("{} samples were lost before they could be published", status.dropped_samples));
-        }
         for (kind, restarts) in self.restarts.iter().filter(|(_, restarts)| *restarts > 0) {
             say(format!("{} died and was restarted {restarts} times", kind.name()));
         }
@@ -61,13 +60,10 @@ impl RunEnd {
     /// Where the recorder closed the archive: in its place, or in the temporary directory when that place failed it.
     /// Tells what to do where it did not.
     pub(crate) fn left_archive(&self, archive: &Path) -> Option<PathBuf> {
-        if archive.exists() {
-            return Some(archive.to_owned());
-        }
-        let elsewhere = std::env::temp_dir().join(archive.file_name().unwrap_or_default());
-        let is_of_this_run = || archive::run_id(&elsewhere).is_ok_and(|run| run == Some(self.status.run_id));
-        if elsewhere.exists() && is_of_this_run() {
-            return Some(elsewhere);
+        let elsewhere = fallback_dir(self.status.run_id).join(archive.file_name().unwrap_or_default());
+        let is_of_this_run = |path: &&Path| archive::run_id(path).is_ok_and(|run| run == Some(self.status.run_id));
+        if let Some(found) = [archive, &elsewhere].into_iter().find(is_of_this_run) {
+            return Some(found.to_owned());
         }
         remark(format!(
             "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
@@ -79,14 +75,25 @@ impl RunEnd {
 
     /// How the command that made the run ended where the recorder could not close the archive.
     pub(crate) fn outcome_without_archive(&self) -> Outcome {
-        if self.recorder_exit == Some(3) { self.outcome(0) } else { Outcome::Failed }
+        if self.recorder_exit == Some(3) { self.outcome(true) } else { Outcome::Failed }
     }
 
-    /// How the command that made the run ended, if so many samples are known to be missing in its archive.
-    pub(crate) fn outcome(&self, missing_samples: u64) -> Outcome {
+    /// Tells what was lost of the run, planned, taken or archived; how the command that made it ended.
+    pub(crate) fn settle(&self, archived: &Archived) -> Outcome {
+        let is_cut = self.is_ended_on_purpose() || self.loop_died || self.fault_words().is_some();
+        let losses = account::losses(&self.status, archived, is_cut);
+        losses.iter().for_each(remark);
+        self.outcome(!losses.is_empty() || self.recorder_exit == Some(3))
+    }
+
+    fn is_ended_on_purpose(&self) -> bool {
+        self.interrupted || self.achieved.as_ref().is_some_and(|achieved| achieved.ended_s.is_some())
+    }
+
+    fn outcome(&self, is_data_lost: bool) -> Outcome {
         if self.loop_died || self.fault_words().is_some() {
             Outcome::Failed
-        } else if missing_samples > 0 || self.recorder_exit == Some(3) {
+        } else if is_data_lost {
             Outcome::DataLost
         } else {
             Outcome::Done

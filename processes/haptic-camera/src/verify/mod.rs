@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
+use archive::claim;
 use clap::Parser as _;
 use dynamics::{Model, knobs};
 use identification::diagnosis::{Diagnosis, Verdict};
@@ -17,9 +18,9 @@ use report::CaptureFacts;
 use serde::Serialize;
 
 use crate::command_line::{ReplayOptions, RunOptions};
-use crate::fit::{self, to_output, write_json};
 use crate::outcome::{Outcome, say};
-use crate::supervision::{Shown, SupervisedRun, archive_path};
+use crate::outputs::{Kind, to_output, write, write_json};
+use crate::supervision::{Archived, Shown, SupervisedRun, archive_stem};
 use compare::Verified;
 
 /// Largest difference of a parameter that passes if its interval does not hold the intended value, %.
@@ -167,12 +168,13 @@ fn intended(options: &ReplayOptions) -> anyhow::Result<Model> {
 /// What keeps a capture from being made, read or fitted.
 pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
     let model = intended(options)?;
-    let folder = archive_path(&options.run.out, &options.model, "verify-")?.with_extension("");
-    std::fs::create_dir_all(&folder)
-        .with_context(|| format!("the folder {} cannot be made; choose another with --out", folder.display()))?;
+    let out = &options.run.out;
+    let folder = claim::folder(out, &archive_stem(&options.model, "verify-"))
+        .with_context(|| format!("no folder can be made in {}; choose another with --out", out.display()))?;
     // Nobody watches four captures in a row.
     let run_options = RunOptions { no_viewer: true, native_viewer: false, ..options.run.clone() };
     let mut remarks_told = false;
+    let mut is_data_lost = false;
     let mut make = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<PathBuf> {
         let archive = folder.join(format!("{name}.mcap"));
         let mut task = vec![format!("--render={}", options.model), format!("--duration-s={duration_s}")];
@@ -197,6 +199,10 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         if let Some(fault) = end.fault_words() {
             anyhow::bail!("the {name} ended in a fault: {fault}");
         }
+        let archive = end.left_archive(&archive).with_context(|| format!("the {name} left no archive"))?;
+        let outcome = end.settle(&Archived::read(&archive)?);
+        anyhow::ensure!(outcome != Outcome::Failed, "the {name} did not come to its end");
+        is_data_lost |= outcome == Outcome::DataLost;
         Ok(archive)
     };
     let captured = captures::verify(&model, options.run.rate_hz, &mut make)?;
@@ -206,10 +212,14 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     }
     write_json(options.json.as_deref(), &Told { verification, capture: captured.train.facts() })?;
     if let Some(path) = &options.report {
-        fit::write(path, &page::page(&model, &captured))?;
+        write(path, Kind::Page, &page::page(&model, &captured))?;
         if !to_output(options.json.as_deref()) {
             say(format!("report   {}", path.display()));
         }
     }
-    Ok(if verification.passed { Outcome::Done } else { Outcome::Failed })
+    Ok(match (verification.passed, is_data_lost) {
+        (true, false) => Outcome::Done,
+        (true, true) => Outcome::DataLost,
+        (false, _) => Outcome::Failed,
+    })
 }

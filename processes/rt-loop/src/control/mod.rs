@@ -4,12 +4,14 @@
 //! same torques bit for bit.
 
 mod cogging;
+mod holding;
 mod lowpass;
 pub mod rendering;
 mod servo;
 mod step;
 
 pub use cogging::CoggingCompensation;
+pub use holding::Holding;
 pub use servo::ServoGains;
 pub(crate) use servo::notch;
 pub use step::{ControlPlan, ControlState, Reading, Request, StepOutput};

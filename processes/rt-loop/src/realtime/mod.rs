@@ -11,7 +11,9 @@ mod tick_record;
 
 pub use call_watch::{CallWatch, CallWatchError, CallWatched, WATCH_CALLS_VARIABLE};
 pub use model_rings::{ModelEvent, ModelPort};
-pub use permission::{OffCore, Permission, WakefulProcessors, block_signals, keep_off_core, last_core};
+pub use permission::{
+    OffCore, Permission, WakefulProcessors, block_signals, keep_off_core, last_core, prefer_publisher,
+};
 pub use schedule::{Schedule, Tick};
 pub use tick_loop::{LoopPort, SharedState, TickLoop};
 pub use tick_record::{TickLog, TickRecord};

@@ -8,6 +8,9 @@ use shared_types::realtime;
 
 /// SCHED_FIFO priority of the loop: above everything ordinary, below the kernel's own threads.
 const PRIORITY: i32 = 80;
+/// That of the thread that publishes: above everything ordinary, below the loop and the kernel's interrupt threads, which
+/// have 50.
+const PUBLISHER_PRIORITY: i32 = 40;
 
 /// The permissions that the calling thread was given.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +35,7 @@ impl Permission {
         if mlockall(MlockAllFlags::MCL_CURRENT).is_ok() {
             granted |= realtime::LOCKED;
         }
-        if set_fifo_priority() {
+        if set_fifo_priority(PRIORITY) {
             granted |= realtime::FIFO;
         }
         Self { granted, core: u32::try_from(core).unwrap_or(u32::MAX) }
@@ -55,8 +58,8 @@ impl Permission {
 }
 
 #[allow(unsafe_code, reason = "no safe crate in use here sets a scheduling policy")]
-fn set_fifo_priority() -> bool {
-    let parameters = libc::sched_param { sched_priority: PRIORITY };
+fn set_fifo_priority(priority: i32) -> bool {
+    let parameters = libc::sched_param { sched_priority: priority };
     // SAFETY: the pointer is to a live, initialised sched_param; pid 0 is the calling thread.
     unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) == 0 }
 }
@@ -122,6 +125,12 @@ impl Drop for OffCore {
             let _ = sched_setaffinity(Pid::from_raw(0), before);
         }
     }
+}
+
+/// Puts the calling thread, which publishes, before everything ordinary, so that the ring does not fill up on a machine
+/// whose other cores are taken. Where that is not permitted the ring's length is all there is.
+pub fn prefer_publisher() {
+    let _is_permitted = set_fifo_priority(PUBLISHER_PRIORITY);
 }
 
 /// Leaves the process's signals to its other threads: a handler on this one would take its time from a tick.

@@ -14,8 +14,8 @@ use super::schedule::Schedule;
 use super::tick_record::{self, TickRecord};
 use crate::control::{ControlState, Reading, Request};
 
-/// Seconds that a ring to the publisher holds.
-const RING_S: f64 = 4.0;
+/// Seconds that a ring to the publisher holds: as long as a consumer's queue, 36 MB at 20 kHz.
+const RING_S: f64 = 16.0;
 /// Requests that may wait for the loop.
 const REQUESTS: usize = 8;
 
@@ -25,6 +25,9 @@ pub struct SharedState {
     state: AtomicU32,
     fault: AtomicU32,
     angle_bits: AtomicU64,
+    missed_ticks: AtomicU64,
+    overruns: AtomicU64,
+    dropped_samples: AtomicU64,
     quit: AtomicBool,
 }
 
@@ -45,6 +48,30 @@ impl SharedState {
     #[must_use]
     pub fn angle_rad(&self) -> f64 {
         f64::from_bits(self.angle_bits.load(Ordering::Relaxed))
+    }
+
+    /// Ticks that the run has missed so far, also before samples that were dropped.
+    #[must_use]
+    pub fn missed_ticks(&self) -> u64 {
+        self.missed_ticks.load(Ordering::Relaxed)
+    }
+
+    /// Times at which one or more ticks were missed.
+    #[must_use]
+    pub fn overruns(&self) -> u64 {
+        self.overruns.load(Ordering::Relaxed)
+    }
+
+    /// Samples so far that found the ring to the publisher full.
+    #[must_use]
+    pub fn dropped_samples(&self) -> u64 {
+        self.dropped_samples.load(Ordering::Relaxed)
+    }
+
+    fn count(&self, sample: &Sample, is_dropped: bool) {
+        self.missed_ticks.fetch_add(u64::from(sample.missed_ticks), Ordering::Relaxed);
+        self.overruns.fetch_add(u64::from(sample.missed_ticks > 0), Ordering::Relaxed);
+        self.dropped_samples.fetch_add(u64::from(is_dropped), Ordering::Relaxed);
     }
 
     /// Ends the loop after its next tick; the amplifier is switched off.
@@ -176,10 +203,9 @@ impl TickLoop {
                 if sample.flags & Sample::MODEL_TAKEN != 0 {
                     self.ends.models.tell_felt(sample.tick, tick.due_ns);
                 }
-                match self.ends.samples.push(sample) {
-                    Ok(()) => dropped_samples = 0,
-                    Err(_) => dropped_samples += 1,
-                }
+                let is_dropped = self.ends.samples.push(sample).is_err();
+                dropped_samples = if is_dropped { dropped_samples + 1 } else { 0 };
+                self.shared.count(&sample, is_dropped);
             }
             self.ends.models.give_back(&mut self.control);
             self.show(measurement.map_or(f64::NAN, |measurement| measurement.angle_rad));

@@ -6,4 +6,5 @@ mod port;
 
 pub(crate) use bounds::FASTEST_RAD_S;
 pub use bounds::{BoundExceeded, Bounded, Bounds, driving_speed_rad_s};
+pub(crate) use port::{ACTUATOR_DELAY_S, SENSOR_DAMPING_RATIO};
 pub use port::{Hands, InnerPart, LinearModel, Port};

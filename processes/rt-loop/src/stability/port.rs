@@ -63,9 +63,9 @@ pub struct Port {
 }
 
 /// Time that the current takes after a command, s: an amplifier of 3 kHz.
-pub(super) const ACTUATOR_DELAY_S: f64 = 53e-6;
+pub(crate) const ACTUATOR_DELAY_S: f64 = 53e-6;
 /// Damping of the torque sensor, as a share of the critical: a metal spring hardly damps.
-const SENSOR_DAMPING_RATIO: f64 = 0.01;
+pub(crate) const SENSOR_DAMPING_RATIO: f64 = 0.01;
 
 impl Port {
     /// The rig with this calibration under these gains.

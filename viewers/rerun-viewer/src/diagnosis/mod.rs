@@ -9,14 +9,16 @@ mod layout;
 mod series;
 mod text;
 
+use std::io::Read as _;
 use std::path::Path;
 
-use anyhow::{Context as _, anyhow};
+use anyhow::Context as _;
 use rerun::{RecordingStreamBuilder, TextDocument};
 
 pub use input::{DiagnosisInput, InputError};
 
 use crate::entities::SUMMARY;
+use crate::recording_file::RecordingFile;
 
 /// Name under which rerun keeps the layout.
 const APPLICATION: &str = "haptic-camera-diagnosis";
@@ -26,12 +28,13 @@ const APPLICATION: &str = "haptic-camera-diagnosis";
 /// # Errors
 /// One sentence on what is wrong with the JSON, or why the file cannot be written.
 pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
-    let text = std::fs::read_to_string(json).with_context(|| format!("{} cannot be read", json.display()))?;
+    let mut text = String::new();
+    let read = foreign_files::open(json).and_then(|mut file| file.read_to_string(&mut text));
+    read.with_context(|| format!("{} cannot be read", json.display()))?;
     let input = DiagnosisInput::from_json(&text).with_context(|| format!("{} is no diagnosis", json.display()))?;
-    let recording = RecordingStreamBuilder::new(APPLICATION).save(out).map_err(|error| {
-        let error = anyhow::Error::from(error);
-        anyhow!("{} cannot be written ({}); name another place", out.display(), error.root_cause())
-    })?;
+    let file = RecordingFile::create(out)?;
+    let recording = RecordingStreamBuilder::new(APPLICATION).buffered()?;
+    recording.set_sink(Box::new(file.sink()));
     recording.set_log_tick_enabled(false);
     recording.set_log_time_enabled(false);
     layout::send(&recording, &input)?;
@@ -41,5 +44,5 @@ pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
     }
     charts::draw(&recording, &input)?;
     recording.flush_blocking().context("the recording could not be finished")?;
-    Ok(())
+    file.finish()
 }

@@ -1,0 +1,167 @@
+//! Tables of numbers as comma-separated text.
+//!
+//! A table begins with a line of column names and has one row of numbers a line. Columns may stand in any order. A byte
+//! order mark, Windows line ends, quotation marks, blanks around cells, empty lines, lines that begin with `#` and
+//! commas at the ends of lines are passed over. Numbers are written with a point and are finite.
+
+use std::io::Read;
+
+/// Characters of somebody else's text that an error quotes.
+const QUOTED: usize = 200;
+
+/// A column that is looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    name: &'static str,
+    required: bool,
+}
+
+impl Column {
+    /// One that every such table has.
+    #[must_use]
+    pub const fn required(name: &'static str) -> Self {
+        Self { name, required: true }
+    }
+
+    /// One that a table may have.
+    #[must_use]
+    pub const fn optional(name: &'static str) -> Self {
+        Self { name, required: false }
+    }
+}
+
+/// What becomes of columns that nobody looks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Others {
+    /// A table that has any is refused: its author meant something by them.
+    Refused,
+    /// They are passed over.
+    PassedOver,
+}
+
+/// Why a table cannot be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TableError {
+    /// The first line does not name the columns.
+    #[error("it has the columns `{found}`, but they must be `{expected}`{hint}")]
+    Header {
+        /// The columns that were found, shortened.
+        found: String,
+        /// The columns as they should be, optional ones in brackets.
+        expected: String,
+        /// What to do about another separator; empty where there is none.
+        hint: &'static str,
+    },
+    /// A line is no row of numbers.
+    #[error("line {line}: {reason}")]
+    Line {
+        /// Line, counted from 1; where empty lines or comments stand before the row, the first of them.
+        line: u64,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The bytes are not UTF-8.
+    #[error("it is not UTF-8 text")]
+    NotText,
+    /// The system could not read on.
+    #[error("{reason}")]
+    System {
+        /// The system's error.
+        kind: std::io::ErrorKind,
+        /// Its words.
+        reason: String,
+    },
+}
+
+/// Reads the `wanted` columns of a table; `None` for an optional one that is not there.
+///
+/// # Errors
+/// [`TableError`], with the line where there is one.
+pub fn read_columns<const N: usize>(
+    text: impl Read,
+    wanted: [Column; N],
+    others: Others,
+) -> Result<[Option<Vec<f64>>; N], TableError> {
+    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).flexible(true).from_reader(text);
+    let header = table.headers().map_err(from_csv)?.clone();
+    let mut names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim()).collect();
+    while names.last().is_some_and(|name| name.is_empty()) {
+        names.pop();
+    }
+    let places = places(&names, &wanted, others)?;
+    let mut columns = places.map(|place| place.map(|_| Vec::new()));
+    let mut record = csv::StringRecord::new();
+    while table.read_record(&mut record).map_err(from_csv)? {
+        let wrong = |reason| TableError::Line { line: record.position().map_or(0, csv::Position::line), reason };
+        if record.len() < names.len() || record.iter().skip(names.len()).any(|cell| !cell.is_empty()) {
+            return Err(wrong(wrong_length(record.len(), names.len())));
+        }
+        for ((place, column), Column { name, .. }) in places.iter().zip(&mut columns).zip(&wanted) {
+            if let (Some(place), Some(column)) = (place, column) {
+                column.push(number(&record[*place], name).map_err(wrong)?);
+            }
+        }
+    }
+    Ok(columns)
+}
+
+/// Where the wanted columns stand.
+fn places<const N: usize>(
+    names: &[&str],
+    wanted: &[Column; N],
+    others: Others,
+) -> Result<[Option<usize>; N], TableError> {
+    let places = wanted.map(|column| names.iter().position(|name| *name == column.name));
+    let complete = wanted.iter().zip(&places).all(|(column, place)| place.is_some() || !column.required);
+    let count = |column: &Column| names.iter().filter(|name| **name == column.name).count();
+    let unique = wanted.iter().all(|column| count(column) <= 1);
+    let foreign = names.len() > places.iter().flatten().count();
+    if complete && unique && (others == Others::PassedOver || !foreign) {
+        return Ok(places);
+    }
+    let expected = wanted.iter().enumerate().map(|(index, Column { name, required })| {
+        let comma = if index == 0 { "" } else { "," };
+        if *required { format!("{comma}{name}") } else { format!("[{comma}{name}]") }
+    });
+    let found = names.join(",");
+    Err(TableError::Header { found: quoted(&found), expected: expected.collect(), hint: separator_hint(&found) })
+}
+
+fn number(cell: &str, column: &str) -> Result<f64, String> {
+    match cell.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(value) => Err(format!("{column} is {value}, but it must be a finite number")),
+        Err(_) => {
+            let hint = if cell.contains(',') { "; write it with a point" } else { "" };
+            Err(format!("`{}` in the column {column} is not a number{hint}", quoted(cell)))
+        }
+    }
+}
+
+fn wrong_length(found: usize, expected: usize) -> String {
+    let hint = if found > expected { "; write numbers with a point, as in 1.5" } else { "" };
+    format!("it has {found} cells, but the header has {expected}{hint}")
+}
+
+fn separator_hint(found: &str) -> &'static str {
+    if found.contains([';', '\t']) { "; write commas between them, and numbers with a point" } else { "" }
+}
+
+/// The beginning of a text that may be a whole file.
+fn quoted(text: &str) -> String {
+    let visible = |character: char| if character.is_control() { ' ' } else { character };
+    let mut shown: String = text.chars().map(visible).take(QUOTED).collect();
+    if text.chars().nth(QUOTED).is_some() {
+        shown.push_str("...");
+    }
+    shown
+}
+
+fn from_csv(error: csv::Error) -> TableError {
+    let line = error.position().map_or(0, csv::Position::line);
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => TableError::System { kind: error.kind(), reason: error.to_string() },
+        csv::ErrorKind::Utf8 { .. } => TableError::NotText,
+        other => TableError::Line { line, reason: format!("{other:?}") },
+    }
+}

@@ -1,0 +1,93 @@
+//! The files that each command reads and writes, as its options name them.
+
+use archive::whole_file::Replace;
+
+use super::{CalibrateOptions, Command, ExportOptions, SimulateOptions};
+use crate::outputs::{Files, Kind, is_same};
+
+impl Command {
+    /// What is checked before the command does anything.
+    pub fn files(&self) -> Files {
+        let files = Files::default();
+        match self {
+            Self::Capture(options) => files
+                .reading([&options.knob])
+                .reading(&options.run.calibration)
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.report.as_ref(), Kind::Page)
+                .writing(options.recording.as_ref(), Kind::Data),
+            Self::Replay(options) => files
+                .reading([&options.model, &options.hand])
+                .reading(&options.run.calibration)
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.report.as_ref(), Kind::Page),
+            Self::Fit(options) => files
+                .reading(&options.captures)
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.out.as_ref(), Kind::FittedModel)
+                .writing(options.report.as_ref(), Kind::Page),
+            Self::Diagnose(options) => files
+                .reading([&options.train])
+                .reading(&options.heldout)
+                .reading(&options.model)
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.out.as_ref(), Kind::DiagnosedModel)
+                .writing(options.report.as_ref(), Kind::Page)
+                .writing(options.recording.as_ref(), Kind::Data),
+            Self::Calibrate(options) => {
+                // The calibration that is given may be the one that is written.
+                files.reading(&options.captures).replacing(Some(&options.out), options.replaced())
+            }
+            Self::RigTest(options) => files
+                .reading(&options.calibration)
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.report.as_ref(), Kind::Page),
+            Self::Check(options) => {
+                files.reading(&options.captures).reading(&options.model).writing(options.json.as_ref(), Kind::Json)
+            }
+            Self::Compare(options) => files
+                .reading(&options.subjects)
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.report.as_ref(), Kind::Page),
+            Self::Simulate(options) => {
+                files.reading([&options.model, &options.like]).writing(Some(&options.out), options.kind())
+            }
+            Self::Export(options) => files.reading([&options.source]).writing(Some(&options.out), options.kind()),
+            Self::List(options) => files.writing(options.json.as_ref(), Kind::Json),
+            Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), Kind::Json),
+            Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), Kind::Data),
+            // `compose` looks at its own place, which it may be told to write over; `man` writes into a folder.
+            Self::Compose(_) | Self::Man(_) | Self::Tune(_) | Self::View(_) | Self::Doctor | Self::Completions(_) => {
+                files
+            }
+        }
+    }
+}
+
+impl CalibrateOptions {
+    /// What the calibration may replace: the one that was given, or one that was written before.
+    #[must_use]
+    pub fn replaced(&self) -> Replace {
+        let is_given = self.calibration.as_deref().is_some_and(|given| is_same(given, &self.out));
+        if is_given { Replace::Anything } else { Kind::Calibration.replaces() }
+    }
+}
+
+impl SimulateOptions {
+    /// Whether the simulated capture is written as a table.
+    #[must_use]
+    pub fn writes_table(&self) -> bool {
+        self.out.extension().is_some_and(|extension| extension == "csv")
+    }
+
+    fn kind(&self) -> Kind {
+        if self.writes_table() { Kind::Data } else { Kind::Simulation }
+    }
+}
+
+impl ExportOptions {
+    fn kind(&self) -> Kind {
+        let is_header = self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("h"));
+        if is_header { Kind::Header } else { Kind::Data }
+    }
+}

@@ -1,0 +1,57 @@
+//! Runs and captures that are large for this machine: told before they start, and refused where they cannot end well.
+
+use std::path::Path;
+
+use anyhow::{Context as _, ensure};
+use archive::memory;
+
+use crate::outcome::remark;
+
+/// Bytes of archive that a sample takes, compressed with its sensors' noise (66 to 68, measured over the five knobs).
+const ARCHIVED_BYTES: f64 = 68.0;
+/// Ticks from which on a run counts as large: a quarter of an hour at 20 kHz, a gigabyte of archive.
+const LARGE: u64 = 18_000_000;
+const GIGABYTE: f64 = 1e9;
+
+/// Tells how large the archive of a run of so many ticks becomes, and the memory that its fit takes.
+#[allow(clippy::cast_precision_loss, reason = "ticks of a day")]
+pub fn tell(ticks: u64) {
+    if ticks >= LARGE {
+        let archived = ticks as f64 * ARCHIVED_BYTES;
+        remark(format!(
+            "up to {:.0} million samples: an archive of {:.1} GB, and {:.1} GB of memory to fit it",
+            ticks as f64 / 1e6,
+            archived / GIGABYTE,
+            archived * memory::OF_FILE / GIGABYTE
+        ));
+    }
+}
+
+/// Refuses a run of so many ticks for which disk or memory are too small.
+///
+/// # Errors
+/// One sentence with the longest run that would fit.
+#[allow(clippy::cast_precision_loss, reason = "ticks of a day, and bytes for display")]
+pub fn admit(ticks: u64, rate_hz: f64, archive: &Path) -> anyhow::Result<()> {
+    if ticks < LARGE {
+        return Ok(());
+    }
+    let duration_s = ticks as f64 / rate_hz;
+    let archived = ticks as f64 * ARCHIVED_BYTES;
+    let analysed = archived * memory::OF_FILE;
+    let folder = archive.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let disk = nix::sys::statvfs::statvfs(folder).with_context(|| format!("{} cannot be used", folder.display()))?;
+    let on_disk = (disk.blocks_available() as f64) * disk.fragment_size() as f64;
+    let fits = |what: &str, needed: f64, free: f64| -> anyhow::Result<()> {
+        ensure!(
+            needed <= free,
+            "a run of {duration_s:.0} s takes {:.1} GB of {what}, and {:.1} GB are free: make it at most {:.0} s long",
+            needed / GIGABYTE,
+            free / GIGABYTE,
+            (duration_s * free / needed).floor()
+        );
+        Ok(())
+    };
+    fits(&format!("the disk of {}", folder.display()), archived, on_disk)?;
+    memory::available().map_or(Ok(()), |free| fits("memory for its fit", analysed, free))
+}

@@ -1,0 +1,175 @@
+//! The files that commands write: what each may replace, and none of them a file that the same call reads.
+
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+
+use archive::ArchiveError;
+use archive::whole_file::{self, Replace, write_bytes};
+use serde::Serialize;
+
+use crate::outcome::say;
+
+/// What an output is, and so what it may replace: an earlier one of its kind, known by words that every one has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A result as JSON.
+    Json,
+    /// A report page.
+    Page,
+    /// A model that was fitted.
+    FittedModel,
+    /// A model with what a diagnosis found.
+    DiagnosedModel,
+    /// A model that was composed.
+    ComposedModel,
+    /// What is known of a rig.
+    Calibration,
+    /// A model for firmware.
+    Header,
+    /// A capture that was simulated.
+    Simulation,
+    /// A manual page.
+    ManualPage,
+    /// An archive, a table or a recording, in which nothing tells ours from others': the name must be free.
+    Data,
+}
+
+impl Kind {
+    /// What such a file may replace.
+    pub fn replaces(self) -> Replace {
+        match self {
+            Self::Json => Replace::Marked("\"made_by\": \"haptic-camera\""),
+            Self::Page => Replace::Marked("<meta name=\"generator\" content=\"haptic-camera\">"),
+            Self::FittedModel => Replace::Marked(" samples: residual "),
+            Self::DiagnosedModel => Replace::Marked("\ndescription = \"diagnosed from "),
+            Self::ComposedModel => Replace::Marked("\norigin = "),
+            Self::Calibration => Replace::Marked(CALIBRATION_MARK),
+            Self::Header => Replace::Marked(" as numbers, made by haptic-camera "),
+            Self::Simulation => Replace::Marked("\"apparatus\": \"simulation\""),
+            Self::ManualPage => Replace::Marked(".TH haptic-camera"),
+            Self::Data => Replace::Nothing,
+        }
+    }
+}
+
+/// The first line of a calibration's file.
+pub const CALIBRATION_MARK: &str = "## made by haptic-camera\n";
+
+/// The files that a call names.
+#[derive(Debug, Default)]
+pub struct Files {
+    inputs: Vec<PathBuf>,
+    outputs: Vec<(PathBuf, Replace)>,
+}
+
+impl Files {
+    /// With files that are read.
+    #[must_use]
+    pub fn reading<File: AsRef<Path>>(mut self, paths: impl IntoIterator<Item = File>) -> Self {
+        self.inputs.extend(paths.into_iter().map(|path| path.as_ref().to_owned()));
+        self
+    }
+
+    /// With a file that is written, if it was asked for; standard output is none.
+    #[must_use]
+    pub fn writing(self, path: Option<&PathBuf>, kind: Kind) -> Self {
+        self.replacing(path, kind.replaces())
+    }
+
+    /// The same with what it may replace.
+    #[must_use]
+    pub fn replacing(mut self, path: Option<&PathBuf>, replace: Replace) -> Self {
+        self.outputs.extend(path.filter(|path| !to_output(Some(path))).map(|path| (path.clone(), replace)));
+        self
+    }
+
+    /// Refuses outputs that would cost something, before any work is done.
+    ///
+    /// # Errors
+    /// [`UsageError`] for an output that is an input, under whatever name, or another output; otherwise what
+    /// [`whole_file::check`] says.
+    pub fn check(&self) -> anyhow::Result<()> {
+        for (index, (path, replace)) in self.outputs.iter().enumerate() {
+            if self.inputs.iter().any(|input| is_same(path, input)) {
+                return Err(UsageError::Input(path.clone()).into());
+            }
+            if self.outputs[..index].iter().any(|(other, _)| is_same(path, other)) {
+                return Err(UsageError::TwoOutputs(path.clone()).into());
+            }
+            whole_file::check(path, *replace)?;
+        }
+        Ok(())
+    }
+}
+
+/// Outputs that cannot be meant.
+#[derive(Debug, thiserror::Error)]
+pub enum UsageError {
+    /// An output is an input.
+    #[error("{} is read by this call too; name another file to write to", .0.display())]
+    Input(PathBuf),
+    /// Two outputs are one.
+    #[error("{} would be written twice; name another file for each output", .0.display())]
+    TwoOutputs(PathBuf),
+}
+
+/// Whether two paths lead to one regular file, that there is or that would be.
+pub fn is_same(one: &Path, other: &Path) -> bool {
+    match (one.metadata(), other.metadata()) {
+        (Ok(one), Ok(other)) => one.is_file() && (one.dev(), one.ino()) == (other.dev(), other.ino()),
+        (Err(_), Err(_)) => one.file_name() == other.file_name() && is_same_folder(one, other),
+        _ => false,
+    }
+}
+
+fn is_same_folder(one: &Path, other: &Path) -> bool {
+    let [one, other] = [one, other].map(|path| whole_file::folder_of(path).canonicalize());
+    matches!((one, other), (Ok(one), Ok(other)) if one == other)
+}
+
+/// Whether standard output is for the JSON alone.
+pub fn to_output(json: Option<&Path>) -> bool {
+    json == Some(Path::new("-"))
+}
+
+/// Writes a result as JSON, if it was asked for: to a file, or to standard output for `-`.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
+    #[derive(Serialize)]
+    struct Marked<'a, Content> {
+        made_by: &'static str,
+        #[serde(flatten)]
+        content: &'a Content,
+    }
+    let Some(path) = path else { return Ok(()) };
+    let text = serde_json::to_string_pretty(&Marked { made_by: "haptic-camera", content: result })? + "\n";
+    if to_output(Some(path)) {
+        say(text.trim_end());
+        return Ok(());
+    }
+    write(path, Kind::Json, &text)
+}
+
+/// Writes a text file; whole or not at all.
+///
+/// # Errors
+/// When something lies there that is not to be replaced, or the folder cannot be written to.
+pub fn write(path: &Path, kind: Kind, text: &str) -> anyhow::Result<()> {
+    replace(path, kind.replaces(), text)
+}
+
+/// The same with what it may replace.
+///
+/// # Errors
+/// As [`write`].
+pub fn replace(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
+    write_bytes(path, replace, text.as_bytes()).map_err(|error| match error {
+        ArchiveError::Occupied { .. } => error.into(),
+        // The folder is missing, or closed to the user.
+        error => {
+            anyhow::Error::new(error).context(format!("{} cannot be written; choose another place", path.display()))
+        }
+    })
+}

@@ -1,0 +1,126 @@
+//! Whether the servo holds a knob at a rate: the loop without friction, steps or noise, carried on to see whether it calms.
+
+use dynamics::{Calibration, Setpoint};
+use hal::Measurement;
+
+use super::servo::{Servo, ServoGains};
+use crate::stability::{ACTUATOR_DELAY_S, SENSOR_DAMPING_RATIO};
+
+/// Step in which the shaft is integrated, s: fifty to a period of a resonance at 2 kHz.
+const SUBSTEP_S: f64 = 10e-6;
+/// Distance from the setpoint at the start, rad: so little that no limit of the servo's is reached.
+const START_RAD: f64 = 1e-6;
+/// Length of a stretch whose largest swing is compared with that of the next, s: several periods of the slowest swing.
+const STRETCH_S: f64 = 0.5;
+/// Stretches until then, in which all but the last swing to calm has calmed.
+const STRETCHES: usize = 4;
+/// Inertia of a knob that sticks, and of the heaviest that the gains are for, mNm·s²/rad: to the shaft both are a wall.
+const HEAVIEST: f64 = 2.0;
+/// Steps in which a slowest rate is looked for, Hz.
+const RATE_STEP_HZ: f64 = 100.0;
+
+/// What the servo is to hold.
+#[derive(Clone, Copy, Debug)]
+pub struct Holding<'a> {
+    /// The servo's gains.
+    pub gains: ServoGains,
+    /// The rig's calibration.
+    pub calibration: &'a Calibration,
+    /// Inertia of the knob while it turns, mNm·s²/rad; zero for the bare gripper.
+    pub knob_inertia: f64,
+}
+
+impl Holding<'_> {
+    /// Whether every swing dies away at this rate, of the knob as it turns and, unless the gripper is bare, as it sticks.
+    #[must_use]
+    pub fn is_stable(&self, rate_hz: f64) -> bool {
+        self.calms(self.knob_inertia, rate_hz) && (self.gains.free_gripper || self.calms(HEAVIEST, rate_hz))
+    }
+
+    /// The slowest rate from which on it does at every rate up to `fastest_hz`; `None` if there is none.
+    #[must_use]
+    pub fn slowest_stable_hz(&self, fastest_hz: f64) -> Option<f64> {
+        let down = std::iter::successors(Some(fastest_hz), |rate_hz| Some(rate_hz - RATE_STEP_HZ));
+        down.take_while(|rate_hz| *rate_hz > 0.0 && self.is_stable(*rate_hz)).last()
+    }
+
+    fn calms(&self, knob_inertia: f64, rate_hz: f64) -> bool {
+        let Some(mut servo) = Servo::new(self.gains, self.calibration, rate_hz) else { return false };
+        let step_s = rate_hz.recip();
+        let mut shaft = Shaft::new(self.calibration, knob_inertia);
+        let mut before_rad = START_RAD;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousand ticks")]
+        let ticks = (STRETCH_S * rate_hz) as usize;
+        let mut largest_rad = [0.0_f64; STRETCHES];
+        for largest_rad in &mut largest_rad {
+            for _ in 0..ticks {
+                let angle_rad = shaft.rotor_rad;
+                let torque_mnm = self.calibration.torque_zero_mnm + shaft.sensor_mnm();
+                let measurement = Measurement { angle_rad, torque_mnm, ..Measurement::default() };
+                let velocity_rad_s = (angle_rad - before_rad) / step_s;
+                before_rad = angle_rad;
+                let command = servo.torque_mnm(&Setpoint::default(), &measurement, velocity_rad_s, step_s);
+                shaft.turn(command, step_s);
+                *largest_rad = largest_rad.max(shaft.rotor_rad.abs());
+            }
+        }
+        // A swing that overflows is no number, and smaller than none.
+        let [.., before_rad, last_rad] = largest_rad;
+        last_rad < before_rad && shaft.rotor_rad.is_finite()
+    }
+}
+
+/// Rotor and gripper with a knob on it, joined by the torque sensor, and the motor's current.
+struct Shaft {
+    rotor_inertia: f64,
+    gripper_inertia: f64,
+    viscous: f64,
+    stiffness_mnm_rad: f64,
+    damping: f64,
+    rotor_rad: f64,
+    rotor_rad_s: f64,
+    gripper_rad: f64,
+    gripper_rad_s: f64,
+    motor_mnm: f64,
+}
+
+impl Shaft {
+    fn new(calibration: &Calibration, knob_inertia: f64) -> Self {
+        let (rotor_inertia, gripper_inertia) = (calibration.motor_inertia, calibration.gripper_inertia + knob_inertia);
+        let stiffness_mnm_rad = calibration.torque_sensor_stiffness_mnm_rad;
+        let reduced_inertia = rotor_inertia * gripper_inertia / (rotor_inertia + gripper_inertia);
+        Self {
+            rotor_inertia,
+            gripper_inertia,
+            viscous: calibration.motor_viscous.unwrap_or(0.0),
+            stiffness_mnm_rad,
+            damping: 2.0 * SENSOR_DAMPING_RATIO * (stiffness_mnm_rad * reduced_inertia).sqrt(),
+            rotor_rad: START_RAD,
+            rotor_rad_s: 0.0,
+            gripper_rad: START_RAD,
+            gripper_rad_s: 0.0,
+            motor_mnm: 0.0,
+        }
+    }
+
+    fn sensor_mnm(&self) -> f64 {
+        self.stiffness_mnm_rad * (self.rotor_rad - self.gripper_rad)
+            + self.damping * (self.rotor_rad_s - self.gripper_rad_s)
+    }
+
+    /// Lets a tick pass under a command: semi-implicit Euler, which adds no damping of its own.
+    fn turn(&mut self, command_mnm: f64, step_s: f64) {
+        let substeps = (step_s / SUBSTEP_S).ceil();
+        let substep_s = step_s / substeps;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most some hundred")]
+        for _ in 0..substeps as u32 {
+            self.motor_mnm += substep_s / ACTUATOR_DELAY_S * (command_mnm - self.motor_mnm);
+            let sensor_mnm = self.sensor_mnm();
+            let accelerating_mnm = self.motor_mnm - self.viscous * self.rotor_rad_s - sensor_mnm;
+            self.rotor_rad_s += substep_s / self.rotor_inertia * accelerating_mnm;
+            self.gripper_rad_s += substep_s / self.gripper_inertia * sensor_mnm;
+            self.rotor_rad += substep_s * self.rotor_rad_s;
+            self.gripper_rad += substep_s * self.gripper_rad_s;
+        }
+    }
+}

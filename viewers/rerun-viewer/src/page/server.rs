@@ -1,0 +1,284 @@
+//! The page's server: one thread, hyper, and bounds for whatever is at the other end.
+//!
+//! The page shows what is captured to our own user only ([`peer`]): others are told so. A client that sends no request, or
+//! takes no answer, costs its connection and nobody else's: the header of a request has a size and a deadline, the kernel
+//! ends a connection of which nothing was taken for [`PATIENCE`], and when all connections are in use the next
+//! one takes the place of the one that was idle for longest.
+
+use std::convert::Infallible;
+use std::net::TcpListener;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use http_body_util::Full;
+use hyper::body::{Bytes, Incoming};
+use hyper::header::{CONNECTION, CONTENT_TYPE, HeaderValue};
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper::{Request, Response, StatusCode};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::net::TcpStream;
+use tokio::task::AbortHandle;
+
+use crate::peer;
+
+/// How long a client may take nothing of what waits for it, and how long it may take to send a request.
+pub const PATIENCE: Duration = Duration::from_secs(10);
+/// Connections at once; a page needs up to six.
+pub const MOST_CONNECTIONS: usize = 64;
+/// Other users who are told at once that this is not theirs.
+const MOST_REFUSALS: usize = 8;
+/// Size of a request's header, bytes.
+const MOST_HEADER: usize = 16 << 10;
+/// What is told to other users.
+const REFUSAL: &str = "This live view belongs to another user of this machine. Start the capture as the user of this \
+                       browser, or with sudo from him, or reach the page through ssh as the user who captures.\n";
+
+/// Answers requests.
+pub trait Answer: Send + Sync + 'static {
+    /// The answer to one request.
+    fn answer(&self, request: &Request<Incoming>) -> Response<Full<Bytes>>;
+}
+
+/// Serves everyone who connects to `listener`, on a thread of its own, as long as the process lives.
+///
+/// # Errors
+/// When there is no thread or no file descriptor for it.
+pub fn serve(listener: TcpListener, answers: impl Answer, patience: Duration) -> std::io::Result<()> {
+    listener.set_nonblocking(true)?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let listener = {
+        let _inside = runtime.enter();
+        tokio::net::TcpListener::from_std(listener)?
+    };
+    let accept = move || runtime.block_on(accept(listener, Arc::new(answers), patience));
+    std::thread::Builder::new().name("page".to_owned()).spawn(accept).map(drop)
+}
+
+async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, patience: Duration) {
+    let (mut ours, mut others) = (Connections::new(MOST_CONNECTIONS), Connections::new(MOST_REFUSALS));
+    loop {
+        let Ok((client, peer)) = listener.accept().await else {
+            // Out of file descriptors: some may be free again soon.
+            tokio::time::sleep(Duration::from_millis(100)).await;
+            continue;
+        };
+        let may_look = client.local_addr().is_ok_and(|here| peer::may_look(peer, here));
+        let (connections, answers) =
+            if may_look { (&mut ours, Some(Arc::clone(&answers))) } else { (&mut others, None) };
+        connections.make_room();
+        let asked = LastRequest::default();
+        let task = tokio::spawn(attend(client, answers, asked.clone(), patience));
+        connections.open.push(Connection { task: task.abort_handle(), asked });
+    }
+}
+
+/// Serves one connection to its end; without `answers` whoever is there is sent away.
+async fn attend(client: TcpStream, answers: Option<Arc<impl Answer>>, asked: LastRequest, patience: Duration) {
+    let socket = socket2::SockRef::from(&client);
+    if socket.set_tcp_nodelay(true).and_then(|()| socket.set_tcp_user_timeout(Some(patience))).is_err() {
+        return;
+    }
+    let answer = |request: Request<Incoming>| {
+        asked.set();
+        let answer = answers.as_ref().map_or_else(refusal, |answers| answers.answer(&request));
+        std::future::ready(Ok::<_, Infallible>(answer))
+    };
+    // That a browser goes away is no news.
+    let _ = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(patience)
+        .max_buf_size(MOST_HEADER)
+        .serve_connection(TokioIo::new(client), service_fn(answer))
+        .await;
+}
+
+fn refusal() -> Response<Full<Bytes>> {
+    let mut refusal = Response::new(Full::from(REFUSAL));
+    *refusal.status_mut() = StatusCode::FORBIDDEN;
+    refusal.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static("text/plain; charset=utf-8"));
+    refusal.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
+    refusal
+}
+
+/// When a connection sent its last request, if it has sent any.
+#[derive(Clone, Debug, Default)]
+struct LastRequest(Arc<Mutex<Option<Instant>>>);
+
+impl LastRequest {
+    fn set(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+    }
+
+    fn get(&self) -> Option<Instant> {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// One connection and what it asks.
+struct Connection {
+    task: AbortHandle,
+    asked: LastRequest,
+}
+
+/// The open connections, in the order in which they came.
+struct Connections {
+    open: Vec<Connection>,
+    most: usize,
+}
+
+impl Connections {
+    const fn new(most: usize) -> Self {
+        Self { open: Vec::new(), most }
+    }
+
+    /// Ends connections until there is room for one more: those first that never asked, then those that asked long ago.
+    fn make_room(&mut self) {
+        self.open.retain(|connection| !connection.task.is_finished());
+        while self.open.len() >= self.most
+            && let Some((idlest, _)) = self.open.iter().enumerate().min_by_key(|(_, connection)| connection.asked.get())
+        {
+            self.open.remove(idlest).task.abort();
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "test")]
+mod tests {
+    use std::io::{Read as _, Write as _};
+    use std::net::{Ipv4Addr, SocketAddr, TcpStream};
+    use std::sync::mpsc;
+
+    use super::*;
+
+    const PATIENCE: Duration = Duration::from_millis(300);
+
+    /// Answers everything with these bytes, and tells when they are let go.
+    struct Same(Bytes);
+
+    impl Answer for Same {
+        fn answer(&self, _: &Request<Incoming>) -> Response<Full<Bytes>> {
+            Response::new(Full::from(self.0.clone()))
+        }
+    }
+
+    fn serving(body: Bytes, patience: Duration) -> SocketAddr {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let address = listener.local_addr().unwrap();
+        serve(listener, Same(body), patience).unwrap();
+        address
+    }
+
+    fn ask(address: SocketAddr) -> TcpStream {
+        let mut client = TcpStream::connect(address).unwrap();
+        client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        write!(client, "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
+        client
+    }
+
+    fn answer(address: SocketAddr) -> String {
+        let mut text = String::new();
+        ask(address).read_to_string(&mut text).unwrap();
+        text
+    }
+
+    fn resident_mib() -> f64 {
+        let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
+        statm.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 4096.0 / f64::from(1 << 20)
+    }
+
+    #[test]
+    fn idle_connections_never_lock_the_page_out() {
+        let address = serving(Bytes::from_static(b"the page"), Duration::from_secs(3600));
+        let idle: Vec<_> = (0..3 * MOST_CONNECTIONS).map(|_| TcpStream::connect(address).unwrap()).collect();
+        let half: Vec<_> = (0..3 * MOST_CONNECTIONS)
+            .map(|_| {
+                let mut client = TcpStream::connect(address).unwrap();
+                client.write_all(b"GET / HTTP/1.1\r\nHost: ").unwrap();
+                client
+            })
+            .collect();
+        assert!(answer(address).ends_with("the page"));
+        drop((idle, half));
+    }
+
+    #[test]
+    fn an_answer_on_its_way_outlives_connections_that_ask_nothing() {
+        let address = serving(Bytes::from(vec![7; 30 << 20]), Duration::from_secs(3600));
+        let mut loading = ask(address);
+        loading.read_exact(&mut [0; 1000]).unwrap();
+        let idle: Vec<_> = (0..2 * MOST_CONNECTIONS).map(|_| TcpStream::connect(address).unwrap()).collect();
+        let mut rest = Vec::new();
+        loading.read_to_end(&mut rest).unwrap();
+        assert!(rest.len() > (30 << 20) - 1000, "{} bytes", rest.len());
+        drop(idle);
+    }
+
+    #[test]
+    fn a_header_without_an_end_is_cut_off_and_costs_no_memory() {
+        let address = serving(Bytes::from_static(b"the page"), Duration::from_secs(3600));
+        let before = resident_mib();
+        let mut client = TcpStream::connect(address).unwrap();
+        client.write_all(b"GET / HTTP/1.1\r\nX-Long: ").unwrap();
+        let portion = vec![b'x'; 1 << 20];
+        let taken = (0..512).take_while(|_| client.write_all(&portion).is_ok()).count();
+        assert!(taken < 64, "{taken} MiB of a header were taken");
+        assert!(resident_mib() - before < 64.0, "{} MiB more", resident_mib() - before);
+        assert!(answer(address).ends_with("the page"));
+    }
+
+    #[test]
+    fn a_request_that_never_comes_loses_its_connection() {
+        let address = serving(Bytes::from_static(b"the page"), PATIENCE);
+        let mut client = TcpStream::connect(address).unwrap();
+        client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        client.write_all(b"GET / HT").unwrap();
+        // Closed, with a word or without one.
+        client.read_to_end(&mut Vec::new()).unwrap();
+    }
+
+    #[test]
+    fn whoever_takes_nothing_is_let_go_and_what_waits_for_him_is_freed() {
+        /// The body of an answer, which tells when it is freed.
+        struct Body(Vec<u8>, mpsc::Sender<()>);
+        impl AsRef<[u8]> for Body {
+            fn as_ref(&self) -> &[u8] {
+                &self.0
+            }
+        }
+        impl Drop for Body {
+            fn drop(&mut self) {
+                let _ = self.1.send(());
+            }
+        }
+        struct Large(mpsc::Sender<()>);
+        impl Answer for Large {
+            fn answer(&self, _: &Request<Incoming>) -> Response<Full<Bytes>> {
+                Response::new(Full::from(Bytes::from_owner(Body(vec![0; 100 << 20], self.0.clone()))))
+            }
+        }
+        let (freed, is_freed) = mpsc::channel();
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let address = listener.local_addr().unwrap();
+        serve(listener, Large(freed), PATIENCE).unwrap();
+        let wedged = ask(address);
+        is_freed.recv_timeout(Duration::from_secs(60)).unwrap();
+        drop(wedged);
+    }
+
+    #[test]
+    fn a_slow_reader_keeps_its_connection() {
+        let address = serving(Bytes::from(vec![7; 30 << 20]), PATIENCE);
+        let mut client = ask(address);
+        let (mut portion, mut taken) = (vec![0; 3 << 20], 0);
+        loop {
+            std::thread::sleep(Duration::from_millis(20));
+            match client.read(&mut portion).unwrap() {
+                0 => break,
+                more => taken += more,
+            }
+        }
+        assert!(taken > 30 << 20, "{taken} bytes");
+    }
+}

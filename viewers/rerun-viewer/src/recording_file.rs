@@ -1,0 +1,129 @@
+//! A rerun file that says when it could not be written: rerun's own logs that and goes on.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read as _};
+use std::os::unix::fs::{OpenOptionsExt as _, PermissionsExt as _};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::{anyhow, ensure};
+use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
+use rerun::log::LogMsg;
+use rerun::sink::CallbackSink;
+
+/// What every rerun file begins with.
+const BEGINS_WITH: &[u8] = b"RRF2";
+
+/// A rerun file that is being written.
+#[derive(Clone)]
+pub struct RecordingFile {
+    path: PathBuf,
+    state: Arc<Mutex<State>>,
+}
+
+struct State {
+    /// Until the file is finished or cannot be written.
+    encoder: Option<Encoder<File>>,
+    failure: Option<EncodeError>,
+}
+
+impl RecordingFile {
+    /// Begins a file for our own user alone. Another rerun file at its place is replaced; anything else that holds data is
+    /// not.
+    ///
+    /// # Errors
+    /// When it cannot be written, or there is a file of another kind.
+    pub fn create(path: &Path) -> anyhow::Result<Self> {
+        let begin = || -> anyhow::Result<State> {
+            let file = open(path)?;
+            let (version, options) = (rerun::build_info().version, EncodingOptions::PROTOBUF_COMPRESSED);
+            Ok(State { encoder: Some(Encoder::new_eager(version, options, file)?), failure: None })
+        };
+        ensure!(
+            may_be_replaced(path),
+            "{} is no rerun file and is not overwritten; name another place",
+            path.display()
+        );
+        let state = begin().map_err(|error| cannot_be_written(path, &error))?;
+        Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(state)) })
+    }
+
+    /// Where a recording sends what is drawn.
+    #[must_use]
+    pub fn sink(&self) -> CallbackSink {
+        let file = self.clone();
+        CallbackSink::new(move |messages| file.with(|state| state.write(messages)))
+    }
+
+    /// Whether all that was drawn so far could be written.
+    ///
+    /// # Errors
+    /// Why it could not.
+    pub fn check(&self) -> anyhow::Result<()> {
+        let failure = self.with(|state| state.failure.take());
+        failure.map_or(Ok(()), |failure| Err(cannot_be_written(&self.path, &failure.into())))
+    }
+
+    /// Writes what rerun needs to seek in the file, and waits until all of it is on the disk.
+    ///
+    /// # Errors
+    /// When any part of it could not be written.
+    pub fn finish(&self) -> anyhow::Result<()> {
+        self.check()?;
+        self.with(State::finish).map_err(|error| cannot_be_written(&self.path, &error))
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {
+        // Whatever panicked in between left whole messages.
+        work(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl State {
+    fn write(&mut self, messages: &[LogMsg]) {
+        let Some(encoder) = &mut self.encoder else { return };
+        self.failure = messages.iter().try_for_each(|message| encoder.append(message).map(drop)).err();
+        if self.failure.is_some() {
+            // One that is dropped tries to write its end, and complains itself.
+            let _ = self.encoder.take().map(Encoder::into_inner);
+        }
+    }
+
+    fn finish(&mut self) -> anyhow::Result<()> {
+        let Some(mut encoder) = self.encoder.take() else { return Ok(()) };
+        let finished = encoder.finish();
+        let file = encoder.into_inner()?;
+        finished?;
+        match file.sync_all() {
+            // A pipe or a device has nothing to wait for.
+            Err(error) if error.kind() == io::ErrorKind::InvalidInput => Ok(()),
+            synced => Ok(synced?),
+        }
+    }
+}
+
+/// Opens the file, emptied and closed to others.
+fn open(path: &Path) -> io::Result<File> {
+    let file = OpenOptions::new().write(true).create(true).truncate(true).mode(0o600).open(path)?;
+    if file.metadata()?.is_file() {
+        file.set_permissions(std::fs::Permissions::from_mode(0o600))?;
+    }
+    Ok(file)
+}
+
+/// Whether there is nothing at `path`, a device or pipe, an empty file, or a rerun file.
+fn may_be_replaced(path: &Path) -> bool {
+    if !path.metadata().is_ok_and(|found| found.is_file() && found.len() > 0) {
+        return true;
+    }
+    let mut beginning = [0; BEGINS_WITH.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut beginning)).is_ok() && beginning == *BEGINS_WITH
+}
+
+fn cannot_be_written(path: &Path, error: &anyhow::Error) -> anyhow::Error {
+    anyhow!(
+        "{} cannot be written ({}); free space on its disk or name another place",
+        path.display(),
+        error.root_cause()
+    )
+}
