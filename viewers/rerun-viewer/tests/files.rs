@@ -1,5 +1,5 @@
 //! The files that the program writes: whole or complained about, and for its user alone.
-#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may stop at a failure, and says when it skips")]
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
