@@ -1,16 +1,16 @@
-//! What a fit tells: values with intervals, or why not.
+//! What a fit gives: values with intervals, or why not.
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use dynamics::{Effect, Model, Motion, effects};
+use dynamics::{Effect, Model, Motion, ParameterKind, effects};
 
-/// A fitted parameter, or the reason why the data cannot tell it.
+/// A fitted parameter, or the reason why the data do not identify it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Parameter {
     /// Standard name, as in model files.
     #[serde(skip)]
     pub name: &'static str,
-    /// Fitted value; `None` if the data cannot tell it.
+    /// Fitted value; `None` if the data do not identify it.
     pub value: Option<f64>,
     /// Unit of value and intervals.
     pub unit: &'static str,
@@ -25,8 +25,19 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// A parameter that the data cannot tell.
-    pub(crate) fn untold(name: &'static str, unit: &'static str, reason: String) -> Self {
+    /// A parameter with its intervals.
+    pub(crate) fn estimated(
+        kind: &'static ParameterKind,
+        value: f64,
+        ci95: [f64; 2],
+        ci95_textbook: Option<[f64; 2]>,
+    ) -> Self {
+        Self { name: kind.name, value: Some(value), unit: kind.unit, ci95: Some(ci95), ci95_textbook, reason: None }
+    }
+
+    /// A parameter that the data do not identify.
+    pub(crate) fn not_identifiable(kind: &'static ParameterKind, reason: String) -> Self {
+        let ParameterKind { name, unit, .. } = *kind;
         Self { name, value: None, unit, ci95: None, ci95_textbook: None, reason: Some(reason) }
     }
 }
@@ -55,7 +66,7 @@ impl Serialize for Parameters {
 
 /// Covariance of a fit's parameters for residuals that are correlated and of varying size.
 ///
-/// Parameters are left out that the data cannot tell, that are held at zero, or that were read off the capture
+/// Parameters are left out that the data do not identify, that are held at zero, or that were read off the capture
 /// (`static_*`): their intervals are not those of a regression.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Covariance {
@@ -201,10 +212,10 @@ impl Fit {
     /// The fitted model.
     ///
     /// A friction that the data could not tell in one direction is taken from the other; other
-    /// parameters that could not be told are zero. Both are said in the description.
+    /// parameters that are not identifiable are zero. Both are said in the description.
     #[must_use]
     pub fn model(&self, name: &str) -> Model {
-        let told = |parameter: &str| self.parameters.get(parameter).and_then(|parameter| parameter.value);
+        let value_of = |parameter: &str| self.parameters.get(parameter).and_then(|parameter| parameter.value);
         let mut description = format!(
             "fitted to {} samples: residual {:.3} mNm, relative error {:.2} %",
             self.samples, self.residual_rms_mnm, self.relative_error_percent
@@ -214,19 +225,20 @@ impl Fit {
             let mut effect = *effect;
             let kind = effect.kind();
             for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
-                // The stick velocity is never told, but the speed that the capture resolves bounds it.
-                if told(parameter.name).is_some() || kind.name == effects::karnopp_stick::KIND.name {
+                // The stick velocity is never identifiable, but the speed that the capture resolves bounds it.
+                if value_of(parameter.name).is_some() || kind.name == effects::karnopp_stick::KIND.name {
                     continue;
                 }
-                let opposite = opposite_direction(parameter.name).and_then(|other| told(&other).map(|v| (other, v)));
+                let opposite =
+                    opposite_direction(parameter.name).and_then(|other| value_of(&other).map(|v| (other, v)));
                 *slot = opposite.as_ref().map_or(0.0, |(_, value)| *value);
                 description.push_str(&match opposite {
                     Some((other, _)) => format!("; {} taken from {other}", parameter.name),
-                    None => format!("; {} could not be told", parameter.name),
+                    None => format!("; {} not identifiable", parameter.name),
                 });
             }
             if kind.name == effects::inertia::KIND.name {
-                let value = told("inertia").unwrap_or(0.0).max(0.0);
+                let value = value_of("inertia").unwrap_or(0.0).max(0.0);
                 effect.values_mut().iter_mut().for_each(|inertia| *inertia = value);
             }
             model.effects.push(effect);
@@ -235,7 +247,7 @@ impl Fit {
         model
     }
 
-    /// The effects as fitted, gripper included; parameters that could not be told hold what the fit left there.
+    /// The effects as fitted, gripper included; parameters that are not identifiable hold what the fit left there.
     #[must_use]
     pub fn effects(&self) -> &[Effect] {
         &self.effects

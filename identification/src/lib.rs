@@ -23,45 +23,37 @@
 //! [`live::LiveFit`] does the same to a stream. [`average()`] makes one model of several captures,
 //! [`calibration`] finds out what is known of a rig, and [`checks`] looks at a capture without a fit.
 
-mod average;
-pub mod calibration;
-mod central_differences;
-pub mod checks;
-mod detents;
-pub mod diagnosis;
-mod estimate;
-pub mod filter;
-mod fit;
-mod fixed_preparation;
-mod fourier;
-mod frame;
-mod fusion;
-mod held_out;
-mod karnopp;
-mod knob_motion;
-mod least_squares;
-mod leverage;
-pub mod live;
-mod long_run;
-mod motion;
-mod options;
-mod paper_preparation;
-mod problem;
-mod quasi_static;
-mod report;
-mod samples;
-mod saturation;
-mod scan;
-mod sensor_noise;
-mod spectrum;
-mod student;
-mod time_order;
-mod uniform;
+// Every module takes from those above it alone (tests/imports.rs).
 mod vector;
 
-pub use average::{Agreement, Average, Repeatability, Told, average};
+pub mod filter;
+pub mod statistics;
+
+mod estimate;
+mod options;
+mod samples;
+
+mod preparation;
+mod regression;
+
+mod uncertainty;
+
+mod detents;
+mod karnopp;
+mod quasi_static;
+
+mod fit;
+
+mod average;
+pub mod calibration;
+pub mod checks;
+pub mod diagnosis;
+pub mod live;
+
+pub use average::{Agreement, Average, Repeatability, average};
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
-pub use knob_motion::knob_motion;
 pub use options::{AccelerationUse, FitOptions, PreparationMethod};
+pub use preparation::knob_motion;
 pub use samples::{FEWEST_SAMPLES, FitError, Samples};
+pub use statistics::Estimated;

@@ -1,8 +1,8 @@
-//! What a fit may be told.
+//! Options of a fit.
 
 use dynamics::{Calibration, Effect};
 
-/// What a fit may be told; nothing need be.
+/// Options of a fit; the default is none.
 #[derive(Clone, Debug, Default)]
 pub struct FitOptions {
     /// What is known of the rig: zeros, delays, compliance and the gripper's inertia, which are taken out.

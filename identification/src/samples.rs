@@ -1,5 +1,6 @@
 //! The samples of a capture, and why they may not do.
 
+use crate::statistics::{median_step, span};
 use crate::vector;
 
 /// A capture's columns, borrowed. All have one length.
@@ -63,7 +64,7 @@ pub enum FitError {
         /// Distance between the smallest and the largest angle, rad.
         travel_rad: f64,
     },
-    /// The knob moved, but never fast enough to be told from rest.
+    /// The knob moved, but never fast enough to be distinguished from rest.
     #[error(
         "the knob moved faster than {threshold_rad_s} rad/s, where it surely slides, in only {samples} samples; \
          excite it with a faster or longer sweep"
@@ -94,6 +95,11 @@ pub enum FitError {
 }
 
 impl Samples<'_> {
+    /// Sample rate, Hz: that of the median period.
+    pub(crate) fn rate_hz(&self) -> f64 {
+        1.0 / median_step(self.t_s)
+    }
+
     /// Checks lengths, numbers and time.
     pub(crate) fn check(&self) -> Result<(), FitError> {
         let columns = [
@@ -134,9 +140,4 @@ impl Samples<'_> {
         }
         Ok(())
     }
-}
-
-/// Distance between the smallest and the largest value.
-pub(crate) fn span(values: &[f64]) -> f64 {
-    vector::extent(values).map_or(0.0, |(low, high)| high - low)
 }

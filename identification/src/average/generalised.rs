@@ -1,6 +1,6 @@
 //! The generalised least squares mean of vectors with covariances, and whether they agree.
 //!
-//! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks what capture i told), the mean is
+//! With captures xᵢ = Aᵢ·β + errors of covariance Vᵢ (Aᵢ picks what capture i identified), the mean is
 //! β = (Σ AᵢᵀVᵢ⁻¹Aᵢ)⁻¹ Σ AᵢᵀVᵢ⁻¹xᵢ (A. C. Aitken, Proc. Roy. Soc. Edinburgh 55, 1935, 42–48), and what the captures
 //! leave of it, Σ rᵢᵀVᵢ⁻¹rᵢ, follows χ² if they differ by no more than their covariances say. The root of that over its
 //! degrees of freedom is the ratio of R. T. Birge (Phys. Rev. 40, 1932, 207–227). Covariances are themselves estimates,
@@ -11,7 +11,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::observation::Observation;
-use super::{Agreement, position, scalar};
+use super::{Agreement, position};
+use crate::statistics::between;
 
 /// Added to the ones of each correlation matrix, so that rounding does not make it indefinite.
 const RIDGE: f64 = 1e-9;
@@ -24,7 +25,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
             names.push(name);
         }
     }
-    let told = |name: &str| -> Vec<(f64, f64)> {
+    let known_of = |name: &str| -> Vec<(f64, f64)> {
         observations
             .iter()
             .filter_map(|one| position(&one.names, name).map(|at| (one.values[at], one.covariance[(at, at)])))
@@ -34,7 +35,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
     let floors: Vec<f64> = names
         .iter()
         .map(|name| {
-            let known = told(name).iter().map(|one| one.1).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
+            let known = known_of(name).iter().map(|one| one.1).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
             if known.is_finite() { known } else { 1.0 }
         })
         .collect();
@@ -43,8 +44,8 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
         .zip(&floors)
         .map(|(name, floor)| {
             let known: Vec<(f64, f64)> =
-                told(name).iter().map(|one| (one.0, if one.1 > 0.0 { one.1 } else { *floor })).collect();
-            scalar::between(&known)
+                known_of(name).iter().map(|one| (one.0, if one.1 > 0.0 { one.1 } else { *floor })).collect();
+            between(&known)
         })
         .collect();
     let problem = Problem { names: &names, floors: &floors, observations };
@@ -62,7 +63,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
     let widening: Vec<f64> = scatter.iter().zip(&weighing).map(|(scatter, weighing)| scatter - weighing).collect();
     let (values, mut covariance) = problem.solve(&weighing, &widening);
     for (at, name) in names.iter().enumerate() {
-        let uncertain = scatter[at] > 0.0 || told(name).iter().any(|one| one.1 > 0.0);
+        let uncertain = scatter[at] > 0.0 || known_of(name).iter().any(|one| one.1 > 0.0);
         if !uncertain {
             covariance.row_mut(at).fill(0.0);
             covariance.column_mut(at).fill(0.0);
@@ -112,7 +113,7 @@ impl Problem<'_> {
     fn solve(&self, weighing: &[f64], widening: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
         let count = self.names.len();
         let scales: Vec<f64> = self.floors.iter().map(|floor| floor.sqrt()).collect();
-        // Relative to the first value that was told, so that phases and small periods keep their digits.
+        // Relative to the first estimated value, so that phases and small periods keep their digits.
         let origin: Vec<f64> = (0..count)
             .map(|at| {
                 let first = |one: &Observation| position(&one.names, self.names[at]).map(|place| one.values[place]);
@@ -158,10 +159,9 @@ impl Problem<'_> {
     /// With ν degrees of freedom of each covariance, Johansen's sum over the observations
     /// A = Σ (tr Mᵢ² + (tr Mᵢ)²)/2νᵢ, Mᵢ = 1 − H⁻¹·Vᵢ⁻¹ and H = Σ Vᵢ⁻¹, gives the law χ² ~ c·F(f, f₂) with f₂ = f·(f + 2)/3A
     /// and c = f + 2A − 6A/(f + 2).
-    #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
     fn agreement(&self, (mean, of_mean): &(DVector<f64>, DMatrix<f64>)) -> Option<Agreement> {
         let none = vec![0.0; self.names.len()];
-        let (mut chi_squared, mut told, mut uncertain) = (0.0, 0, 0.0);
+        let (mut chi_squared, mut values, mut uncertain) = (0.0, 0, 0.0);
         let mut parameters = vec![false; self.names.len()];
         for observation in self.observations {
             let places = self.places(observation);
@@ -187,11 +187,11 @@ impl Problem<'_> {
             });
             uncertain += ((&free * &free).trace() + free.trace().powi(2)) / (2.0 * observation.degrees_of_freedom);
             for (at, place) in places.iter().enumerate().filter(|(at, _)| observation.joint[*at]) {
-                told += usize::from(observation.covariance[(at, at)] > 0.0);
+                values += usize::from(observation.covariance[(at, at)] > 0.0);
                 parameters[*place] = true;
             }
         }
-        let degrees_of_freedom = told.saturating_sub(parameters.iter().filter(|told| **told).count());
+        let degrees_of_freedom = values.saturating_sub(parameters.iter().filter(|known| **known).count());
         if degrees_of_freedom == 0 {
             return None;
         }

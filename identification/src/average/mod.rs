@@ -13,18 +13,16 @@ mod model_torque;
 mod observation;
 mod reference;
 mod repeatability;
-mod scalar;
 
 use std::collections::BTreeMap;
 
 use dynamics::{Effect, Model, effects};
 
 use crate::estimate::{Covariance, Fit, Parameter, Parameters};
-use crate::long_run::NORMAL_95;
+use crate::statistics::{Estimated, NORMAL_95};
 use observation::Observation;
 
-pub use repeatability::{Repeatability, Told};
-pub(crate) use scalar::{Combined, combined, wrapped};
+pub use repeatability::Repeatability;
 
 /// Captures that differ by this multiple of what their intervals allow are not of the same knob, or one went wrong.
 const GROSS: f64 = 5.0;
@@ -40,7 +38,7 @@ pub struct Agreement {
     pub degrees_of_freedom: usize,
     /// Probability of one at least as large if they agree, covariances being estimates themselves.
     pub probability: f64,
-    /// √(χ² over degrees of freedom): how many times larger than told the differences are.
+    /// √(χ² over degrees of freedom): how many times larger the differences are than the covariances say.
     pub birge_ratio: f64,
 }
 
@@ -115,7 +113,7 @@ fn position(names: &[&'static str], name: &str) -> Option<usize> {
 }
 
 fn with_mean(parameter: &Parameter, mean: &Observation) -> Parameter {
-    let Some((value, half_width)) = mean.told(parameter.name) else { return parameter.clone() };
+    let Some(Estimated { value, half_width }) = mean.estimate(parameter.name) else { return parameter.clone() };
     Parameter {
         value: Some(value),
         ci95: Some(bounded(parameter, value, half_width)),
@@ -176,7 +174,6 @@ fn notes(
 }
 
 /// Residual, relative error and counts of all captures together.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn sums(combined: &mut Fit, fits: &[Fit]) {
     let (mut residual, mut torque, mut rows) = (0.0, 0.0, 0);
     for fit in fits {
@@ -197,11 +194,11 @@ fn with_values(effect: &Effect, parameters: &Parameters) -> Effect {
     let mut effect = *effect;
     let kind = effect.kind();
     for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
-        // The inertia as fitted has the gripper in it; the told one does not.
+        // The inertia as fitted has the gripper in it; the parameter does not.
         if kind.name == effects::inertia::KIND.name {
             continue;
         }
-        if let Some(value) = parameters.get(parameter.name).and_then(|told| told.value) {
+        if let Some(value) = parameters.get(parameter.name).and_then(|known| known.value) {
             *slot = value;
         }
     }

@@ -5,9 +5,9 @@
 //! to angle zero with the combined period.
 
 use super::observation::Observation;
-use super::scalar::wrapped;
 use super::{mean_of, position};
 use crate::estimate::Fit;
+use crate::statistics::wrapped;
 
 pub(super) const PHASE: &str = "detent_phase";
 pub(super) const PERIOD: &str = "detent_period";

@@ -3,15 +3,7 @@
 use super::observation::Observation;
 use super::reference::PHASE;
 use crate::estimate::{Fit, Parameter};
-
-/// A value with the half width of its 95 % interval.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Told {
-    /// Value.
-    pub value: f64,
-    /// Half width of its 95 % interval.
-    pub half_width: f64,
-}
+use crate::statistics::Estimated;
 
 /// How one parameter repeats from capture to capture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -19,9 +11,9 @@ pub struct Repeatability {
     /// The values, capture by capture; `None` where a capture could not tell it.
     pub values: Vec<Option<f64>>,
     /// The same with intervals as they were compared: phases at [`Repeatability::at_angle_rad`], on one turn.
-    pub compared: Vec<Option<Told>>,
+    pub compared: Vec<Option<Estimated>>,
     /// The mean as it compares with them.
-    pub mean: Told,
+    pub mean: Estimated,
     /// Angle at which phases were compared, rad; `None` of other parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_angle_rad: Option<f64>,
@@ -36,7 +28,7 @@ pub struct Repeatability {
 }
 
 impl Repeatability {
-    /// Of a parameter that at least two captures told.
+    /// Of a parameter that at least two captures identified.
     pub(super) fn of(
         parameter: &Parameter,
         fits: &[Fit],
@@ -44,8 +36,8 @@ impl Repeatability {
         mean: &Observation,
         common_angle_rad: f64,
     ) -> Option<Self> {
-        let told = |one: &Observation| one.told(parameter.name).map(|(value, half_width)| Told { value, half_width });
-        let compared: Vec<Option<Told>> = observations.iter().map(told).collect();
+        let estimated = |one: &Observation| one.estimate(parameter.name);
+        let compared: Vec<Option<Estimated>> = observations.iter().map(estimated).collect();
         let known = || compared.iter().flatten();
         if known().count() < 2 {
             return None;
@@ -56,7 +48,7 @@ impl Repeatability {
         let difference_ci95 = least.half_width.hypot(most.half_width);
         Some(Self {
             values: fits.iter().map(|fit| fit.parameters.get(parameter.name).and_then(|own| own.value)).collect(),
-            mean: told(mean)?,
+            mean: estimated(mean)?,
             at_angle_rad: (parameter.name == PHASE).then_some(common_angle_rad),
             difference,
             difference_ci95,

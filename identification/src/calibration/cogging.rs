@@ -16,13 +16,11 @@ use dynamics::Calibration;
 use super::estimate::{CalibrateError, Calibrated, CoggingEstimate};
 use super::friction::motors_share_mnm;
 use super::regression::Band;
-use crate::Samples;
 use crate::estimate::Harmonic;
-use crate::motion::gradient;
-use crate::quasi_static;
-use crate::samples::{FEWEST_SAMPLES, span};
-use crate::spectrum::median;
-use crate::uniform::Uniform;
+use crate::preparation::{Uniform, gradient};
+use crate::samples::FEWEST_SAMPLES;
+use crate::statistics::{median, span};
+use crate::{Samples, quasi_static};
 
 /// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.
 const EDGE_HZ: f64 = 200.0;
@@ -40,7 +38,7 @@ const FASTEST_RAD_S: f64 = 3.0;
 /// Finds the harmonics of the angle in the motor's torque that stand out of everything else.
 ///
 /// `commanded_mnm` is the torque commanded at each sample, held until the next; what compensates for cogging is part of it. Takes
-/// torque zero and motor inertia from `known`. Tells the motor's cogging: its harmonics, none for a motor without iron.
+/// torque zero and motor inertia from `known`. Estimates the motor's cogging: its harmonics, none for a motor without iron.
 ///
 /// # Errors
 /// [`CalibrateError`] for a capture of less than a turn, in one direction only, or not slow and steady.
@@ -76,7 +74,7 @@ pub fn cogging(
     }
     let finest = FINEST * rows.edge_hz * TAU / rows.speed_rad_s;
     let found = quasi_static::of_turns(base.to_vec(), &rows.angle_rad, rows.torque_mnm, finest)
-        .ok_or_else(|| refused("friction and angle cannot be told apart".to_owned()))?;
+        .ok_or_else(|| refused("friction and angle cannot be distinguished".to_owned()))?;
     let mut notes = Vec::new();
     if found.is_empty() {
         notes.push("no torque of the motor that repeats with its angle stands out: it has no cogging".to_owned());
@@ -85,7 +83,6 @@ pub fn cogging(
 }
 
 /// A harmonic of whole turns as a calibration has it.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below that of the places")]
 fn estimated(harmonic: &Harmonic) -> CoggingEstimate {
     let half = |ci95: Option<[f64; 2]>| ci95.map_or(0.0, |[low, high]| 0.5 * (high - low));
     CoggingEstimate {
@@ -110,7 +107,6 @@ struct Rows {
 }
 
 impl Rows {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
     fn of(uniform: &Uniform, known: &Calibration) -> Self {
         let rate_hz = uniform.rate_hz;
         let edge_hz = EDGE_HZ.min(0.2 * rate_hz);

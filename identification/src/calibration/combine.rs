@@ -1,9 +1,9 @@
 //! One calibration of several captures.
 
 use super::estimate::{Calibrated, CoggingEstimate, Estimate};
-use crate::average::{Combined, combined, wrapped};
+use crate::statistics::{Estimated, combined, wrapped};
 
-/// Combines what several captures tell of the same rig; `None` for none.
+/// Combines the calibrations of several captures of the same rig; `None` for none.
 ///
 /// Each quantity is weighted by its interval; where captures disagree beyond their intervals the
 /// combined one is wider. Phases are combined on the circle.
@@ -15,12 +15,12 @@ pub fn combine(captures: &[Calibrated]) -> Option<Calibrated> {
         if estimates.iter().any(|known| known.quantity == estimate.quantity) {
             continue;
         }
-        let told: Vec<(f64, f64)> = captures
+        let estimates_of: Vec<Estimated> = captures
             .iter()
             .filter_map(|capture| capture.get(estimate.quantity))
-            .map(|other| (near(estimate, other.value), other.half_width))
+            .map(|other| Estimated { value: near(estimate, other.value), half_width: other.half_width })
             .collect();
-        let Combined { value, half_width } = combined(&told);
+        let Estimated { value, half_width } = combined(&estimates_of);
         estimates.push(Estimate { value: on_circle(estimate, value), half_width, ..*estimate });
     }
     let mut notes = first.notes.clone();
@@ -45,10 +45,12 @@ fn cogging(captures: &[Calibrated]) -> Option<Vec<CoggingEstimate>> {
         }
         let same: Vec<&CoggingEstimate> =
             shown.iter().copied().flatten().filter(|other| other.per_turn == first.per_turn).collect();
-        let torques: Vec<(f64, f64)> = same.iter().map(|one| (one.torque_mnm, one.torque_half_width_mnm)).collect();
-        let phases: Vec<(f64, f64)> = same
+        let torques: Vec<Estimated> =
+            same.iter().map(|one| Estimated { value: one.torque_mnm, half_width: one.torque_half_width_mnm }).collect();
+        let near = |phase_rad: f64| first.phase_rad + wrapped(phase_rad - first.phase_rad);
+        let phases: Vec<Estimated> = same
             .iter()
-            .map(|one| (first.phase_rad + wrapped(one.phase_rad - first.phase_rad), one.phase_half_width_rad))
+            .map(|one| Estimated { value: near(one.phase_rad), half_width: one.phase_half_width_rad })
             .collect();
         let (torque, phase) = (combined(&torques), combined(&phases));
         harmonics.push(CoggingEstimate {

@@ -1,4 +1,4 @@
-//! What a calibration tells, and why it may not.
+//! What a calibration estimates, and why it may not.
 
 use dynamics::{Calibration, CoggingHarmonic};
 
@@ -35,7 +35,7 @@ pub struct CoggingEstimate {
 /// What a calibration learnt.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Calibrated {
-    /// The quantities that it tells.
+    /// The quantities that it estimates.
     pub estimates: Vec<Estimate>,
     /// The motor's cogging, strongest harmonic first; `None` where it was not looked for.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -76,7 +76,7 @@ impl Calibrated {
     }
 }
 
-/// The field of a calibration that has the given key, if a calibration command can tell it.
+/// The field of a calibration that has the given key, if a calibration estimates it.
 fn slot<'a>(calibration: &'a mut Calibration, quantity: &str) -> Option<&'a mut f64> {
     Some(match quantity {
         "gripper_inertia" => &mut calibration.gripper_inertia,
@@ -131,27 +131,27 @@ pub enum CalibrateError {
     },
     /// No column of commands.
     #[error(
-        "the capture has no commanded torque, from which what the motor takes is told; capture on the rig, to an archive"
+        "the capture has no commanded torque, from which the motor's share follows; capture on the rig, to an archive"
     )]
     NoCommand,
-    /// Cogging that the capture cannot tell.
+    /// Cogging that the capture does not identify.
     #[error(
-        "the motor's cogging cannot be told: {reason}; capture with `--knob none --sweep slow-turn --duration-s 15`"
+        "the motor's cogging is not identifiable: {reason}; capture with `--knob none --sweep slow-turn --duration-s 15`"
     )]
     NoCogging {
         /// Why.
         reason: String,
     },
-    /// A friction that the capture cannot tell.
-    #[error("the motor's {quantity} cannot be told: {reason}")]
+    /// A friction that the capture does not identify.
+    #[error("the motor's {quantity} is not identifiable: {reason}")]
     NoFriction {
         /// What.
         quantity: &'static str,
         /// Why.
         reason: String,
     },
-    /// An inertia that the capture cannot tell.
-    #[error("the gripper's inertia cannot be told: {reason}")]
+    /// An inertia that the capture does not identify.
+    #[error("the gripper's inertia is not identifiable: {reason}")]
     NoInertia {
         /// Why.
         reason: String,

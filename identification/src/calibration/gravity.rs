@@ -14,9 +14,8 @@ use dynamics::Calibration;
 use super::estimate::{CalibrateError, Calibrated, Estimate};
 use super::regression::Band;
 use crate::Samples;
-use crate::motion::gradient;
-use crate::samples::span;
-use crate::uniform::Uniform;
+use crate::preparation::{Uniform, gradient, knob_angle};
+use crate::statistics::span;
 
 /// Band of the comparison, Hz: above whatever a slow turn does, below where the encoder gets noisy.
 const EDGE_HZ: f64 = 40.0;
@@ -25,7 +24,7 @@ const UNEXPLAINED: f64 = 0.5;
 
 /// Fits zero, amplitude and phase of gravity to a turn of at least 360°.
 ///
-/// Takes the acceleration's delay and the torque sensor's stiffness from `known`. Tells
+/// Takes the acceleration's delay and the torque sensor's stiffness from `known`. Estimates
 /// `gravity_amplitude_rad_s2`, `gravity_phase_rad` and `acceleration_zero_rad_s2`.
 ///
 /// # Errors
@@ -42,7 +41,7 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let Some(measured) = &uniform.acceleration_rad_s2 else { return Err(CalibrateError::NoAcceleration) };
     let band = Band { edge_hz: EDGE_HZ.min(0.2 * uniform.rate_hz), rate_hz: uniform.rate_hz };
 
-    let angle_rad = band.smooth(&knob_angle(&uniform, known));
+    let angle_rad = band.smooth(&knob_angle(&uniform.angle_rad, &uniform.torque_mnm, Some(known)));
     let acceleration = gradient(&gradient(&angle_rad, uniform.rate_hz), uniform.rate_hz);
     let target: Vec<f64> = band.smooth(measured).iter().zip(&acceleration).map(|(seen, own)| seen - own).collect();
     let columns = [
@@ -77,11 +76,4 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
         ],
         notes: Vec::new(),
     })
-}
-
-/// The knob's angle: behind the encoder's by the twist of the torque sensor, rad.
-pub(super) fn knob_angle(uniform: &Uniform, known: &Calibration) -> Vec<f64> {
-    let stiffness = known.torque_sensor_stiffness_mnm_rad;
-    let twist = |torque: f64| if stiffness.is_finite() && stiffness > 0.0 { torque / stiffness } else { 0.0 };
-    uniform.angle_rad.iter().zip(&uniform.torque_mnm).map(|(angle, torque)| angle - twist(*torque)).collect()
 }

@@ -10,7 +10,7 @@ const FRICTION_MNM: f64 = 0.5;
 
 /// Fits the inertia beyond the torque sensor to a sweep of the gripper alone.
 ///
-/// Takes everything but the gripper's inertia from `known`. Tells `gripper_inertia`.
+/// Takes everything but the gripper's inertia from `known`. Estimates `gripper_inertia`.
 ///
 /// # Errors
 /// [`CalibrateError`] for a capture that does not accelerate the gripper enough.

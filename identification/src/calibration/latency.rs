@@ -14,12 +14,9 @@
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate};
-use super::gravity::knob_angle;
 use super::regression::{Band, Solved};
 use crate::Samples;
-use crate::motion::gradient;
-use crate::spectrum::Spectrum;
-use crate::uniform::{Uniform, advance};
+use crate::preparation::{Spectrum, Uniform, advance, gradient, knob_angle};
 
 /// The band reaches to this multiple of the frequency below which the motion's power lies …
 const EDGE_PER_SWEEP: f64 = 1.5;
@@ -34,8 +31,8 @@ const ROUNDS: usize = 3;
 
 /// Fits the delays to a capture of the gripper alone (or any inertia without friction and detents).
 ///
-/// Takes gravity and the torque sensor's stiffness from `known`. Tells `torque_delay_s` and, where
-/// there is an accelerometer, `acceleration_delay_s`; a channel that cannot be told is a note.
+/// Takes gravity and the torque sensor's stiffness from `known`. Estimates `torque_delay_s` and, where
+/// there is an accelerometer, `acceleration_delay_s`; a channel whose delay is not identifiable is a note.
 ///
 /// # Errors
 /// [`CalibrateError`] for samples that are no motion, or when neither channel follows it.
@@ -47,7 +44,10 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let sweep_hz = velocity.power_below(0.95, 0.0);
     let edge_hz = (EDGE_PER_SWEEP * sweep_hz).max(LOWEST_EDGE_HZ).min(0.2 * rate_hz);
     let band = Band { edge_hz, rate_hz };
-    let mut columns = vec![gradient(&gradient(&band.smooth(&knob_angle(&uniform, known)), rate_hz), rate_hz)];
+    let mut columns = vec![gradient(
+        &gradient(&band.smooth(&knob_angle(&uniform.angle_rad, &uniform.torque_mnm, Some(known))), rate_hz),
+        rate_hz,
+    )];
     for order in 0..3 {
         columns.push(gradient(&columns[order], rate_hz));
     }

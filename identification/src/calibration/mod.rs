@@ -3,7 +3,7 @@
 //! Each calibration takes a capture made for it and what is known so far, and gives what it learnt as
 //! [`Estimate`]s with 95 % intervals:
 //!
-//! | calibration | the capture | what it tells |
+//! | calibration | the capture | what it estimates |
 //! |---|---|---|
 //! | [`zero`] | nothing on the gripper, no torque, at rest | the readings of torque sensor and accelerometer at rest |
 //! | [`gravity`] | a slow turn of more than 360° | gravity in the acceleration signal |

@@ -1,12 +1,11 @@
 //! A linear relation between signals of a capture, solved in a band, with intervals that hold.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use crate::filter::butterworth_low_pass;
-use crate::least_squares::{LeastSquares, RobustCovariance};
-use crate::motion::{ROWS_PER_EDGE, rms};
-use crate::spectrum::median;
-use crate::student::student_95;
+use crate::filter::{low_pass, rows_step};
+use crate::regression::LeastSquares;
+use crate::statistics::{MEDIAN_MAGNITUDE, median, rms, student_95};
+use crate::uncertainty::RobustCovariance;
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.
@@ -36,12 +35,8 @@ pub(super) struct Solved {
 impl Solved {
     /// Half width of the 95 % interval of a quantity with the given derivatives by the coefficients.
     pub(super) fn half_width(&self, derivatives: &[f64]) -> f64 {
-        let mut variance = 0.0;
-        for (row, left) in derivatives.iter().enumerate() {
-            for (column, right) in derivatives.iter().enumerate() {
-                variance += left * self.covariance[(row, column)] * right;
-            }
-        }
+        let along = DVector::from_column_slice(derivatives);
+        let variance = along.dot(&(&self.covariance * &along));
         self.critical * variance.max(0.0).sqrt()
     }
 }
@@ -49,31 +44,23 @@ impl Solved {
 impl Band {
     /// The signal below the band's edge, without phase shift.
     pub(super) fn smooth(&self, signal: &[f64]) -> Vec<f64> {
-        butterworth_low_pass(4, self.edge_hz, self.rate_hz)
-            .map_or_else(|_| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
+        low_pass(4, self.edge_hz, self.rate_hz, signal)
     }
 
     /// Solves for columns and a target that lie in the band already.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a number of samples"
-    )]
     pub(super) fn solve(&self, columns: &[Vec<f64>], target: &[f64]) -> Solved {
-        let step = (self.rate_hz / (ROWS_PER_EDGE * self.edge_hz)).floor().max(1.0) as usize;
+        let step = rows_step(self.edge_hz, self.rate_hz);
         let settling = ((SETTLING * self.rate_hz / self.edge_hz) as usize).min(target.len() / 4);
         let rows = |signal: &[f64]| -> Vec<f64> {
             signal[settling..signal.len() - settling].iter().step_by(step).copied().collect()
         };
         let mut columns: Vec<Vec<f64>> = columns.iter().map(|column| rows(column)).collect();
         let mut target = rows(target);
-        let free = vec![false; columns.len()];
-        let mut solution = LeastSquares::solve(&columns, &target, &free);
+        let mut solution = LeastSquares::solve(&columns, &target);
         let mut used = target.len();
         for _ in 0..ROUNDS {
             let mut distances: Vec<f64> = solution.residual.iter().map(|left| left.abs()).collect();
-            let limit = OUTLIER * median(&mut distances) / 0.6745;
+            let limit = OUTLIER * median(&mut distances) / MEDIAN_MAGNITUDE;
             let outliers: Vec<usize> = (0..target.len()).filter(|row| solution.residual[*row].abs() > limit).collect();
             if outliers.is_empty() || used < outliers.len() + target.len() / 2 {
                 break;
@@ -84,7 +71,7 @@ impl Band {
                 target[row] = 0.0;
                 columns.iter_mut().for_each(|column| column[row] = 0.0);
             }
-            solution = LeastSquares::solve(&columns, &target, &free);
+            solution = LeastSquares::solve(&columns, &target);
         }
         let RobustCovariance { matrix: covariance, degrees_of_freedom, .. } = solution.robust(&columns);
         let unexplained = rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE);

@@ -3,19 +3,17 @@
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_at_rest};
-use crate::samples::span;
+use crate::statistics::{mean_and_error, span, student_95};
 
 /// Travel up to which the rig counts as at rest, rad.
 const REST_RAD: f64 = 2e-3;
 /// Stretches of which the means are compared: what wanders more slowly than they last shows as scatter.
 const STRETCHES: usize = 30;
-/// Two-sided 95 % of Student's distribution with [`STRETCHES`] − 1 degrees of freedom.
-const STUDENT_95: f64 = 2.045;
 
 /// Averages torque and acceleration of a rig at rest with nothing on the gripper.
 ///
 /// Takes gravity from `known`, at the angle at which the rig rests: its own error is not in the
-/// interval. Tells `torque_zero_mnm` and, where there is an accelerometer, `acceleration_zero_rad_s2`.
+/// interval. Estimates `torque_zero_mnm` and, where there is an accelerometer, `acceleration_zero_rad_s2`.
 ///
 /// # Errors
 /// [`CalibrateError`] for a rig that moves.
@@ -51,22 +49,17 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
 /// The interval is that of the means of stretches, plus what a coarse step can hide: the mean of a
 /// signal with Gaussian noise σ on steps of Δ is off by at most Δ/π·exp(−2π²σ²/Δ²), the first term of
 /// Widrow's series (B. Widrow, I. Kollár, *Quantization Noise*, 2008).
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn mean(signal: &[f64], step: f64) -> (f64, f64) {
-    let average = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let value = average(signal);
+    let (value, _) = mean_and_error(signal);
     let stretch = signal.len() / STRETCHES;
-    let means: Vec<f64> = signal.chunks_exact(stretch).take(STRETCHES).map(average).collect();
-    let centre = average(&means);
-    let variance = |values: &[f64], centre: f64| {
-        values.iter().map(|value| (value - centre).powi(2)).sum::<f64>() / (values.len() - 1) as f64
-    };
-    let standard_error = (variance(&means, centre) / means.len() as f64).sqrt();
+    let means: Vec<f64> = signal.chunks_exact(stretch).take(STRETCHES).map(|part| mean_and_error(part).0).collect();
+    let (_, standard_error) = mean_and_error(&means);
     let hidden = if step > 0.0 {
-        let noise = (variance(signal, value) - step * step / 12.0).max(0.0);
+        let squares: f64 = signal.iter().map(|reading| (reading - value).powi(2)).sum();
+        let noise = (squares / (signal.len() - 1) as f64 - step * step / 12.0).max(0.0);
         step / std::f64::consts::PI * (-2.0 * std::f64::consts::PI.powi(2) * noise / (step * step)).exp()
     } else {
         0.0
     };
-    (value, STUDENT_95 * standard_error + hidden)
+    (value, student_95((means.len() - 1) as f64) * standard_error + hidden)
 }

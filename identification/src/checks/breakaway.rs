@@ -2,8 +2,8 @@
 
 use dynamics::{Calibration, Direction};
 
+use crate::preparation::knob_angle;
 use crate::samples::{FitError, Samples};
-use crate::spectrum::median;
 
 /// Shortest rest before a breakaway, s.
 const REST_S: f64 = 0.020;
@@ -38,17 +38,11 @@ pub struct Breakaway {
 ///
 /// # Errors
 /// [`FitError`] for samples that are no capture of a motion.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "lengths of a few samples"
-)]
 pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<Vec<Breakaway>, FitError> {
     samples.check()?;
-    let rate_hz = rate_hz(samples);
+    let rate_hz = samples.rate_hz();
     let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
-    let knob_rad = knob_angles(samples, known);
+    let knob_rad = knob_angle(samples.angle_rad, samples.torque_mnm, known);
     let away_rad = known.map(|known| AWAY_STEPS * known.angle_step_rad).filter(|away| *away > 0.0).unwrap_or(AWAY_RAD);
     let (rest, soon) = ((REST_S * rate_hz) as usize, (SOON_S * rate_hz) as usize);
     let read = ((READ_S * rate_hz) as usize).max(3).min(rest);
@@ -81,17 +75,4 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
         start = index;
     }
     Ok(found)
-}
-
-/// Sample rate, Hz.
-pub(super) fn rate_hz(samples: &Samples<'_>) -> f64 {
-    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    1.0 / median(&mut steps)
-}
-
-/// Angles of the knob itself, which rests while the sensor twists under the rising torque, rad.
-pub(super) fn knob_angles(samples: &Samples<'_>, known: Option<&Calibration>) -> Vec<f64> {
-    let stiffness = known.map_or(f64::INFINITY, |known| known.torque_sensor_stiffness_mnm_rad);
-    let twist = |torque: f64| if stiffness > 0.0 { torque / stiffness } else { 0.0 };
-    samples.angle_rad.iter().zip(samples.torque_mnm).map(|(angle, torque)| angle - twist(*torque)).collect()
 }

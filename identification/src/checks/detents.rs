@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::profile::{BINS_PER_TURN, Profile};
 use crate::samples::{FitError, Samples};
+use crate::statistics::NORMAL_95;
 
 /// Agreement of the two directions' torques over angle from which they show detents, as a correlation.
 const REPEATS: f64 = 0.5;
@@ -96,7 +97,7 @@ pub fn count_detents(samples: &Samples<'_>) -> Result<DetentCount, CountError> {
         .map(|(index, angle)| (angle - crossings[0] - index as f64 * spacing_rad).powi(2))
         .sum::<f64>()
         / intervals as f64;
-    let half = 1.96 * (2.0 * scatter).sqrt() / intervals as f64 + TAU / BINS_PER_TURN / intervals as f64;
+    let half = NORMAL_95 * (2.0 * scatter).sqrt() / intervals as f64 + TAU / BINS_PER_TURN / intervals as f64;
     Ok(DetentCount {
         turned_rad,
         detents: u32::try_from(intervals).unwrap_or(u32::MAX),

@@ -2,7 +2,7 @@
 
 use dynamics::Calibration;
 
-use super::breakaway::{knob_angles, rate_hz};
+use crate::preparation::knob_angle;
 use crate::samples::{FitError, Samples};
 
 /// Time over which torque and angle are averaged, s.
@@ -77,14 +77,13 @@ struct Bins {
 }
 
 impl Bins {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
     fn of(samples: &Samples<'_>, known: Option<&Calibration>) -> Self {
         let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
-        let length = ((BIN_S * rate_hz(samples)) as usize).max(1);
+        let length = ((BIN_S * samples.rate_hz()) as usize).max(1);
         let means = |values: &[f64]| -> Vec<f64> {
             values.chunks_exact(length).map(|values| values.iter().sum::<f64>() / length as f64).collect()
         };
-        let angle_rad = means(&knob_angles(samples, known));
+        let angle_rad = means(&knob_angle(samples.angle_rad, samples.torque_mnm, known));
         let torque_mnm: Vec<f64> = means(samples.torque_mnm).iter().map(|torque| torque - zero_mnm).collect();
         let largest_mnm = torque_mnm.iter().fold(0.0_f64, |largest, torque| largest.max(torque.abs()));
         let steps_rad = angle_rad.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,4 +1,4 @@
-//! What a capture tells without a fit: detents counted, breakaways read off, lost motion seen.
+//! What a capture shows without a fit: detents counted, breakaways read off, lost motion seen.
 //!
 //! Nothing here shares a step with [`fit`](crate::fit()) but the samples themselves, so that agreement
 //! means something. The paper does the same by hand: its periods agreed with detents counted over 360°

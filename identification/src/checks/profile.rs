@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use dynamics::Direction;
 
 use super::series::{bridged, centred, longest_run, smoothed, without_shocks};
-use crate::samples::{Samples, span};
-use crate::spectrum::median;
+use crate::samples::Samples;
+use crate::statistics::{median, median_step, span};
 
 /// Bins of angle in one turn: a detent needs some ten of them.
 pub(super) const BINS_PER_TURN: f64 = 1440.0;
@@ -25,12 +25,6 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "bins of some turns"
-    )]
     pub(super) fn of(samples: &Samples<'_>) -> Self {
         let lowest = samples.angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
         let width = TAU / BINS_PER_TURN;
@@ -40,8 +34,7 @@ impl Profile {
         // The direction of a sample is that in which the knob leaves its bin's neighbourhood, not that of encoder steps.
         let mut turning_point = samples.angle_rad[0];
         let mut direction = None;
-        let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let step_s = median(&mut steps);
+        let step_s = median_step(samples.t_s);
         let (mut previous_s, mut caught_up_s) = (samples.t_s[0], samples.t_s[0]);
         for ((time_s, angle), torque) in samples.t_s.iter().zip(samples.angle_rad).zip(samples.torque_mnm) {
             if time_s - previous_s > 1.5 * step_s {
@@ -92,7 +85,6 @@ impl Profile {
     }
 
     /// Angles at which the torque rises through its mean, rad.
-    #[allow(clippy::cast_precision_loss, reason = "bins of some turns")]
     pub(super) fn rising_crossings(&self) -> Vec<f64> {
         let mean_mnm = &self.mean_mnm;
         // Half of a sine's values lie below its amplitude over √2, shocks or not.

@@ -1,6 +1,7 @@
 //! Bins in a row: holes bridged, shocks and slopes taken out.
 
-use crate::spectrum::median;
+use crate::regression::LeastSquares;
+use crate::statistics::median;
 
 /// Bins over which the torque's median is taken, so that single shocks do not count.
 const MEDIAN_OF: usize = 5;
@@ -10,7 +11,6 @@ const SMOOTHED: usize = 3;
 const LONGEST_BRIDGE: usize = 8;
 
 /// The values with short holes bridged by straight lines: missed ticks and slips leave such.
-#[allow(clippy::cast_precision_loss, reason = "a few bins")]
 pub(super) fn bridged(values: &[Option<f64>]) -> Vec<Option<f64>> {
     let mut bridged = values.to_vec();
     let mut before: Option<(usize, f64)> = None;
@@ -63,13 +63,7 @@ pub(super) fn smoothed(signal: &[f64]) -> Vec<f64> {
 }
 
 /// The signal without its straight line.
-#[allow(clippy::cast_precision_loss, reason = "bins of some turns")]
 pub(super) fn centred(signal: &[f64]) -> Vec<f64> {
-    let count = signal.len().max(1) as f64;
-    let middle = 0.5 * (count - 1.0);
-    let mean = signal.iter().sum::<f64>() / count;
-    let moment: f64 = signal.iter().enumerate().map(|(at, value)| (at as f64 - middle) * (value - mean)).sum();
-    let spread: f64 = (0..signal.len()).map(|at| (at as f64 - middle).powi(2)).sum();
-    let slope = moment / spread.max(f64::MIN_POSITIVE);
-    signal.iter().enumerate().map(|(at, value)| value - mean - slope * (at as f64 - middle)).collect()
+    let places: Vec<f64> = (0..signal.len()).map(|at| at as f64 - 0.5 * signal.len() as f64).collect();
+    LeastSquares::solve(&[vec![1.0; signal.len()], places], signal).residual
 }

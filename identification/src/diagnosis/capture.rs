@@ -6,16 +6,13 @@ use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
 
-use super::periodogram::periodogram;
 use super::structure::Structure;
-use crate::frame::Frame;
-use crate::least_squares::dot;
-use crate::motion::{Band, KnobMotion, gradient, rms};
 use crate::options::AccelerationUse;
-use crate::samples::{FitError, Samples, span};
-use crate::sensor_noise::SensorNoise;
-use crate::spectrum::{median, quantile};
-use crate::uniform::Uniform;
+use crate::preparation::{Band, KnobMotion, RowMask, SensorNoise, Uniform, gradient, periodogram};
+use crate::regression::LeastSquares;
+use crate::samples::{FitError, Samples};
+use crate::statistics::{median, quantile, rms, span};
+use crate::vector::{dot, multiply, smallest_step};
 
 /// Upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
 const EDGE_HZ: f64 = 200.0;
@@ -66,7 +63,7 @@ pub(crate) struct Capture {
     pub(crate) band: Band,
     pub(crate) motion: KnobMotion,
     motions: Vec<Motion>,
-    pub(crate) frame: Frame,
+    pub(crate) row_mask: RowMask,
     /// Torque filtered as the motion is, mNm, and its first two derivatives by time.
     torque: [Vec<f64>; 3],
     /// RMS in the rows of the torque channel's noise, mNm.
@@ -83,7 +80,6 @@ pub(crate) struct Capture {
 
 impl Capture {
     /// Prepares samples that are to be compared in a band no wider than `edge_hz`.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
     pub(crate) fn of(
         samples: &Samples<'_>,
         calibration: Option<&Calibration>,
@@ -96,34 +92,33 @@ impl Capture {
         let exact = KnobMotion::exact(&mut uniform, calibration);
         let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz), ..Band::of(&uniform, exact.is_some(), calibration) };
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
-        let mut frame = Frame::new(&uniform, &motion, &band);
+        let mut row_mask = RowMask::new(&uniform, &motion, &band);
         let length = (STRETCH_S * rate_hz) as usize;
-        frame.mask.iter_mut().enumerate().for_each(|(index, mask)| *mask *= stretches.weight(index / length.max(1)));
-        let sliding = frame.sliding();
+        row_mask.mask.iter_mut().enumerate().for_each(|(index, mask)| *mask *= stretches.weight(index / length.max(1)));
+        let sliding = row_mask.sliding();
         if sliding < crate::FEWEST_SAMPLES / 2 {
-            return Err(FitError::HardlyMoving { threshold_rad_s: frame.threshold_rad_s, samples: sliding });
+            return Err(FitError::HardlyMoving { threshold_rad_s: row_mask.threshold_rad_s, samples: sliding });
         }
         let torque = motion.alike(&uniform.torque_mnm, rate_hz).into_owned();
         let rate = gradient(&torque, rate_hz);
         let curvature = gradient(&rate, rate_hz);
-        let passed = frame.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
+        let passed = row_mask.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
         let white_mnm = (uniform.torque_density * 0.5 * rate_hz * passed).sqrt();
-        let resting_mnm = noise_at_rest(&uniform, &motion, &frame, &torque);
-        #[allow(clippy::cast_precision_loss, reason = "a decimation")]
-        let weight = frame.mask.iter().map(|mask| mask * mask).sum::<f64>() / frame.step as f64;
-        let noise = SensorNoise::of(&frame, &motion, &band);
-        let acceleration = frame.rows(&motion.acceleration_rad_s2);
+        let resting_mnm = noise_at_rest(&uniform, &motion, &row_mask, &torque);
+        let weight = row_mask.mask.iter().map(|mask| mask * mask).sum::<f64>() / row_mask.step as f64;
+        let noise = SensorNoise::of(&row_mask, &motion, &band);
+        let acceleration = row_mask.rows(&motion.acceleration_rad_s2);
         let mut capture = Self {
             rate_hz,
             torque_noise_mnm: resting_mnm.map_or(white_mnm, |resting| resting.max(white_mnm)),
             acceleration_noise_rad_s2: (noise.acceleration_squares / weight).sqrt(),
             acceleration_noise_share: (noise.acceleration_squares / dot(&acceleration, &acceleration)).sqrt(),
             weight,
-            angle_step_rad: crate::fit::smallest_step(samples.angle_rad),
+            angle_step_rad: smallest_step(samples.angle_rad),
             band,
             motions: (0..motion.len()).map(|index| motion.at(index)).collect(),
             motion,
-            frame,
+            row_mask,
             torque: [torque, rate, curvature],
             scene: Scene::default(),
         };
@@ -157,7 +152,7 @@ impl Capture {
     /// RMS of a residual in the quietest tenth of its stretches, mNm: where a model is wrong, it is so by different
     /// amounts in different stretches, and noise is in all.
     pub(crate) fn quiet_rms_mnm(&self, residual: &[f64]) -> f64 {
-        let weights: Vec<f64> = self.frame.mask.iter().step_by(self.frame.step).map(|mask| mask * mask).collect();
+        let weights: Vec<f64> = self.row_mask.mask.iter().step_by(self.row_mask.step).map(|mask| mask * mask).collect();
         let mut squares: Vec<f64> = residual
             .chunks(STRETCH_ROWS)
             .zip(weights.chunks(STRETCH_ROWS))
@@ -192,7 +187,7 @@ impl Capture {
             })
             .collect();
         let model = structure.model();
-        let [here, there] = [&self.motions, &noisy].map(|motions| self.frame.rows(&model.readings_mnm(motions)));
+        let [here, there] = [&self.motions, &noisy].map(|motions| self.row_mask.rows(&model.readings_mnm(motions)));
         let difference: Vec<f64> = here.iter().zip(&there).map(|(here, there)| here - there).collect();
         (dot(&difference, &difference) / self.weight).sqrt()
     }
@@ -214,17 +209,10 @@ impl Capture {
 
     /// Rows of the torque as it would have been read `delay_s` earlier.
     pub(crate) fn target(&self, delay_s: f64) -> Vec<f64> {
-        self.frame.rows(&self.torque_mnm(delay_s))
+        self.row_mask.rows(&self.torque_mnm(delay_s))
     }
 
     /// The torque as it would have been read `delay_s` earlier, mNm.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_possible_wrap,
-        clippy::cast_sign_loss,
-        reason = "a delay of some samples"
-    )]
     pub(crate) fn torque_mnm(&self, delay_s: f64) -> Vec<f64> {
         let whole = (delay_s * self.rate_hz).round();
         let rest_s = delay_s - whole / self.rate_hz;
@@ -241,8 +229,8 @@ impl Capture {
     /// Time of every row, s, with the motion there and the weight of the mask.
     pub(crate) fn row_motions(&self) -> Vec<(Motion, f64)> {
         (0..self.motion.len())
-            .step_by(self.frame.step)
-            .map(|index| (self.motion.at(index), self.frame.mask[index]))
+            .step_by(self.row_mask.step)
+            .map(|index| (self.motion.at(index), self.row_mask.mask[index]))
             .collect()
     }
 
@@ -258,7 +246,7 @@ impl Capture {
 
     /// What is known of the capture alone.
     fn measured_scene(&self) -> Scene {
-        let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.frame.mask[*index] > 0.0).collect();
+        let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.row_mask.mask[*index] > 0.0).collect();
         let angles: Vec<f64> = sliding.iter().map(|index| self.motion.angle_rad[*index]).collect();
         let mut speeds: Vec<f64> = sliding.iter().map(|index| self.motion.velocity_rad_s[*index].abs()).collect();
         let lowest_rad = angles.iter().copied().fold(f64::INFINITY, f64::min);
@@ -281,15 +269,10 @@ impl Capture {
 ///
 /// A sensor's noise need not be white: what its upper end says of the band below may be wrong, a rest is not. Medians
 /// over parts of the band leave out lines such as hum, which are no noise.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "numbers of samples"
-)]
-fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_mnm: &[f64]) -> Option<f64> {
-    let shortest = (REST_S * uniform.rate_hz) as usize + 2 * frame.fir.half_length();
-    let resting = |index: usize| motion.velocity_rad_s[index].abs() <= frame.threshold_rad_s && uniform.present[index];
+fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, row_mask: &RowMask, torque_mnm: &[f64]) -> Option<f64> {
+    let shortest = (REST_S * uniform.rate_hz) as usize + 2 * row_mask.fir.half_length();
+    let resting =
+        |index: usize| motion.velocity_rad_s[index].abs() <= row_mask.threshold_rad_s && uniform.present[index];
     // Frequency in cycles per row, and density in mean squares per cycle.
     let mut lines: Vec<[f64; 2]> = Vec::new();
     let mut count = 0;
@@ -303,12 +286,13 @@ fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_m
         if settled.len() < shortest {
             continue;
         }
-        let rows = frame.fir.decimate(&torque_mnm[settled.clone()], frame.step);
-        let margin = frame.fir.half_length().div_ceil(frame.step);
-        let mut inner = rows.get(margin..rows.len().saturating_sub(margin)).unwrap_or(&[]).to_vec();
-        // What holds the knob changes slowly.
-        remove_parabola(&mut inner);
-        lines.extend(periodogram(&inner));
+        let rows = row_mask.fir.decimate(&torque_mnm[settled.clone()], row_mask.step);
+        let margin = row_mask.fir.half_length().div_ceil(row_mask.step);
+        let inner = rows.get(margin..rows.len().saturating_sub(margin)).unwrap_or(&[]);
+        // What holds the knob changes slowly: its best parabola is none of the noise.
+        let place: Vec<f64> = (0..inner.len()).map(|index| index as f64 / inner.len() as f64 - 0.5).collect();
+        let parabola = [vec![1.0; inner.len()], place.clone(), multiply(&place, &place)];
+        lines.extend(periodogram(&LeastSquares::solve(&parabola, inner).residual));
         count += inner.len();
     }
     if count < REST_ROWS {
@@ -321,25 +305,4 @@ fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_m
         (edges[1] - edges[0]) * median(&mut part) / std::f64::consts::LN_2
     });
     Some(parts.sum::<f64>().sqrt())
-}
-
-/// Takes the best parabola off evenly spaced values.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-fn remove_parabola(values: &mut [f64]) {
-    let half = 0.5 * (values.len() as f64 - 1.0).max(1.0);
-    let at = |index: usize| (index as f64 - half) / half;
-    let count = values.len() as f64;
-    let mean_square = (0..values.len()).map(|index| at(index).powi(2)).sum::<f64>() / count;
-    // Three orthogonal polynomials over the values.
-    let basis: [&dyn Fn(f64) -> f64; 3] = [&|_| 1.0, &|x| x, &|x| x * x - mean_square];
-    for polynomial in basis {
-        let (mut product, mut square) = (0.0, 0.0);
-        for (index, value) in values.iter().enumerate() {
-            let p = polynomial(at(index));
-            product += p * value;
-            square += p * p;
-        }
-        let coefficient = if square > 0.0 { product / square } else { 0.0 };
-        values.iter_mut().enumerate().for_each(|(index, value)| *value -= coefficient * polynomial(at(index)));
-    }
 }

@@ -6,6 +6,8 @@ use dynamics::{Calibration, Model, Motion};
 use super::FORWARD_WINDOW_S;
 use super::capture::Capture;
 use super::findings::ForwardFromCommand;
+use crate::regression::LeastSquares;
+use crate::statistics::rms;
 
 /// Speed below which the motor's friction is not read off, as a share of the RMS speed.
 const SLOW: f64 = 0.1;
@@ -82,31 +84,24 @@ fn on_grid(t_s: &[f64], commanded_mnm: &[f64], motions: &[Motion], rate_hz: f64)
 fn motor(inertia: f64, capture: &Capture, commands_mnm: &[f64]) -> Option<RigMotor> {
     let torque_mnm = capture.torque_mnm(0.0);
     let motions = capture.motions();
-    let squares: f64 = motions.iter().map(|motion| motion.velocity_rad_s.powi(2)).sum();
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-    let slow_rad_s = SLOW * (squares / motions.len() as f64).sqrt();
-    // Normal equations of C·sgn(ω) + B·ω.
-    let (mut count, mut speeds, mut speed_squares, mut signed, mut weighted) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    let velocity: Vec<f64> = motions.iter().map(|motion| motion.velocity_rad_s).collect();
+    let slow_rad_s = SLOW * rms(&velocity);
+    let (mut losses, mut ones, mut speeds) = (Vec::new(), Vec::new(), Vec::new());
     for (index, motion) in motions.iter().enumerate() {
         let speed = motion.velocity_rad_s.abs();
         // A command is held for a period: at a sample the mean of the one that ends and the one that begins acts.
         let command = 0.5 * (commands_mnm[index.saturating_sub(1)] + commands_mnm[index]);
         let lost = command - torque_mnm[index] - inertia * motion.acceleration_rad_s2;
-        if speed <= slow_rad_s || !lost.is_finite() {
-            continue;
+        if speed > slow_rad_s && lost.is_finite() {
+            losses.push(lost * motion.velocity_rad_s.signum());
+            ones.push(1.0);
+            speeds.push(speed);
         }
-        let lost = lost * motion.velocity_rad_s.signum();
-        count += 1.0;
-        speeds += speed;
-        speed_squares += speed * speed;
-        signed += lost;
-        weighted += lost * speed;
     }
-    let determinant = count * speed_squares - speeds * speeds;
-    let coulomb_mnm = (signed * speed_squares - weighted * speeds) / determinant;
-    let viscous = (weighted * count - signed * speeds) / determinant;
+    let friction = LeastSquares::solve(&[ones, speeds], &losses);
+    let [coulomb_mnm, viscous] = [friction.coefficients[0], friction.coefficients[1]];
     // Friction that drives is a small one that the noise hides.
-    (coulomb_mnm.is_finite() && viscous.is_finite()).then(|| RigMotor {
+    (!friction.collinear.contains(&true)).then(|| RigMotor {
         inertia,
         coulomb_mnm: coulomb_mnm.max(0.0),
         viscous: viscous.max(0.0),

@@ -1,4 +1,4 @@
-//! What a diagnosis tells.
+//! The results of a diagnosis.
 
 use std::collections::BTreeMap;
 
@@ -121,7 +121,7 @@ pub struct Step {
     pub evidence: f64,
     /// Standard errors by which stretch after stretch of both captures is explained better.
     pub steadiness: f64,
-    /// RMS on the held-out capture with a placebo of as many parameters: the effect's own columns at the wrong time, mNm.
+    /// RMS on the held-out capture in the null test, which has as many parameters: the effect's own columns at the wrong time, mNm.
     pub placebo_rms: f64,
     /// Other effects in its place, best first.
     pub rivals: Vec<Rival>,

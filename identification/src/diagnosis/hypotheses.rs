@@ -1,18 +1,17 @@
 //! Every effect of the catalogue that could be added to a structure, from its starts to its best fit.
 
 use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part, effects};
+use rayon::prelude::*;
 
-use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
-use super::normal;
 use super::separable::Separable;
 use super::sticking;
 use super::structure::Structure;
 use super::twist;
 use super::worth::WORTHWHILE;
-use crate::least_squares::dot;
+use crate::regression::{Gram, Refined as _};
 
 /// Starts of a separable hypothesis that are refined.
 const REFINED: usize = 2;
@@ -111,22 +110,23 @@ pub(crate) fn coupled(
         fit.refine();
         return Some(Judged::nonlinear(&fit, train, heldout));
     }
-    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = on_both_cores(&effects, |effect| {
+    let start = |effect: &Effect| {
         let fit = Nonlinear::new(unskewed.with(*effect, 0), train);
-        Some((fit.slow_squares(SLOW), fit.squares(), fit))
-    });
+        (fit.slow_squares(SLOW), fit.squares(), fit)
+    };
+    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = effects.par_iter().map(start).collect();
     // The best starts on slow motion, and the best on the whole band among the others.
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let first = starts.len().min(STARTED);
     starts[first..].sort_by(|a, b| a.1.total_cmp(&b.1));
     starts.truncate(2 * STARTED);
-    let present = Nonlinear::new(unskewed, train).slow_squares(SLOW);
-    let mut slow = on_both_cores(&starts, |(_, _, start)| {
-        let mut fit = start.clone();
+    let present = Nonlinear::new(unskewed.clone(), train).slow_squares(SLOW);
+    let slow = starts.into_par_iter().filter_map(|(_, _, mut fit)| {
         fit.refine_slow();
         let left = fit.slow_squares(SLOW);
         (left < HOPELESS * present).then_some((left, fit))
     });
+    let mut slow: Vec<(f64, Nonlinear<'_>)> = slow.collect();
     slow.sort_by(|a, b| a.0.total_cmp(&b.0));
     // What other starts led to as well need not be refined twice.
     slow.dedup_by(|later, sooner| later.0 < (1.0 + ALIKE) * sooner.0 && later.1.is_like(&sooner.1, ALIKE));
@@ -201,7 +201,7 @@ pub(crate) fn beside_coupling(
 ) -> Vec<Judged> {
     let present = Nonlinear::new(base.clone(), train);
     let tangents = present.tangents(1.0);
-    let coarse = Coarse::new(train, base, &tangents.iter().map(Vec::as_slice).collect::<Vec<_>>(), &present.residual);
+    let coarse = Coarse::new(train, base, tangents, &present.residual);
     let scene = train.scene_of(base);
     let mut promising: Vec<(f64, Structure)> = Vec::new();
     for kind in kinds {
@@ -283,37 +283,32 @@ struct Coarse {
     motions: Vec<(Motion, f64)>,
     /// Friction at the rows, for what modulates it, mNm.
     friction: [Vec<f64>; 2],
-    /// Orthonormal columns of the present structure.
-    basis: Vec<Vec<f64>>,
+    /// Columns of the present structure.
+    columns: Vec<Vec<f64>>,
+    /// Inner products of the residual and the present structure's columns.
+    gram: Gram,
     residual: Vec<f64>,
 }
 
 impl Coarse {
     fn of(current: &Separable<'_>) -> Self {
-        Self::new(current.capture, &current.structure, &current.columns(), &current.residual)
+        let columns = current.columns().into_iter().map(<[f64]>::to_vec).collect();
+        Self::new(current.capture, &current.structure, columns, &current.solution.residual)
     }
 
     /// `columns` are the directions in which the present structure can move.
-    fn new(capture: &Capture, structure: &Structure, columns: &[&[f64]], residual: &[f64]) -> Self {
+    fn new(capture: &Capture, structure: &Structure, columns: Vec<Vec<f64>>, residual: &[f64]) -> Self {
         let thin = |coulomb_only| {
             let full = structure.friction(capture, coulomb_only);
-            full.into_iter().step_by(capture.frame.step).collect()
+            full.into_iter().step_by(capture.row_mask.step).collect()
         };
-        let mut basis: Vec<Vec<f64>> = Vec::new();
-        for column in columns {
-            let mut left = column.to_vec();
-            let before = dot(&left, &left);
-            for known in &basis {
-                let share = dot(known, &left);
-                left.iter_mut().zip(known).for_each(|(slot, value)| *slot -= share * value);
-            }
-            let after = dot(&left, &left);
-            if after > 1e-8 * before {
-                left.iter_mut().for_each(|value| *value /= after.sqrt());
-                basis.push(left);
-            }
+        Self {
+            motions: capture.row_motions(),
+            friction: [thin(false), thin(true)],
+            gram: Gram::of(&columns, residual),
+            columns,
+            residual: residual.to_vec(),
         }
-        Self { motions: capture.row_motions(), friction: [thin(false), thin(true)], basis, residual: residual.to_vec() }
     }
 
     /// By how much the effect's columns would lower the sum of squares, mNm².
@@ -336,17 +331,14 @@ impl Coarse {
             let weight = mask * factor.map_or(1.0, |friction| friction[index]);
             columns.iter_mut().zip(row).for_each(|(column, value)| column.push(weight * value));
         }
-        for column in &mut columns {
-            for known in &self.basis {
-                let share = dot(known, column);
-                column.iter_mut().zip(known).for_each(|(slot, value)| *slot -= share * value);
-            }
-        }
-        let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let nonnegative: Vec<bool> = (0..columns.len()).map(|c| regressors.nonnegative.contains(&c)).collect();
-        let coefficients = normal::solve(&slices, &self.residual, &nonnegative);
-        let left = normal::residual(&slices, &self.residual, &coefficients);
-        (regressors.values)(&coefficients, effect.values_mut());
-        dot(&self.residual, &self.residual) - dot(&left, &left)
+        let base = self.columns.len();
+        let all: Vec<&[f64]> = self.columns.iter().chain(&columns).map(Vec::as_slice).collect();
+        let mut nonnegative = vec![false; base];
+        nonnegative.extend((0..columns.len()).map(|column| regressors.nonnegative.contains(&column)));
+        let mut gram = self.gram.clone();
+        gram.replace(base, &all, &self.residual);
+        let coefficients = gram.solve_held(&nonnegative).coefficients;
+        (regressors.values)(&coefficients[base..], effect.values_mut());
+        gram.total() - gram.left(&coefficients)
     }
 }

@@ -2,10 +2,11 @@
 
 use super::capture::Capture;
 use super::nonlinear::{self, Nonlinear};
-use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
-use crate::least_squares::dot;
+use crate::regression::LeastSquares;
+use crate::statistics::mean_in_errors;
+use crate::vector::dot;
 
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;
@@ -34,7 +35,7 @@ pub(crate) struct Judged {
 impl Judged {
     /// Judges a separable fit.
     pub(crate) fn separable(fit: &Separable<'_>, heldout: &Capture) -> Self {
-        Self::of(fit.structure.clone(), fit.residual.clone(), fit.capture, heldout)
+        Self::of(fit.structure.clone(), fit.solution.residual.clone(), fit.capture, heldout)
     }
 
     /// Judges a fit in which everything was searched.
@@ -49,7 +50,6 @@ impl Judged {
         let heldout_rms_mnm = rms(&heldout_residual, heldout);
         let likelihood = -train.weight * train_rms_mnm.max(f64::MIN_POSITIVE).ln()
             - heldout.weight * heldout_rms_mnm.max(f64::MIN_POSITIVE).ln();
-        #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
         let cost = 0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln();
         Self {
             // Where a servo pushes against a knob that sticks, rests are louder than the sensors; noise is everywhere.
@@ -109,14 +109,7 @@ impl Judged {
         let mut gains = stretches(&other.train_residual, &self.train_residual);
         gains.extend(stretches(&other.heldout_residual, &self.heldout_residual));
         gains.retain(|gain| gain.abs() > FELT);
-        #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
-        let count = gains.len() as f64;
-        if gains.len() < FEWEST_FELT {
-            return 0.0;
-        }
-        let mean = gains.iter().sum::<f64>() / count;
-        let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
-        mean / variance.sqrt().max(f64::MIN_POSITIVE)
+        if gains.len() < FEWEST_FELT { 0.0 } else { mean_in_errors(&gains) }
     }
 }
 
@@ -144,9 +137,7 @@ fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
         return nonlinear::residual(structure, capture);
     }
     let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| structure.rows(*index, capture)).collect();
-    let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let rest = own.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
     let left = nonlinear::residual(&rest, capture);
-    let coefficients = normal::solve(&columns, &left, &vec![false; columns.len()]);
-    normal::residual(&columns, &left, &coefficients)
+    LeastSquares::solve_held(&rows, &left, &[]).residual
 }

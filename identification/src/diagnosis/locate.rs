@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::capture::Capture;
-use super::periodogram::periodogram;
 use super::structure::Structure;
-use crate::least_squares::dot;
-use crate::spectrum::median;
+use crate::preparation::periodogram;
+use crate::statistics::median;
+use crate::vector::dot;
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;
@@ -119,7 +119,7 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
 /// The residual over frequency: whether one line stands out of its neighbours, as a hum or a ringing does.
 #[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
 fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Capture) -> Location {
-    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let rate_hz = capture.rate_hz / capture.row_mask.step as f64;
     let slid: Vec<f64> =
         residual.iter().zip(rows).map(|(value, (_, mask))| if *mask > 0.0 { *value } else { 0.0 }).collect();
     let lines = periodogram(&slid);

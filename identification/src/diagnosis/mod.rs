@@ -1,6 +1,7 @@
 //! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
+//!
+//! Takes a training and a held-out capture and, if there is one, the model to start from; gives a [`Diagnosis`].
 
-mod both_cores;
 mod capture;
 mod commanded;
 mod error;
@@ -11,9 +12,7 @@ mod intervals;
 mod judged;
 mod locate;
 mod nonlinear;
-mod normal;
-mod periodogram;
-mod placebo;
+mod null_test;
 mod rows;
 mod search;
 mod separable;

@@ -6,11 +6,13 @@
 
 use dynamics::{Minimum, Part};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::capture::Capture;
 use super::structure::{Searched, Structure};
-use crate::filter::Fir;
-use crate::least_squares::dot;
+use crate::filter::{Fir, rows_step};
+use crate::regression::{Damping, Refined, refine};
+use crate::vector::{self, dot};
 
 /// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in
 /// each.
@@ -27,8 +29,6 @@ const SETTLED: f64 = 1e-4;
 const NEAR: f64 = 0.05;
 /// Steps for which derivatives are updated before they are taken anew.
 const UPDATES: usize = 2;
-/// First damping, as a share of the diagonal.
-const DAMPING: f64 = 1e-3;
 
 /// A value that is fitted.
 #[derive(Clone, Copy, Debug)]
@@ -41,25 +41,64 @@ struct Value {
     logarithmic: bool,
 }
 
+/// A fit in a band, with the derivatives from step to step.
+struct InBand<'a> {
+    fit: Nonlinear<'a>,
+    /// The band, as a share of the comparison's.
+    share: f64,
+    /// The residual in the band.
+    left: Vec<f64>,
+    tangents: Tangents,
+}
+
 /// Rows of the residual's derivatives with the sign turned, one per value.
 #[derive(Default)]
 struct Tangents {
     rows: Vec<Vec<f64>>,
     /// Steps since they were taken.
     updates: usize,
+    /// Whether they were taken for the present step.
+    fresh: bool,
+}
+
+impl Refined for InBand<'_> {
+    fn squares(&self) -> f64 {
+        dot(&self.left, &self.left)
+    }
+
+    fn normal_equations(&mut self) -> (DMatrix<f64>, DVector<f64>) {
+        let Self { fit, share, left, tangents } = self;
+        tangents.fresh = tangents.rows.is_empty() || tangents.updates > UPDATES;
+        if tangents.fresh {
+            *tangents = Tangents { rows: fit.tangents(*share), updates: 0, fresh: true };
+        }
+        let mut gram = DMatrix::zeros(tangents.rows.len(), tangents.rows.len());
+        vector::products(&tangents.rows, 0, &mut gram);
+        (gram, DVector::from_iterator(tangents.rows.len(), tangents.rows.iter().map(|tangent| dot(tangent, left))))
+    }
+
+    fn go(&mut self, step: &DVector<f64>) -> bool {
+        let structure = self.fit.moved(step.as_slice());
+        let trial = residual(&structure, self.fit.capture);
+        let left = narrowed(&trial, self.share, self.fit.capture);
+        let better = dot(&left, &left) < self.squares();
+        if better {
+            self.tangents.update(step.as_slice(), &self.left, &left);
+            (self.fit.structure, self.fit.residual, self.left) = (structure, trial, left);
+        }
+        better
+    }
+
+    fn renew(&mut self) -> bool {
+        let updated = !self.tangents.fresh;
+        if updated {
+            self.tangents = Tangents::default();
+        }
+        updated
+    }
 }
 
 impl Tangents {
-    fn are_stale(&self) -> bool {
-        self.rows.is_empty() || self.updates > UPDATES
-    }
-
-    fn normal_equations(&self, left: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
-        let count = self.rows.len();
-        let gram = DMatrix::from_fn(count, count, |row, column| dot(&self.rows[row], &self.rows[column]));
-        (gram, DVector::from_iterator(count, self.rows.iter().map(|tangent| dot(tangent, left))))
-    }
-
     /// Makes them agree with what a step did (C. G. Broyden, *A class of methods for solving nonlinear simultaneous
     /// equations*, Math. Comp. 19 (1965) 577–593): a step costs one simulation and new derivatives one for each value.
     fn update(&mut self, step: &[f64], before: &[f64], after: &[f64]) {
@@ -128,48 +167,10 @@ impl<'a> Nonlinear<'a> {
     }
 
     fn refine_in(&mut self, share: f64, rounds: usize) {
-        let slow = |rows: &[f64]| narrowed(rows, share, self.capture);
-        let mut damping = DAMPING;
-        let mut left = slow(&self.residual);
-        let mut tangents = Tangents::default();
-        for _ in 0..rounds {
-            let before = dot(&left, &left);
-            if tangents.are_stale() {
-                tangents = Tangents { rows: self.tangents(share), updates: 0 };
-            }
-            let (gram, right) = tangents.normal_equations(&left);
-            let mut accepted = false;
-            for _ in 0..6 {
-                let mut damped = gram.clone();
-                for index in 0..gram.nrows() {
-                    damped[(index, index)] += damping * gram[(index, index)].max(f64::MIN_POSITIVE) + 1e-12;
-                }
-                let Some(step) = damped.cholesky().map(|factor| factor.solve(&right)) else { break };
-                let trial_structure = self.moved(step.as_slice());
-                let trial_residual = residual(&trial_structure, self.capture);
-                let trial = narrowed(&trial_residual, share, self.capture);
-                if dot(&trial, &trial) < before {
-                    tangents.update(step.as_slice(), &left, &trial);
-                    self.structure = trial_structure;
-                    self.residual = trial_residual;
-                    left = trial;
-                    damping = (0.2 * damping).max(1e-7);
-                    accepted = true;
-                    break;
-                }
-                if tangents.updates > 0 {
-                    // The updated derivatives may be what is wrong.
-                    break;
-                }
-                damping *= 6.0;
-            }
-            let fresh = tangents.updates <= usize::from(accepted);
-            if !accepted && !fresh {
-                tangents = Tangents::default();
-            } else if !accepted || before - dot(&left, &left) < SETTLED * before {
-                break;
-            }
-        }
+        let left = narrowed(&self.residual, share, self.capture);
+        let mut fit = InBand { fit: self.clone(), share, left, tangents: Tangents::default() };
+        refine(&mut fit, rounds, SETTLED, Damping::SIMULATED);
+        *self = fit.fit;
     }
 
     /// The structure with every value moved by a step in units of its scale.
@@ -238,19 +239,9 @@ impl<'a> Nonlinear<'a> {
         at_bound.map(|search| effect.kind().parameters[search.parameter].name)
     }
 
-    /// Rows of the residual's derivatives with the sign turned, one per value, half of them on another core.
+    /// Rows of the residual's derivatives with the sign turned, one per value, side by side.
     pub(crate) fn tangents(&self, share: f64) -> Vec<Vec<f64>> {
-        let tangent = |index: usize| self.tangent(index, share);
-        let half = self.values.len() / 2;
-        std::thread::scope(|scope| {
-            let other = scope.spawn(|| (half..self.values.len()).map(tangent).collect::<Vec<_>>());
-            let mut all: Vec<Vec<f64>> = (0..half).map(tangent).collect();
-            match other.join() {
-                Ok(rest) => all.extend(rest),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-            all
-        })
+        (0..self.values.len()).into_par_iter().map(|index| self.tangent(index, share)).collect()
     }
 
     fn tangent(&self, index: usize, share: f64) -> Vec<f64> {
@@ -271,25 +262,18 @@ impl<'a> Nonlinear<'a> {
 
 /// Measured minus simulated torque, in rows.
 pub(crate) fn residual(structure: &Structure, capture: &Capture) -> Vec<f64> {
-    let simulated = capture.frame.rows(&structure.model().readings_mnm(capture.motions()));
+    let simulated = capture.row_mask.rows(&structure.model().readings_mnm(capture.motions()));
     capture.target(structure.delay_s()).iter().zip(&simulated).map(|(target, torque)| target - torque).collect()
 }
 
 /// Rows below a share of the comparison's band.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "numbers of rows"
-)]
 fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
     if share >= 1.0 {
         return rows.to_vec();
     }
-    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let rate_hz = capture.rate_hz / capture.row_mask.step as f64;
     let edge_hz = share * capture.band.edge_hz;
-    let step = (rate_hz / (2.5 * edge_hz)) as usize;
-    Fir::low_pass((1.65 * rate_hz / edge_hz).round() as usize, edge_hz, rate_hz).decimate(rows, step.max(1))
+    Fir::of_edge(edge_hz, rate_hz).decimate(rows, rows_step(edge_hz, rate_hz))
 }
 
 /// Everything in the structure that a fit can move.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::least_squares::dot;
+use crate::vector::dot;
 
 /// What holds a coefficient of either sign near zero, as a share of its column's square: too little to be felt unless
 /// other columns can do the same.

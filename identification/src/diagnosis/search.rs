@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dynamics::{Effect, EffectKind, Part, effects};
+use rayon::prelude::*;
 
-use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::error::DiagnosisError;
 use super::findings::Partial;
@@ -16,6 +16,7 @@ use super::structure::Structure;
 use super::verdict::LEFT;
 use super::workflow::{DiagnoseOptions, Progress};
 use super::worth::{EVIDENCE, explains_the_gap, worthwhile};
+use crate::vector::dot;
 use crate::{FitError, FitOptions, Samples, fit};
 
 /// Most effects that are added.
@@ -50,7 +51,7 @@ impl Search<'_> {
                 let options = FitOptions { calibration: self.options.calibration.clone(), ..FitOptions::default() };
                 match fit(samples, &options) {
                     Ok(fit) => fit.effects().to_vec(),
-                    // Too slow or too coarse to look for detents; in a narrow band the rest can still be told.
+                    // Too slow or too coarse to look for detents; in a narrow band the rest is still identifiable.
                     Err(FitError::HardlyMoving { .. }) => {
                         [&effects::inertia::KIND, &effects::friction::KIND].map(|kind| Effect::new(kind, &[])).to_vec()
                     }
@@ -82,14 +83,12 @@ impl Search<'_> {
             [("training", self.train, &base.train_residual), ("held-out", self.heldout, &base.heldout_residual)]
         {
             let target = capture.target(base.structure.delay_s());
-            let square = crate::least_squares::dot(&target, &target);
-            let over_floor = (square / capture.weight).sqrt() / capture.floor_mnm(0.0);
+            let over_floor = (dot(&target, &target) / capture.weight).sqrt() / capture.floor_mnm(0.0);
             if over_floor < 2.0 {
                 return Err(DiagnosisError::TooQuiet { which, over_floor });
             }
             let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
-            let factor = crate::least_squares::dot(&target, &predicted)
-                / crate::least_squares::dot(&predicted, &predicted).max(f64::MIN_POSITIVE);
+            let factor = dot(&target, &predicted) / dot(&predicted, &predicted).max(f64::MIN_POSITIVE);
             if which == "held-out" && !(0.1..10.0).contains(&factor) {
                 return Err(DiagnosisError::DifferentUnits { factor });
             }
@@ -155,10 +154,11 @@ impl Search<'_> {
             .collect();
         let pairs: Vec<(&Judged, &'static EffectKind)> =
             firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
-        let mut both = on_both_cores(&pairs, |(first, kind)| {
+        let together = |(first, kind): &(&Judged, &'static EffectKind)| {
             let judged = hypotheses::coupled(kind, &first.structure, [self.train, self.heldout], Effort::Short)?;
             Some(((*first).clone(), judged))
-        });
+        };
+        let mut both: Vec<(Judged, Judged)> = pairs.par_iter().filter_map(together).collect();
         both.retain(|(_, judged)| {
             self.disqualified(judged).is_none() && worthwhile(current, judged, &found.chain[0], self.heldout)
         });
@@ -178,7 +178,7 @@ impl Search<'_> {
         }
     }
 
-    /// The best fit with each effect of the catalogue more, on both cores.
+    /// The best fit with each effect of the catalogue more, side by side.
     fn try_all(&self, current: &Judged, first: &Judged) -> Vec<Judged> {
         let kinds = hypotheses::candidates(&current.structure);
         if current.structure.is_coupled() {
@@ -194,11 +194,12 @@ impl Search<'_> {
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             self.say(Progress::Tried { effect: kind.name, done, of });
         };
-        let mut tried = on_both_cores(&separable, |kind| {
+        let alone = |kind: &&'static EffectKind| {
             let judged = hypotheses::separable(kind, &base, self.heldout);
             say(kind);
             judged
-        });
+        };
+        let mut tried: Vec<Judged> = separable.par_iter().filter_map(alone).collect();
         let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
         let closes =
             |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();

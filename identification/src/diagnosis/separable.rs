@@ -1,11 +1,13 @@
 //! The fit of a structure without coupling: coefficients are linear, the few searched parameters follow by Gauss–Newton.
 
+use std::sync::Arc;
+
 use dynamics::Part;
+use nalgebra::{DMatrix, DVector};
 
 use super::capture::Capture;
-use super::normal::{residual, solve};
 use super::structure::{Searched, Structure};
-use crate::least_squares::dot;
+use crate::regression::{Damping, LeastSquares, Refined, projected, refine};
 
 /// Relative change of a searched parameter for its column by differences.
 const DIFFERENCE: f64 = 1e-5;
@@ -15,45 +17,37 @@ const SETTLED: f64 = 1e-6;
 const FACTOR_ROUNDS: usize = 2;
 
 /// A structure in one capture: its rows, made anew only where a value changed.
+#[derive(Clone)]
 pub(crate) struct Separable<'a> {
     pub(crate) capture: &'a Capture,
     pub(crate) structure: Structure,
     /// Rows of each effect's columns.
-    rows: Vec<Vec<Vec<f64>>>,
+    rows: Vec<Arc<[Vec<f64>]>>,
     target: Vec<f64>,
-    pub(crate) coefficients: Vec<f64>,
-    pub(crate) residual: Vec<f64>,
+    pub(crate) solution: LeastSquares,
+    searched: Vec<Searched>,
 }
 
 impl<'a> Separable<'a> {
     /// The structure with its linear coefficients fitted to the capture.
     pub(crate) fn new(structure: Structure, capture: &'a Capture) -> Self {
+        let rows = (0..structure.effects.len()).map(|index| structure.rows(index, capture).into()).collect();
         let target = capture.target(structure.delay_s());
-        let mut fit =
-            Self { capture, structure, rows: Vec::new(), target, coefficients: Vec::new(), residual: Vec::new() };
-        fit.rows = (0..fit.structure.effects.len()).map(|index| fit.rows_of(index)).collect();
+        let solution = LeastSquares::solve::<&[f64]>(&[], &target);
+        let mut fit = Self { capture, structure, rows, target, solution, searched: Vec::new() };
         fit.solve();
         fit
     }
 
-    pub(crate) fn squares(&self) -> f64 {
-        dot(&self.residual, &self.residual)
-    }
-
     /// Sum of squares if the torque channel were late by so much, s.
     pub(crate) fn squares_if_late(&self, delay_s: f64) -> f64 {
-        let (columns, target) = (self.columns(), self.capture.target(delay_s));
-        let left = residual(&columns, &target, &solve(&columns, &target, &self.structure.nonnegative()));
-        dot(&left, &left)
+        let target = self.capture.target(delay_s);
+        LeastSquares::solve_held(&self.columns(), &target, &self.structure.nonnegative()).squares()
     }
 
     /// All columns' rows.
     pub(crate) fn columns(&self) -> Vec<&[f64]> {
-        self.rows.iter().flatten().map(Vec::as_slice).collect()
-    }
-
-    fn rows_of(&self, index: usize) -> Vec<Vec<f64>> {
-        self.structure.rows(index, self.capture)
+        self.rows.iter().flat_map(|rows| rows.iter().map(Vec::as_slice)).collect()
     }
 
     fn solve(&mut self) {
@@ -65,27 +59,24 @@ impl<'a> Separable<'a> {
             .collect();
         for round in 0..if factors.is_empty() { 1 } else { FACTOR_ROUNDS + 1 } {
             if round > 0 {
-                factors.iter().for_each(|index| self.rows[*index] = self.rows_of(*index));
+                factors.iter().for_each(|index| self.rows[*index] = self.structure.rows(*index, self.capture).into());
             }
-            let columns = self.columns();
-            let coefficients = solve(&columns, &self.target, &self.structure.nonnegative());
-            self.residual = residual(&columns, &self.target, &coefficients);
-            self.structure.take(&coefficients);
-            self.coefficients = coefficients;
+            self.solution = LeastSquares::solve_held(&self.columns(), &self.target, &self.structure.nonnegative());
+            self.structure.take(&self.solution.coefficients);
         }
     }
 
     /// Sets searched parameters and solves again.
-    fn set(&mut self, searched: &[Searched], values: &[f64]) {
+    fn set(&mut self, values: &[f64]) {
         let before = self.structure.clone();
-        for (which, value) in searched.iter().zip(values) {
+        for (which, value) in self.searched.iter().zip(values) {
             self.structure.set(*which, *value);
         }
         if self.structure.delay_s() != before.delay_s() {
             self.target = self.capture.target(self.structure.delay_s());
         }
         for index in changed(&before, &self.structure) {
-            self.rows[index] = self.rows_of(index);
+            self.rows[index] = self.structure.rows(index, self.capture).into();
         }
         self.solve();
     }
@@ -109,7 +100,7 @@ impl<'a> Separable<'a> {
             moved.set(searched, value);
             let mut sum = vec![0.0; self.target.len()];
             for index in changed(&self.structure, &moved) {
-                let coefficients = &self.coefficients[ranges[index].clone()];
+                let coefficients = &self.solution.coefficients[ranges[index].clone()];
                 for (rows, coefficient) in moved.rows(index, self.capture).iter().zip(coefficients) {
                     sum.iter_mut().zip(rows).for_each(|(slot, value)| *slot += coefficient * value);
                 }
@@ -122,76 +113,73 @@ impl<'a> Separable<'a> {
 
     /// Improves the searched parameters and the skew by at most `rounds` Gauss–Newton steps.
     pub(crate) fn refine(&mut self, rounds: usize) {
-        let searched = self.searched();
-        for _ in 0..rounds {
-            let before = self.squares();
-            let tangents: Vec<Vec<f64>> = searched.iter().map(|which| self.tangent(*which)).collect();
-            let columns: Vec<&[f64]> = self.columns().into_iter().chain(tangents.iter().map(Vec::as_slice)).collect();
-            let mut nonnegative = self.structure.nonnegative();
-            let linear = nonnegative.len();
-            nonnegative.resize(columns.len(), false);
-            let extended = solve(&columns, &self.target, &nonnegative);
-            let left = residual(&columns, &self.target, &extended);
-            if before - dot(&left, &left) <= SETTLED * before {
-                break;
-            }
-            let step: Vec<f64> = extended[linear..].to_vec();
-            if !self.step(&searched, &step) {
-                // Where one parameter hardly matters its step is wild: then one at a time.
-                let alone = (0..searched.len()).filter(|index| {
-                    let one: Vec<f64> = (0..step.len()).map(|i| if i == *index { step[i] } else { 0.0 }).collect();
-                    self.step(&searched, &one)
-                });
-                if alone.count() == 0 {
-                    break;
-                }
-            }
-        }
+        self.searched = self.all_searched();
+        refine(self, rounds, SETTLED, Damping::NONE);
     }
 
-    /// Goes along a step as far as the sum of squares falls; whether it does at all.
-    fn step(&mut self, searched: &[Searched], step: &[f64]) -> bool {
-        let before = self.squares();
-        let start: Vec<f64> = searched.iter().map(|which| self.structure.get(*which)).collect();
-        let mut share = 1.0;
-        while share > 1e-2 {
-            let moved = searched.iter().zip(&start).zip(step);
-            let values: Vec<f64> =
-                moved.map(|((which, value), step)| self.limited(*which, *value, share * step)).collect();
-            self.set(searched, &values);
-            if self.squares() < before {
-                return true;
-            }
-            share *= 0.25;
+    /// Goes along a step if that leaves less.
+    fn try_step(&mut self, step: &[f64]) -> bool {
+        let mut moved = self.clone();
+        let values = self.searched.iter().zip(step).map(|(which, step)| {
+            let (least, largest) = self.range(*which);
+            (self.structure.get(*which) + step).clamp(least, largest)
+        });
+        moved.set(&values.collect::<Vec<f64>>());
+        let better = moved.squares() < self.squares();
+        if better {
+            *self = moved;
         }
-        self.set(searched, &start);
-        false
+        better
     }
 
-    /// A value moved by a step, no further than is sensible in one go and within its range.
-    fn limited(&self, searched: Searched, value: f64, step: f64) -> f64 {
+    /// What a parameter may be.
+    fn range(&self, searched: Searched) -> (f64, f64) {
         match searched {
-            Searched::Skew => {
-                let most = self.capture.largest_skew_s();
-                (value + step).clamp(-most, most)
-            }
-            Searched::Parameter { range: (least, largest), .. } => {
-                let width = largest - least;
-                // What may have either sign has no scale of its own: near zero a share of it would be no step at all.
-                let signed = least < 0.0 && largest > 0.0;
-                let most = if signed { 0.25 * width } else { (0.25 * width).min(0.7 * value.abs().max(1e-3 * width)) };
-                (value + step.clamp(-most, most)).clamp(least, largest)
-            }
+            Searched::Skew => (-self.capture.largest_skew_s(), self.capture.largest_skew_s()),
+            Searched::Parameter { range, .. } => range,
         }
     }
 
     /// The structure's searched parameters; the skew too unless a delay is an effect of its own.
-    fn searched(&self) -> Vec<Searched> {
+    fn all_searched(&self) -> Vec<Searched> {
         let mut searched = self.structure.searched(&self.capture.scene_of(&self.structure));
         if self.structure.may_be_skewed(self.capture) {
             searched.push(Searched::Skew);
         }
         searched
+    }
+}
+
+impl Refined for Separable<'_> {
+    fn squares(&self) -> f64 {
+        self.solution.squares()
+    }
+
+    fn normal_equations(&mut self) -> (DMatrix<f64>, DVector<f64>) {
+        let tangents: Vec<Vec<f64>> = self.searched.iter().map(|which| self.tangent(*which)).collect();
+        projected(&self.solution, &self.columns(), &tangents)
+    }
+
+    fn limit(&self, step: &mut DVector<f64>) {
+        for (step, which) in step.iter_mut().zip(&self.searched) {
+            let (least, largest) = self.range(*which);
+            let width = largest - least;
+            // What may have either sign has no scale of its own: near zero a share of it would be no step at all.
+            let own = self.structure.get(*which).abs().max(1e-3 * width);
+            let most = if least < 0.0 && largest > 0.0 { 0.25 * width } else { (0.25 * width).min(0.7 * own) };
+            *step = step.clamp(-most, most);
+        }
+    }
+
+    fn go(&mut self, step: &DVector<f64>) -> bool {
+        // Where one parameter hardly matters its step is wild: then one at a time.
+        self.try_step(step.as_slice())
+            || step.len() > 1
+                && (0..step.len()).fold(false, |helped, index| {
+                    let mut alone = vec![0.0; step.len()];
+                    alone[index] = step[index];
+                    self.try_step(&alone) || helped
+                })
     }
 }
 

@@ -215,9 +215,9 @@ impl Structure {
             _ => false,
         };
         if depends_on_others {
-            return self.full_columns(index, capture).iter().map(|column| capture.frame.rows(column)).collect();
+            return self.full_columns(index, capture).iter().map(|column| capture.row_mask.rows(column)).collect();
         }
-        let mut rows = capture.frame.effect_rows(effect, &capture.motion);
+        let mut rows = capture.row_mask.effect_rows(effect, &capture.motion);
         rows.truncate(self.columns[index]);
         rows
     }

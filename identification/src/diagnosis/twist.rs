@@ -11,11 +11,10 @@ use dynamics::Coupling;
 use realfft::num_complex::Complex;
 
 use super::capture::Capture;
-use super::normal;
 use super::structure::Structure;
-use crate::fourier;
-use crate::least_squares::dot;
-use crate::motion::KnobMotion;
+use crate::preparation::KnobMotion;
+use crate::regression::LeastSquares;
+use crate::vector::fourier;
 
 /// Sum of squares of what a structure leaves behind a shaft, and the coefficients with which it does, mNm².
 pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> (f64, Vec<f64>) {
@@ -23,11 +22,9 @@ pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> 
     let response = |rows: Vec<f64>| turned_down(&rows, base.inertia(), shaft, capture);
     let rows: Vec<Vec<f64>> =
         (0..base.effects.len()).flat_map(|index| base.rows(index, &behind)).map(response).collect();
-    let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let target = response(capture.target(0.0));
-    let coefficients = normal::solve(&columns, &target, &base.nonnegative());
-    let left = normal::residual(&columns, &target, &coefficients);
-    (dot(&left, &left), coefficients)
+    let solution = LeastSquares::solve_held(&rows, &target, &base.nonnegative());
+    (solution.squares(), solution.coefficients)
 }
 
 /// The motion of the body behind the shaft.
@@ -52,9 +49,8 @@ fn motion(shaft: &Coupling, capture: &Capture) -> KnobMotion {
 }
 
 /// Rows through the response of an inertia on the shaft: torque at the sensor over torque on the inertia.
-#[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
 fn turned_down(rows: &[f64], inertia: f64, shaft: &Coupling, capture: &Capture) -> Vec<f64> {
-    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let rate_hz = capture.rate_hz / capture.row_mask.step as f64;
     let response = |index: usize| {
         let turning = TAU * index as f64 * rate_hz / rows.len() as f64;
         let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);

@@ -9,7 +9,7 @@ use super::locate::locate;
 use super::search::{Found, Search};
 use super::structure::Structure;
 use super::worth::{UNEXPLAINED, worthwhile};
-use super::{experiment, intervals, placebo, rows};
+use super::{experiment, intervals, null_test, rows};
 
 /// RMS in floors above which something is left, if it goes with something …
 pub(crate) const LEFT: f64 = 1.3;
@@ -130,7 +130,7 @@ impl Search<'_> {
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {
         let target = self.heldout.target(judged.structure.delay_s());
-        let square = |values: &[f64]| crate::least_squares::dot(values, values);
+        let square = |values: &[f64]| crate::vector::dot(values, values);
         100.0 * (square(&judged.heldout_residual) / square(&target)).sqrt()
     }
 
@@ -165,7 +165,7 @@ impl Search<'_> {
             heldout_rms_after: after.heldout_rms_mnm,
             evidence: after.evidence - before.evidence,
             steadiness: after.steadily_better_than(before),
-            placebo_rms: placebo::rms_mnm(effect, before, &after.structure, self.train, self.heldout),
+            placebo_rms: null_test::rms_mnm(effect, before, &after.structure, self.train, self.heldout),
             ties: rivals.iter().filter(tied).map(Judged::newest).collect(),
             rivals: rivals.iter().map(rival).collect(),
         }
@@ -183,8 +183,8 @@ impl Search<'_> {
                 let delayed = self.train.target(structure.delay_s()).into_iter().zip(self.train.target(less.delay_s()));
                 let late: f64 = delayed.map(|(with, without)| (with - without).powi(2)).sum();
                 let difference: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
-                let rows = self.train.frame.rows(&difference);
-                Some((crate::least_squares::dot(&rows, &rows) + late, step.effect))
+                let rows = self.train.row_mask.rows(&difference);
+                Some((crate::vector::dot(&rows, &rows) + late, step.effect))
             })
             .collect();
         sizes.sort_by(|a, b| b.0.total_cmp(&a.0));

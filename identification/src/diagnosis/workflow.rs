@@ -14,7 +14,7 @@ const NOISIEST: f64 = 0.1;
 /// Narrowest band in which captures are compared, Hz.
 const NARROWEST_HZ: f64 = 8.0;
 
-/// What a diagnosis may be told; nothing need be.
+/// Options of a diagnosis; the default is none.
 #[derive(Default)]
 pub struct DiagnoseOptions<'a> {
     /// What is known of the rig.
@@ -86,7 +86,7 @@ fn prepare(
     let mut edge_hz = Capture::widest_edge_hz();
     let captures = loop {
         match prepare_in(edge_hz, train, heldout, options) {
-            // Where the encoder is coarse, motion can be told from noise in a narrower band only.
+            // Where the encoder is coarse, motion stands out of noise in a narrower band only.
             Err(DiagnosisError::Capture { reason: FitError::HardlyMoving { .. }, .. }) if edge_hz > NARROWEST_HZ => {
                 edge_hz *= 0.5;
             }

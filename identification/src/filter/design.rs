@@ -132,7 +132,6 @@ fn digital_low_pass(prototype: ZerosPolesGain, edge_hz: f64, rate_hz: f64) -> Se
     Sections::from_zeros_poles(&zeros, &mapped(&poles), gain)
 }
 
-#[allow(clippy::cast_precision_loss, reason = "filter orders are small")]
 fn as_f64(number: usize) -> f64 {
     number as f64
 }

@@ -19,6 +19,14 @@ impl Fir {
         Self::windowed_sinc(half_length, edge_hz, rate_hz, |place| 0.54 + 0.46 * (PI * place).cos())
     }
 
+    /// [`Fir::low_pass`] whose transition is as wide as its edge.
+    #[must_use]
+    pub fn of_edge(edge_hz: f64, rate_hz: f64) -> Self {
+        /// Half length of a Hamming window in periods of the edge that makes it so.
+        const PERIODS: f64 = 1.65;
+        Self::low_pass((PERIODS * rate_hz / edge_hz).round() as usize, edge_hz, rate_hz)
+    }
+
     /// Windowed-sinc low-pass (Kaiser): −6 dB at `edge_hz`; the larger `beta`, the flatter and the less steep.
     ///
     /// The same taps as `scipy.signal.firwin(2·half_length + 1, edge_hz, window=("kaiser", beta), fs=rate_hz)`.
@@ -43,7 +51,6 @@ impl Fir {
     }
 
     /// `window` is a function of the place between −1 and 1.
-    #[allow(clippy::cast_precision_loss, reason = "taps are few")]
     fn windowed_sinc(half_length: usize, edge_hz: f64, rate_hz: f64, window: impl Fn(f64) -> f64) -> Self {
         let width = 2.0 * edge_hz / rate_hz;
         let mut taps: Vec<f64> = (0..=2 * half_length)

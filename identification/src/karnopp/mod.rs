@@ -12,11 +12,10 @@ mod slide;
 
 use std::ops::Range;
 
-use dynamics::{Direction, Effect, effects};
+use dynamics::{Direction, Effect, ParameterKind, effects};
 
 use crate::estimate::{Parameter, Parameters};
-use crate::motion::KnobMotion;
-use crate::uniform::Uniform;
+use crate::preparation::{KnobMotion, Uniform};
 
 use ramp::ramp_end;
 use readings::Readings;
@@ -46,14 +45,13 @@ pub(crate) struct Stick {
     positive_mnm: Readings,
     /// Speeds at which the knob came to rest, rad/s.
     arrivals_rad_s: Readings,
-    /// Speed below which this capture cannot tell motion from rest, rad/s.
+    /// Speed below which motion is not distinguished from rest, rad/s.
     resolved_rad_s: f64,
     rests: usize,
 }
 
 impl Stick {
     /// Looks for rests and at their ends; `fitted` is what has been fitted so far.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
     pub(crate) fn of(uniform: &Uniform, motion: &KnobMotion, fitted: &[Effect]) -> Self {
         let rate_hz = uniform.rate_hz;
         let samples = |time_s: f64| ((time_s * rate_hz).round() as usize).max(FEWEST_SAMPLES);
@@ -95,21 +93,21 @@ impl Stick {
         stick
     }
 
-    /// Adds D₋, D₊ and Δv to the parameters, and the effect itself to `effects` if a direction could be told.
+    /// Adds D₋, D₊ and Δv to the parameters, and the effect itself to `effects` if a direction is identifiable.
     pub(crate) fn report(self, parameters: &mut Parameters, fitted: &mut Vec<Effect>) {
         let [negative, positive, speed] = [0, 1, 2].map(|index| &effects::karnopp_stick::KIND.parameters[index]);
-        let told = [
+        let found = [
             self.negative_mnm.parameter(negative, || self.too_few("negative", &self.negative_mnm)),
             self.positive_mnm.parameter(positive, || self.too_few("positive", &self.positive_mnm)),
             self.speed(speed),
         ];
-        let [negative_mnm, positive_mnm, speed_rad_s] = [0, 1, 2].map(|index| told[index].value);
+        let [negative_mnm, positive_mnm, speed_rad_s] = [0, 1, 2].map(|index| found[index].value);
         if let Some(any) = negative_mnm.or(positive_mnm) {
             let limits =
                 [negative_mnm.unwrap_or(any), positive_mnm.unwrap_or(any), speed_rad_s.unwrap_or(self.resolved_rad_s)];
             fitted.push(Effect::new(&effects::karnopp_stick::KIND, &limits));
         }
-        parameters.0.extend(told);
+        parameters.0.extend(found);
     }
 
     fn too_few(&self, direction: &str, seen: &Readings) -> String {
@@ -123,11 +121,11 @@ impl Stick {
     }
 
     /// Δv, or the bound that the data give.
-    fn speed(&self, kind: &dynamics::ParameterKind) -> Parameter {
+    fn speed(&self, kind: &'static ParameterKind) -> Parameter {
         let parameter = self.arrivals_rad_s.parameter(kind, || {
             format!(
                 "the knob came to rest {}, of which {} can be read for its speed, but {} are needed; \
-                 from {:.4} rad/s on this capture can tell it from rest",
+                 from {:.4} rad/s on this capture distinguishes it from rest",
                 times(self.rests),
                 self.arrivals_rad_s.count(),
                 readings::FEWEST,
@@ -135,11 +133,10 @@ impl Stick {
             )
         });
         match parameter.ci95 {
-            Some([low, high]) if low <= 0.0 => Parameter::untold(
-                kind.name,
-                kind.unit,
+            Some([low, high]) if low <= 0.0 => Parameter::not_identifiable(
+                kind,
                 format!(
-                    "the speed at which the knob comes to rest cannot be told from zero: it is at most {high:.4} rad/s"
+                    "the speed at which the knob comes to rest cannot be distinguished from zero: it is at most {high:.4} rad/s"
                 ),
             ),
             _ => parameter,

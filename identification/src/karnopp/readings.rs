@@ -3,10 +3,7 @@
 use dynamics::{Minimum, ParameterKind};
 
 use crate::estimate::Parameter;
-use crate::long_run::NORMAL_95;
-use crate::student::student_95;
-
-use super::slide::to_f64;
+use crate::statistics::{NORMAL_95, mean_and_error, student_95};
 
 /// Fewest readings from which a value is given.
 pub(super) const FEWEST: usize = 3;
@@ -35,25 +32,16 @@ impl Readings {
     /// does not take off: the means of both ways differ by it, and it counts as an error anywhere between plus and
     /// minus that difference, whose standard deviation is a √3-th of it (Guide to the Expression of Uncertainty in
     /// Measurement, 4.3.7). The textbook's interval is the scatter alone.
-    pub(super) fn parameter(&self, kind: &ParameterKind, why: impl FnOnce() -> String) -> Parameter {
+    pub(super) fn parameter(&self, kind: &'static ParameterKind, why: impl FnOnce() -> String) -> Parameter {
         if self.count() < FEWEST {
-            return Parameter::untold(kind.name, kind.unit, why());
+            return Parameter::not_identifiable(kind, why());
         }
-        let count = to_f64(self.count());
-        let value = self.values.iter().sum::<f64>() / count;
-        let squares: f64 = self.values.iter().map(|reading| (reading - value).powi(2)).sum();
-        let scatter = student_95(count - 1.0) * (squares / (count - 1.0) / count).sqrt();
-        let difference = self.others.iter().sum::<f64>() / count - value;
+        let (value, error) = mean_and_error(&self.values);
+        let scatter = student_95((self.count() - 1) as f64) * error;
+        let difference = mean_and_error(&self.others).0 - value;
         let half = scatter.hypot(NORMAL_95 * difference / 3.0_f64.sqrt());
         let lowest = if kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };
         let interval = |half: f64| [(value - half).max(lowest), value + half];
-        Parameter {
-            name: kind.name,
-            value: Some(value.max(lowest)),
-            unit: kind.unit,
-            ci95: Some(interval(half)),
-            ci95_textbook: Some(interval(scatter)),
-            reason: None,
-        }
+        Parameter::estimated(kind, value.max(lowest), interval(half), Some(interval(scatter)))
     }
 }

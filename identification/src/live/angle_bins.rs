@@ -2,56 +2,25 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
-use realfft::{RealFftPlanner, num_complex::Complex};
+use realfft::num_complex::Complex;
 
-use crate::scan::FEWEST_PERIODS;
-use crate::spectrum::median;
+use crate::detents::{Wavenumbers, inverse_beside, power};
+use crate::regression::Gram;
+use crate::vector::fourier;
 
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;
 /// Width of the first bins, rad.
 const FIRST_WIDTH_RAD: f64 = 1e-6;
-/// Wavenumbers tried per width of a peak.
+/// Wavenumbers tried per width of a peak, at least.
 const OVERSAMPLING: usize = 4;
 /// Angle bins per period of the finest detent searched.
 const BINS_PER_PERIOD: f64 = 20.0;
-/// As for the fit of a whole capture: what the best period must stand above the background, …
+/// How far the best period must stand above the background: further than in a fit of a whole capture, since nothing is held out, …
 const MARGIN: f64 = 14.0;
 /// … and the share of the residual that it must explain, or its amplitude relative to the torque's RMS.
 const WORTHWHILE_SHARE: f64 = 0.25;
 const WORTHWHILE_AMPLITUDE: f64 = 0.1;
-
-/// What a transform takes besides its work, kept from scan to scan: its plan, and pages that need not be mapped anew.
-#[derive(Default)]
-struct Transform {
-    planner: RealFftPlanner<f64>,
-    input: Vec<f64>,
-    output: Vec<Complex<f64>>,
-    scratch: Vec<Complex<f64>>,
-}
-
-impl Transform {
-    /// The first `count` of Σ value·exp(ikn), the values padded with zeros to `length`.
-    fn start_of(&mut self, values: impl Iterator<Item = f64>, length: usize, count: usize) -> Vec<Complex<f64>> {
-        let plan = self.planner.plan_fft_forward(length);
-        self.input.clear();
-        self.input.extend(values);
-        self.input.resize(length, 0.0);
-        self.output.resize(plan.complex_len(), Complex::ZERO);
-        self.scratch.resize(plan.get_scratch_len(), Complex::ZERO);
-        if plan.process_with_scratch(&mut self.input, &mut self.output, &mut self.scratch).is_err() {
-            self.output.fill(Complex::ZERO);
-        }
-        self.output[..count].iter().map(Complex::conj).collect()
-    }
-}
-
-impl std::fmt::Debug for Transform {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Transform").field("length", &self.input.len()).finish_non_exhaustive()
-    }
-}
 
 /// Sums of unfiltered columns and torque by angle.
 #[derive(Debug)]
@@ -60,11 +29,11 @@ pub(super) struct AngleBins {
     bin_rad: f64,
     /// Angle of the first bin's lower edge, in bins.
     first: i64,
-    /// Per bin: number of samples, then the columns' sums.
+    /// Per bin: number of samples, then sums of torque and columns.
     sums: Vec<f64>,
     bins: usize,
-    gram: Vec<f64>,
-    transform: Transform,
+    /// Inner products of torque and columns.
+    gram: Gram,
 }
 
 /// The best period of a scan.
@@ -77,44 +46,31 @@ pub(super) struct Scan {
 }
 
 impl AngleBins {
-    /// For rows of `width` columns, the last of them the torque.
-    pub(super) fn new(width: usize) -> Self {
+    /// For rows of the torque and so many columns.
+    pub(super) fn new(columns: usize) -> Self {
         Self {
-            width,
+            width: columns + 1,
             bin_rad: FIRST_WIDTH_RAD,
             first: 0,
             sums: Vec::new(),
             bins: 0,
-            gram: vec![0.0; width * width],
-            transform: Transform::default(),
+            gram: Gram::empty(columns),
         }
     }
 
     /// Distance between the outermost angles, rad.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn travel_rad(&self) -> f64 {
         self.bins as f64 * self.bin_rad
     }
 
     /// Middle of the travel, rad.
-    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn middle_rad(&self) -> f64 {
         (self.first as f64 + 0.5 * self.bins as f64) * self.bin_rad
     }
 
     /// Adds a sample.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of bins"
-    )]
     pub(super) fn add(&mut self, angle_rad: f64, row: &[f64]) {
-        for (index, left) in row.iter().enumerate() {
-            for (other, right) in row.iter().enumerate() {
-                self.gram[index * self.width + other] += left * right;
-            }
-        }
+        self.gram.add_row(row);
         self.make_room(angle_rad);
         // Shared between the two nearest bin middles, so that a bin's width hardly shows.
         let place = angle_rad / self.bin_rad - 0.5 - self.first as f64;
@@ -128,12 +84,6 @@ impl AngleBins {
         }
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of bins"
-    )]
     fn make_room(&mut self, angle_rad: f64) {
         let stride = self.width + 1;
         loop {
@@ -160,12 +110,6 @@ impl AngleBins {
         }
     }
 
-    #[allow(
-        clippy::cast_possible_wrap,
-        clippy::cast_sign_loss,
-        clippy::cast_possible_truncation,
-        reason = "indices of bins"
-    )]
     fn coarsen(&mut self) {
         let stride = self.width + 1;
         let first = self.first.div_euclid(2);
@@ -184,121 +128,50 @@ impl AngleBins {
     }
 
     /// The best period, given the base coefficients; `None` while the travel supports none.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "indices of wavenumbers"
-    )]
-    pub(super) fn scan(&mut self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
-        let columns = self.width - 1;
+    pub(super) fn scan(&self, coefficients: &[f64], slow_rad_s: f64, band_hz: f64) -> Option<Scan> {
         let length = (OVERSAMPLING * self.bins).next_power_of_two();
         let spacing = TAU / (length as f64 * self.bin_rad);
         let travel_rad = self.travel_rad();
-        let first = (FEWEST_PERIODS * TAU / travel_rad / spacing).ceil() as usize;
         let finest = (TAU / (BINS_PER_PERIOD * self.bin_rad)).min(TAU * band_hz / slow_rad_s);
         let last = ((finest / spacing) as usize).min(length / 4 - 1);
-        if last <= first + 2 * OVERSAMPLING {
+        let wavenumbers = Wavenumbers::of(travel_rad, spacing, last)?;
+        if last <= wavenumbers.first + 2 * OVERSAMPLING {
             return None;
         }
-        let gram = DMatrix::from_fn(columns, columns, |row, column| self.gram[row * self.width + column]);
-        let inverse = told_inverse(&gram);
+        let inverse = self.gram.solve().inverse;
         let spectra = self.spectra(length, 2 * last + 1);
-        let (weights, torque) = (&spectra[0], &spectra[self.width]);
-        // Room for one wavenumber's products, taken once: there are thousands of them.
-        let mut base = [DVector::zeros(columns), DVector::zeros(columns)];
-        let mut projected = base.clone();
-        let powers: Vec<f64> = (first..=last)
+        let (weights, torque, base) = (&spectra[0], &spectra[1], &spectra[2..]);
+        let powers: Vec<f64> = (wavenumbers.first..=last)
             .map(|index| {
-                for row in 0..columns {
-                    let value = spectra[1 + row][index];
-                    base[0][row] = value.im;
-                    base[1][row] = value.re;
-                }
-                for (projected, base) in projected.iter_mut().zip(&base) {
-                    inverse.mul_to(base, projected);
-                }
-                let explained = |left: usize, right: usize| base[left].dot(&projected[right]);
-                let residual =
-                    (0..columns).fold(torque[index], |sum, row| sum - spectra[1 + row][index] * coefficients[row]);
-                let products = Vector2::new(residual.im, residual.re);
-                let (weight, twice) = (weights[0].re, weights[2 * index]);
-                let detent = Matrix2::new(
-                    0.5 * (weight - twice.re) - explained(0, 0) + 3e-3 * weight,
-                    0.5 * twice.im - explained(0, 1),
-                    0.5 * twice.im - explained(1, 0),
-                    0.5 * (weight + twice.re) - explained(1, 1) + 3e-3 * weight,
-                );
-                if detent[(0, 0)] <= 0.0 || detent.determinant() <= 0.0 {
-                    return 0.0;
-                }
-                detent.try_inverse().map_or(0.0, |inverse| products.dot(&(inverse * products)))
+                let explained: Complex<f64> = base.iter().zip(coefficients).map(|(column, c)| column[index] * c).sum();
+                power(torque[index] - explained, inverse_beside(index, 1.0, base, weights, &inverse))
             })
             .collect();
-        let best = (0..powers.len()).max_by(|a, b| powers[*a].total_cmp(&powers[*b]))?;
-        let wavenumber = (first + best) as f64 * spacing + spacing * vertex(&powers, best);
-        let peak = TAU / travel_rad / spacing;
-        let mut elsewhere: Vec<f64> = powers
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| (*index as f64 - best as f64).abs() > peak)
-            .map(|(_, power)| *power)
-            .collect();
-        let background = median(&mut elsewhere) / (2.0 * 2_f64.ln());
-        let total = self.residual_square(coefficients);
-        let torque_square = self.gram[self.width * self.width - 1];
+        let best = *wavenumbers.peaks(&powers, 1).first()?;
+        let background = wavenumbers.background(&powers, best.wavenumber);
         let samples = weights[0].re;
-        let amplitude = (2.0 * powers[best] / samples).sqrt();
-        let clear = powers[best] > (2.0 * (powers.len() as f64 / peak).max(1.0).ln() + MARGIN) * background;
-        let worthwhile = powers[best] > WORTHWHILE_SHARE * total
-            || amplitude > WORTHWHILE_AMPLITUDE * (torque_square / samples).sqrt();
-        Some(Scan { wavenumber, travel_rad, detents: clear && worthwhile })
+        let amplitude = (2.0 * best.power / samples).sqrt();
+        let clear = best.power > wavenumbers.needed(MARGIN) * background;
+        let worthwhile = best.power > WORTHWHILE_SHARE * self.gram.left(coefficients)
+            || amplitude > WORTHWHILE_AMPLITUDE * (self.gram.total() / samples).sqrt();
+        Some(Scan { wavenumber: best.wavenumber, travel_rad, detents: clear && worthwhile })
     }
 
-    /// Sum of squares that the base coefficients leave of the unfiltered torque.
-    fn residual_square(&self, coefficients: &[f64]) -> f64 {
-        let weights: Vec<f64> = coefficients.iter().map(|value| -value).chain([1.0]).collect();
-        let mut sum = 0.0;
-        for (row, left) in weights.iter().enumerate() {
-            for (column, right) in weights.iter().enumerate() {
-                sum += left * right * self.gram[row * self.width + column];
-            }
-        }
-        sum.max(0.0)
-    }
-
-    /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin: the `count` longest waves.
-    fn spectra(&mut self, length: usize, count: usize) -> Vec<Vec<Complex<f64>>> {
-        let Self { sums, transform, .. } = self;
+    /// Σ value·exp(ikθ) for the counts, the torque and every column, θ from the middle of the first bin: the `count` longest
+    /// waves.
+    fn spectra(&self, length: usize, count: usize) -> Vec<Vec<Complex<f64>>> {
         let stride = self.width + 1;
-        (0..stride)
-            .map(|column| {
-                let values = sums.chunks_exact(stride).map(|sums| sums[column]);
-                transform.start_of(values, length, count)
-            })
-            .collect()
+        let transform = fourier::forward(length);
+        let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
+        let spectrum = |column: usize| {
+            input.fill(0.0);
+            let sums = self.sums.chunks_exact(stride).map(|sums| sums[column]);
+            input.iter_mut().zip(sums).for_each(|(slot, sum)| *slot = sum);
+            if transform.process(&mut input, &mut output).is_err() {
+                output.fill(Complex::ZERO);
+            }
+            output[..count].iter().map(Complex::conj).collect()
+        };
+        (0..stride).map(spectrum).collect()
     }
-}
-
-/// Inverse of a Gram matrix, zero for empty columns.
-fn told_inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
-    let count = gram.nrows();
-    let scale = |index: usize| gram[(index, index)].sqrt().max(f64::MIN_POSITIVE.sqrt());
-    let scaled = DMatrix::from_fn(count, count, |row, column| {
-        gram[(row, column)] / (scale(row) * scale(column)) + if row == column { 1e-9 } else { 0.0 }
-    });
-    scaled.try_inverse().map_or_else(
-        || DMatrix::zeros(count, count),
-        |inverse| DMatrix::from_fn(count, count, |row, column| inverse[(row, column)] / (scale(row) * scale(column))),
-    )
-}
-
-/// Where a parabola through a peak and its neighbours has its top, in steps from the peak.
-fn vertex(powers: &[f64], best: usize) -> f64 {
-    if best == 0 || best + 1 >= powers.len() {
-        return 0.0;
-    }
-    let (left, middle, right) = (powers[best - 1], powers[best], powers[best + 1]);
-    let bend = left - 2.0 * middle + right;
-    if bend < 0.0 { (0.5 * (left - right) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }

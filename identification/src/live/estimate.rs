@@ -3,16 +3,15 @@
 use dynamics::{Effect, ParameterKind, Part, effects};
 use nalgebra::DMatrix;
 
-use super::blocks::{Blocks, Solution};
+use super::growing_blocks::{BlockFit, GrowingBlocks};
+use crate::statistics::student_95;
 
-/// Two-sided 95 % for some sixty degrees of freedom, in standard deviations.
-const CRITICAL: f64 = 2.0;
 /// Blocks that must scatter before intervals mean anything.
 const FEWEST_BLOCKS: usize = 16;
-/// A parameter is told when its interval's half width is below this share of its value …
-const TOLD_SHARE: f64 = 0.1;
+/// A parameter is known when its interval's half width is below this share of its value …
+const KNOWN_SHARE: f64 = 0.1;
 /// … or worth less than this share of the torque's RMS.
-const TOLD_TORQUE: f64 = 0.02;
+const KNOWN_TORQUE: f64 = 0.02;
 
 /// Whether the data so far can tell a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,12 +99,12 @@ impl Excitation {
 pub(super) struct Detent<'a> {
     pub(super) wavenumber: f64,
     pub(super) centre_rad: f64,
-    pub(super) blocks: &'a Blocks,
+    pub(super) blocks: &'a GrowingBlocks,
 }
 
 pub(super) fn estimate(
     base_effects: &[Effect],
-    base: &Blocks,
+    base: &GrowingBlocks,
     detent: Option<Detent<'_>>,
     evidence: Option<bool>,
     gripper_inertia: f64,
@@ -115,68 +114,55 @@ pub(super) fn estimate(
     let columns = base.columns();
     let joint = detent
         .filter(|_| evidence == Some(true))
-        .and_then(|detent| joint_solution(columns, &detent).map(|joint| (detent, joint)))
-        .filter(|(_, joint)| joint.solution.blocks >= FEWEST_BLOCKS);
-    let Some(solution) = joint.as_ref().map(|(_, joint)| joint.solution.clone()).or_else(|| base.solve(columns)) else {
-        estimate.parameters = untold(base_effects);
+        .and_then(|detent| joint_fit(columns, &detent).map(|joint| (detent, joint)))
+        .filter(|(_, joint)| joint.fit.blocks >= FEWEST_BLOCKS);
+    let Some(fit) = joint.as_ref().map(|(_, joint)| joint.fit.clone()).or_else(|| base.solve(columns)) else {
+        let kinds = base_effects.iter().map(Effect::kind).chain([&effects::detent::KIND]);
+        estimate.parameters =
+            kinds.flat_map(|kind| kind.parameters).map(|kind| without_value(kind, Verdict::NotYet)).collect();
         return estimate;
     };
+    let critical = student_95(fit.degrees_of_freedom());
     let mut start = 0;
     let mut square_speed = 0.0;
     for effect in base_effects {
         for (position, kind) in effect.kind().parameters.iter().enumerate() {
             let column = start + position;
             let subtract = if matches!(effect.kind().part, Part::Inertia(_)) { gripper_inertia } else { 0.0 };
-            let half = CRITICAL * solution.covariance[(column, column)].max(0.0).sqrt();
-            estimate.parameters.push(parameter(kind, column, half, subtract, &solution, excitation));
+            let half = critical * fit.covariance[(column, column)].max(0.0).sqrt();
+            estimate.parameters.push(parameter(kind, column, half, subtract, &fit, excitation));
             match kind.name {
-                "inertia" => estimate.acceleration_rms_rad_s2 = Some(solution.column_rms[column]),
+                "inertia" => estimate.acceleration_rms_rad_s2 = Some(fit.column_rms[column]),
                 // The column of a direction is the velocity in that direction, and zero in the other.
-                "viscous_negative" | "viscous_positive" => square_speed += solution.column_rms[column].powi(2),
+                "viscous_negative" | "viscous_positive" => square_speed += fit.column_rms[column].powi(2),
                 _ => {}
             }
         }
         start += effect.kind().regressors.map_or(0, |regressors| regressors.columns);
     }
     estimate.speed_rms_rad_s = Some(square_speed.sqrt());
-    estimate.residual_rms_mnm = Some(solution.residual_rms);
-    estimate.torque_rms_mnm = Some(solution.torque_rms);
-    estimate.rows = solution.rows;
+    estimate.residual_rms_mnm = Some(fit.residual_rms);
+    estimate.torque_rms_mnm = Some(fit.torque_rms);
+    estimate.rows = fit.rows;
     match &joint {
         Some((detent, joint)) => {
             estimate.wavenumber_correction = joint.correction;
-            estimate.wavenumber_deviation = joint.solution.covariance[(columns + 2, columns + 2)].max(0.0).sqrt();
-            estimate.parameters.extend(detent_parameters(columns, detent, joint));
+            estimate.wavenumber_deviation = joint.fit.covariance[(columns + 2, columns + 2)].max(0.0).sqrt();
+            estimate.parameters.extend(detent_parameters(columns, detent, joint, critical));
         }
         None => {
             let verdict = if evidence == Some(false) { Verdict::Absent } else { Verdict::NotYet };
             estimate.wavenumber_deviation = f64::INFINITY;
-            estimate.parameters.extend(effects::detent::KIND.parameters.iter().map(|kind| LiveParameter {
-                name: kind.name,
-                unit: kind.unit,
-                value: None,
-                ci95: None,
-                verdict,
-            }));
+            estimate
+                .parameters
+                .extend(effects::detent::KIND.parameters.iter().map(|kind| without_value(kind, verdict)));
         }
     }
     estimate
 }
 
-fn untold(base_effects: &[Effect]) -> Vec<LiveParameter> {
-    base_effects
-        .iter()
-        .map(Effect::kind)
-        .chain([&effects::detent::KIND])
-        .flat_map(|kind| kind.parameters)
-        .map(|kind| LiveParameter {
-            name: kind.name,
-            unit: kind.unit,
-            value: None,
-            ci95: None,
-            verdict: Verdict::NotYet,
-        })
-        .collect()
+fn without_value(kind: &ParameterKind, verdict: Verdict) -> LiveParameter {
+    LiveParameter { name: kind.name, unit: kind.unit, value: None, ci95: None, verdict }
 }
 
 fn parameter(
@@ -184,52 +170,50 @@ fn parameter(
     column: usize,
     half: f64,
     subtract: f64,
-    solution: &Solution,
+    fit: &BlockFit,
     excitation: &Excitation,
 ) -> LiveParameter {
     let ParameterKind { name, unit, .. } = *kind;
     let seen = excitation.of(name);
-    if !solution.told[column] || seen < excitation.enough {
-        return LiveParameter { name, unit, value: None, ci95: None, verdict: Verdict::NotYet };
+    if fit.solution.collinear[column] || seen < excitation.enough {
+        return without_value(kind, Verdict::NotYet);
     }
-    let value = solution.coefficients[column] - subtract;
+    let value = fit.solution.coefficients[column] - subtract;
     // The column counts where it is not zero.
-    let column_rms = solution.column_rms[column] * (excitation.sliding / seen).sqrt();
-    let small = half <= TOLD_SHARE * value.abs() || half * column_rms <= TOLD_TORQUE * solution.torque_rms;
-    let enough = solution.blocks >= FEWEST_BLOCKS && small && kind.minimum.permits(value);
+    let column_rms = fit.column_rms[column] * (excitation.sliding / seen).sqrt();
+    let small = half <= KNOWN_SHARE * value.abs() || half * column_rms <= KNOWN_TORQUE * fit.torque_rms;
+    let enough = fit.blocks >= FEWEST_BLOCKS && small && kind.minimum.permits(value);
     LiveParameter {
         name,
         unit,
         value: Some(value),
-        ci95: (solution.blocks >= FEWEST_BLOCKS).then_some([value - half, value + half]),
+        ci95: (fit.blocks >= FEWEST_BLOCKS).then_some([value - half, value + half]),
         verdict: if enough { Verdict::Enough } else { Verdict::NotYet },
     }
 }
 
-struct JointSolution {
-    solution: Solution,
+struct JointFit {
+    fit: BlockFit,
     /// Correction of the assumed wavenumber, 1/rad.
     correction: f64,
 }
 
 /// Base, sine and cosine, and the wavenumber's tangent θ·(a·cos − b·sin).
-fn joint_solution(columns: usize, detent: &Detent<'_>) -> Option<JointSolution> {
-    let plain = detent.blocks.solve(columns + 2)?;
-    let (sine, cosine) = (plain.coefficients[columns], plain.coefficients[columns + 1]);
-    let width = columns + 5;
-    let mut map = DMatrix::zeros(columns + 4, width);
-    (0..columns + 2).for_each(|index| map[(index, index)] = 1.0);
-    // Stored after sine and cosine: angle·sine, angle·cosine, torque.
+fn joint_fit(columns: usize, detent: &Detent<'_>) -> Option<JointFit> {
+    let plain = detent.blocks.solve(columns + 2)?.solution.coefficients;
+    let (sine, cosine) = (plain[columns], plain[columns + 1]);
+    let mut map = DMatrix::identity(columns + 3, columns + 4);
+    // Stored after sine and cosine: angle·sine, angle·cosine.
     map[(columns + 2, columns + 2)] = -cosine;
     map[(columns + 2, columns + 3)] = sine;
-    map[(columns + 3, columns + 4)] = 1.0;
-    let solution = detent.blocks.solve_mapped(&map)?;
-    let correction = solution.coefficients[columns + 2];
-    Some(JointSolution { solution, correction })
+    let fit = detent.blocks.solve_mapped(&map)?;
+    let correction = fit.solution.coefficients[columns + 2];
+    Some(JointFit { fit, correction })
 }
 
-fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution) -> [LiveParameter; 3] {
-    let Solution { coefficients, covariance, .. } = &joint.solution;
+fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointFit, critical: f64) -> [LiveParameter; 3] {
+    let BlockFit { solution, covariance, .. } = &joint.fit;
+    let coefficients = &solution.coefficients;
     let (a, b) = (coefficients[columns], coefficients[columns + 1]);
     let wavenumber = detent.wavenumber + joint.correction;
     let period = 1.0 / wavenumber;
@@ -244,12 +228,12 @@ fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution)
                 variance += left * part[(row, column)] * right;
             }
         }
-        CRITICAL * variance.max(0.0).sqrt()
+        critical * variance.max(0.0).sqrt()
     };
     let square = amplitude * amplitude;
     let half_amplitude = half([a / amplitude, b / amplitude, 0.0]);
-    let told = half_amplitude < TOLD_SHARE * amplitude;
-    let verdict = if told { Verdict::Enough } else { Verdict::NotYet };
+    let known = half_amplitude < KNOWN_SHARE * amplitude;
+    let verdict = if known { Verdict::Enough } else { Verdict::NotYet };
     let [amplitude_kind, period_kind, phase_kind] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
     let of = |kind: &'static ParameterKind, value: f64, half: f64| LiveParameter {
         name: kind.name,

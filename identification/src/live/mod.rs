@@ -21,22 +21,22 @@
 //! let estimate = live.estimate();
 //! let inertia = estimate.parameter("inertia").ok_or("no inertia")?;
 //! assert_eq!(inertia.verdict, Verdict::Enough);
-//! assert!((inertia.value.ok_or("not told")? - 0.2).abs() < 0.002);
+//! assert!((inertia.value.ok_or("not estimated")? - 0.2).abs() < 0.002);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod angle_bins;
-mod blocks;
 mod estimate;
+mod growing_blocks;
 mod pipeline;
 mod ring;
 
 use dynamics::{Calibration, Effect, effects};
 
 use angle_bins::AngleBins;
-use blocks::Blocks;
 use estimate::{Detent, Excitation, estimate};
 pub use estimate::{LiveEstimate, LiveParameter, Verdict};
+use growing_blocks::{GrowingBlocks, MOST_COLUMNS};
 use pipeline::{Pipeline, Sliding};
 use ring::RowFilter;
 
@@ -71,7 +71,7 @@ pub struct LiveSample {
 pub struct LiveFit {
     pipeline: Pipeline,
     base_filter: RowFilter,
-    base: Blocks,
+    base: GrowingBlocks,
     base_effects: Vec<Effect>,
     bins: AngleBins,
     joint: Option<Joint>,
@@ -94,7 +94,7 @@ struct Joint {
     wavenumber: f64,
     centre_rad: f64,
     filter: RowFilter,
-    blocks: Blocks,
+    blocks: GrowingBlocks,
 }
 
 impl LiveFit {
@@ -108,9 +108,9 @@ impl LiveFit {
         Self {
             pipeline: Pipeline::new(rate_hz, band_hz, calibration),
             base_filter: RowFilter::new(rate_hz, band_hz, columns + 1),
-            base: Blocks::new(columns + 1),
+            base: GrowingBlocks::new(columns),
             base_effects,
-            bins: AngleBins::new(columns + 1),
+            bins: AngleBins::new(columns),
             joint: None,
             gripper_inertia: calibration.map_or(0.0, |known| known.gripper_inertia),
             rate_hz,
@@ -148,7 +148,6 @@ impl LiveFit {
     }
 
     /// Parameters as the data so far tell them, with intervals and verdicts.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub fn estimate(&mut self) -> LiveEstimate {
         self.rescan();
         let found = self.joint.as_ref().map(|joint| Detent {
@@ -173,50 +172,47 @@ impl LiveFit {
 
     fn take(&mut self, sliding: &Sliding) {
         let Self { base_effects, base_filter, base, bins, joint, .. } = self;
-        let mut row = [0.0; blocks::MOST_COLUMNS];
-        let mut width = 0;
+        let mut row = [0.0; MOST_COLUMNS];
+        let width = base_filter.width();
         if sliding.mask {
+            row[0] = sliding.torque_mnm;
+            let mut start = 1;
             for effect in base_effects.iter() {
                 if let Some(regressors) = effect.kind().regressors {
-                    (regressors.fill)(effect.values(), &sliding.motion, &mut row[width..width + regressors.columns]);
-                    width += regressors.columns;
+                    let columns = &mut row[start..start + regressors.columns];
+                    (regressors.fill)(effect.values(), &sliding.motion, columns);
+                    start += regressors.columns;
                 }
             }
-            row[width] = sliding.torque_mnm;
-            bins.add(sliding.motion.angle_rad, &row[..=width]);
+            bins.add(sliding.motion.angle_rad, &row[..width]);
             self.sliding += 1;
             if sliding.motion.velocity_rad_s < 0.0 {
                 self.backward += 1;
             }
-        } else {
-            width = base_filter.width() - 1;
         }
-        if let Some(rows) = base_filter.push(&row[..=width], sliding.mask) {
+        if let Some(rows) = base_filter.push(&row[..width], sliding.mask) {
             base.add(rows);
         }
         if let Some(Joint { wavenumber, centre_rad, filter, blocks }) = joint {
-            let mut wide = [0.0; blocks::MOST_COLUMNS];
             if sliding.mask {
-                wide[..width].copy_from_slice(&row[..width]);
                 let angle = sliding.motion.angle_rad - *centre_rad;
                 let (sine, cosine) = (*wavenumber * angle).sin_cos();
-                wide[width..width + 5].copy_from_slice(&[sine, cosine, angle * sine, angle * cosine, row[width]]);
+                row[width..width + 4].copy_from_slice(&[sine, cosine, angle * sine, angle * cosine]);
             }
-            if let Some(rows) = filter.push(&wide[..width + 5], sliding.mask) {
+            if let Some(rows) = filter.push(&row[..width + 4], sliding.mask) {
                 blocks.add(rows);
             }
         }
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     fn rescan(&mut self) {
         let due = (self.scanned_at as f64 * RESCAN_GROWTH).max(FIRST_SCAN_S * self.rate_hz);
         if (self.sliding as f64) < due {
             return;
         }
         self.scanned_at = self.sliding;
-        let Some(solution) = self.base.solve(self.base.columns()) else { return };
-        let scan = self.bins.scan(&solution.coefficients, self.pipeline.slow_rad_s(), BAND_HZ);
+        let Some(fit) = self.base.solve(self.base.columns()) else { return };
+        let scan = self.bins.scan(&fit.solution.coefficients, self.pipeline.slow_rad_s(), BAND_HZ);
         self.evidence = scan.as_ref().map(|scan| scan.detents);
         let Some(scan) = scan.filter(|scan| scan.detents) else { return };
         // A period in use is kept unless the scan sees another peak: Gauss–Newton follows the same one.
@@ -247,7 +243,7 @@ impl LiveFit {
             wavenumber,
             centre_rad,
             filter: RowFilter::new(self.rate_hz, band_hz, width),
-            blocks: Blocks::new(width),
+            blocks: GrowingBlocks::new(width - 1),
         });
     }
 }

@@ -7,6 +7,8 @@ use dynamics::{Calibration, Motion};
 use super::LiveSample;
 use super::ring::Ring;
 use crate::filter::Fir;
+use crate::preparation::{compliance_rad_mnm, lagrange_weights};
+use crate::statistics::fourth_differences_of_noise;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
 const ANGLE_BAND: f64 = 2.5;
@@ -56,33 +58,21 @@ pub(super) struct Pipeline {
 }
 
 impl Pipeline {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few hundred samples")]
     pub(super) fn new(rate_hz: f64, band_hz: f64, calibration: Option<&Calibration>) -> Self {
         let cutoff_hz = (ANGLE_BAND * band_hz).min(0.4 * rate_hz);
-        let half_length = (1.65 * rate_hz / cutoff_hz).round() as usize;
+        let fir = Fir::of_edge(cutoff_hz, rate_hz);
         // A torque channel ahead of the encoder is not foreseen; its delay is at most what the guard bears.
         let delay = calibration.map_or(0.0, |known| known.torque_delay_s.clamp(0.0, 0.05)) * rate_hz;
-        let part = delay.fract();
         let guard = ((GUARD_S + 1.0 / cutoff_hz) * rate_hz).round() as usize;
-        let length = 4 * half_length + 2 * guard + delay as usize + 16;
+        let length = 4 * fir.half_length() + 2 * guard + delay as usize + 16;
         let ring = || Ring::new(length);
         Self {
             rate_hz,
-            fir: Fir::low_pass(half_length, cutoff_hz, rate_hz),
+            fir,
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
-            // Below zero as the hand sees it on a rig that renders.
-            compliance_rad_mnm: calibration
-                .map(|known| 1.0 / known.torque_sensor_stiffness_mnm_rad)
-                .filter(|compliance| compliance.is_finite())
-                .unwrap_or(0.0),
+            compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,
-            // Lagrange weights for the nodes −1, 0, 1, 2.
-            weights: [
-                -part * (part - 1.0) * (part - 2.0) / 6.0,
-                (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
-                -(part + 1.0) * part * (part - 2.0) / 2.0,
-                (part + 1.0) * part * (part - 1.0) / 6.0,
-            ],
+            weights: lagrange_weights(delay.fract()),
             guard,
             count: 0,
             time: ring(),
@@ -109,7 +99,6 @@ impl Pipeline {
     }
 
     /// A speed that a tenth of the motion stays below, roughly, rad/s.
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub(super) fn slow_rad_s(&self) -> f64 {
         0.15 * (self.square_speed / self.speeds.max(1) as f64).sqrt()
     }
@@ -158,7 +147,6 @@ impl Pipeline {
         self.twisted.set(index, self.angle.get(index) - torque * self.compliance_rad_mnm);
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     fn differentiate(&mut self, now: usize) {
         let Self { smooth, rate_hz, .. } = self;
         let velocity = (smooth.get(now + 1) - smooth.get(now - 1)) * 0.5 * *rate_hz;
@@ -176,8 +164,7 @@ impl Pipeline {
 
     /// White noise of the encoder, differentiated, up to the cutoff.
     fn velocity_noise_rad_s(&self) -> f64 {
-        // The running median of |fourth difference| is 0.6745·√70 standard deviations.
-        let angle = self.noise / (0.6745 * 70_f64.sqrt());
+        let angle = self.noise / fourth_differences_of_noise();
         angle * TAU * (self.cutoff_hz.powi(3) / (1.5 * self.rate_hz)).sqrt()
     }
 

@@ -1,8 +1,7 @@
 //! Rings: the last few values of a stream, and the filter that turns masked samples into rows.
 
-use super::blocks::MOST_COLUMNS;
-use crate::filter::Fir;
-use crate::motion::ROWS_PER_EDGE;
+use super::growing_blocks::MOST_COLUMNS;
+use crate::filter::{Fir, rows_step};
 
 /// The last values of a stream, addressed by their count since the start.
 #[derive(Clone, Debug)]
@@ -43,13 +42,12 @@ pub(super) struct RowFilter {
 }
 
 impl RowFilter {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few hundred samples")]
     pub(super) fn new(rate_hz: f64, band_hz: f64, width: usize) -> Self {
-        let half_length = (1.65 * rate_hz / band_hz).round() as usize;
-        let length = 2 * half_length + 1;
+        let fir = Fir::of_edge(band_hz, rate_hz);
+        let length = fir.taps().len();
         Self {
-            fir: Fir::low_pass(half_length, band_hz, rate_hz),
-            step: ((rate_hz / (ROWS_PER_EDGE * band_hz)) as usize).max(1),
+            fir,
+            step: rows_step(band_hz, rate_hz),
             width,
             history: vec![0.0; 2 * length * width],
             next: 0,

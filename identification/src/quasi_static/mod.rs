@@ -1,29 +1,27 @@
-//! A knob that was turned too slowly for its speed to be told: torque against angle and direction alone.
+//! A knob that was turned too slowly for its speed to be measured: torque against angle and direction alone.
 //!
 //! Stepped or creeping captures map the torque along the angle. Inertia and viscous friction have no part in them; Coulomb
 //! friction shows as the distance between passes in the two directions, and detents as sinusoids of the angle,
 //! counted per turn where a whole turn was covered.
 
-mod block_sums;
-mod ladder;
+mod matching_pursuit;
 mod passes;
+mod rows;
 mod sinusoids;
 
 use dynamics::{Effect, effects};
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
-use crate::fit::smallest_step;
-use crate::long_run::NORMAL_95;
-use crate::motion::{rms, scatter};
+use crate::preparation::Saturation;
 use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::saturation::Rails;
-use crate::spectrum::median;
-use block_sums::{BlockSums, STUDENT_95};
-use ladder::Grid;
+use crate::statistics::{NORMAL_95, rms, scatter};
+use crate::vector::smallest_step;
+use matching_pursuit::{Grid, pursue, tangent};
+use rows::{Rows, critical};
 pub(crate) use sinusoids::of_turns;
 
-/// Fewest rows of a direction from which its friction is told.
+/// Fewest rows of a direction from which its friction is estimated.
 const FEWEST_ROWS: usize = FEWEST_SAMPLES / 4;
 
 /// The rows of a map.
@@ -34,28 +32,28 @@ struct Map {
     torque_mnm: Vec<f64>,
 }
 
-/// Fits friction and the ladder of sinusoids to checked samples; `None` if the knob did not wander slowly through its travel.
+/// Fits friction and sinusoids to checked samples; `None` if the knob did not wander slowly through its travel.
 pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> {
-    let rails = Rails::of(samples.torque_mnm);
-    let map = Map::of(samples, &rails)?;
-    let mut sums = BlockSums::new(map.torque_mnm.clone());
+    let saturation = Saturation::of(samples.torque_mnm);
+    let map = Map::of(samples, &saturation)?;
     let frictions: Vec<(&'static str, i8)> = [("coulomb_negative", -1), ("coulomb_positive", 1)]
         .into_iter()
         .filter(|(_, direction)| map.directions.iter().filter(|d| **d == *direction).count() >= FEWEST_ROWS)
         .collect();
-    for (_, direction) in &frictions {
-        sums.push(map.directions.iter().map(|d| if d == direction { f64::from(*d) } else { 0.0 }).collect());
-    }
+    let of_direction = |(_, direction): &(&str, i8)| {
+        map.directions.iter().map(|d| if d == direction { f64::from(*d) } else { 0.0 }).collect()
+    };
+    let mut rows = Rows::new(frictions.iter().map(of_direction).collect(), map.torque_mnm.clone());
     let grid = Grid::of(&map.angle_rad);
-    let wavenumbers = if look_for_detents { ladder::climb(&mut sums, &map.angle_rad, &grid) } else { Vec::new() };
-    let fitted = Fitted::of(sums, &map, frictions.len(), &wavenumbers)?;
+    let wavenumbers = if look_for_detents { pursue(&mut rows, &map.angle_rad, &grid) } else { Vec::new() };
+    let fitted = Fitted::of(rows, &map, frictions.len(), &wavenumbers)?;
 
     let none = if look_for_detents { fitted.no_detents(&grid) } else { "detents were not asked for".to_owned() };
     let mut notes = vec![format!(
-        "the knob turned too slowly for its speed to be told: torque against angle and direction was fitted, from {} passes",
+        "the knob turned too slowly for its speed to be measured: torque against angle and direction was fitted, from {} passes",
         map.passes()
     )];
-    notes.extend(rails.note("torque", "mNm"));
+    notes.extend(saturation.note("torque", "mNm"));
     if !wavenumbers.is_empty() && !grid.whole_turn {
         notes.push("less than a whole turn was covered: counts per turn are not whole numbers by rule".to_owned());
     }
@@ -65,7 +63,7 @@ pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> 
         parameters: fitted.parameters(&frictions, &none),
         residual_rms_mnm: rms(residual),
         relative_error_percent: 100.0 * rms(residual) / rms(&map.torque_mnm),
-        mean_ci95_mnm: STUDENT_95 * fitted.mean_prediction_sd(&fitted.covariance),
+        mean_ci95_mnm: critical() * fitted.mean_prediction_sd(&fitted.covariance),
         mean_ci95_textbook_mnm: NORMAL_95 * fitted.mean_prediction_sd(&fitted.textbook),
         samples: samples.t_s.len(),
         rows: map.torque_mnm.len(),
@@ -92,11 +90,12 @@ impl Map {
         if time_s > 0.0 { way_rad / time_s } else { 0.0 }
     }
 
-    fn of(samples: &Samples<'_>, rails: &Rails) -> Option<Self> {
+    fn of(samples: &Samples<'_>, saturation: &Saturation) -> Option<Self> {
         let step = smallest_step(samples.angle_rad);
         let duration_s = samples.t_s.last()? - samples.t_s.first()?;
         let directions = passes::directions(samples.angle_rad, duration_s, step)?;
-        let index: Vec<usize> = (0..directions.len()).filter(|at| directions[*at] != 0 && !rails.holds(*at)).collect();
+        let index: Vec<usize> =
+            (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.holds(*at)).collect();
         (index.len() >= FEWEST_SAMPLES).then(|| Self {
             angle_rad: index.iter().map(|at| samples.angle_rad[*at]).collect(),
             directions: index.iter().map(|at| directions[*at]).collect(),
@@ -113,8 +112,8 @@ impl Map {
 
 /// The settled map: friction columns first, then sine and cosine of each sinusoid.
 struct Fitted {
-    sums: BlockSums,
-    coefficients: DVector<f64>,
+    rows: Rows,
+    coefficients: Vec<f64>,
     covariance: DMatrix<f64>,
     textbook: DMatrix<f64>,
     residual: Vec<f64>,
@@ -125,26 +124,26 @@ struct Fitted {
 }
 
 impl Fitted {
-    fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
-        let estimate = sums.estimate()?;
-        let (order, harmonics) = sinusoids::ranked(&sums, &estimate, frictions, wavenumbers)?;
+    fn of(mut rows: Rows, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
+        let estimate = rows.estimate()?;
+        let (order, harmonics) = sinusoids::ranked(&rows, &estimate, frictions, wavenumbers);
         let coefficients = estimate.coefficients;
         let pair =
             |position: usize| [coefficients[frictions + 2 * position], coefficients[frictions + 2 * position + 1]];
         let mut period_half_widths_rad = [0.0; 2];
         if let Some(strongest) = order.first() {
-            let base = sums.width();
+            let base = rows.width();
             let wavenumber = wavenumbers[*strongest];
-            sums.push(ladder::tangent(&map.angle_rad, wavenumber, pair(*strongest)));
-            if let Some(wider) = sums.estimate() {
+            rows.extend([tangent(&map.angle_rad, wavenumber, pair(*strongest))]);
+            if let Some(wider) = rows.estimate() {
                 let half = |covariance: &DMatrix<f64>| covariance[(base, base)].max(0.0).sqrt() / wavenumber.powi(2);
-                period_half_widths_rad = [STUDENT_95 * half(&wider.covariance), NORMAL_95 * half(&wider.textbook)];
+                period_half_widths_rad = [critical() * half(&wider.covariance), NORMAL_95 * half(&wider.textbook)];
             }
-            sums.truncate(base);
+            rows.truncate(base);
         }
         Some(Self {
-            residual: sums.residual(&coefficients),
-            sums,
+            residual: rows.residual(&coefficients),
+            rows,
             coefficients,
             covariance: estimate.covariance,
             textbook: estimate.textbook,
@@ -168,60 +167,49 @@ impl Fitted {
         for kind in effects::inertia::KIND.parameters.iter().chain(effects::friction::KIND.parameters) {
             let direction = if kind.name.ends_with("_negative") { "negative" } else { "positive" };
             parameters.push(match frictions.iter().position(|(name, _)| *name == kind.name) {
-                Some(at) if self.coefficients[at] >= 0.0 => Parameter {
-                    name: kind.name,
-                    value: Some(self.coefficients[at]),
-                    unit: kind.unit,
-                    ci95: Some(interval(self.coefficients[at], STUDENT_95 * self.covariance[(at, at)].max(0.0).sqrt())),
-                    ci95_textbook: Some(interval(
-                        self.coefficients[at],
-                        NORMAL_95 * self.textbook[(at, at)].max(0.0).sqrt(),
-                    )),
-                    reason: None,
-                },
-                Some(at) => Parameter::untold(
-                    kind.name,
-                    kind.unit,
+                Some(at) if self.coefficients[at] >= 0.0 => {
+                    let around = |critical: f64, covariance: &DMatrix<f64>| {
+                        interval(self.coefficients[at], critical * covariance[(at, at)].max(0.0).sqrt())
+                    };
+                    let textbook = around(NORMAL_95, &self.textbook);
+                    Parameter::estimated(kind, self.coefficients[at], around(critical(), &self.covariance), Some(textbook))
+                }
+                Some(at) => Parameter::not_identifiable(
+                    kind,
                     format!(
                         "the mean torque in the {direction} direction is {:.3} mNm against friction: the torque channel has \
                          an offset; calibrate its zero",
                         self.coefficients[at].abs()
                     ),
                 ),
-                None if kind.name.starts_with("coulomb") => Parameter::untold(
-                    kind.name,
-                    kind.unit,
+                None if kind.name.starts_with("coulomb") => Parameter::not_identifiable(
+                    kind,
                     format!("the knob never turned in the {direction} direction for long enough; sweep both ways"),
                 ),
-                None => Parameter::untold(kind.name, kind.unit, slow.clone()),
+                None => Parameter::not_identifiable(kind, slow.clone()),
             });
         }
         let [amplitude, period, phase] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
         if let Some(strongest) = self.harmonics.first() {
-            let told = |kind: &dynamics::ParameterKind, value: f64, ci95: Option<[f64; 2]>| Parameter {
-                name: kind.name,
-                value: Some(value),
-                unit: kind.unit,
-                ci95,
-                ci95_textbook: None,
-                reason: None,
-            };
             let period_rad = 1.0 / strongest.per_turn;
-            parameters.push(told(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
-            parameters.push(told(period, period_rad, Some(interval(period_rad, self.period_half_widths_rad[0]))));
-            parameters.push(told(phase, strongest.phase_rad, strongest.phase_ci95_rad));
+            let around = |value: f64, ci95: Option<[f64; 2]>| ci95.unwrap_or([value; 2]);
+            let values = [
+                (amplitude, strongest.amplitude_mnm, around(strongest.amplitude_mnm, strongest.amplitude_ci95_mnm)),
+                (period, period_rad, interval(period_rad, self.period_half_widths_rad[0])),
+                (phase, strongest.phase_rad, around(strongest.phase_rad, strongest.phase_ci95_rad)),
+            ];
+            parameters.extend(values.map(|(kind, value, ci95)| Parameter::estimated(kind, value, ci95, None)));
         } else {
-            let untold =
-                |kind: &dynamics::ParameterKind| Parameter::untold(kind.name, kind.unit, no_detents.to_owned());
-            parameters.extend([amplitude, period, phase].map(untold));
+            let none = |kind| Parameter::not_identifiable(kind, no_detents.to_owned());
+            parameters.extend([amplitude, period, phase].map(none));
         }
         for kind in effects::karnopp_stick::KIND.parameters {
-            parameters.push(Parameter::untold(kind.name, kind.unit, slow.clone()));
+            parameters.push(Parameter::not_identifiable(kind, slow.clone()));
         }
         Parameters(parameters)
     }
 
-    /// Inertia (not told), friction and one detent for each sinusoid.
+    /// Inertia (not identifiable), friction and one detent for each sinusoid.
     fn effects(&self, frictions: &[(&'static str, i8)]) -> Vec<Effect> {
         let coulomb = |name: &str| {
             frictions.iter().position(|(known, _)| *known == name).map_or(0.0, |at| self.coefficients[at].max(0.0))
@@ -236,13 +224,12 @@ impl Fitted {
         effects
     }
 
-    /// The rows; of the speed only its direction and its mean over the passes can be told.
+    /// The rows; of the speed only its direction and its mean over the passes are known.
     fn points(&self, samples: &Samples<'_>, map: &Map) -> Vec<Point> {
-        let mut row = DVector::zeros(self.sums.width());
         let speed_rad_s = map.mean_speed_rad_s(samples);
         (0..map.index.len())
             .map(|at| {
-                self.sums.row(at, &mut row);
+                let row = self.rows.row(at);
                 Point {
                     t_s: samples.t_s[map.index[at]],
                     angle_rad: map.angle_rad[at],
@@ -250,24 +237,16 @@ impl Fitted {
                     acceleration_rad_s2: 0.0,
                     torque_mnm: map.torque_mnm[at],
                     torque_model_mnm: map.torque_mnm[at] - self.residual[at],
-                    torque_model_ci95_mnm: STUDENT_95 * sd(&row, &self.covariance),
+                    torque_model_ci95_mnm: critical() * sd(&row, &self.covariance),
                     residual_mnm: self.residual[at],
                 }
             })
             .collect()
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     fn mean_prediction_sd(&self, covariance: &DMatrix<f64>) -> f64 {
-        let mut row = DVector::zeros(self.sums.width());
         let rows = self.residual.len();
-        let sum: f64 = (0..rows)
-            .map(|at| {
-                self.sums.row(at, &mut row);
-                sd(&row, covariance)
-            })
-            .sum();
-        sum / rows as f64
+        (0..rows).map(|at| sd(&self.rows.row(at), covariance)).sum::<f64>() / rows as f64
     }
 }
 
@@ -289,16 +268,13 @@ fn along(covariance: &DMatrix<f64>, at: usize, [first, second]: [f64; 2]) -> f64
 }
 
 /// Which multiple of the strongest a wavenumber is, if it is one.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small whole number")]
 fn overtone(wavenumber: f64, strongest: f64) -> Option<u32> {
     let ratio = wavenumber / strongest;
     ((ratio - ratio.round()).abs() < 1e-9 && ratio >= 1.0).then(|| ratio.round() as u32)
 }
 
 fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
-    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let rate_hz = 1.0 / median(&mut steps);
-    #[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
+    let rate_hz = samples.rate_hz();
     let used = rows as f64 / samples.t_s.len() as f64;
     Preparation {
         method: "quasi-static",

@@ -1,7 +1,7 @@
-//! What the sinusoids of a ladder are, each with its intervals.
+//! What the sinusoids of a map are, each with its intervals.
 
-use super::block_sums::{BlockSums, Estimate, STUDENT_95};
-use super::ladder::{self, Grid};
+use super::matching_pursuit::{Grid, pursue};
+use super::rows::{Estimate, Rows, critical};
 use super::{along, interval, overtone};
 use crate::estimate::Harmonic;
 
@@ -9,7 +9,7 @@ use crate::estimate::Harmonic;
 /// acts; up to `finest` periods a turn. All columns have one row length.
 ///
 /// Only those that stand out and predict stretches that they were not fitted to. `None` if the turn is not whole, or the
-/// columns cannot be told apart.
+/// columns cannot be distinguished.
 pub(crate) fn of_turns(
     base: Vec<Vec<f64>>,
     angle_rad: &[f64],
@@ -17,41 +17,40 @@ pub(crate) fn of_turns(
     finest: f64,
 ) -> Option<Vec<Harmonic>> {
     let columns = base.len();
-    let mut sums = BlockSums::new(torque_mnm);
-    base.into_iter().for_each(|column| sums.push(column));
+    let mut rows = Rows::new(base, torque_mnm);
     let grid = Grid::of(angle_rad).up_to(finest);
     if !grid.whole_turn {
         return None;
     }
-    let wavenumbers = ladder::climb(&mut sums, angle_rad, &grid);
-    let estimate = sums.estimate()?;
-    ranked(&sums, &estimate, columns, &wavenumbers).map(|(_, harmonics)| harmonics)
+    let wavenumbers = pursue(&mut rows, angle_rad, &grid);
+    let estimate = rows.estimate()?;
+    Some(ranked(&rows, &estimate, columns, &wavenumbers).1)
 }
 
 /// The sinusoids behind the first `base` columns: their places from the strongest on, and what they are.
 pub(super) fn ranked(
-    sums: &BlockSums,
+    rows: &Rows,
     estimate: &Estimate,
     base: usize,
     wavenumbers: &[f64],
-) -> Option<(Vec<usize>, Vec<Harmonic>)> {
+) -> (Vec<usize>, Vec<Harmonic>) {
     let coefficients = &estimate.coefficients;
     let pair = |position: usize| [coefficients[base + 2 * position], coefficients[base + 2 * position + 1]];
     let mut order: Vec<usize> = (0..wavenumbers.len()).collect();
     let size = |position: &usize| pair(*position)[0].hypot(pair(*position)[1]);
     order.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let mut chosen: Vec<usize> = (0..base).collect();
-    let total = sums.total();
-    let mut before = sums.left(&chosen)?;
+    let (gram, critical) = (rows.total(), critical());
+    let mut before = gram.chosen(&chosen).least();
     let mut harmonics = Vec::new();
     for position in &order {
         let at = base + 2 * position;
         chosen.extend([at, at + 1]);
-        let after = sums.left(&chosen)?;
+        let after = gram.chosen(&chosen).least();
         let [sine, cosine] = pair(*position);
         let amplitude = sine.hypot(cosine);
-        let half = STUDENT_95 * along(&estimate.covariance, at, [sine / amplitude, cosine / amplitude]);
-        let turn = STUDENT_95 * along(&estimate.covariance, at, [-cosine / amplitude, sine / amplitude]) / amplitude;
+        let half = critical * along(&estimate.covariance, at, [sine / amplitude, cosine / amplitude]);
+        let turn = critical * along(&estimate.covariance, at, [-cosine / amplitude, sine / amplitude]) / amplitude;
         let phase = cosine.atan2(sine);
         harmonics.push(Harmonic {
             order: overtone(wavenumbers[*position], wavenumbers[order[0]]),
@@ -61,9 +60,9 @@ pub(super) fn ranked(
             phase_rad: phase,
             phase_ci95_rad: Some(interval(phase, turn)),
             explains_percent: 100.0 * (1.0 - after / before),
-            relative_error_percent: Some(100.0 * (after / total).sqrt()),
+            relative_error_percent: Some(100.0 * (after / gram.total()).sqrt()),
         });
         before = after;
     }
-    Some((order, harmonics))
+    (order, harmonics)
 }

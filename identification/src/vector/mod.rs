@@ -5,6 +5,7 @@
 mod angles;
 mod checks;
 mod filters;
+pub(crate) mod fourier;
 mod windows;
 
 use std::ops::Deref;

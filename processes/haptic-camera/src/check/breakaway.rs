@@ -2,6 +2,7 @@
 
 use dynamics::{Direction, Model, Motion};
 use identification::checks::Breakaway;
+use identification::statistics::student_95;
 use serde::Serialize;
 
 /// The torque at which the knob breaks away in one direction.
@@ -40,10 +41,8 @@ impl Threshold {
         let count = torques.len() as f64;
         let mut distances: Vec<f64> = torques.iter().map(|torque| (torque - torque_mnm).abs()).collect();
         let scatter = median(&mut distances) / 0.6745;
-        // Student's quantile by its expansion about the normal one; a median is 1.253 times as uncertain as a mean.
-        let freedom = (count - 1.0).max(1.0);
-        let quantile = 1.96 * (1.0 + 1.21 / freedom + 1.4 / (freedom * freedom));
-        let half = quantile * 1.253 * scatter / count.sqrt();
+        // A median is 1.253 times as uncertain as a mean.
+        let half = student_95((count - 1.0).max(1.0)) * 1.253 * scatter / count.sqrt();
         let ci95_mnm = (torques.len() > 1).then_some([torque_mnm - half, torque_mnm + half]);
         Some(Self { torque_mnm, ci95_mnm, times: torques.len() })
     }
@@ -53,4 +52,17 @@ fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Threshold;
+
+    #[test]
+    fn the_interval_of_two_breakaways_takes_students_factor_at_one_degree_of_freedom() {
+        let threshold = Threshold::from_torques(vec![9.0, 11.0]).expect("there are breakaways");
+        let [low, high] = threshold.ci95_mnm.expect("two readings scatter");
+        let standard_error = 1.253 / 0.6745 / 2.0_f64.sqrt();
+        assert!((0.5 * (high - low) / standard_error - 12.706).abs() < 1e-2, "{low} to {high} mNm");
+    }
 }

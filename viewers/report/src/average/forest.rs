@@ -1,6 +1,6 @@
 //! A forest plot for each parameter: every capture's interval, one below the other, and the mean's.
 
-use identification::{Repeatability, Told};
+use identification::{Estimated, Repeatability};
 use maud::{Markup, html};
 
 use crate::AveragePage;
@@ -72,7 +72,7 @@ fn plot(name: &str, record: &Repeatability, truth: Option<f64>) -> Markup {
     let rows = record.compared.len() + 1;
     let bottom = place(rows) - 0.5 * ROW;
     let height = bottom + BOTTOM;
-    let ends = |told: &Told| [told.value - told.half_width, told.value + told.half_width];
+    let ends = |told: &Estimated| [told.value - told.half_width, told.value + told.half_width];
     let widest = record.compared.iter().flatten().map(|told| told.half_width).fold(record.mean.half_width, f64::max);
     let near = truth.filter(|truth| (truth - record.mean.value).abs() <= REACH * widest);
     let told = record.compared.iter().flatten().chain([&record.mean]);

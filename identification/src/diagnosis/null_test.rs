@@ -1,0 +1,40 @@
+//! The null test: an effect's own columns at the wrong time, which show what mere freedom buys.
+
+use super::capture::Capture;
+use super::judged::Judged;
+use super::nonlinear::Nonlinear;
+use super::structure::Structure;
+use crate::regression::{LeastSquares, residual};
+use crate::statistics::median;
+use crate::vector::dot;
+
+/// Shifts of the columns, as shares of the capture.
+const SHIFTS: [f64; 5] = [0.19, 0.31, 0.43, 0.61, 0.77];
+
+/// RMS left of the held-out capture when the residual is given as many columns as the effect has parameters, mNm: the
+/// derivatives of the effect's torque by its parameters, turned round in time. Median over several turns.
+pub(crate) fn rms_mnm(effect: &str, before: &Judged, after: &Structure, train: &Capture, heldout: &Capture) -> f64 {
+    let Some(effect) = after.position(effect) else { return before.heldout_rms_mnm };
+    let columns = |capture: &Capture| Nonlinear::new(after.clone(), capture).tangents_of(effect);
+    let (train_columns, heldout_columns) = (columns(train), columns(heldout));
+    let mut left: Vec<f64> = SHIFTS
+        .iter()
+        .map(|shift| {
+            let solution = LeastSquares::solve_held(&turned(&train_columns, *shift), &before.train_residual, &[]);
+            let turned = turned(&heldout_columns, *shift);
+            let residual = residual(&turned, &before.heldout_residual, &solution.coefficients);
+            (dot(&residual, &residual) / heldout.weight).sqrt()
+        })
+        .collect();
+    median(&mut left)
+}
+
+fn turned(columns: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
+    let turn = |column: &Vec<f64>| {
+        let mut column = column.clone();
+        let by = (share * column.len() as f64) as usize;
+        column.rotate_left(by);
+        column
+    };
+    columns.iter().map(turn).collect()
+}

@@ -1,0 +1,272 @@
+//! Values, intervals and reasons from the settled problem.
+
+use dynamics::{Calibration, Effect, Motion, Part, effects};
+use nalgebra::{DMatrix, RowDVector};
+
+use super::trim::Trimmed;
+use crate::estimate::{Covariance, Parameter, Parameters, Point};
+use crate::preparation::Prepared;
+use crate::regression::Column;
+use crate::statistics::{NORMAL_95, rms, student_95};
+use crate::uncertainty::RobustCovariance;
+use crate::vector::{self, dot};
+
+/// A parameter whose interval spans this share of the torque's RMS, times its column, is not identifiable.
+const HOPELESS: f64 = 0.5;
+/// Share of the acceleration's power that may be noise before the inertia is not identifiable.
+const NOISY_ACCELERATION: f64 = 0.2;
+/// A collinear column's share of another column from which neither is identifiable.
+const ENTANGLED: f64 = 0.01;
+
+/// The settled problem with all that its words need.
+pub(super) struct Report<'a> {
+    pub(super) trimmed: &'a Trimmed<'a>,
+    pub(super) prepared: &'a Prepared<'a>,
+    pub(super) calibration: Option<&'a Calibration>,
+}
+
+/// Measured against model, row by row, and in sum.
+pub(super) struct Comparison {
+    pub(super) residual_rms_mnm: f64,
+    pub(super) relative_error_percent: f64,
+    pub(super) mean_ci95_mnm: f64,
+    pub(super) mean_ci95_textbook_mnm: f64,
+    pub(super) points: Vec<Point>,
+}
+
+impl Report<'_> {
+    /// All parameters, their covariance, and the comparison on the rows; `no_detents` is the reason if there are none.
+    pub(super) fn parameters(&self, no_detents: Option<String>) -> (Parameters, Covariance, Comparison) {
+        let Trimmed { columns, solution, .. } = self.trimmed;
+        let textbook = solution.textbook_covariance();
+        let robust = solution.robust(self.trimmed.instruments.as_ref().unwrap_or(columns));
+        let degrees_of_freedom = robust.degrees_of_freedom;
+        let critical = student_95(degrees_of_freedom);
+        let mut parameters = Vec::new();
+        for (index, effect) in self.trimmed.effects().iter().enumerate() {
+            self.effect_parameters(index, effect, &robust, &textbook, &mut parameters);
+        }
+        if let Some(reason) = no_detents {
+            let none = |kind| Parameter::not_identifiable(kind, reason.clone());
+            parameters.extend(effects::detent::KIND.parameters.iter().map(none));
+        }
+        let covariance = Covariance { critical, degrees_of_freedom, ..self.covariance(&parameters, &robust.matrix) };
+        (Parameters(parameters), covariance, self.compare([&robust.matrix, &textbook], critical))
+    }
+
+    /// Covariance of the parameters that are identifiable and not held at zero, from that of the coefficients.
+    fn covariance(&self, parameters: &[Parameter], coefficients: &DMatrix<f64>) -> Covariance {
+        let mut order = Vec::new();
+        let mut derivatives = Vec::new();
+        for (index, effect) in self.trimmed.effects().iter().enumerate() {
+            let jacobian = self.jacobian(index, effect, coefficients);
+            for (position, (kind, _)) in effect.parameters().enumerate() {
+                // The textbook's interval is left out where a parameter is held at zero.
+                if parameters.iter().any(|known| known.name == kind.name && known.ci95_textbook.is_some()) {
+                    order.push(kind.name);
+                    derivatives.push(jacobian.row(position).into_owned());
+                }
+            }
+        }
+        let row = |left: &RowDVector<f64>| {
+            let product = left * coefficients;
+            derivatives.iter().map(|right| product.dot(right)).collect()
+        };
+        Covariance { rows: derivatives.iter().map(row).collect(), order, ..Covariance::default() }
+    }
+
+    fn effect_parameters(
+        &self,
+        index: usize,
+        effect: &Effect,
+        robust: &RobustCovariance,
+        textbook: &DMatrix<f64>,
+        parameters: &mut Vec<Parameter>,
+    ) {
+        let Some(regressors) = effect.kind().regressors else { return };
+        let jacobian = self.jacobian(index, effect, &robust.matrix);
+        let [variances, textbook] =
+            [&robust.matrix, textbook].map(|covariance| &jacobian * covariance * jacobian.transpose());
+        let gripper = match (effect.kind().part, self.calibration) {
+            (Part::Inertia(_), Some(calibration)) => calibration.gripper_inertia,
+            _ => 0.0,
+        };
+        let range = self.trimmed.problem.range(index);
+        let searched_any = !regressors.searched.is_empty();
+        for (position, (kind, value)) in effect.parameters().enumerate() {
+            let critical = student_95(robust.degrees_of_freedom_of(&jacobian.row(position).transpose()));
+            let half = critical * variances[(position, position)].max(0.0).sqrt();
+            let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
+            let linear = (!searched_any && position < range.len()).then(|| range.start + position);
+            if let Some(reason) = linear.and_then(|column| self.why_not_identifiable(column, kind.name, half)) {
+                parameters.push(Parameter::not_identifiable(kind, reason));
+                continue;
+            }
+            let value = value - gripper;
+            let held = linear.is_some_and(|column| self.trimmed.solution.at_zero[column]);
+            let low = if held { 0.0 } else { value - half };
+            let half = if held { self.half_width_at_zero(range.start + position, critical) } else { half };
+            let textbook = (!held).then_some([value - half_textbook, value + half_textbook]);
+            parameters.push(Parameter::estimated(kind, value, [low, value + half], textbook));
+        }
+    }
+
+    /// Derivatives of an effect's values by all fitted coefficients, by differences of a thousandth of a standard error.
+    fn jacobian(&self, index: usize, effect: &Effect, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let problem = &self.trimmed.problem;
+        let count = self.trimmed.columns.len();
+        let parameters = effect.values().len();
+        let mut jacobian = DMatrix::zeros(parameters, count);
+        let Some(regressors) = effect.kind().regressors else { return jacobian };
+        let coefficients = &self.trimmed.solution.coefficients[problem.range(index)];
+        let values_at = |shifted: &[f64]| {
+            let mut changed = *effect;
+            (regressors.values)(shifted, changed.values_mut());
+            changed
+        };
+        let centre = values_at(coefficients);
+        for (position, column) in problem.range(index).enumerate() {
+            let step = 1e-3 * covariance[(column, column)].sqrt().max(1e-9 * coefficients[position].abs()).max(1e-15);
+            let mut shifted = coefficients.to_vec();
+            shifted[position] += step;
+            let moved = values_at(&shifted);
+            for parameter in 0..parameters {
+                jacobian[(parameter, column)] = (moved.values()[parameter] - centre.values()[parameter]) / step;
+            }
+        }
+        for (position, which) in problem.searched().iter().enumerate() {
+            if which.effect == index {
+                jacobian[(which.parameter, problem.columns.len() + position)] = 1.0;
+            }
+        }
+        jacobian
+    }
+
+    /// Upper end of the interval of a coefficient that is held at zero, from its curvature alone.
+    fn half_width_at_zero(&self, column: usize, critical: f64) -> f64 {
+        let Trimmed { columns, solution, .. } = self.trimmed;
+        critical * rms(&solution.residual) / dot(&columns[column], &columns[column]).sqrt()
+    }
+
+    fn why_not_identifiable(&self, column: usize, name: &str, half: f64) -> Option<String> {
+        let Trimmed { columns, solution, problem, .. } = self.trimmed;
+        if columns[column].iter().all(|value| *value == 0.0) {
+            let direction = ["negative", "positive"].into_iter().find(|direction| name.ends_with(direction));
+            return Some(direction.map_or_else(
+                || format!("the capture never excites {name}"),
+                |direction| {
+                    format!("the knob never slid in the {direction} direction for long enough; sweep both ways")
+                },
+            ));
+        }
+        if let Some(with) = self.entangled(column) {
+            return Some(format!(
+                "{name} cannot be distinguished from {with}: the sweep moves one as it moves the other; vary the speed"
+            ));
+        }
+        if name == effects::inertia::KIND.parameters[0].name {
+            let noise = self.prepared.motion.acceleration_noise_rad_s2(self.prepared.band.edge_hz);
+            let seen = rms(&columns[column]);
+            if noise * noise > NOISY_ACCELERATION * seen * seen {
+                return Some(format!(
+                    "the knob accelerated too little: {seen:.3} rad/s² RMS, of which {noise:.3} are sensor noise; sweep faster"
+                ));
+            }
+        }
+        if name == effects::inertia::KIND.parameters[0].name && half >= solution.coefficients[column].abs() {
+            return Some(format!(
+                "the knob accelerated too little ({:.3e} rad/s² RMS): the 95 % interval of the inertia includes zero; \
+                 sweep faster",
+                rms(&columns[column])
+            ));
+        }
+        let used: Vec<f64> = columns[column].iter().copied().filter(|value| value.abs() > 0.0).collect();
+        let torque = rms(&problem.target);
+        (!solution.at_zero[column] && half * rms(&used) > HOPELESS * torque).then(|| {
+            format!(
+                "the sweep excites it too little: its 95 % interval of ± {half:.4} is worth ± {:.3} mNm of a torque of \
+                 {torque:.3} mNm RMS; sweep faster, wider or longer",
+                half * rms(&used)
+            )
+        })
+    }
+
+    /// Names of the parameters that a column is a sum of, or that are a sum with it.
+    fn entangled(&self, column: usize) -> Option<String> {
+        let Trimmed { columns, solution, .. } = self.trimmed;
+        let collinear = (0..columns.len()).filter(|index| solution.collinear[*index] && rms(&columns[*index]) > 0.0);
+        for dependent in collinear {
+            let products: Vec<f64> = columns.iter().map(|other| dot(other, &columns[dependent])).collect();
+            let size = rms(&columns[dependent]);
+            let parts: Vec<usize> = (0..columns.len())
+                .filter(|index| {
+                    let share: f64 = (0..columns.len()).map(|k| solution.inverse[(*index, k)] * products[k]).sum();
+                    (share * rms(&columns[*index])).abs() > ENTANGLED * size
+                })
+                .collect();
+            if column == dependent || parts.contains(&column) {
+                let others = parts.iter().chain([&dependent]).filter(|other| **other != column);
+                let names: Vec<&str> = others.filter_map(|other| self.column_name(*other)).collect();
+                return Some(names.join(" and "));
+            }
+        }
+        None
+    }
+
+    fn column_name(&self, column: usize) -> Option<&'static str> {
+        let problem = &self.trimmed.problem;
+        (0..problem.effects.len()).find(|effect| problem.range(*effect).contains(&column)).map(|effect| {
+            let position = column - problem.range(effect).start;
+            problem.effects[effect].kind().parameters[position].name
+        })
+    }
+
+    fn compare(&self, covariances: [&DMatrix<f64>; 2], critical: f64) -> Comparison {
+        let Trimmed { columns, solution, problem, .. } = self.trimmed;
+        let Prepared { motion, row_mask, .. } = self.prepared;
+        let half_widths = covariances.map(|covariance| prediction_sd(columns, covariance));
+        let rows = self.sliding_rows();
+        let count = rows.len().max(1) as f64;
+        let mean = |widths: &[f64]| rows.iter().map(|row| widths[*row]).sum::<f64>() / count;
+        let points = rows
+            .iter()
+            .map(|row| {
+                let Motion { time_s: t_s, angle_rad, velocity_rad_s, acceleration_rad_s2 } =
+                    motion.at(row * row_mask.step);
+                Point {
+                    t_s,
+                    angle_rad,
+                    velocity_rad_s,
+                    acceleration_rad_s2,
+                    torque_mnm: problem.target[*row],
+                    torque_model_mnm: problem.target[*row] - solution.residual[*row],
+                    torque_model_ci95_mnm: critical * half_widths[0][*row],
+                    residual_mnm: solution.residual[*row],
+                }
+            })
+            .collect();
+        let of = |values: &[f64]| rms(&rows.iter().map(|row| values[*row]).collect::<Vec<_>>());
+        Comparison {
+            residual_rms_mnm: of(&solution.residual),
+            relative_error_percent: 100.0 * of(&solution.residual) / of(&problem.target),
+            mean_ci95_mnm: critical * mean(&half_widths[0]),
+            mean_ci95_textbook_mnm: NORMAL_95 * mean(&half_widths[1]),
+            points,
+        }
+    }
+
+    /// Rows whose middle is not masked at all.
+    fn sliding_rows(&self) -> Vec<usize> {
+        let row_mask = &self.prepared.row_mask;
+        (0..self.trimmed.problem.target.len()).filter(|row| row_mask.mask[row * row_mask.step] >= 1.0).collect()
+    }
+}
+
+/// Standard deviation of the predicted torque, row by row.
+fn prediction_sd(columns: &[Column], covariance: &DMatrix<f64>) -> Vec<f64> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let mut deviation = vec![0.0; rows];
+    vector::quadratic_form(columns, covariance, &mut deviation);
+    deviation.iter_mut().for_each(|variance| *variance = variance.max(0.0).sqrt());
+    deviation
+}

@@ -1,0 +1,169 @@
+//! Mask first, then filter: the relation between torque and motion stays exactly linear.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use dynamics::{Effect, effects};
+
+use super::motion::{Band, KnobMotion};
+use super::uniform::Uniform;
+use crate::filter::{Fir, rows_step};
+use crate::statistics::rms;
+use crate::vector;
+
+/// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
+/// before the knob breaks away, and contact rings.
+const GUARD_S: f64 = 0.002;
+/// Time over which the mask fades in and out, s: at a hard edge, noise from beyond the band would fold into it.
+const FADE_S: f64 = 0.002;
+/// Speed below which a knob may be sticking, as a share of the RMS speed.
+const SLOW: f64 = 0.01;
+/// Samples that are filtered together: few enough to stay in a processor's cache.
+const BLOCK: usize = 2048;
+
+/// The mask, the common filter and the decimation through which torque and every column pass.
+#[derive(Clone, Debug)]
+pub(crate) struct RowMask {
+    pub(crate) rate_hz: f64,
+    /// 1 where the knob surely slides, 0 where it may stick, fading from one to the other.
+    pub(crate) mask: Vec<f64>,
+    pub(crate) fir: Fir,
+    /// Every how many samples a row is kept.
+    pub(crate) step: usize,
+    /// Speed below which samples are masked, rad/s.
+    pub(crate) threshold_rad_s: f64,
+}
+
+impl RowMask {
+    pub(crate) fn new(uniform: &Uniform, motion: &KnobMotion, band: &Band) -> Self {
+        let rate_hz = uniform.rate_hz;
+        let (threshold_rad_s, guard_s) = if motion.exact {
+            (1e-6 * rms(&motion.velocity_rad_s), 0.0)
+        } else {
+            let slow = SLOW * rms(&motion.velocity_rad_s);
+            (slow.max(8.0 * motion.velocity_noise_rad_s), GUARD_S)
+        };
+        let guard = (guard_s * rate_hz).round() as usize + motion.reach;
+        let mut mask = mask(uniform, motion, threshold_rad_s, guard, motion.reach);
+        if !motion.exact {
+            fade(&mut mask, (FADE_S * rate_hz).round() as usize);
+        }
+        let (fir, step) = (Fir::of_edge(band.edge_hz, rate_hz), rows_step(band.edge_hz, rate_hz));
+        Self { rate_hz, mask, fir, step, threshold_rad_s }
+    }
+
+    /// Masks, filters and decimates a full-rate column.
+    pub(crate) fn rows(&self, column: &[f64]) -> Vec<f64> {
+        self.rows_of(1, |range, columns| columns[0].copy_from_slice(&column[range])).remove(0)
+    }
+
+    /// Masks, filters and decimates `count` columns that `fill` writes for a range of samples: none is ever held whole.
+    pub(crate) fn rows_of(&self, count: usize, mut fill: impl FnMut(Range<usize>, &mut [Vec<f64>])) -> Vec<Vec<f64>> {
+        let (samples, half) = (self.mask.len(), self.fir.half_length());
+        let total = samples.div_ceil(self.step);
+        let mut rows = vec![vec![0.0; total]; count];
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); count];
+        let block = (BLOCK / self.step).max(1) + half / self.step;
+        for start in (0..total).step_by(block) {
+            let end = (start + block).min(total);
+            let range = (start * self.step).saturating_sub(half)..((end - 1) * self.step + half + 1).min(samples);
+            columns.iter_mut().for_each(|column| column.resize(range.len(), 0.0));
+            fill(range.clone(), &mut columns);
+            let first = start * self.step - range.start;
+            for (rows, column) in rows.iter_mut().zip(&mut columns) {
+                vector::multiply_by(column, &self.mask[range.clone()]);
+                self.fir.decimate_part(column, first, self.step, &mut rows[start..end]);
+            }
+        }
+        rows
+    }
+
+    /// Rows of an effect's columns; none if it has no part in a fit.
+    pub(crate) fn effect_rows(&self, effect: &Effect, motion: &KnobMotion) -> Vec<Vec<f64>> {
+        let count = effect.kind().regressors.map_or(0, |regressors| regressors.columns);
+        self.rows_of(count, |range, columns| fill_columns(effect, motion, range, columns))
+    }
+
+    /// The adjoint of [`RowMask::rows`].
+    pub(crate) fn spread(&self, rows: &[f64]) -> Vec<f64> {
+        let mut spread = self.fir.spread(rows, self.step, self.mask.len());
+        spread.iter_mut().zip(&self.mask).for_each(|(value, mask)| *value *= mask);
+        spread
+    }
+
+    /// Number of samples that are not masked.
+    pub(crate) fn sliding(&self) -> usize {
+        self.mask.iter().filter(|mask| **mask > 0.0).count()
+    }
+}
+
+fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: usize, settle: usize) -> Vec<f64> {
+    let length = motion.len();
+    let mut mask = vec![1.0; length];
+    let blank = |mask: &mut [f64], index: usize, reach: usize| {
+        mask[index.saturating_sub(reach)..(index + reach + 1).min(length)].fill(0.0);
+    };
+    // A run of slow samples is blanked as one, so that the cost stays linear in the samples.
+    for index in 0..length {
+        let slow = motion.velocity_rad_s[index].abs() <= threshold_rad_s;
+        let edge = index == 0
+            || index + 1 == length
+            || (motion.velocity_rad_s[index - 1].abs() <= threshold_rad_s) != slow
+            || (motion.velocity_rad_s[index + 1].abs() <= threshold_rad_s) != slow;
+        if slow {
+            blank(&mut mask, index, if edge { guard } else { 0 });
+        }
+        if !uniform.present[index] {
+            let edge = index == 0 || index + 1 == length || uniform.present[index - 1] || uniform.present[index + 1];
+            blank(&mut mask, index, if edge { settle } else { 0 });
+        }
+    }
+    mask[..settle.min(length)].fill(0.0);
+    mask[length - settle.min(length)..].fill(0.0);
+    mask
+}
+
+/// Lets the mask rise as a squared sine over `length` samples from where it was zero.
+fn fade(mask: &mut [f64], length: usize) {
+    let rise = |since: usize| (0.5 * PI * (since as f64 / (length + 1) as f64)).sin().powi(2);
+    let sweep = |mask: &mut dyn Iterator<Item = &mut f64>| {
+        let mut since = length + 1;
+        for value in mask {
+            since = if *value == 0.0 { 0 } else { (since + 1).min(length + 1) };
+            *value = value.min(rise(since));
+        }
+    };
+    sweep(&mut mask.iter_mut());
+    sweep(&mut mask.iter_mut().rev());
+}
+
+/// Writes an effect's columns for a range of samples.
+pub(crate) fn fill_columns(effect: &Effect, motion: &KnobMotion, range: Range<usize>, columns: &mut [Vec<f64>]) {
+    let Some(regressors) = effect.kind().regressors else { return };
+    // The base model's effects by whole columns; the others sample by sample, as they define themselves.
+    let name = effect.kind().name;
+    match columns {
+        [acceleration] if name == effects::inertia::KIND.name => {
+            acceleration.copy_from_slice(&motion.acceleration_rad_s2[range]);
+            return;
+        }
+        [sine, cosine] if name == effects::detent::KIND.name => {
+            vector::sines(&motion.angle_rad[range], 1.0 / effect.values()[1], sine, cosine);
+            return;
+        }
+        [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive]
+            if name == effects::friction::KIND.name =>
+        {
+            let columns = [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive];
+            vector::friction(&motion.velocity_rad_s[range], columns.map(Vec::as_mut_slice));
+            return;
+        }
+        _ => {}
+    }
+    let mut row = vec![0.0; regressors.columns];
+    let values = effect.values();
+    for (place, index) in range.enumerate() {
+        (regressors.fill)(values, &motion.at(index), &mut row);
+        columns.iter_mut().zip(&row).for_each(|(column, value)| column[place] = *value);
+    }
+}

@@ -1,0 +1,163 @@
+//! The sinusoids of the angle that a torque holds: one after the other, each time all of them fitted anew.
+//!
+//! Orthogonal matching pursuit (Y. C. Pati, R. Rezaiifar, P. S. Krishnaprasad, 27th Asilomar Conference, 1993): the
+//! strongest sinusoid in what the others leave joins, then all coefficients are solved together.
+
+use std::f64::consts::{PI, TAU};
+
+use realfft::RealFftPlanner;
+
+use super::rows::Rows;
+use crate::regression::Solution;
+use crate::statistics::{median, span};
+use crate::vector;
+
+/// Places of the angle over which the residual is summed for the transform.
+const PLACES: usize = 16_384;
+/// Wavenumbers up to this share of the places are looked at: summing within a place takes 3 % off there.
+const HIGHEST: usize = PLACES / 8;
+/// A turn counts as whole with this share of it.
+const WHOLE_TURN: f64 = 0.98;
+/// Without a whole turn, wavenumbers are real: the travel is padded to this many times its length …
+const PADDING: f64 = 4.0;
+/// … and must hold this many periods.
+const FEWEST_PERIODS: f64 = 2.0;
+/// How far a sinusoid must stand above the others beyond what the number of sinusoids tried gives by chance.
+const MARGIN: f64 = 6.0;
+/// Standard errors by which a sinusoid must predict stretches that it was not fitted to.
+const PREDICTS: f64 = 3.0;
+/// A sinusoid that explains less than this share of what the others leave is not worth a line of the table: of the
+/// thousands tried, the best one explains a little of anything.
+const WORTHWHILE: f64 = 0.01;
+/// The climb ends with so many sinusoids in a row that do not.
+const REFUSALS: usize = 4;
+/// No more sinusoids than this.
+const MOST: usize = 64;
+/// Gauss–Newton steps of a real wavenumber.
+const STEPS: usize = 4;
+
+/// Where sinusoids are looked for.
+pub(super) struct Grid {
+    /// Wavenumber of the transform's first line, 1/rad: 1 for whole turns.
+    unit: f64,
+    lowest: usize,
+    highest: usize,
+    start_rad: f64,
+    pub(super) whole_turn: bool,
+}
+
+impl Grid {
+    pub(super) fn of(angle_rad: &[f64]) -> Self {
+        let travel = span(angle_rad);
+        let whole_turn = travel >= WHOLE_TURN * TAU;
+        let unit = if whole_turn { 1.0 } else { TAU / (PADDING * travel) };
+        let lowest = if whole_turn { 1 } else { (FEWEST_PERIODS * PADDING) as usize };
+        let mut steps: Vec<f64> =
+            angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
+        // Two steps in a period, at least.
+        let finest = (PI / median(&mut steps) / unit).min(HIGHEST as f64) as usize;
+        let start_rad = angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
+        Self { unit, lowest, highest: finest.max(lowest), start_rad, whole_turn }
+    }
+
+    /// The same without what is finer than `wavenumber`, 1/rad.
+    pub(super) fn up_to(self, wavenumber: f64) -> Self {
+        Self { highest: self.highest.min((wavenumber / self.unit) as usize).max(self.lowest), ..self }
+    }
+
+    /// The wavenumber (1/rad) whose sinusoid explains most of the residual, what it explains, and the mean of all lines.
+    fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<Peak> {
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(PLACES);
+        let (mut sums, mut lines) = (transform.make_input_vec(), transform.make_output_vec());
+        for (angle, rest) in angle_rad.iter().zip(residual) {
+            let turns = (angle - self.start_rad) * self.unit / TAU;
+            sums[((turns - turns.floor()) * PLACES as f64) as usize % PLACES] += rest;
+        }
+        transform.process(&mut sums, &mut lines).ok()?;
+        let scale = 2.0 / residual.len() as f64;
+        let power = |line: usize| scale * lines[line].norm_sqr();
+        let near = if self.whole_turn { 0.5 } else { 0.5 * PADDING };
+        let free = |line: &usize| taken.iter().all(|known| (known / self.unit - *line as f64).abs() > near);
+        let highest = self.highest.min(lines.len() - 2);
+        let best = (self.lowest..=highest).filter(free).max_by(|a, b| power(*a).total_cmp(&power(*b)))?;
+        // Powers of noise are exponential: the mean is the median over ln 2, and a few lines do not move the median.
+        let mut powers: Vec<f64> = (self.lowest..=highest).map(power).collect();
+        let background = median(&mut powers) / 2.0_f64.ln();
+        let independent = (highest - self.lowest + 1) as f64 / if self.whole_turn { 1.0 } else { PADDING };
+        Some(Peak {
+            wavenumber: best as f64 * self.unit,
+            clear: power(best) > (2.0 * independent.max(1.0).ln() + MARGIN) * background
+                && power(best) > WORTHWHILE * residual.iter().map(|rest| rest * rest).sum::<f64>(),
+        })
+    }
+}
+
+/// The strongest line of what is left.
+struct Peak {
+    wavenumber: f64,
+    clear: bool,
+}
+
+/// Adds the sinusoids that stand out and predict what they were not fitted to; returns their wavenumbers, 1/rad.
+///
+/// The columns of each are sine and cosine, behind those that the rows hold already.
+pub(super) fn pursue(rows: &mut Rows, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
+    let mut wavenumbers: Vec<f64> = Vec::new();
+    let mut tried: Vec<f64> = Vec::new();
+    let mut refusals = 0;
+    while wavenumbers.len() < MOST && refusals < REFUSALS {
+        let Some(solution) = rows.solve() else { break };
+        let Some(peak) = grid.strongest(angle_rad, &rows.residual(&solution.coefficients), &tried) else { break };
+        if !peak.clear {
+            break;
+        }
+        let base = rows.width();
+        let wavenumber =
+            if grid.whole_turn { peak.wavenumber } else { refined(rows, angle_rad, peak.wavenumber, grid.unit) };
+        tried.push(wavenumber);
+        rows.extend(sinusoid(angle_rad, wavenumber));
+        if rows.evidence(base) < PREDICTS {
+            rows.truncate(base);
+            refusals += 1;
+            continue;
+        }
+        refusals = 0;
+        wavenumbers.push(wavenumber);
+    }
+    wavenumbers
+}
+
+/// Sine and cosine.
+fn sinusoid(angle_rad: &[f64], wavenumber: f64) -> [Vec<f64>; 2] {
+    let (mut sine, mut cosine) = (vec![0.0; angle_rad.len()], vec![0.0; angle_rad.len()]);
+    vector::sines(angle_rad, wavenumber, &mut sine, &mut cosine);
+    [sine, cosine]
+}
+
+/// The derivative of a·sin(kθ) + b·cos(kθ) by k, with θ from the middle of the travel, where k and phase are independent.
+pub(super) fn tangent(angle_rad: &[f64], wavenumber: f64, coefficients: [f64; 2]) -> Vec<f64> {
+    let middle = vector::extent(angle_rad).map_or(0.0, |(low, high)| 0.5 * (low + high));
+    angle_rad
+        .iter()
+        .map(|angle| {
+            let (sine, cosine) = (wavenumber * angle).sin_cos();
+            (angle - middle) * (coefficients[0] * cosine - coefficients[1] * sine)
+        })
+        .collect()
+}
+
+/// A real wavenumber, improved by Gauss–Newton steps of at most half a line.
+fn refined(rows: &mut Rows, angle_rad: &[f64], start: f64, unit: f64) -> f64 {
+    let base = rows.width();
+    let mut wavenumber = start;
+    for _ in 0..STEPS {
+        rows.extend(sinusoid(angle_rad, wavenumber));
+        if let Some(Solution { coefficients, .. }) = rows.solve() {
+            rows.extend([tangent(angle_rad, wavenumber, [coefficients[base], coefficients[base + 1]])]);
+        }
+        let step = rows.solve().and_then(|extended| extended.coefficients.get(base + 2).copied());
+        rows.truncate(base);
+        wavenumber += step.unwrap_or(0.0).clamp(-0.5 * unit, 0.5 * unit);
+    }
+    wavenumber
+}

@@ -1,0 +1,298 @@
+//! The separable problem: coefficients are linear, the few searched parameters follow by Gauss–Newton.
+
+use std::sync::Arc;
+
+use dynamics::{Effect, Minimum, Part, effects};
+use nalgebra::{DMatrix, DVector};
+
+use super::gram::Gram;
+use super::least_squares::{ColumnNoise, LeastSquares};
+use super::refine::{Damping, Refined, projected, refine};
+use crate::preparation::{Band, GRADIENT_REACH, KnobMotion, RowMask, SensorNoise, fill_columns, gradient};
+
+/// Relative change of a searched parameter for its column by differences.
+const DIFFERENCE: f64 = 1e-6;
+/// A step is not worth taking that would take off less than this multiple of the residual's mean square: it is
+/// shorter than a hundredth of the parameter's standard deviation.
+const SETTLED: f64 = 1e-4;
+
+/// One column of rows, shared by all that look at it.
+pub(crate) type Column = Arc<[f64]>;
+
+/// Rows of torque and of every effect's columns.
+#[derive(Clone)]
+pub(crate) struct Problem<'a> {
+    pub(crate) row_mask: &'a RowMask,
+    pub(crate) motion: &'a KnobMotion,
+    pub(crate) target: Column,
+    pub(crate) effects: Vec<Effect>,
+    /// Rows of the linear columns, effect by effect.
+    pub(crate) columns: Vec<Column>,
+    /// Inner products of target and columns.
+    gram: Gram,
+    /// Rows of θ·sin(θ/P) and θ·cos(θ/P) for the detents at the index given, from which the derivative by P follows.
+    detent_slopes: Option<(usize, [Column; 2])>,
+    nonnegative: Vec<bool>,
+    noise: SensorNoise,
+    /// Columns whose coefficient is an inertia.
+    inertial: Vec<usize>,
+}
+
+/// A searched parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Searched {
+    pub(crate) effect: usize,
+    pub(crate) parameter: usize,
+}
+
+impl<'a> Problem<'a> {
+    pub(crate) fn new(
+        row_mask: &'a RowMask,
+        motion: &'a KnobMotion,
+        band: &Band,
+        torque_mnm: &[f64],
+        effects: &[Effect],
+    ) -> Self {
+        let mut problem = Self {
+            row_mask,
+            motion,
+            target: row_mask.rows(torque_mnm).into(),
+            effects: Vec::new(),
+            columns: Vec::new(),
+            gram: Gram::empty(0),
+            detent_slopes: None,
+            nonnegative: Vec::new(),
+            noise: SensorNoise::of(row_mask, motion, band),
+            inertial: Vec::new(),
+        };
+        effects.iter().for_each(|effect| problem.add(*effect));
+        problem
+    }
+
+    /// Adds an effect's columns.
+    pub(crate) fn add(&mut self, effect: Effect) {
+        let first = self.columns.len();
+        let rows = self.effect_rows(self.effects.len(), &effect);
+        let parameters = effect.kind().parameters;
+        // Where every coefficient is a parameter, the parameter's bound is the coefficient's.
+        let direct = effect.kind().regressors.is_some_and(|r| r.searched.is_empty() && r.columns == parameters.len());
+        if matches!(effect.kind().part, Part::Inertia(_)) {
+            self.inertial.extend(first..first + rows.len());
+        }
+        for (index, column) in rows.into_iter().enumerate() {
+            self.columns.push(column);
+            self.nonnegative.push(direct && parameters[index].minimum != Minimum::None);
+        }
+        self.effects.push(effect);
+        self.gram.replace(first, &self.columns, &self.target);
+    }
+
+    /// Rows of the columns of the effect that is, or will be, at `index`.
+    fn effect_rows(&mut self, index: usize, effect: &Effect) -> Vec<Column> {
+        if effect.kind().name != effects::detent::KIND.name {
+            return self.row_mask.effect_rows(effect, self.motion).into_iter().map(Column::from).collect();
+        }
+        let rows = self.row_mask.rows_of(4, |range, columns| {
+            let (sines, slopes) = columns.split_at_mut(2);
+            fill_columns(effect, self.motion, range.clone(), sines);
+            for (slope, sine) in slopes.iter_mut().zip(sines) {
+                let angles = &self.motion.angle_rad[range.clone()];
+                slope.iter_mut().zip(sine).zip(angles).for_each(|((slope, sine), angle)| *slope = *sine * angle);
+            }
+        });
+        let mut rows: Vec<Column> = rows.into_iter().map(Column::from).collect();
+        let slopes = [rows.remove(2), rows.remove(2)];
+        self.detent_slopes = Some((index, slopes));
+        rows
+    }
+
+    pub(crate) fn solve(&self) -> LeastSquares {
+        LeastSquares::solve_noisy(&self.columns, &self.gram, &self.target, &self.nonnegative, &self.column_noise())
+    }
+
+    fn column_noise(&self) -> Vec<ColumnNoise> {
+        let SensorNoise { acceleration_squares, acceleration_torque } = self.noise;
+        self.inertial
+            .iter()
+            .map(|column| ColumnNoise { column: *column, square: acceleration_squares, product: acceleration_torque })
+            .collect()
+    }
+
+    /// Solves with further columns, whose coefficients are free.
+    pub(crate) fn solve_with(&self, more: &[Column]) -> (Vec<Column>, LeastSquares) {
+        let columns: Vec<Column> = self.columns.iter().chain(more).cloned().collect();
+        let mut gram = self.gram.clone();
+        gram.replace(self.columns.len(), &columns, &self.target);
+        let solution =
+            LeastSquares::solve_noisy(&columns, &gram, &self.target, &self.nonnegative, &self.column_noise());
+        (columns, solution)
+    }
+
+    /// The searched parameters of all effects.
+    pub(crate) fn searched(&self) -> Vec<Searched> {
+        let of = |effect: usize| {
+            let regressors = self.effects[effect].kind().regressors;
+            regressors
+                .map_or(&[][..], |r| r.searched)
+                .iter()
+                .map(move |parameter| Searched { effect, parameter: *parameter })
+        };
+        (0..self.effects.len()).flat_map(of).collect()
+    }
+
+    /// Range of an effect's coefficients among all.
+    pub(crate) fn range(&self, effect: usize) -> std::ops::Range<usize> {
+        let width = |effect: &Effect| effect.kind().regressors.map_or(0, |r| r.columns);
+        let start = self.effects[..effect].iter().map(width).sum();
+        start..start + width(&self.effects[effect])
+    }
+
+    /// Rows of the model torque's derivative by a searched parameter.
+    pub(crate) fn tangent(&self, searched: Searched, coefficients: &[f64]) -> Column {
+        let coefficients = &coefficients[self.range(searched.effect)];
+        if let (Some((effect, [sine, cosine])), [of_sine, of_cosine]) = (&self.detent_slopes, coefficients)
+            && *effect == searched.effect
+        {
+            // d/dP of a·sin(θ/P) + b·cos(θ/P) is −θ/P²·(a·cos(θ/P) − b·sin(θ/P)).
+            let scale = -self.value(searched).powi(-2);
+            return sine.iter().zip(&**cosine).map(|(s, c)| scale * (of_sine * c - of_cosine * s)).collect();
+        }
+        let step = self.value(searched).abs().max(f64::MIN_POSITIVE) * DIFFERENCE;
+        let moved = |shift: f64| {
+            let mut effect = self.effects[searched.effect];
+            effect.values_mut()[searched.parameter] += shift;
+            self.row_mask.effect_rows(&effect, self.motion)
+        };
+        let mut tangent = vec![0.0; self.target.len()];
+        for ((above, below), coefficient) in moved(step).iter().zip(&moved(-step)).zip(coefficients) {
+            for ((slot, above), below) in tangent.iter_mut().zip(above).zip(below) {
+                *slot += coefficient * (above - below) / (2.0 * step);
+            }
+        }
+        tangent.into()
+    }
+
+    pub(crate) fn value(&self, searched: Searched) -> f64 {
+        self.effects[searched.effect].values()[searched.parameter]
+    }
+
+    fn set(&mut self, searched: Searched, value: f64) {
+        self.effects[searched.effect].values_mut()[searched.parameter] = value;
+        let range = self.range(searched.effect);
+        let effect = self.effects[searched.effect];
+        let rows = self.effect_rows(searched.effect, &effect);
+        self.columns.splice(range.clone(), rows);
+        self.gram.replace(range.start, &self.columns, &self.target);
+    }
+
+    /// Takes another target.
+    pub(crate) fn set_target(&mut self, target: Column) {
+        self.target = target;
+        self.gram.replace(0, &self.columns, &self.target);
+    }
+
+    /// Rows of the derivatives by all searched parameters.
+    pub(crate) fn tangents(&self, coefficients: &[f64]) -> Vec<Column> {
+        self.searched().iter().map(|which| self.tangent(*which, coefficients)).collect()
+    }
+
+    /// Improves the searched parameters by at most `rounds` Gauss–Newton steps, none of them longer than `limit` of
+    /// the parameter; returns the solution there.
+    pub(crate) fn refine(&mut self, rounds: usize, limit: impl Fn(Searched, f64) -> f64) -> LeastSquares {
+        let solution = self.solve();
+        self.refine_from(solution, rounds, limit)
+    }
+
+    /// [`Problem::refine`] from the solution that [`Problem::solve`] gives where the searched parameters are.
+    pub(crate) fn refine_from(
+        &mut self,
+        solution: LeastSquares,
+        rounds: usize,
+        limit: impl Fn(Searched, f64) -> f64,
+    ) -> LeastSquares {
+        let searched = self.searched();
+        if searched.is_empty() {
+            return solution;
+        }
+        let settled = SETTLED / self.target.len() as f64;
+        let mut fit = Refining { problem: self.clone(), solution, searched, limit };
+        refine(&mut fit, rounds, settled, Damping::NONE);
+        *self = fit.problem;
+        fit.solution
+    }
+
+    /// All `columns`, the inertia's from another sensor's acceleration.
+    pub(crate) fn instruments(&self, columns: &[Column], acceleration_rad_s2: &[f64]) -> Vec<Column> {
+        let mut instruments = columns.to_vec();
+        for column in &self.inertial {
+            instruments[*column] = self.row_mask.rows(acceleration_rad_s2).into();
+        }
+        instruments
+    }
+
+    /// Rows of minus the model torque's derivative by time: its coefficient is the torque's delay in seconds.
+    pub(crate) fn delay_column(&self, coefficients: &[f64]) -> Column {
+        let velocity = &self.motion.velocity_rad_s;
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut rows = self.row_mask.rows_of(1, |range, rates| {
+            let around = range.start.saturating_sub(GRADIENT_REACH)..(range.end + GRADIENT_REACH).min(velocity.len());
+            let mut model = vec![0.0; around.len()];
+            for (index, effect) in self.effects.iter().enumerate() {
+                let coefficients = &coefficients[self.range(index)];
+                columns.resize_with(coefficients.len(), Vec::new);
+                columns.iter_mut().for_each(|column| column.resize(around.len(), 0.0));
+                fill_columns(effect, self.motion, around.clone(), &mut columns);
+                for (column, coefficient) in columns.iter().zip(coefficients) {
+                    model.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficient * value);
+                }
+            }
+            let rate = gradient(&model, -self.row_mask.rate_hz);
+            rates[0].copy_from_slice(&rate[range.start - around.start..][..range.len()]);
+            // Friction jumps where the velocity changes sign; no delay is to be read from that.
+            for (slot, index) in rates[0].iter_mut().zip(range) {
+                let jumps = index > 0 && index + 1 < velocity.len() && velocity[index - 1] * velocity[index + 1] <= 0.0;
+                *slot = if jumps { 0.0 } else { *slot };
+            }
+        });
+        rows.remove(0).into()
+    }
+}
+
+/// A problem on its way to its best searched parameters.
+struct Refining<'a, L> {
+    problem: Problem<'a>,
+    solution: LeastSquares,
+    searched: Vec<Searched>,
+    limit: L,
+}
+
+impl<L: Fn(Searched, f64) -> f64> Refined for Refining<'_, L> {
+    fn squares(&self) -> f64 {
+        self.solution.squares()
+    }
+
+    fn normal_equations(&mut self) -> (DMatrix<f64>, DVector<f64>) {
+        let tangents = self.problem.tangents(&self.solution.coefficients);
+        projected(&self.solution, &self.problem.columns, &tangents)
+    }
+
+    fn limit(&self, step: &mut DVector<f64>) {
+        for (step, which) in step.iter_mut().zip(&self.searched) {
+            let most = (self.limit)(*which, self.problem.value(*which));
+            *step = step.clamp(-most, most);
+        }
+    }
+
+    fn go(&mut self, step: &DVector<f64>) -> bool {
+        let mut moved = self.problem.clone();
+        for (which, step) in self.searched.iter().zip(step.iter()) {
+            moved.set(*which, moved.value(*which) + step);
+        }
+        let solution = moved.solve();
+        let better = solution.squares() < self.solution.squares();
+        if better {
+            (self.problem, self.solution) = (moved, solution);
+        }
+        better
+    }
+}

@@ -1,0 +1,50 @@
+//! Means of single numbers with intervals, and angles on the circle.
+
+use std::f64::consts::{PI, TAU};
+
+use super::NORMAL_95;
+
+/// A value with the half width of its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Estimated {
+    /// Value.
+    pub value: f64,
+    /// Half width of its 95 % interval.
+    pub half_width: f64,
+}
+
+/// The weighted mean of values, scatter between them included.
+pub(crate) fn combined(estimates: &[Estimated]) -> Estimated {
+    let widths = estimates.iter().map(|one| one.half_width);
+    let smallest = widths.filter(|half| *half > 0.0).fold(f64::INFINITY, f64::min);
+    // A value without an interval counts like the best one; without any, all count alike.
+    let floor = if smallest.is_finite() { smallest } else { 1.0 };
+    let width = |one: &Estimated| if one.half_width > 0.0 { one.half_width } else { floor };
+    let known: Vec<(f64, f64)> = estimates.iter().map(|one| (one.value, (width(one) / NORMAL_95).powi(2))).collect();
+    let between = between(&known);
+    let (value, total) = weighted(&known, between);
+    let uncertain = smallest.is_finite() || between > 0.0;
+    Estimated { value, half_width: if uncertain { NORMAL_95 / total.sqrt() } else { 0.0 } }
+}
+
+/// Variance from one value to the next that their own variances do not explain, zero if they do, after
+/// DerSimonian and Laird.
+pub(crate) fn between(known: &[(f64, f64)]) -> f64 {
+    let (fixed, total) = weighted(known, 0.0);
+    let excess: f64 = known.iter().map(|(value, own)| (value - fixed).powi(2) / own).sum();
+    let squares: f64 = known.iter().map(|(_, own)| own.powi(-2)).sum();
+    let scale = total - squares / total;
+    if scale > 0.0 { ((excess + 1.0 - known.len() as f64) / scale).max(0.0) } else { 0.0 }
+}
+
+/// Mean of values with variances, all of them enlarged by `between`, and the sum of the weights.
+fn weighted(known: &[(f64, f64)], between: f64) -> (f64, f64) {
+    let weights = known.iter().map(|(_, own)| 1.0 / (own + between));
+    let total: f64 = weights.clone().sum();
+    (known.iter().zip(weights).map(|(one, weight)| weight * one.0).sum::<f64>() / total, total)
+}
+
+/// An angle in (−π, π].
+pub(crate) fn wrapped(angle_rad: f64) -> f64 {
+    angle_rad - TAU * ((angle_rad - PI) / TAU).ceil()
+}
