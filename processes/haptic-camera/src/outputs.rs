@@ -167,7 +167,7 @@ pub fn write(path: &Path, kind: Kind, text: &str) -> anyhow::Result<()> {
 /// The same with what it may replace.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn replace(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
     write_bytes(path, replace, text.as_bytes()).map_err(|error| match error {
         ArchiveError::Occupied { .. } => error.into(),

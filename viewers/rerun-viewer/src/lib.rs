@@ -10,7 +10,7 @@
 //!         polls      frames      oldest     may stall as it likes
 //! ```
 //!
-//! For pages, what was drawn is kept in [`drawn`] and served by [`page`], which is reached through [`guard`]: that sends other
+//! For pages, what was drawn is kept in [`drawn`] and served by [`page`], whose [server](page::server) sends other
 //! users away and lets go of whoever takes nothing. `docs/live-view.md` says what is to be seen.
 //!
 //! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
