@@ -55,6 +55,7 @@ pub mod memory;
 pub mod merge;
 mod overview;
 pub mod own_file;
+mod parse;
 pub mod parts;
 mod records;
 pub mod recover;

@@ -14,6 +14,7 @@ use crate::capture::Capture;
 use crate::channels::Schemas;
 use crate::description::{CAPTURE_METADATA, GAPS_METADATA, attachment};
 use crate::error::{ArchiveError, with_causes};
+use crate::parse::parse_record;
 use crate::records::{MAX_RECORD_BYTES, attachment_body_length, may_unpack_to};
 use crate::schema::{FieldLayout, Layout};
 use crate::sequence::{Gap, SequenceLedger};
@@ -111,7 +112,7 @@ impl<'a> Content<'a> {
     }
 
     fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), ArchiveError> {
-        match mcap::parse_record(opcode, body).map_err(|error| broken(self.path, &error))? {
+        match parse_record(opcode, body).map_err(|error| broken(self.path, &error))? {
             Record::Schema { header, data } => self.schemas.learn(header, &data),
             Record::Channel(channel) => self.channel(channel)?,
             Record::Message { header, data } => {

@@ -12,6 +12,7 @@ use crate::channels::Schemas;
 use crate::description::{RECOVERY_METADATA, attachment};
 use crate::error::ArchiveError;
 use crate::mcap_file::{read_records, recorded_gaps};
+use crate::parse::parse_record;
 use crate::schema::{FieldLayout, Layout};
 use crate::sequence::SequenceLedger;
 
@@ -86,7 +87,7 @@ struct Fields {
 impl Content {
     fn record(&mut self, path: &Path, opcode: u8, body: &[u8]) -> Result<(), ArchiveError> {
         let damaged = |reason: String| ArchiveError::Damaged { path: path.to_owned(), reason };
-        match mcap::parse_record(opcode, body).map_err(|error| damaged(error.to_string()))? {
+        match parse_record(opcode, body).map_err(|error| damaged(error.to_string()))? {
             Record::Schema { header, data } => self.schemas.learn(header, &data),
             Record::Channel(channel) => {
                 let channel_id = channel.id;

@@ -12,6 +12,8 @@ use std::ops::Range;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use crate::parse::{Stretch, parse_record, shape};
+
 /// The longest record that is taken seriously, bytes.
 pub(crate) const MAX_RECORD_BYTES: usize = 256 * 1024 * 1024;
 /// Bytes that content may unpack to wherever it lies, beyond what [`UNPACKED_SHARE`] grants.
@@ -173,7 +175,7 @@ impl<R: Read> SoundRecords<R> {
         let frame = self.window.ahead(length)?;
         let has_checksum =
             frame.len() == length && frame[length - 4..] != [0; 4] && affordable(&mut self.tried, length as u64, end);
-        let sound = match has_checksum.then(|| mcap::parse_record(op::ATTACHMENT, &frame[FRAME_HEAD..])) {
+        let sound = match has_checksum.then(|| parse_record(op::ATTACHMENT, &frame[FRAME_HEAD..])) {
             Some(Ok(Record::Attachment { header, data, .. })) => Sound::Attachment {
                 name: header.name,
                 media_type: header.media_type,
@@ -201,7 +203,7 @@ impl<R: Read> SoundRecords<R> {
             let complete = frame.len() == length;
             if opcode == op::METADATA
                 && complete
-                && let Ok(Record::Metadata(record)) = mcap::parse_record(opcode, &frame[FRAME_HEAD..])
+                && let Ok(Record::Metadata(record)) = parse_record(opcode, &frame[FRAME_HEAD..])
             {
                 metadata = Some(Sound::Metadata(record));
             }
@@ -284,34 +286,12 @@ pub(crate) fn attachment_body_length(body: &[u8]) -> Option<u64> {
 fn rebuildable_frame(head: &[u8]) -> Option<(u8, usize)> {
     let opcode = *head.first()?;
     let length = record_length(u64_at(head, 1)?)?;
-    (!shape(opcode).is_empty()).then_some((opcode, length))
+    is_rebuildable(opcode).then_some((opcode, length))
 }
 
-/// A stretch of a record's body.
-enum Stretch {
-    /// So many bytes.
-    Fixed(usize),
-    /// A length of four bytes, and so many bytes: a text, a list, a map.
-    Counted,
-}
-
-/// What the body of a rebuildable record consists of (MCAP specification, "Records").
-fn shape(opcode: u8) -> &'static [Stretch] {
-    use Stretch::{Counted, Fixed};
-    match opcode {
-        op::HEADER | op::METADATA => &[Counted, Counted],
-        op::FOOTER => &[Fixed(20)],
-        op::SCHEMA => &[Fixed(2), Counted, Counted, Counted],
-        op::CHANNEL => &[Fixed(4), Counted, Counted, Counted],
-        op::MESSAGE_INDEX => &[Fixed(2), Counted],
-        op::CHUNK_INDEX => &[Fixed(32), Counted, Fixed(8), Counted, Fixed(16)],
-        op::ATTACHMENT_INDEX => &[Fixed(40), Counted, Counted],
-        op::STATISTICS => &[Fixed(42), Counted],
-        op::METADATA_INDEX => &[Fixed(16), Counted],
-        op::SUMMARY_OFFSET => &[Fixed(17)],
-        op::DATA_END => &[Fixed(4)],
-        _ => &[],
-    }
+/// Whether a record is made anew when the file is written again.
+const fn is_rebuildable(opcode: u8) -> bool {
+    !matches!(opcode, op::CHUNK | op::MESSAGE | op::ATTACHMENT) && !shape(opcode).is_empty()
 }
 
 /// True when the lengths inside a record add up to `length`, as far as `frame` shows them.
@@ -322,7 +302,7 @@ fn adds_up(frame: &[u8], opcode: u8, length: usize) -> bool {
     for stretch in shape(opcode) {
         end += match stretch {
             Stretch::Fixed(bytes) => *bytes,
-            Stretch::Counted => match u32_at(frame, end) {
+            Stretch::Counted | Stretch::Map => match u32_at(frame, end) {
                 Some(bytes) => 4 + bytes as usize,
                 None => return frame.len() < length && end < length,
             },

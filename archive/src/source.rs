@@ -10,6 +10,7 @@ use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
 
 use crate::channels::{ChannelDefinition, SampleLayout, Schemas};
 use crate::description::attachment;
+use crate::parse::parse_record;
 use crate::records::{Account, Sound, SoundRecords, Unpacked};
 
 /// A channel as a file defines it.
@@ -113,7 +114,7 @@ impl<R: Read> Source<R> {
         if opcode != op::MESSAGE && !defines {
             return None;
         }
-        match mcap::parse_record(opcode, &self.chunk[place.clone()]) {
+        match parse_record(opcode, &self.chunk[place.clone()]) {
             Ok(Record::Schema { header, data }) => self.schemas.learn(header, &data),
             Ok(Record::Channel(channel)) => {
                 let id = channel.id;

@@ -77,6 +77,10 @@ impl Leverage {
     pub(crate) fn correction(&self) -> DMatrix<f64> {
         let mut correction = DMatrix::identity(self.columns, self.columns);
         let count = self.active.len();
+        // Of no column, as where the torque is constant, nothing was lost.
+        if count == 0 {
+            return correction;
+        }
         let Some(factor) = Cholesky::new(self.gram.clone()) else { return correction };
         let root = factor.l();
         let Some(whitening) = root.clone().try_inverse() else { return correction };

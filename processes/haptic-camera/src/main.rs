@@ -44,13 +44,7 @@ use crate::outcome::Outcome;
 
 fn main() -> ExitCode {
     shared_types::rig::keep_files_private();
-    tracing_subscriber::fmt()
-        .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
-        .with_writer(std::io::stderr)
-        // A terminal that is gone takes no complaint about it either.
-        .log_internal_errors(false)
-        .with_ansi(terminal::log_may_be_coloured())
-        .init();
+    operator::start_log(operator::LevelFilter::ERROR);
     let command = match operator::parse::<CommandLine>() {
         Ok(line) => line.command,
         Err(status) => return status,

@@ -20,8 +20,3 @@ pub fn size() -> Option<Size> {
     }
     console::Term::stderr().size_checked().map(|(rows, columns)| Size { rows, columns })
 }
-
-/// Whether a log on standard error may be coloured: a terminal, and no word against it (<https://no-color.org>).
-pub fn log_may_be_coloured() -> bool {
-    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-}

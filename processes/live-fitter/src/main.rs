@@ -35,7 +35,7 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(status) => return status,
     };
-    consumer::start_log();
+    operator::start_log(operator::LevelFilter::WARN);
     consumer::prefer();
     match fit_stream(&arguments) {
         Ok(()) => ExitCode::SUCCESS,

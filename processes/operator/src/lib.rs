@@ -4,10 +4,15 @@
 //! control character would move the cursor or rename the window, and a bidirectional one turn a name around. So everything
 //! that is printed passes [`visible`] or [`one_line`] on its way out, and nothing before that needs to know.
 
+mod log;
+
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
+
+pub use log::{log_may_be_coloured, start_log};
+pub use tracing_subscriber::filter::LevelFilter;
 
 /// Most characters of an error: a dozen lines of a terminal.
 const LONGEST_ERROR: usize = 1000;
@@ -54,7 +59,12 @@ fn commands(character: char) -> bool {
 
 /// Tells the operator why a program failed, in one line on standard error.
 pub fn tell_error(error: &anyhow::Error) {
-    print_error(&format!("error: {}", one_line(&format!("{error:#}"))));
+    remark(format!("error: {error:#}"));
+}
+
+/// Tells the operator something in one line on standard error.
+pub fn remark(sentence: impl AsRef<str>) {
+    print_error(&one_line(sentence.as_ref()));
 }
 
 /// Prints a line on standard error; a terminal that is gone is no reason to panic.

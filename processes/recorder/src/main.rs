@@ -44,7 +44,7 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(status) => return status,
     };
-    consumer::start_log();
+    operator::start_log(operator::LevelFilter::WARN);
     consumer::prefer();
     shared_types::rig::keep_files_private();
     match record(&arguments) {

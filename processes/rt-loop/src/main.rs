@@ -1,6 +1,5 @@
 //! The real-time process: parse, take the rig, start the loop, publish, stop.
 
-use std::io::IsTerminal as _;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -10,6 +9,7 @@ use std::thread::JoinHandle;
 
 use anyhow::Context as _;
 use hal::ApparatusError;
+use operator::{LevelFilter, remark};
 use rt_loop::control::ControlState;
 use rt_loop::drilled_apparatus::DrilledApparatus;
 use rt_loop::plan::{Options, Plan};
@@ -26,13 +26,7 @@ use shared_types::rig::TIMINGS_VARIABLE;
 
 fn main() -> ExitCode {
     shared_types::rig::keep_files_private();
-    tracing_subscriber::fmt()
-        .with_env_filter(tracing_subscriber::EnvFilter::from_default_env())
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        // A terminal that is gone takes no complaint about it either.
-        .log_internal_errors(false)
-        .init();
+    operator::start_log(LevelFilter::ERROR);
     let options = match operator::parse() {
         Ok(options) => options,
         Err(status) => return status,
@@ -163,12 +157,6 @@ fn call_watch(tick_loop: &mut TickLoop) -> anyhow::Result<Option<CallWatch>> {
     let (watch, watched) = CallWatch::start()?;
     tick_loop.watch_calls(watched);
     Ok(Some(watch))
-}
-
-/// Tells the operator an error, or what will be otherwise than asked. That nobody reads is no reason to stop.
-fn remark(sentence: impl AsRef<str>) {
-    use std::io::Write as _;
-    let _ = writeln!(std::io::stderr(), "{}", operator::one_line(sentence.as_ref()));
 }
 
 /// Whether the process is to end: a signal came, or its supervisor is gone or lets go.

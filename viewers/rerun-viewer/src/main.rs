@@ -50,7 +50,7 @@ fn main() -> ExitCode {
 
 /// Shows a run or a capture until told to stop, then ends the process.
 fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
-    consumer::start_log();
+    operator::start_log(operator::LevelFilter::WARN);
     // The note of the port, and a file that is asked for.
     shared_types::rig::keep_files_private();
     let in_foreground = arguments.foreground || arguments.capture.is_some();

@@ -25,13 +25,14 @@ pub fn draw(recording: &RecordingStream) -> RecordingStreamResult<()> {
     for field in SIGNALS.into_iter().filter(|field| *field != MODEL_TORQUE) {
         recording.log_static(entities::signal(field), &lines(vec![field.to_owned()], MEASURED, vec![1.2]))?;
     }
-    // rerun draws points over lines: as dots the model is seen over what was measured.
+    // rerun draws points over lines: as dots the model is seen over what was measured. At this size a square
+    // looks like a circle and has a fifteenth of its triangles.
     recording.log_static(
         entities::signal(MODEL_TORQUE),
         &SeriesPoints::new()
             .with_names([MODEL_TORQUE])
             .with_colors([MODEL.opaque()])
-            .with_markers([MarkerShape::Circle])
+            .with_markers([MarkerShape::Square])
             .with_marker_sizes([1.2]),
     )?;
     for (name, _) in PARAMETERS {

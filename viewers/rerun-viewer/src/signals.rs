@@ -1,13 +1,16 @@
 //! The signals of a run, reduced to what a screen can show, and their extremes.
 
 use crate::decimation::{Decimator, Keep};
-use crate::entities::{self, SIGNALS};
+use crate::entities::{self, MODEL_TORQUE, SIGNALS};
 use crate::extremes::Extremes;
 use crate::frame::SeriesRows;
 use crate::source::Reading;
 
 /// Width of a pixel of a plot that shows 10 s in 1000 pixels; a bin keeps two points.
 const BIN_NS: i64 = 10_000_000;
+/// The model's torque is drawn as dots, which stay apart at four pixels. Without a graphics card each dot takes as long to
+/// draw as a whole line of them.
+const MODEL_BIN_NS: i64 = 40_000_000;
 
 /// One decimator and one window of extremes for each of [`SIGNALS`].
 #[derive(Debug)]
@@ -19,7 +22,7 @@ pub struct Signals {
 impl Signals {
     /// No signals yet; the extremes look back `steps_kept` steps.
     pub fn new(steps_kept: usize) -> Self {
-        let decimator = |_| Decimator::new(Keep::MinMax, BIN_NS);
+        let decimator = |field| Decimator::new(Keep::MinMax, if field == MODEL_TORQUE { MODEL_BIN_NS } else { BIN_NS });
         Self { decimators: SIGNALS.map(decimator), extremes: std::array::from_fn(|_| Extremes::new(steps_kept)) }
     }
 
