@@ -98,10 +98,10 @@ fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let torque = torque_plot(properties, subject);
     let angle = signal_plot(properties, subject, "angle_rad", &["angle_rad"]);
     let mut columns = vec![space, Vertical::new([torque, angle]).into()];
-    let mut shares = vec![5.0, 4.0];
+    let mut shares = vec![4.5, 3.3];
     if subject == Subject::Live {
         columns.push(TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT).into());
-        shares.push(3.5);
+        shares.push(4.7);
     }
     Horizontal::new(columns).with_column_shares(shares).with_name("Knob").into()
 }
@@ -165,7 +165,7 @@ fn parameters(properties: &mut Properties) -> ContainerLike {
     });
     let text = TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT);
     Horizontal::new([Grid::new(views).with_grid_columns(3).into(), text.into()])
-        .with_column_shares([7.4, 3.1])
+        .with_column_shares([6.6, 3.9])
         .with_name("Parameters")
         .into()
 }
