@@ -16,6 +16,8 @@ pub struct EffectKind {
     pub source: &'static str,
     /// What it belongs to when a knob is composed of parts of others.
     pub role: Role,
+    /// What its torque, reading or factor depends on, the main one first; the direction of sliding apart.
+    pub depends_on: &'static [Coordinate],
     /// The parameters in the order of an effect's values.
     pub parameters: &'static [ParameterKind],
     /// The part it plays in the equation of motion.
@@ -26,6 +28,29 @@ pub struct EffectKind {
     pub regressors: Option<Regressors>,
     /// How to look for it in a capture whose model lacks it; `None` if that is never done.
     pub hypothesis: Option<Hypothesis>,
+}
+
+impl EffectKind {
+    /// Whether it depends on nothing but `coordinate`.
+    #[must_use]
+    pub fn depends_only_on(&self, coordinate: Coordinate) -> bool {
+        self.depends_on == [coordinate]
+    }
+}
+
+/// A quantity on which an effect may depend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinate {
+    /// Angle of the knob.
+    Angle,
+    /// Velocity of the knob.
+    Velocity,
+    /// Acceleration of the knob.
+    Acceleration,
+    /// Time since the start of the capture.
+    Time,
+    /// Torque on the knob, now or before.
+    Load,
 }
 
 /// A parameter of an effect.

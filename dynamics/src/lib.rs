@@ -50,7 +50,7 @@ pub use composition::{Composition, CompositionError, CompositionNote, Source, co
 pub use coupling::Coupling;
 pub(crate) use effect::spaced_unit;
 pub use effect::{
-    Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,
+    Coordinate, Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,
 };
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, Scene, Search};

@@ -1,6 +1,6 @@
 //! A model: a named list of effects.
 
-use crate::{Direction, Effect, Motion, ParameterKind, Part, StickLimits};
+use crate::{Coordinate, Direction, Effect, Motion, ParameterKind, Part, StickLimits};
 
 /// A knob as numbers: the list of its effects.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,10 +55,24 @@ impl Model {
             .sum()
     }
 
-    /// Torque that depends on neither acceleration nor the direction of sliding (detents), mNm.
+    /// Torque that depends on neither acceleration nor the direction of sliding (detents, drag), mNm.
     #[must_use]
     pub fn free_torque_mnm(&self, motion: &Motion) -> f64 {
         self.effects.iter().map(|effect| effect.free_torque_mnm(motion)).sum()
+    }
+
+    /// The part of [`Model::free_torque_mnm`] that depends on velocity alone: drag, mNm.
+    #[must_use]
+    pub fn drag_mnm(&self, motion: &Motion) -> f64 {
+        let drags = self.effects.iter().filter(|effect| effect.kind().depends_only_on(Coordinate::Velocity));
+        drags.map(|effect| effect.free_torque_mnm(motion)).sum()
+    }
+
+    /// The rest of [`Model::free_torque_mnm`]: detents, springs, stops, mNm.
+    #[must_use]
+    pub fn place_torque_mnm(&self, motion: &Motion) -> f64 {
+        let others = self.effects.iter().filter(|effect| !effect.kind().depends_only_on(Coordinate::Velocity));
+        others.map(|effect| effect.free_torque_mnm(motion)).sum()
     }
 
     /// Torque of friction while sliding in `direction`, mNm.

@@ -123,3 +123,46 @@ fn a_detent_is_the_same_torque_in_its_canonical_form() {
         }
     }
 }
+
+/// An effect with values that make every parameter matter.
+fn sample_of(kind: &'static dynamics::EffectKind) -> dynamics::Effect {
+    let values: Vec<f64> =
+        (0..kind.parameters.len()).map(|index| 0.3 + 0.07 * f64::from(u8::try_from(index).unwrap())).collect();
+    dynamics::Effect::new(kind, &values)
+}
+
+#[test]
+fn an_effect_depends_on_what_it_declares_and_on_nothing_else() {
+    use dynamics::{Coordinate, Direction, Part};
+    let moved: [(Coordinate, fn(&mut Motion, f64)); 4] = [
+        (Coordinate::Angle, |motion, by| motion.angle_rad += by),
+        (Coordinate::Velocity, |motion, by| motion.velocity_rad_s += by),
+        (Coordinate::Acceleration, |motion, by| motion.acceleration_rad_s2 += by),
+        (Coordinate::Time, |motion, by| motion.time_s += by),
+    ];
+    let mut tested = 0;
+    for kind in dynamics::effects::ALL {
+        let effect = sample_of(kind);
+        let at = |motion: &Motion| match kind.part {
+            Part::Torque(law) | Part::Reading(law) | Part::CoulombFactor(law) | Part::FrictionFactor(law) => {
+                Some(law(effect.values(), motion))
+            }
+            Part::Friction(law) => Some(law(effect.values(), motion, Direction::Positive)),
+            _ => None,
+        };
+        let start = Motion { time_s: 0.2, angle_rad: 0.9, velocity_rad_s: 0.7, acceleration_rad_s2: 3.0 };
+        let Some(before) = at(&start) else { continue };
+        tested += 1;
+        for (coordinate, change) in moved {
+            let differs = [-2.0, -0.61, 0.13, 0.37, 1.3].iter().any(|by| {
+                let mut motion = start;
+                change(&mut motion, *by);
+                at(&motion).unwrap().to_bits() != before.to_bits()
+            });
+            assert_eq!(differs, kind.depends_on.contains(&coordinate), "{} and {coordinate:?}", kind.name);
+        }
+        let of_angle = matches!(kind.part, Part::Torque(_)) && kind.depends_on.contains(&Coordinate::Angle);
+        assert_eq!(kind.steepest_mnm_rad.is_some(), of_angle, "the slope of {}", kind.name);
+    }
+    assert!(tested >= 17, "{tested} effects");
+}

@@ -1,6 +1,6 @@
 //! Lost motion between the cap and the inner body.
 
-use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
+use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
 /// Index of the share of inertia behind the gap among the parameters.
 pub const INNER_SHARE: usize = 1;
@@ -13,6 +13,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "lost motion between the sensor and the inner part that carries friction and detents",
     source: "contact of Kelvin and Voigt with a dead zone",
     role: Role::Other,
+    depends_on: &[Coordinate::Load],
     parameters: &[
         ParameterKind {
             name: "backlash_half_gap",

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Scene, Search};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Scene, Search};
 
 /// `cogging`: τ = H·sin(n·θ + η), its period unrelated to the detents'.
 pub static KIND: EffectKind = EffectKind {
@@ -10,6 +10,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "a sinusoid of the angle whose period has nothing to do with the detents",
     source: "poles and slots of a motor, or a second wheel",
     role: Role::Detents,
+    depends_on: &[Coordinate::Angle],
     parameters: &[
         ParameterKind {
             name: "cogging_torque",

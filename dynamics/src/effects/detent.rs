@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `detent`: τ = A·sin(θ/P + S). The spatial period, from one detent to the next, is 2πP.
 pub static KIND: EffectKind = EffectKind {
@@ -10,6 +10,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "a sinusoidal torque of the angle",
     source: "Swindells and MacLean 2007, equation 1, bottom row",
     role: Role::Detents,
+    depends_on: &[Coordinate::Angle],
     parameters: &[
         ParameterKind {
             name: "detent_amplitude",

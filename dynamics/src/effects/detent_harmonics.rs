@@ -2,7 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::{Effect, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Search};
+use crate::{
+    Coordinate, Effect, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Search,
+};
 
 /// Highest harmonic: a sawtooth needs about as many before what is left hides in a sensor's noise.
 const HIGHEST: usize = 12;
@@ -56,6 +58,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "detents of the same period whose torque is no sine",
     source: "Fourier series of a periodic torque",
     role: Role::Detents,
+    depends_on: &[Coordinate::Angle],
     parameters: &PARAMETERS,
     part: Part::Torque(|values, motion| {
         let mut columns = [0.0; COLUMNS];

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `detent-sawtooth`: τ = A·saw(θ/P + S). The wave rises from −1 to 1 over the share r of a period, through zero at
 /// phase zero, and falls over the rest. Both flanks are finite: a jump could not be rendered.
@@ -11,6 +11,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "detents whose torque rises and falls in straight lines of different lengths",
     source: "sawtooth wave with a finite flank; amplitude, period and phase as in equation 1 of Swindells and MacLean 2007",
     role: Role::Detents,
+    depends_on: &[Coordinate::Angle],
     parameters: &[
         ParameterKind {
             name: "sawtooth_amplitude",

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `detent-triangle`: τ = A·tri(θ/P + S), tri the triangle wave with zeros and extremes where the sine has them.
 pub static KIND: EffectKind = EffectKind {
@@ -10,6 +10,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "detents whose torque rises and falls in straight lines",
     source: "triangle wave; amplitude, period and phase as in equation 1 of Swindells and MacLean 2007",
     role: Role::Detents,
+    depends_on: &[Coordinate::Angle],
     parameters: &[
         ParameterKind {
             name: "triangle_amplitude",

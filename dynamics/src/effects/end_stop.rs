@@ -1,6 +1,8 @@
 //! A stiff contact beyond an angle.
 
-use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Scene, Search};
+use crate::{
+    Coordinate, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Scene, Search,
+};
 
 /// `end-stop`: beyond either end τ = K·depth + D·θ̇, the contact pushing back only.
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +10,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "stiff contact beyond an angle, on one side or both",
     source: "penalty contact of Kelvin and Voigt",
     role: Role::Other,
+    depends_on: &[Coordinate::Angle, Coordinate::Velocity],
     parameters: &[
         ParameterKind {
             name: "stop_lower",

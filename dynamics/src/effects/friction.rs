@@ -1,6 +1,6 @@
 //! Coulomb and viscous friction, each direction of turning with its own.
 
-use crate::{Direction, EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, Direction, EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `friction`: τ = −C₋ + B₋·θ̇ when turning negatively, C₊ + B₊·θ̇ when turning positively.
 ///
@@ -11,6 +11,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "a constant torque against the motion and one in proportion to speed, for each direction",
     source: "Swindells and MacLean 2007, equation 1, middle row",
     role: Role::Friction,
+    depends_on: &[Coordinate::Velocity],
     parameters: &[
         ParameterKind {
             name: "coulomb_negative",

@@ -1,6 +1,6 @@
 //! Friction that changes with time.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Search};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Search};
 
 /// `friction-drift`: all friction times 1 + d·exp(−t/T), as when grease warms.
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "friction changes with the time since the start of the capture and settles",
     source: "first-order warming of a lubricant",
     role: Role::Friction,
+    depends_on: &[Coordinate::Time],
     parameters: &[
         ParameterKind {
             name: "drift_excess",

@@ -1,6 +1,6 @@
 //! Coulomb friction that varies over a turn.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `friction-eccentricity`: Coulomb friction times 1 + e·cos(θ + ε), as when a shaft runs out of true.
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "Coulomb friction varies with the angle, once per turn",
     source: "a bearing whose preload varies with the run-out of its shaft",
     role: Role::Friction,
+    depends_on: &[Coordinate::Angle],
     parameters: &[
         ParameterKind {
             name: "eccentricity_depth",

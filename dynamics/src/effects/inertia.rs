@@ -1,6 +1,6 @@
 //! Inertia: torque in proportion to acceleration.
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `inertia`: τ = M·θ̈.
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "torque in proportion to acceleration",
     source: "Swindells and MacLean 2007, equation 1, top row",
     role: Role::Inertia,
+    depends_on: &[Coordinate::Acceleration],
     parameters: &[ParameterKind {
         name: "inertia",
         unit: "mNm s²/rad",

@@ -1,6 +1,6 @@
 //! Stick: a knob at rest bears more torque than it needs to keep sliding.
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, Role, StickLimits};
+use crate::{Coordinate, EffectKind, Minimum, ParameterKind, Part, Role, StickLimits};
 
 /// `karnopp-stick`: below the speed Δv the knob comes to rest and then holds up to D₋ or D₊.
 pub static KIND: EffectKind = EffectKind {
@@ -9,6 +9,7 @@ pub static KIND: EffectKind = EffectKind {
     source: "D. Karnopp, Computer simulation of stick-slip friction in mechanical dynamic systems, \
              ASME J. Dyn. Syst. Meas. Control 107 (1985) 100–103",
     role: Role::Friction,
+    depends_on: &[Coordinate::Velocity, Coordinate::Load],
     parameters: &[
         ParameterKind {
             name: "static_negative",

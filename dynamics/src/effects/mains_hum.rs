@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Search};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Search};
 
 /// `mains-hum`: the reading is the torque plus U·sin(2πft + υ), f near 50 or 60 Hz.
 pub static KIND: EffectKind = EffectKind {
@@ -10,6 +10,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "a 50 or 60 Hz sinusoid on the torque sensor",
     source: "pick-up from the mains; frequencies of the European and American grids",
     role: Role::Other,
+    depends_on: &[Coordinate::Time],
     parameters: &[
         ParameterKind {
             name: "hum_torque",

@@ -1,6 +1,6 @@
 //! Gravity on an off-centre mass.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `mass-imbalance`: τ = G·sin(θ + γ), once per turn.
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "gravity on a mass off the axis: a sinusoid of the angle, once per turn",
     source: "statics: m·g·r·sin of the angle from the vertical",
     role: Role::Other,
+    depends_on: &[Coordinate::Angle],
     parameters: &[
         ParameterKind {
             name: "imbalance_torque",

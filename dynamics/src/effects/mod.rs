@@ -6,6 +6,7 @@ pub mod detent;
 pub mod detent_harmonics;
 pub mod detent_sawtooth;
 pub mod detent_triangle;
+pub mod eddy_current_damping;
 pub mod end_stop;
 pub mod friction;
 pub mod friction_drift;
@@ -27,7 +28,7 @@ pub mod torque_table;
 use crate::EffectKind;
 
 /// Every effect, in the order in which a model lists them: first those that every fit looks for.
-pub static ALL: [&EffectKind; 23] = [
+pub static ALL: [&EffectKind; 24] = [
     &inertia::KIND,
     &friction::KIND,
     &karnopp_stick::KIND,
@@ -42,6 +43,7 @@ pub static ALL: [&EffectKind; 23] = [
     &end_stop::KIND,
     &torque_ramp::KIND,
     &quadratic_drag::KIND,
+    &eddy_current_damping::KIND,
     &stribeck::KIND,
     &friction_eccentricity::KIND,
     &friction_drift::KIND,

@@ -1,6 +1,6 @@
 //! Friction whose contacts bend before they slip.
 
-use crate::{Bristles, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Search};
+use crate::{Bristles, Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Search};
 
 /// `presliding-hysteresis`: Coulomb friction builds up over an angle z₀ after every reversal; see [`crate::Bristles`].
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "friction behaves like bristles that bend before they slip",
     source: "P. Dahl, A solid friction model, Aerospace Corp. TOR-158 (1968)",
     role: Role::Friction,
+    depends_on: &[Coordinate::Angle, Coordinate::Velocity],
     parameters: &[
         ParameterKind {
             name: "bristle_deflection",

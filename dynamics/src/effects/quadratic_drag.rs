@@ -1,6 +1,6 @@
 //! Drag of a fluid that is thrown about.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `quadratic-drag`: τ = Q·θ̇·|θ̇|.
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "torque in proportion to speed times its magnitude",
     source: "drag at high Reynolds number",
     role: Role::Friction,
+    depends_on: &[Coordinate::Velocity],
     parameters: &[ParameterKind {
         name: "drag_coefficient",
         unit: "mNm s²/rad²",

@@ -1,6 +1,6 @@
 //! A spring that pulls towards an angle.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role};
 
 /// `return-spring`: τ = K·(θ − θ₀).
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "torque in proportion to the distance from a centre",
     source: "Hooke",
     role: Role::Other,
+    depends_on: &[Coordinate::Angle],
     parameters: &[
         ParameterKind {
             name: "spring_stiffness",

@@ -1,6 +1,6 @@
 //! A torque reading that is late.
 
-use crate::{EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
 /// `sensor-delay`: what the sensor reads is the torque of a fixed time ago; where the angle is the late one, the time is
 /// negative.
@@ -9,6 +9,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "the torque reading lags the motion by a fixed time",
     source: "filters and conversion of a sensor channel",
     role: Role::Other,
+    depends_on: &[Coordinate::Load],
     parameters: &[ParameterKind {
         name: "sensor_delay",
         unit: "s",

@@ -1,6 +1,6 @@
 //! A shaft that twists between sensor and knob.
 
-use crate::{Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
+use crate::{Coordinate, Coupling, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Role, Scene, Search};
 
 /// `shaft-compliance`: the knob turns on a torsional spring and damper; see [`crate::Coupling`].
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "a torsional spring between the sensor and the knob, which therefore resonates",
     source: "two inertias on a shaft",
     role: Role::Other,
+    depends_on: &[Coordinate::Load],
     parameters: &[
         ParameterKind {
             name: "shaft_stiffness",

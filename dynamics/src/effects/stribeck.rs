@@ -1,6 +1,6 @@
 //! Friction that rises towards zero speed.
 
-use crate::{EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Search};
+use crate::{Coordinate, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Search};
 
 /// `stribeck`: sliding friction is larger by F·exp(−(|θ̇|/v)^δ).
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "friction rises towards zero speed by an amount that decays with a characteristic speed",
     source: "B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083–1138",
     role: Role::Friction,
+    depends_on: &[Coordinate::Velocity],
     parameters: &[
         ParameterKind {
             name: "stribeck_torque",

@@ -10,6 +10,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "the torque sensor reads a constant too much",
     source: "zero drift of a strain-gauge bridge",
     role: Role::Other,
+    depends_on: &[],
     parameters: &[ParameterKind {
         name: "torque_offset",
         unit: "mNm",

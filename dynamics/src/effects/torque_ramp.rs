@@ -1,6 +1,6 @@
 //! A torque that rises from one angle to another and then stays.
 
-use crate::{EffectKind, Minimum, Motion, ParameterKind, Part, Regressors, Role};
+use crate::{Coordinate, EffectKind, Minimum, Motion, ParameterKind, Part, Regressors, Role};
 
 /// `torque-ramp`: τ = T·clamp((θ − θ₁)/w, 0, 1): nothing before θ₁, all of T beyond θ₁ + w.
 pub static KIND: EffectKind = EffectKind {
@@ -8,6 +8,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "a torque that rises in a straight line between two angles",
     source: "a straight line",
     role: Role::Other,
+    depends_on: &[Coordinate::Angle],
     parameters: &[
         ParameterKind {
             name: "ramp_torque",

@@ -1,6 +1,6 @@
 //! A torque drawn as a table over the angle.
 
-use crate::{EffectKind, Minimum, ParameterKind, Part, Role, TorqueTable};
+use crate::{Coordinate, EffectKind, Minimum, ParameterKind, Part, Role, TorqueTable};
 
 /// `torque-table`: τ = k·table(θ), the table repeating along the angle ([`TorqueTable`]).
 ///
@@ -11,6 +11,7 @@ pub static KIND: EffectKind = EffectKind {
     description: "a torque drawn over the angle, repeating",
     source: "drawn by hand, or read off a knob; between the points a monotone cubic of Fritsch and Butland",
     role: Role::Detents,
+    depends_on: &[Coordinate::Angle],
     parameters: &[ParameterKind {
         name: "table_scale",
         unit: "1",

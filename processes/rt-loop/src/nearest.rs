@@ -1,6 +1,6 @@
 //! The model nearest to one that the rig cannot render that it can.
 
-use dynamics::{Effect, EffectKind, Model, Part};
+use dynamics::{Coordinate, Effect, EffectKind, Model, Part};
 
 use crate::admission::{Admission, Admitted};
 use crate::control::rendering::Unrenderable;
@@ -65,10 +65,14 @@ impl Admission {
         match what {
             Bounded::Inertia => set_inertia(model, share * model.inertia()),
             Bounded::CapInertia => set_cap(model, share * value),
-            Bounded::Damping => change(model, |kind, _, unit, viscous| match (kind.part, unit) {
-                (Part::Friction(_), "mNm s/rad") => viscous.min(bound * (1.0 - INSIDE)),
-                _ => viscous,
-            }),
+            Bounded::Damping => {
+                let several = model.effects.iter().any(is_drag);
+                change(model, |kind, _, unit, value| match kind.part {
+                    Part::Friction(_) if unit == "mNm s/rad" && !several => value.min(bound * (1.0 - INSIDE)),
+                    _ if unit.starts_with("mNm s") && kind.depends_on.contains(&Coordinate::Velocity) => share * value,
+                    _ => value,
+                })
+            }
             Bounded::Stiffness => scale_torques(model, share * MOVING),
             Bounded::Torque => {
                 let room_mnm = (1.0 - INSIDE) * self.room_for_friction_mnm(model);
@@ -88,6 +92,11 @@ impl Admission {
             }
         }
     }
+}
+
+/// Whether its torque depends on velocity and is no friction.
+fn is_drag(effect: &Effect) -> bool {
+    matches!(effect.kind().part, Part::Torque(_)) && effect.kind().depends_on.contains(&Coordinate::Velocity)
 }
 
 fn make_renderable(model: &mut Model, error: &Unrenderable) -> bool {
@@ -175,6 +184,9 @@ fn lower_torque(model: &mut Model, room_mnm: f64, share: f64) -> bool {
     let torques = scale_torques(model, share);
     change(model, |kind, _, unit, value| match (kind.part, unit) {
         (Part::Stick(_), "mNm") | (Part::Friction(_), "mNm" | "mNm s/rad") => share * value,
+        (Part::Torque(_), unit) if kind.depends_only_on(Coordinate::Velocity) && unit.starts_with("mNm") => {
+            share * value
+        }
         _ => value,
     }) || torques
 }

@@ -40,6 +40,8 @@ fn every_part_that_passes_its_bound_comes_to_it() {
         (inertia(0.05), Some(effect(&effects::detent::KIND, &[200.0, 0.01, 0.3]))),
         (inertia(0.05), Some(effect(&effects::detent::KIND, &[900.0, 0.3, 0.3]))),
         (inertia(0.05), Some(effect(&effects::karnopp_stick::KIND, &[500.0, 10.0, 0.01]))),
+        (inertia(0.05), Some(effect(&effects::quadratic_drag::KIND, &[100.0]))),
+        (inertia(0.05), Some(effect(&effects::eddy_current_damping::KIND, &[3000.0, 3.0]))),
         (inertia(0.03), Some(effect(&effects::shaft_compliance::KIND, &[50_000.0, 0.1]))),
         (inertia(0.05), Some(effect(&effects::presliding_hysteresis::KIND, &[0.01, 0.0]))),
     ];

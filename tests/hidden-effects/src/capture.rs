@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use crate::base_fit::{sliding, unexplained_rms};
 use crate::draw::Draw;
-use crate::effect::{CATALOGUE, Effect, OUTSIDE, distinguishable, wish};
+use crate::effect::{Effect, Kind, catalogue, distinguishable, named, outside};
 use crate::family::{Conditions, Family};
 use crate::knob::{Knob, Wish};
 use crate::motion::Motion;
@@ -50,40 +50,44 @@ pub struct Capture {
 }
 
 /// The names that capture `index` of a run hides, by what was asked for: a list of names with commas, `none`,
-/// `outside-library`, `pair`, `single`, or `mixed` (in 20: each effect once, one without, two outside, two pairs).
+/// `outside-library`, `pair`, `single`, or `mixed` (in turn: each effect once, one without, two outside, two pairs).
 ///
 /// # Errors
 /// If a name is none of an effect.
-pub fn hidden(asked: &str, index: usize, draw: &mut Draw) -> Result<Vec<&'static str>> {
-    let outside = |place: usize| vec![OUTSIDE[place % OUTSIDE.len()]];
+pub fn hidden(asked: &str, index: usize, draw: &mut Draw) -> Result<Vec<&'static Kind>> {
+    let (catalogue, outside) = (catalogue(), outside());
+    let outside_at = |place: usize| vec![outside[place % outside.len()]];
+    let round = catalogue.len() + 5;
     Ok(match asked {
         "none" => vec![],
-        "outside-library" => outside(index),
-        "single" => vec![CATALOGUE[index % CATALOGUE.len()]],
+        "outside-library" => outside_at(index),
+        "single" => vec![catalogue[index % catalogue.len()]],
         "pair" => pair(draw),
-        "mixed" => match index % 20 {
-            place if place < CATALOGUE.len() => vec![CATALOGUE[place]],
-            15 => vec![],
-            place @ (16 | 17) => outside(2 * (index / 20) + place - 16),
-            _ => pair(draw),
+        "mixed" => match (index % round).checked_sub(catalogue.len()) {
+            None => vec![catalogue[index % round]],
+            Some(0) => vec![],
+            Some(place @ (1 | 2)) => outside_at(2 * (index / round) + place - 1),
+            Some(_) => pair(draw),
         },
         list => {
             let mut names = Vec::new();
             for asked in list.split(',') {
-                let Some(name) = CATALOGUE.iter().chain(&OUTSIDE).find(|name| **name == asked) else {
-                    bail!("no effect is called {asked}; there are: {}, {}", CATALOGUE.join(", "), OUTSIDE.join(", "));
+                let Some(kind) = named(asked) else {
+                    let known: Vec<&str> = catalogue.iter().chain(&outside).map(|kind| kind.name).collect();
+                    bail!("no effect is called {asked}; there are: {}", known.join(", "));
                 };
-                names.push(*name);
+                names.push(kind);
             }
             names
         }
     })
 }
 
-fn pair(draw: &mut Draw) -> Vec<&'static str> {
+fn pair(draw: &mut Draw) -> Vec<&'static Kind> {
+    let catalogue = catalogue();
     loop {
-        let [first, second] = [0, 0].map(|_: i32| CATALOGUE[draw.below(CATALOGUE.len())]);
-        if distinguishable(first, second) {
+        let [first, second] = [0, 0].map(|_: i32| catalogue[draw.below(catalogue.len())]);
+        if distinguishable(first.name, second.name) {
             return vec![first, second];
         }
     }
@@ -114,6 +118,7 @@ impl Capture {
                 names = hidden(asked, index, &mut draw)?;
             }
         }
+        let names: Vec<&str> = names.iter().map(|kind| kind.name).collect();
         bail!("{} reached {strength} times the noise on none of {TRIES} knobs", names.join(" and "))
     }
 
@@ -144,11 +149,11 @@ struct Bench {
 
 impl Bench {
     /// `None` if on this knob an effect does not reach its strength.
-    fn draw(names: &[&'static str], family: Family, strength: f64, draw: &mut Draw) -> Option<Self> {
+    fn draw(kinds: &[&'static Kind], family: Family, strength: f64, draw: &mut Draw) -> Option<Self> {
         let conditions = family.conditions(draw);
         let sensors = Sensors::draw(draw, conditions.rate_hz);
         let target = strength * sensors.torque_noise_rms_mnm();
-        let wish = names.iter().map(|name| wish(name, target)).fold(Wish::default(), |all, one| Wish {
+        let wish = kinds.iter().map(|kind| (kind.wish)(target)).fold(Wish::default(), |all, one| Wish {
             detents: all.detents.or(one.detents),
             least_detent_mnm: all.least_detent_mnm.max(one.least_detent_mnm),
             least_coulomb_mnm: all.least_coulomb_mnm.max(one.least_coulomb_mnm),
@@ -166,7 +171,7 @@ impl Bench {
         let [train_s, held_out_s] = conditions.durations_s;
         let train = Motion::sweeps(train_s, draw);
         let mut held_out = Motion::held_out(held_out_s, draw);
-        if names.contains(&"end-stop") {
+        if kinds.iter().any(|kind| kind.name == "end-stop") {
             // Both captures must meet the stop.
             held_out = held_out.spanning(train.travel_rad());
         }
@@ -180,9 +185,9 @@ impl Bench {
             effect_rms_mnm: 0.0,
         };
         let mut effects = Vec::new();
-        for name in names {
+        for kind in kinds {
             let travel = bench.motions[0].travel_rad();
-            let effect = Effect::draw(name, &bench.knob, travel, bench.conditions.durations_s, draw)?;
+            let effect = Effect::draw(kind, &bench.knob, travel, bench.conditions.durations_s, draw);
             effects.push(bench.scaled(effect, target)?);
         }
         if !effects.is_empty() {
@@ -198,7 +203,7 @@ impl Bench {
 
     /// The effect alone on this knob, scaled to leave `target` mNm RMS unexplained.
     fn scaled(&self, mut effect: Effect, target: f64) -> Option<Effect> {
-        let [weakest, strongest] = effect.size_limits().map(f64::ln);
+        let [weakest, strongest] = effect.acts().size_limits().map(f64::ln);
         let mut rms_at = |size: f64| {
             effect.size = size.exp();
             self.unexplained(std::slice::from_ref(&effect), 0)
@@ -236,13 +241,13 @@ impl Bench {
             let course = run(self.rig, &self.knob, &self.effects, &self.motions[which], duration_s, which);
             record(&course, &self.effects, self.sensors, &self.conditions, duration_s, draw)
         });
-        let outside = self.effects.iter().any(|effect| OUTSIDE.contains(&effect.name));
+        let outside = self.effects.iter().any(|effect| !effect.kind.in_catalogue);
         let verdict = match (self.effects.is_empty(), outside) {
             (true, _) => "none",
             (_, true) => "outside-library",
             _ => "effects",
         };
-        let known = self.effects.iter().filter(|_| !outside).map(|effect| effect.name.to_owned());
+        let known = self.effects.iter().filter(|_| !outside).map(|effect| effect.kind.name.to_owned());
         let Conditions { rate_hz, noise, ring, clipped_share, jitter, jitter_is_recorded, .. } = self.conditions;
         let answer = Answer {
             verdict: verdict.to_owned(),
@@ -250,7 +255,11 @@ impl Bench {
             strength: (!self.effects.is_empty()).then_some(strength),
             torque_noise_rms_mnm: rounded(self.sensors.torque_noise_rms_mnm()),
             effect_rms_mnm: rounded(self.effect_rms_mnm),
-            parameters: self.effects.iter().map(|e| (e.name.to_owned(), e.parameters(&self.knob))).collect(),
+            parameters: self
+                .effects
+                .iter()
+                .map(|effect| (effect.kind.name.to_owned(), effect.acts().parameters(effect.size, &self.knob)))
+                .collect(),
             base: self.knob,
             rig: json!({
                 "family": family.name(), "rate_hz": rate_hz, "noise": format!("{noise:?}"),

@@ -4,7 +4,7 @@
 //! other half of position. Coulomb friction is solved within the step (Moreau 1988): either the body slides the
 //! step through against the full friction, or it stands and friction is whatever holds it.
 
-use crate::effect::{Effect, Kind, State};
+use crate::effect::{Effect, State};
 use crate::knob::Knob;
 use crate::motion::Motion;
 
@@ -45,24 +45,22 @@ pub struct Course {
 
 /// How cap and inner body hang together.
 #[derive(Clone, Copy, Debug)]
-enum Link {
+pub enum Link {
+    /// As one body.
     Rigid,
+    /// By a contact of `stiffness`, mNm/rad, and `damping`, mNm s/rad, beyond `half_gap`, rad; `inner_share` of the inertia
+    /// lies behind it.
+    #[allow(missing_docs, reason = "said above")]
     Gap { half_gap: f64, inner_share: f64, stiffness: f64, damping: f64 },
+    /// By a shaft of `stiffness`, mNm/rad, and `damping`, mNm s/rad.
+    #[allow(missing_docs, reason = "said above")]
     Spring { stiffness: f64, damping: f64 },
 }
 
 impl Link {
     fn of(effects: &[Effect]) -> Self {
-        effects.iter().fold(Self::Rigid, |link, effect| match (&effect.kind, effect.shaft()) {
-            (Kind::Backlash { inner_share, stiffness_mnm_rad, damping_mnm_s_rad }, _) => Self::Gap {
-                half_gap: effect.size,
-                inner_share: *inner_share,
-                stiffness: *stiffness_mnm_rad,
-                damping: *damping_mnm_s_rad,
-            },
-            (_, Some((stiffness, damping))) => Self::Spring { stiffness, damping },
-            _ => link,
-        })
+        let links = effects.iter().map(|effect| effect.acts().link(effect.size));
+        links.filter(|link| !matches!(link, Self::Rigid)).last().unwrap_or(Self::Rigid)
     }
 
     /// Part of the knob's inertia that moves with the cap.
@@ -95,19 +93,22 @@ impl Link {
 struct Slider<'a> {
     knob: &'a Knob,
     effects: &'a [Effect],
-    /// Deflection of the bristles over that at slip, where friction is bristles; and the step's mean force law.
     bristle: Option<Bristle>,
-    shapes_detents: bool,
-    varies_inertia: Option<(f64, f64)>,
+    /// Relative depth and phase of an inertia that varies twice in a turn.
+    inertia_wave: Option<[f64; 2]>,
     capture: usize,
     load_mnm: f64,
 }
 
-#[derive(Clone, Copy)]
-struct Bristle {
-    length_rad: f64,
-    damping_ratio: f64,
-    deflection: f64,
+/// Friction as a bristle that bends before it slips.
+#[derive(Clone, Copy, Debug)]
+pub struct Bristle {
+    /// Angle over which friction builds up, rad.
+    pub length_rad: f64,
+    /// Damping over the critical one of the body on it.
+    pub damping_ratio: f64,
+    /// Deflection over that at slip.
+    pub deflection: f64,
 }
 
 /// One step of the slider: velocity after it, friction and place torque within it.
@@ -122,16 +123,17 @@ impl Slider<'_> {
         State { angle_rad, velocity_rad_s, time_s, load_mnm: self.load_mnm, capture: self.capture }
     }
 
+    fn sum(&self, of: impl Fn(&Effect) -> f64) -> f64 {
+        self.effects.iter().map(of).sum()
+    }
+
     fn place_torque(&self, state: &State) -> f64 {
-        let mut torque = self.effects.iter().map(|effect| effect.body_torque(state)).sum();
+        let mut torque = self.sum(|effect| effect.acts().body_torque(effect.size, state));
         if let (Some(period), Some(phase)) = (self.knob.detent_period, self.knob.detent_phase) {
-            let slipped: f64 = self.effects.iter().map(|effect| effect.slipped_rad(state)).sum();
+            let slipped = self.sum(|effect| effect.acts().slipped_rad(effect.size, state));
             let x = (state.angle_rad - slipped) / period + phase;
-            let shaped = if self.shapes_detents {
-                self.effects.iter().find_map(|effect| effect.detent_wave(x, state.velocity_rad_s))
-            } else {
-                None
-            };
+            let wave = |effect: &Effect| effect.acts().detent_wave(effect.size, x, state.velocity_rad_s);
+            let shaped = self.effects.iter().find_map(wave);
             torque += self.knob.detent_amplitude * shaped.unwrap_or_else(|| x.sin());
         }
         torque
@@ -139,8 +141,8 @@ impl Slider<'_> {
 
     /// Inertia of the body when `plain` without the effect, and its slope with the angle.
     fn inertia(&self, plain: f64, angle: f64) -> (f64, f64) {
-        match self.varies_inertia {
-            Some((depth, phase)) => {
+        match self.inertia_wave {
+            Some([depth, phase]) => {
                 let (sine, cosine) = (2.0 * angle + phase).sin_cos();
                 (plain * (1.0 + depth * cosine), -2.0 * plain * depth * sine)
             }
@@ -152,9 +154,10 @@ impl Slider<'_> {
     fn step(&mut self, total: f64, drive: f64, angle: f64, velocity: f64, time_s: f64) -> Step {
         let state = self.state(angle, velocity, time_s);
         let place = self.place_torque(&state);
-        let product = |viscous| self.effects.iter().map(|e| e.friction_factor(&state, viscous)).product::<f64>();
+        let factor = |effect: &Effect, viscous| effect.acts().friction_factor(effect.size, &state, viscous);
+        let product = |viscous| self.effects.iter().map(|effect| factor(effect, viscous)).product::<f64>();
         let (coulomb_factor, viscous_factor) = (product(false), product(true));
-        let extra: f64 = self.effects.iter().map(|effect| effect.friction_extra(&state)).sum();
+        let extra = self.sum(|effect| effect.acts().friction_extra(effect.size, &state));
         let up = (coulomb_factor * self.knob.coulomb_positive + extra, viscous_factor * self.knob.viscous_positive);
         let down = (coulomb_factor * self.knob.coulomb_negative + extra, viscous_factor * self.knob.viscous_negative);
         let impulse = total * velocity + STEP_S * (drive - place);
@@ -197,17 +200,8 @@ pub fn run(rig: Rig, knob: &Knob, effects: &[Effect], motion: &Motion, duration_
     let mut slider = Slider {
         knob,
         effects,
-        bristle: effects.iter().find_map(|effect| match &effect.kind {
-            Kind::PreslidingHysteresis { damping_ratio } => {
-                Some(Bristle { length_rad: effect.size, damping_ratio: *damping_ratio, deflection: 0.0 })
-            }
-            _ => None,
-        }),
-        shapes_detents: effects.iter().any(|e| matches!(e.kind, Kind::DetentHarmonics(_) | Kind::DirectionalDetents)),
-        varies_inertia: effects.iter().find_map(|effect| match &effect.kind {
-            Kind::VaryingInertia { phase_rad } => Some((effect.size, *phase_rad)),
-            _ => None,
-        }),
+        bristle: effects.iter().find_map(|effect| effect.acts().bristle(effect.size)),
+        inertia_wave: effects.iter().find_map(|effect| effect.acts().inertia_wave(effect.size)),
         capture,
         load_mnm: 0.0,
     };

@@ -4,7 +4,7 @@ use biquad::{Biquad, Coefficients, DirectForm2Transposed, ToHertz, Type};
 
 use crate::base_fit::Sample;
 use crate::draw::Draw;
-use crate::effect::{Effect, Kind};
+use crate::effect::{Effect, between};
 use crate::family::{Conditions, Noise, Ring};
 use crate::plant::{Course, STEP_S};
 
@@ -126,19 +126,10 @@ fn sample(course: &Course, torque_mnm: &[f64], effects: &[Effect], time_s: f64) 
     let (mut angle, mut rate) = (true_angle, 1.0);
     let mut torque = between(torque_mnm, place - 0.5);
     for effect in effects {
-        match &effect.kind {
-            Kind::EncoderEccentricity { phase_rad } => {
-                angle += effect.size * (true_angle + phase_rad).sin();
-                rate += effect.size * (true_angle + phase_rad).cos();
-            }
-            Kind::MainsHum { frequency_hz, phase_rad } | Kind::StrangeHum { frequency_hz, phase_rad } => {
-                torque += effect.size * (std::f64::consts::TAU * frequency_hz * time_s + phase_rad).sin();
-            }
-            Kind::TorqueOffset { sign } => torque += sign * effect.size,
-            Kind::TorqueDrift { sign } => torque += sign * effect.size * time_s,
-            Kind::SensorSaturation => torque = torque.clamp(-effect.size, effect.size),
-            _ => {}
-        }
+        let [more, slope] = effect.acts().encoder(effect.size, true_angle);
+        angle += more;
+        rate += slope;
+        torque = effect.acts().reading(effect.size, torque, time_s);
     }
     Sample {
         angle_rad: angle,
@@ -148,42 +139,11 @@ fn sample(course: &Course, torque_mnm: &[f64], effects: &[Effect], time_s: f64) 
     }
 }
 
-fn between(values: &[f64], place: f64) -> f64 {
-    let place = place.clamp(0.0, (values.len() - 1) as f64);
-    let index = (place as usize).min(values.len().saturating_sub(2));
-    let part = place - index as f64;
-    values[index] + part * (values[(index + 1).min(values.len() - 1)] - values[index])
-}
-
 /// The torque as the sensor passes it on, step by step: what needs the time between samples.
 fn torque_channel(torque_mnm: &[f64], effects: &[Effect], ring: Option<Ring>) -> Vec<f64> {
     let mut passed = torque_mnm.to_vec();
     for effect in effects {
-        match &effect.kind {
-            Kind::SensorDelay => {
-                let late = effect.size / STEP_S;
-                passed = (0..passed.len()).map(|index| between(&passed, index as f64 - late)).collect();
-            }
-            Kind::RateLimitedSensor => {
-                let most = effect.size * STEP_S;
-                let mut held = passed[0];
-                for torque in &mut passed {
-                    held += (*torque - held).clamp(-most, most);
-                    *torque = held;
-                }
-            }
-            Kind::SensorHysteresis { width_mnm } => {
-                // The strain gauge's backing creeps elastically and slips: a Dahl element driven by the torque.
-                let (mut pulled, mut before) = (0.0, passed[0]);
-                for torque in &mut passed {
-                    let change = *torque - before;
-                    before = *torque;
-                    pulled += (change - change.abs() * pulled) / width_mnm;
-                    *torque += effect.size * pulled;
-                }
-            }
-            _ => {}
-        }
+        effect.acts().channel(effect.size, &mut passed);
     }
     if let Some(Ring { frequency_hz, damping }) = ring {
         let speed = std::f64::consts::TAU * frequency_hz;

@@ -5,7 +5,7 @@
 use hidden_effects::base_fit::{sliding, unexplained_rms};
 use hidden_effects::capture::Capture;
 use hidden_effects::draw::Draw;
-use hidden_effects::effect::{CATALOGUE, Effect, OUTSIDE};
+use hidden_effects::effect::{Effect, catalogue, named, outside};
 use hidden_effects::family::Family;
 use hidden_effects::knob::{Knob, Wish};
 use hidden_effects::motion::Motion;
@@ -19,7 +19,8 @@ fn knob(seed: u64, detents: bool) -> Knob {
 }
 
 fn effect(name: &str, knob: &Knob, size: f64) -> Effect {
-    let mut effect = Effect::draw(name, knob, [-1.0, 1.0], [6.0, 4.0], &mut Draw::new(1, name)).expect("a known name");
+    let kind = named(name).expect("a known name");
+    let mut effect = Effect::draw(kind, knob, [-1.0, 1.0], [6.0, 4.0], &mut Draw::new(1, name));
     effect.size = size;
     effect
 }
@@ -103,7 +104,8 @@ fn a_body_behind_a_shaft_rings_at_its_resonance() {
 
 #[test]
 fn every_effect_reaches_the_strength_asked_for() {
-    for (index, name) in CATALOGUE.iter().chain(&OUTSIDE).enumerate() {
+    for (index, kind) in catalogue().into_iter().chain(outside()).enumerate() {
+        let name = kind.name;
         let capture = Capture::new(7, index, Family::Standard, name, 3.0).expect("reached");
         let ratio = capture.answer.effect_rms_mnm / capture.answer.torque_noise_rms_mnm;
         assert!((2.7..3.3).contains(&ratio), "{name}: {ratio}");

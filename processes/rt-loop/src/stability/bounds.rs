@@ -1,6 +1,6 @@
 //! What can be rendered on a rig, as numbers.
 
-use dynamics::{Calibration, Direction, Model, Motion};
+use dynamics::{Calibration, Coordinate, Direction, Effect, Model, Motion};
 use hal::Limits;
 
 use super::contact::Contact;
@@ -20,7 +20,7 @@ pub struct BoundExceeded {
     /// Unit of both.
     pub unit: &'static str,
     /// What to change.
-    pub remedy: &'static str,
+    pub remedy: String,
 }
 
 /// What has a bound.
@@ -30,7 +30,7 @@ pub enum Bounded {
     Inertia,
     /// Inertia of the cap of a knob of two bodies.
     CapInertia,
-    /// Rise of friction over speed.
+    /// Rise of torque over speed.
     Damping,
     /// Rise of torque over angle.
     Stiffness,
@@ -45,7 +45,7 @@ impl std::fmt::Display for Bounded {
         formatter.write_str(match self {
             Self::Inertia => "the inertia",
             Self::CapInertia => "the inertia of the cap",
-            Self::Damping => "the steepest rise of friction over speed",
+            Self::Damping => "the steepest rise of torque over speed",
             Self::Stiffness => "the steepest rise of torque over angle",
             Self::Torque => "the largest torque",
             Self::Contact => "the stiffness of contact or shaft",
@@ -94,7 +94,7 @@ impl Bounds {
         safe.min(of_motor)
     }
 
-    /// Largest rise of friction with speed at this inertia, mNm·s/rad.
+    /// Largest rise of torque with speed at this inertia, mNm·s/rad.
     #[must_use]
     pub fn largest_damping(&self, inertia: f64) -> f64 {
         self.largest(1e-3, 1e3, |damping| LinearModel::Sliding { inertia, damping, stiffness_mnm_rad: 0.0 })
@@ -124,23 +124,28 @@ impl Bounds {
     pub fn check(&self, model: &Model) -> Result<Vec<String>, BoundExceeded> {
         let demands = Demands::of(model);
         let inertia = model.inertia();
-        let at_most = |what, value: f64, bound: f64, unit, remedy| {
+        let at_most = |what, value: f64, bound: f64, unit, remedy: &str| {
             if value.is_finite() && value <= bound {
                 Ok(())
             } else {
-                Err(BoundExceeded { what, value, bound, unit, remedy })
+                Err(BoundExceeded { what, value, bound, unit, remedy: remedy.to_owned() })
             }
         };
-        let bound = self.largest_inertia(demands.least_damping);
-        at_most(Bounded::Inertia, inertia, bound, "mNm·s²/rad", "lower `inertia`")?;
+        // The inertias are walked through from the least on, so with no more damping than that one permits.
+        let damping = demands.least_damping.min(self.largest_damping(self.least_inertia));
+        at_most(Bounded::Inertia, inertia, self.largest_inertia(damping), "mNm·s²/rad", "lower `inertia`")?;
+        let of_speed = || format!("lower `{}`", steepest_over_speed(model).unwrap_or("viscous_positive"));
         let bound = self.largest_damping(inertia);
-        let remedy = "lower the viscous friction";
-        at_most(Bounded::Damping, demands.largest_damping, bound, "mNm·s/rad", remedy)?;
+        at_most(Bounded::Damping, demands.largest_damping, bound, "mNm·s/rad", &of_speed())?;
         let bound = self.largest_stiffness_mnm_rad(inertia, demands.least_damping + demands.coulomb_damping(inertia));
         let remedy = "lower the amplitude, widen the period or add friction";
         at_most(Bounded::Stiffness, demands.stiffness_mnm_rad, bound, "mNm/rad", remedy)?;
-        let remedy = "lower the amplitude, the static or the Coulomb friction";
-        at_most(Bounded::Torque, demands.torque_mnm, self.largest_torque_mnm, "mNm", remedy)?;
+        let remedy = if demands.speed_mnm > 0.5 * demands.torque_mnm {
+            of_speed()
+        } else {
+            "lower the amplitude, the static or the Coulomb friction".to_owned()
+        };
+        at_most(Bounded::Torque, demands.torque_mnm, self.largest_torque_mnm, "mNm", &remedy)?;
         self.check_contact(model, &demands)?;
         let drives = demands.drives_from_rad_s.map(|speed_rad_s| {
             format!("friction would drive the knob from {speed_rad_s:.1} rad/s on; it is held at zero there")
@@ -154,7 +159,9 @@ impl Bounds {
     fn check_contact(&self, model: &Model, demands: &Demands) -> Result<(), BoundExceeded> {
         let Some(contact) = self.contact(model, demands) else { return Ok(()) };
         let bound = self.largest_inertia(0.0);
-        let exceeded = |what, value, bound, unit, remedy| Err(BoundExceeded { what, value, bound, unit, remedy });
+        let exceeded = |what, value, bound, unit, remedy: &str| {
+            Err(BoundExceeded { what, value, bound, unit, remedy: remedy.to_owned() })
+        };
         if contact.cap_inertia > bound {
             let remedy = "lower `inertia` or raise `backlash_inner_share`";
             return exceeded(Bounded::CapInertia, contact.cap_inertia, bound, "mNm·s²/rad", remedy);
@@ -191,6 +198,39 @@ impl Bounds {
     }
 }
 
+/// Angles at which torques that depend on angle and velocity are looked at, either way.
+const ANGLES: i32 = 500;
+
+/// Steepest rise over speed of the torques that depend on angle and velocity, an end stop's, summed over the effects,
+/// mNm·s/rad.
+fn damping_in_contact(model: &Model) -> f64 {
+    let both = |effect: &&Effect| {
+        [Coordinate::Angle, Coordinate::Velocity].iter().all(|on| effect.kind().depends_on.contains(on))
+    };
+    let steepest = |effect: &Effect| {
+        let rise = |angle_rad: f64, speed_rad_s: f64| {
+            let at =
+                |velocity_rad_s| effect.free_torque_mnm(&Motion { angle_rad, velocity_rad_s, ..Motion::default() });
+            ((at(speed_rad_s) - at(0.0)) / speed_rad_s).max((at(0.0) - at(-speed_rad_s)) / speed_rad_s)
+        };
+        let angles = (-ANGLES..=ANGLES).map(|step| f64::from(step) / f64::from(ANGLES) * LOOKED_AT_RAD);
+        angles.map(|angle_rad| rise(angle_rad, FASTEST_RAD_S / f64::from(SPEEDS))).fold(0.0, f64::max)
+    };
+    model.effects.iter().filter(both).map(steepest).sum()
+}
+
+/// The parameter whose share in the steepest rise of torque over speed is the largest.
+fn steepest_over_speed(model: &Model) -> Option<&'static str> {
+    let demands = |effect: &Effect| {
+        let alone = Model { name: String::new(), description: String::new(), effects: vec![*effect] };
+        Demands::of(&alone).largest_damping
+    };
+    let steepest = model.effects.iter().map(|effect| (effect, demands(effect)));
+    let (effect, _) = steepest.filter(|(_, damping)| *damping > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let of_speed = effect.parameters().filter(|(parameter, _)| parameter.unit.starts_with("mNm s"));
+    of_speed.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(parameter, _)| parameter.name)
+}
+
 /// Speed from which a model's friction would drive the knob instead of braking it, rad/s; `None` where it never does.
 #[must_use]
 pub fn driving_speed_rad_s(model: &Model) -> Option<f64> {
@@ -206,6 +246,8 @@ struct Demands {
     coulomb_mnm: f64,
     free_mnm: f64,
     torque_mnm: f64,
+    /// What the fastest speeds add to friction, mNm.
+    speed_mnm: f64,
     /// Speed from which friction would drive instead of brake, rad/s.
     drives_from_rad_s: Option<f64>,
 }
@@ -228,7 +270,7 @@ impl Demands {
         let (mut free_mnm, mut held_mnm) = (0.0_f64, 0.0_f64);
         for step in -steps..=steps {
             let motion = Motion { angle_rad: f64::from(step) * LOOKED_AT_STEP_RAD, ..Motion::default() };
-            let torque_mnm = model.free_torque_mnm(&motion);
+            let torque_mnm = model.place_torque_mnm(&motion);
             free_mnm = free_mnm.max(torque_mnm.abs());
             let limits = model.stick_limits(&motion);
             held_mnm = held_mnm.max(limits.negative_mnm).max(limits.positive_mnm);
@@ -240,31 +282,33 @@ impl Demands {
             coulomb_mnm: f64::INFINITY,
             free_mnm,
             torque_mnm: 0.0,
+            speed_mnm: 0.0,
             drives_from_rad_s: None,
         };
-        let sliding_mnm = [Direction::Negative, Direction::Positive].map(|to| demands.look_at_friction(model, to));
+        let sliding_mnm = [Direction::Negative, Direction::Positive].map(|to| demands.look_at_speeds(model, to));
         demands.least_damping = demands.least_damping.max(0.0);
+        demands.largest_damping += damping_in_contact(model);
         demands.torque_mnm = free_mnm + held_mnm.max(sliding_mnm[0]).max(sliding_mnm[1]);
         demands
     }
 
-    /// Takes in friction in one direction; gives the largest, mNm.
-    fn look_at_friction(&mut self, model: &Model, direction: Direction) -> f64 {
-        let braking_mnm = |speed_rad_s: f64| {
-            let motion = Motion { velocity_rad_s: direction.sign() * speed_rad_s, ..Motion::default() };
-            direction.sign() * model.friction_mnm(&motion, direction)
-        };
+    /// Takes in friction and drag in one direction; gives the largest of their sum, mNm.
+    fn look_at_speeds(&mut self, model: &Model, direction: Direction) -> f64 {
+        let motion = |speed_rad_s: f64| Motion { velocity_rad_s: direction.sign() * speed_rad_s, ..Motion::default() };
+        let friction_mnm = |speed_rad_s| direction.sign() * model.friction_mnm(&motion(speed_rad_s), direction);
+        // Rendered friction never drives.
+        let braking_mnm =
+            |speed_rad_s| friction_mnm(speed_rad_s).max(0.0) + direction.sign() * model.drag_mnm(&motion(speed_rad_s));
         let step_rad_s = FASTEST_RAD_S / f64::from(SPEEDS);
         let mut before_mnm = braking_mnm(0.0);
         let mut largest_mnm = before_mnm;
-        self.coulomb_mnm = self.coulomb_mnm.min(before_mnm.max(0.0));
+        self.coulomb_mnm = self.coulomb_mnm.min(before_mnm);
         for step in 1..=SPEEDS {
             let speed_rad_s = f64::from(step) * step_rad_s;
             let now_mnm = braking_mnm(speed_rad_s);
-            if now_mnm < 0.0 {
+            if friction_mnm(speed_rad_s) < 0.0 {
                 self.drives_from_rad_s =
                     Some(self.drives_from_rad_s.map_or(speed_rad_s, |known| known.min(speed_rad_s)));
-                break;
             }
             let slope = (now_mnm - before_mnm) / step_rad_s;
             self.least_damping = self.least_damping.min(slope);
@@ -272,6 +316,7 @@ impl Demands {
             largest_mnm = largest_mnm.max(now_mnm);
             before_mnm = now_mnm;
         }
+        self.speed_mnm = self.speed_mnm.max(largest_mnm - braking_mnm(0.0));
         largest_mnm
     }
 

@@ -3,7 +3,7 @@
 use hal::Apparatus as _;
 use hal::simulated::{Cogging, Grip, Hand, Intention, RigParameters, SimulatedRig};
 use rt_loop::control::rendering::RenderGains;
-use rt_loop::stability::Bounds;
+use rt_loop::stability::{Bounded, Bounds};
 
 use crate::held_knob::{HeldKnob, held_by_contact, held_by_springs};
 use crate::numbers::Numbers;
@@ -144,6 +144,50 @@ fn inside_the_bounds_lost_motion_and_shafts_make_no_swing_grow_and_no_energy_com
         let (model, hand) = inside_with_two_bodies(seed, 10_000.0);
         let seen = behaviour(&model, RenderGains::at_rate(10_000.0).unwrap(), hand, 10_000.0, seed);
         assert!(seen.least_energy > -SLACK && !grew(&seen), "seed {seed}: {seen:?} of {model:?}");
+    }
+}
+
+/// Knob 3 of the paper with one effect more.
+fn knob_three_with(kind: &'static dynamics::EffectKind, values: &[f64]) -> dynamics::Model {
+    let mut model = dynamics::knobs::paper_knob(3).unwrap();
+    model.effects.push(dynamics::Effect::new(kind, values));
+    model
+}
+
+#[test]
+fn damping_that_cannot_be_rendered_is_refused_by_its_parameter_whichever_effect_has_it() {
+    use dynamics::effects::{eddy_current_damping, end_stop, quadratic_drag};
+    let mut viscous = dynamics::knobs::paper_knob(3).unwrap();
+    viscous.effects.iter_mut().filter(|effect| effect.kind().name == "friction").for_each(|friction| {
+        friction.values_mut()[3] = 100.0;
+    });
+    let cases = [
+        (viscous, "viscous_positive"),
+        (knob_three_with(&quadratic_drag::KIND, &[100.0]), "drag_coefficient"),
+        (knob_three_with(&eddy_current_damping::KIND, &[5000.0, 3.0]), "eddy_damping"),
+        (knob_three_with(&end_stop::KIND, &[-6.2, 6.2, 1.0, 1.0, 5000.0]), "stop_damping"),
+    ];
+    for (model, parameter) in cases {
+        let refused = bounds(10_000.0).check(&model).unwrap_err();
+        let of_speed = matches!(refused.what, Bounded::Damping | Bounded::Torque);
+        assert!(of_speed, "{refused}");
+        assert!(refused.bound > 0.0 && refused.remedy.contains(parameter), "{refused}");
+    }
+}
+
+#[test]
+fn inside_the_bounds_drag_lets_no_swing_grow_and_no_energy_come_out() {
+    use dynamics::effects::{eddy_current_damping, quadratic_drag};
+    let bounds = bounds(10_000.0);
+    for seed in 0..8 {
+        let shares = [(&quadratic_drag::KIND, [1.0, 0.0]), (&eddy_current_damping::KIND, [1.0, 4.0])];
+        let (kind, [_, speed]) = shares[usize::try_from(seed % 2).unwrap()];
+        // The largest that is admitted.
+        let model = (0..100).map(|step| knob_three_with(kind, &[2000.0 * 0.9_f64.powi(step), speed]));
+        let model = model.into_iter().find(|model| bounds.check(model).is_ok()).unwrap();
+        let hand = random_hand(&mut Numbers(900 + seed), MOVES_S, LASTS_S);
+        let seen = behaviour(&model, RenderGains::at_rate(10_000.0).unwrap(), hand, 10_000.0, seed);
+        assert!(seen.least_energy > -SLACK && !grew(&seen) && seen.guarded == 0, "seed {seed}: {seen:?}");
     }
 }
 

@@ -60,7 +60,7 @@ pub(super) fn figures(compared: &Comparison, first: usize) -> (Markup, usize) {
             h3 { span.number { "Figure " (next()) " " } "Friction against velocity, on one scale" }
             (small_multiples(knobs, &friction.iter().map(|two| two.to_vec()).collect::<Vec<_>>(), VELOCITY))
             figcaption {
-                "What friction takes while the knob slides. Half the step at zero is Coulomb friction, the slope viscous friction; a line that \
+                "What friction and drag take while the knob slides. Half the step at zero is Coulomb friction, the slope viscous friction; a line that \
                  falls as the knob turns faster is a negative viscous friction. Static friction, which holds the knob at rest, is not drawn."
             }
         }
@@ -77,7 +77,7 @@ fn angle_curve(knob: &ComparedKnob, reach_rad: f64) -> Curve {
         .map(|step| reach_rad * (2.0 * real(step) / real(points) - 1.0))
         .filter_map(|angle_rad| {
             let motion = Motion { angle_rad, ..Motion::default() };
-            Some((angle_rad, knob.model.as_ref()?.free_torque_mnm(&motion)))
+            Some((angle_rad, knob.model.as_ref()?.place_torque_mnm(&motion)))
         })
         .filter(|(_, torque_mnm)| torque_mnm.is_finite())
         .collect()
@@ -88,14 +88,15 @@ fn detent_rad(knob: &ComparedKnob) -> Option<f64> {
     knob.detent_spacing_deg.map(f64::to_radians)
 }
 
-/// Friction turning negatively and positively, with the direction's end at zero velocity.
+/// Friction and drag turning negatively and positively, with the direction's end at zero velocity.
 fn friction_curves(knob: &ComparedKnob) -> [Curve; 2] {
     [(Direction::Negative, -FASTEST_RAD_S), (Direction::Positive, FASTEST_RAD_S)].map(|(direction, farthest_rad_s)| {
         (0..=FEWEST_POINTS)
             .map(|step| farthest_rad_s * real(step) / real(FEWEST_POINTS))
             .filter_map(|velocity_rad_s| {
                 let motion = Motion { velocity_rad_s, ..Motion::default() };
-                Some((velocity_rad_s, knob.model.as_ref()?.friction_mnm(&motion, direction)))
+                let model = knob.model.as_ref()?;
+                Some((velocity_rad_s, model.friction_mnm(&motion, direction) + model.drag_mnm(&motion)))
             })
             .filter(|(_, torque_mnm)| torque_mnm.is_finite())
             .collect()

@@ -2,17 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use dynamics::{Model, Motion, Part};
+use dynamics::{Coordinate, Effect, Model, Motion, Part, Role, effects};
 use identification::Point;
 use identification::diagnosis::{Diagnosis, Row, Step};
 
-use crate::figures::{Figure, TORQUE_LEGEND, quantity_plot, real};
+use crate::figures::{Figure, TORQUE_LEGEND, quantity_plot};
 use crate::page::FEWEST_ROWS;
 
-/// Bins in which a quantity is tried, for each direction.
+/// Bins of the plotted quantity, for each direction.
 const BINS: usize = 120;
-/// Share of the torque's variance that a quantity must explain to be worth a plot over it.
-const EXPLAINED: f64 = 0.9;
 
 /// Torque of the effect as measured, that is what the rest of the model leaves, and as fitted; `None` for an effect with a
 /// memory, or one whose torque is no curve over a single quantity.
@@ -21,21 +19,8 @@ pub(super) fn figure(found: &Diagnosis, step: &Step, rows: &[Row]) -> Option<Fig
     if rows.len() < FEWEST_ROWS {
         return None;
     }
-    let period_rad = found.model.parameter("detent_period").filter(|period| *period != 0.0);
-    let mut quantities: Vec<(&str, Vec<f64>)> = vec![
-        ("angle (rad)", rows.iter().map(|row| row.angle_rad).collect()),
-        ("velocity (rad/s)", rows.iter().map(|row| row.velocity_rad_s).collect()),
-        ("t (s)", rows.iter().map(|row| row.t_s).collect()),
-    ];
-    if let Some(period_rad) = period_rad {
-        let within = |row: &Row| row.angle_rad.rem_euclid(TAU * period_rad.abs());
-        quantities.push(("angle within a detent (rad)", rows.iter().map(within).collect()));
-    }
-    let explained = |at: &[f64]| explained(rows, at, &torques_mnm);
-    let (title, at) = quantities.into_iter().max_by(|a, b| explained(&a.1).total_cmp(&explained(&b.1)))?;
-    if explained(&at) < EXPLAINED {
-        return None;
-    }
+    let (title, of) = quantity(found.model.effect(step.effect)?, &found.model)?;
+    let at: Vec<f64> = rows.iter().map(of).collect();
     let point = |((row, at), torque_mnm): ((&Row, &f64), &f64)| Point {
         t_s: row.t_s,
         // The quantity of the plot stands in the angle's place.
@@ -61,6 +46,25 @@ pub(super) fn figure(found: &Diagnosis, step: &Step, rows: &[Row]) -> Option<Fig
     })
 }
 
+/// The quantity that the effect declares to depend on mainly, with its axis; an angle within a detent for what repeats with them.
+fn quantity(effect: &Effect, model: &Model) -> Option<(&'static str, Box<dyn Fn(&Row) -> f64>)> {
+    let period_rad = model.parameter("detent_period").filter(|period| *period != 0.0);
+    let kind = effect.kind();
+    let repeats = kind.role == Role::Detents && kind.name != effects::cogging::KIND.name;
+    match (kind.depends_on.first()?, period_rad.filter(|_| repeats)) {
+        (Coordinate::Angle, Some(period_rad)) => Some((
+            "angle within a detent (rad)",
+            Box::new(move |row: &Row| row.angle_rad.rem_euclid(TAU * period_rad.abs())),
+        )),
+        (Coordinate::Angle, None) => Some(("angle (rad)", Box::new(|row: &Row| row.angle_rad))),
+        (Coordinate::Velocity, _) => Some(("velocity (rad/s)", Box::new(|row: &Row| row.velocity_rad_s))),
+        // What hums has hundreds of periods in a capture.
+        (Coordinate::Time, _) if matches!(kind.part, Part::Reading(_)) => None,
+        (Coordinate::Time, _) => Some(("t (s)", Box::new(|row: &Row| row.t_s))),
+        (Coordinate::Acceleration | Coordinate::Load, _) => None,
+    }
+}
+
 /// The effect's share of the model's torque in every row, mNm.
 fn torques_mnm(model: &Model, name: &str, rows: &[Row]) -> Option<Vec<f64>> {
     let effect = model.effect(name)?;
@@ -82,26 +86,4 @@ fn torques_mnm(model: &Model, name: &str, rows: &[Row]) -> Option<Vec<f64>> {
         acceleration_rad_s2: 0.0,
     };
     rows.iter().map(|row| share(&motion(row)).filter(|torque_mnm| torque_mnm.is_finite())).collect()
-}
-
-/// Share of the torque's variance that its mean in bins of a quantity, by direction, explains; 0 for a torque that does not
-/// vary.
-fn explained(rows: &[Row], at: &[f64], torques_mnm: &[f64]) -> f64 {
-    let low = at.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = at.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut bins = vec![[0.0; 3]; 2 * (BINS + 1)];
-    let mut all = [0.0; 3];
-    for ((row, at), torque) in rows.iter().zip(at).zip(torques_mnm) {
-        let share = if high > low { (at - low) / (high - low) } else { 0.0 };
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of the number of bins")]
-        let bin = (share * real(BINS)) as usize;
-        for sums in [&mut bins[2 * bin + usize::from(row.velocity_rad_s > 0.0)], &mut all] {
-            *sums = [sums[0] + 1.0, sums[1] + torque, sums[2] + torque * torque];
-        }
-    }
-    let scatter =
-        |[count, sum, squares]: [f64; 3]| if count > 0.0 { (squares - sum * sum / count).max(0.0) } else { 0.0 };
-    let total = scatter(all);
-    // Rounding alone makes a constant torque scatter.
-    if total <= 1e-12 * all[2] { 0.0 } else { 1.0 - bins.into_iter().map(scatter).sum::<f64>() / total }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use dynamics::{Direction, Effect, Motion, Part, effects};
+use dynamics::{Coordinate, Direction, Effect, Motion, Part, effects};
 use identification::{Fit, Point};
 
 use super::{ACCELERATION, ANGLE, Figure, Mark, THIRD, TORQUE, VELOCITY, real, thinned};
@@ -67,6 +67,13 @@ impl View {
                     jumps: false,
                 })
             }
+            Part::Torque(_) if effect.kind().depends_only_on(Coordinate::Velocity) => Some(Self {
+                axis: VELOCITY,
+                caption: "The effect's torque over the velocities that were captured.",
+                of: Box::new(|motion| motion.velocity_rad_s),
+                motion: |value, _| Motion { velocity_rad_s: value, ..Motion::default() },
+                jumps: false,
+            }),
             Part::Torque(_) => Some(Self {
                 axis: ANGLE,
                 caption: "The effect's torque over the angles that were captured.",

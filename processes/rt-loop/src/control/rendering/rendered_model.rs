@@ -180,10 +180,10 @@ impl Forces<'_> {
 
     /// Torque of detents, springs and the like, mNm.
     pub(super) fn free_mnm(&self, motion: &Motion) -> f64 {
-        self.mixed(|rendered| rendered.model.free_torque_mnm(motion))
+        self.mixed(|rendered| rendered.model.place_torque_mnm(motion))
     }
 
-    /// Friction while sliding in `direction`, mNm, with its sign.
+    /// Friction and drag while sliding in `direction`, mNm, with their sign.
     ///
     /// The motor's viscous friction does a part of it. A fitted law may have a negative viscous coefficient and drive beyond some
     /// speed; rendered friction never drives, so that the motor's is all that a model without friction has: it is what damps its
@@ -192,7 +192,8 @@ impl Forces<'_> {
         let sign = direction.sign();
         self.mixed(|rendered| {
             let felt_anyway_mnm = rendered.motor_viscous * motion.velocity_rad_s;
-            sign * (sign * (rendered.model.friction_mnm(motion, direction) - felt_anyway_mnm)).max(0.0)
+            let taken_mnm = rendered.model.friction_mnm(motion, direction) + rendered.model.drag_mnm(motion);
+            sign * (sign * (taken_mnm - felt_anyway_mnm)).max(0.0)
         })
     }
 

@@ -2,13 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use hidden_effects::effect::CATALOGUE;
+use hidden_effects::effect::catalogue;
 
 use crate::diagnosis::Judged;
-
-/// Columns of the confusion matrix, in two letters.
-const LETTERS: [&str; 18] =
-    ["st", "ba", "dh", "mi", "fe", "pr", "rs", "es", "qd", "sc", "fd", "co", "to", "sd", "mh", "--", "ou", "xx"];
 
 /// Prints everything about one family.
 pub fn print(family: &str, judged: &[Judged]) {
@@ -79,13 +75,13 @@ fn by_effect(judged: &[Judged], strengths: &[Option<f64>]) {
     print!("{:<24}", "");
     strengths.iter().flatten().for_each(|strength| print!("{strength:>13}"));
     println!();
-    for truth in CATALOGUE.iter().chain(&["pair"]) {
-        if !judged.iter().any(|j| j.truth() == *truth) {
+    for truth in catalogue().iter().map(|kind| kind.name).chain(["pair"]) {
+        if !judged.iter().any(|j| j.truth() == truth) {
             continue;
         }
         print!("{truth:<24}");
         for strength in strengths {
-            let those: Vec<_> = of_strength(judged, *strength).into_iter().filter(|j| j.truth() == *truth).collect();
+            let those: Vec<_> = of_strength(judged, *strength).into_iter().filter(|j| j.truth() == truth).collect();
             let count = |right: fn(&Judged) -> bool| those.iter().filter(|j| right(j)).count();
             if those.is_empty() {
                 print!("{:>13}", "-");
@@ -164,17 +160,18 @@ fn middle(values: impl Iterator<Item = f64>, place: f64) -> String {
 }
 
 fn confusion(judged: &[Judged]) {
-    let names: Vec<&str> = CATALOGUE.iter().copied().chain(["none", "outside-library", "failed"]).collect();
-    println!("\nhidden (down) and the name said first (across)");
+    let names: Vec<&str> =
+        catalogue().iter().map(|kind| kind.name).chain(["none", "outside-library", "failed"]).collect();
+    println!("\nhidden (down) and the name said first (across, by number)");
     print!("{:<24}", "");
-    LETTERS.iter().for_each(|letters| print!("{letters:>3}"));
+    (1..=names.len()).for_each(|number| print!("{number:>3}"));
     println!();
-    for (truth, letters) in names.iter().zip(LETTERS) {
+    for (truth, number) in names.iter().zip(1..) {
         let those: Vec<_> = judged.iter().filter(|j| j.truth() == *truth).collect();
         if those.is_empty() {
             continue;
         }
-        print!("{letters} {truth:<21}");
+        print!("{number:>2} {truth:<21}");
         for name in &names {
             match those.iter().filter(|j| j.first_said() == *name).count() {
                 0 => print!("  ."),

@@ -1,0 +1,26 @@
+//! Friction that grows with the load.
+
+use serde_json::{Value, json};
+
+use super::{Acts, Kind, State};
+use crate::knob::{Knob, Wish};
+
+/// `load-friction`.
+pub(super) static KIND: Kind =
+    Kind { name: "load-friction", in_catalogue: false, wish: |_| Wish::default(), draw: |_, _| Box::new(LoadFriction) };
+
+struct LoadFriction;
+
+impl Acts for LoadFriction {
+    fn size_limits(&self) -> [f64; 2] {
+        [1e-3, 0.6]
+    }
+
+    fn parameters(&self, size: f64, _: &Knob) -> Value {
+        json!({"coefficient": size})
+    }
+
+    fn friction_extra(&self, size: f64, state: &State) -> f64 {
+        size * state.load_mnm.abs()
+    }
+}
