@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::bail;
+use captures::LoadedCapture;
 use dynamics::Model;
 use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, Progress, diagnose};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -11,7 +12,7 @@ use serde::Serialize;
 
 use crate::command_line;
 use crate::diagnosis_text;
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 use crate::recording;
@@ -21,8 +22,8 @@ use crate::recording;
 /// # Errors
 /// One sentence on why no verdict would be worth anything, or what is wrong with a file.
 pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
-    let train = LoadedCapture::load(&options.train)?;
-    let heldout = options.heldout.as_deref().map(LoadedCapture::load).transpose()?;
+    let train = load::load(&options.train)?;
+    let heldout = options.heldout.as_deref().map(load::load).transpose()?;
     let model = options.model.as_deref().map(starting_model).transpose()?;
     let bar = progress_bar();
     let progress = |progress: Progress| show_progress(&bar, progress);
@@ -45,17 +46,16 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
     }
     if let Some(path) = &options.out {
         let model = Model {
-            name: train.title(),
+            name: load::title(&train),
             description: format!("diagnosed from {}: {}", options.train.display(), found.summary),
             effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
         };
         write(path, Kind::DiagnosedModel, &model.to_toml())?;
     }
-    let page =
-        DiagnosisPage { found: &found, train: train.facts(), heldout: heldout.as_ref().map(LoadedCapture::facts) };
+    let page = DiagnosisPage { found: &found, train: load::facts(&train), heldout: heldout.as_ref().map(load::facts) };
     tell(&page, options.json.as_deref(), options.report.as_deref())?;
     if let Some(path) = &options.recording {
-        recording::write(path, &found, &train.title(), heldout.as_ref().map(LoadedCapture::title).as_deref())?;
+        recording::write(path, &found, &load::title(&train), heldout.as_ref().map(load::title).as_deref())?;
     }
     Ok(Outcome::Done)
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use captures::LoadedCapture;
 use dynamics::Model;
 use identification::{Average, Fit, FitOptions, PreparationMethod};
 use report::{AveragePage, CaptureFacts, FigureNumbers, FitNumbers};
@@ -10,7 +11,7 @@ use serde::Serialize;
 
 use crate::command_line;
 use crate::harmonic_table::harmonic_table;
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 use crate::parameter_table::{parameter_table, reasons};
@@ -28,16 +29,16 @@ pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
 }
 
 fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded = LoadedCapture::load(capture)?;
+    let loaded = load::load(capture)?;
     let fit = fit_prepared(&loaded, options.preparation.into())?;
     if !to_output(options.json.as_deref()) {
         show(&loaded, &fit);
     }
-    let page = options.report.as_ref().map(|_| loaded.report_page(&fit));
+    let page = options.report.as_ref().map(|_| load::report_page(&loaded, &fit));
     let (page, figures) = page.unwrap_or_default();
     write_numbers(options.json.as_deref(), &loaded, &fit, figures)?;
     if let Some(path) = &options.out {
-        write(path, Kind::FittedModel, &fit.model(&loaded.title()).to_toml())?;
+        write(path, Kind::FittedModel, &fit.model(&load::title(&loaded)).to_toml())?;
     }
     if let Some(path) = &options.report {
         write(path, Kind::Page, &page)?;
@@ -47,7 +48,7 @@ fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result
 
 /// One model of several captures of the same knob.
 fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded = captures.iter().map(|path| LoadedCapture::load(path)).collect::<anyhow::Result<Vec<_>>>()?;
+    let loaded = captures.iter().map(|path| load::load(path)).collect::<anyhow::Result<Vec<_>>>()?;
     let prepared = |one| fit_prepared(one, options.preparation.into());
     let fits = loaded.iter().map(prepared).collect::<anyhow::Result<Vec<Fit>>>()?;
     let average = identification::average(&fits).context("there is no capture to fit")?;
@@ -65,11 +66,11 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
     let numbers = FitNumbers::of(&average.fit, truth);
     write_json(options.json.as_deref(), &ToldTogether { average: &average, numbers, fits: told })?;
     if let Some(path) = &options.out {
-        let titles: Vec<String> = loaded.iter().map(LoadedCapture::title).collect();
+        let titles: Vec<String> = loaded.iter().map(load::title).collect();
         write(path, Kind::FittedModel, &average.model(&titles.join(" and ")).to_toml())?;
     }
     if let Some(path) = &options.report {
-        let captures = loaded.iter().map(LoadedCapture::facts).collect();
+        let captures = loaded.iter().map(load::facts).collect();
         write(
             path,
             Kind::Page,
@@ -109,7 +110,7 @@ struct Told<'a> {
 impl<'a> Told<'a> {
     fn of(loaded: &LoadedCapture, fit: &'a Fit) -> Self {
         let numbers = FitNumbers::of(fit, loaded.truth.as_ref());
-        Self { fit, numbers, capture: loaded.facts(), figures: FigureNumbers::new() }
+        Self { fit, numbers, capture: load::facts(&loaded), figures: FigureNumbers::new() }
     }
 }
 

@@ -2,11 +2,12 @@
 
 use anyhow::Context as _;
 use archive::{Capture, whole_file};
+use captures::LoadedCapture;
 use dynamics::simulate::ForwardSimulation;
 use dynamics::{Calibration, Direction, Model, Motion, shifted};
 
 use crate::command_line::{SimulateOptions, SimulationDrive};
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::Kind;
 
@@ -19,7 +20,7 @@ const RESTING_RAD_S: f64 = 0.02;
 /// One sentence on what is wrong with the model, the capture or the output.
 pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
     let model = Model::load(&options.model)?;
-    let like = LoadedCapture::load(&options.like)?;
+    let like = load::load(&options.like)?;
     let gripper_inertia = like.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
     let motions = identification::knob_motion(&like.samples(), like.calibration.as_ref())?;
     let simulated = match options.drive {

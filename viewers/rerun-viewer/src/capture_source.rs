@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use archive::{Capture, attachment};
+use archive::Capture;
+use captures::LoadedCapture;
 use dynamics::{Calibration, Model};
-use identification::{Fit, FitOptions, Samples};
+use identification::{Fit, FitOptions};
 
 use crate::capture_summary;
 use crate::layout::Subject;
@@ -32,22 +33,10 @@ impl CaptureSource {
     /// # Errors
     /// One sentence on what is wrong with the file.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
-        let capture = Capture::load(path)?.of_knob();
-        let calibration = capture
-            .attached_text(attachment::CALIBRATION)
-            .filter(|text| !text.is_empty())
-            .map(Calibration::from_toml)
-            .transpose();
-        let seen = |known: Calibration| if capture.is_rendered() { known.seen_from_the_hand() } else { known };
-        let (calibration, fit) = match calibration {
-            Ok(calibration) => {
-                let calibration = calibration.map(seen);
-                let options = FitOptions { calibration: calibration.clone(), ..FitOptions::default() };
-                let fit = identification::fit(&columns(&capture), &options).map_err(|error| error.to_string());
-                (calibration, fit)
-            }
-            Err(error) => (None, Err(error.to_string())),
-        };
+        let loaded = LoadedCapture::load(path)?;
+        let options = FitOptions { calibration: loaded.calibration.clone(), ..FitOptions::default() };
+        let fit = identification::fit(&loaded.samples(), &options).map_err(|error| error.to_string());
+        let LoadedCapture { capture, calibration, .. } = loaded;
         Ok(Self { capture, calibration, fit, next_row: 0, ended: false })
     }
 
@@ -116,16 +105,6 @@ impl Source for CaptureSource {
 
     fn can_wait(&self) -> bool {
         true
-    }
-}
-
-fn columns(capture: &Capture) -> Samples<'_> {
-    Samples {
-        t_s: &capture.t_s,
-        angle_rad: &capture.angle_rad,
-        velocity_rad_s: capture.velocity_rad_s.as_deref(),
-        acceleration_rad_s2: capture.acceleration_rad_s2.as_deref(),
-        torque_mnm: &capture.torque_mnm,
     }
 }
 
@@ -204,6 +183,39 @@ mod tests {
             let row = usize::try_from(moment.time_ns).unwrap() / 1_000_000;
             assert!((moment.torque_mnm - readings[row].torque_mnm).abs() < 0.1, "at row {row}");
         }
+        assert!(text.contains("| inertia | 0.200"), "{text}");
+    }
+
+    #[test]
+    fn a_table_is_fitted_with_the_calibration_beside_it() {
+        let rows = (0..20_000).map(|row| {
+            let t_s = f64::from(row) / 1_000.0;
+            let (sine, cosine) = (3.0 * t_s).sin_cos();
+            (t_s, sine, -0.25 * 9.0 * sine + 4.0 * cosine.signum())
+        });
+        let file = table(rows);
+        let calibration = Calibration {
+            gripper_inertia: 0.05,
+            motor_inertia: 0.016,
+            torque_sensor_stiffness_mnm_rad: 5e5,
+            torque_zero_mnm: 0.0,
+            torque_delay_s: 0.0,
+            acceleration_zero_rad_s2: 0.0,
+            acceleration_delay_s: 0.0,
+            gravity_amplitude_rad_s2: 0.0,
+            gravity_phase_rad: 0.0,
+            angle_step_rad: 1e-5,
+            torque_step_mnm: 0.18,
+            acceleration_step_rad_s2: 2.8,
+            motor_coulomb_mnm: None,
+            motor_viscous: None,
+            command_delay_s: None,
+            motor_cogging: None,
+        };
+        std::fs::write(captures::calibration_beside(file.path()), calibration.to_toml()).unwrap();
+        let mut source = CaptureSource::open(file.path()).unwrap();
+        std::fs::remove_file(captures::calibration_beside(file.path())).unwrap();
+        let (_, _, text) = everything(&mut source);
         assert!(text.contains("| inertia | 0.200"), "{text}");
     }
 

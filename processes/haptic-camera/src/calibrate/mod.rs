@@ -6,11 +6,12 @@ mod table;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
+use captures::LoadedCapture;
 use dynamics::Calibration;
 use identification::calibration::{self, CalibrateError, Calibrated};
 
 use crate::command_line::{CalibrateOptions, CalibrationKind, RigOptions};
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::rig_run::RigRun;
 
@@ -31,7 +32,7 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let mut known: Option<Calibration> = previous.as_ref().map(|previous| previous.calibration.clone());
     let mut found = Vec::new();
     for path in &captures {
-        let loaded = LoadedCapture::load(path)?;
+        let loaded = load::load(path)?;
         let base = match (&known, &loaded.calibration) {
             (Some(known), _) => known.clone(),
             (None, Some(own)) => own.clone(),

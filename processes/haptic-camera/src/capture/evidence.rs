@@ -1,12 +1,12 @@
 //! The captures that a diagnosis rests on, and how further ones join them.
 
+use captures::LoadedCapture;
 use dynamics::effects;
 use identification::Samples;
 use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, diagnose};
 
 use crate::command_line::CaptureOptions;
 use crate::diagnose::{progress_bar, show_progress};
-use crate::load::LoadedCapture;
 use crate::outcome::say;
 
 /// Rest put between two captures that are made into one, s: longer than any gap that is filled in.
@@ -111,9 +111,9 @@ impl Joined {
 #[cfg(test)]
 mod tests {
     use archive::Capture;
+    use captures::LoadedCapture;
 
     use super::Joined;
-    use crate::load::LoadedCapture;
 
     fn loaded(samples: usize, accelerated: bool) -> LoadedCapture {
         #[allow(clippy::cast_precision_loss, reason = "a few samples")]
@@ -122,7 +122,7 @@ mod tests {
             acceleration_rad_s2: accelerated.then(|| vec![0.5; samples]),
             ..Capture::from_columns(100.0, angle, vec![1.0; samples])
         };
-        LoadedCapture { capture, calibration: None, truth: None }
+        LoadedCapture { capture, calibration: None, calibration_file: None, truth: None }
     }
 
     #[test]

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use archive::claim::numbered;
 use archive::whole_file;
+use captures::LoadedCapture;
 use identification::Fit;
 
 use crate::fit;
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{Kind, write};
 use crate::supervision::{Archived, RunEnd};
@@ -61,9 +62,9 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
     let beside = |extension| named(number, extension);
     let (model, report) = (beside("toml"), beside("html"));
-    write(&model, Kind::FittedModel, &fitted.model(&loaded.title()).to_toml())?;
+    write(&model, Kind::FittedModel, &fitted.model(&load::title(&loaded)).to_toml())?;
     say(format!("model    {}", model.display()));
-    let (page, figures) = loaded.report_page(fitted);
+    let (page, figures) = load::report_page(&loaded, fitted);
     write(&report, Kind::Page, &page)?;
     say(format!("report   {}", report.display()));
     // For `list`, and for whoever computes with the intervals.
@@ -116,7 +117,7 @@ fn wanting_words((name, share): (&str, Option<f64>)) -> String {
 pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(LoadedCapture, Outcome)>> {
     end.tell();
     let Some(archive) = end.left_archive(archive) else { return Ok(None) };
-    let loaded = LoadedCapture::load(&archive)?;
+    let loaded = load::load(&archive)?;
     say(format!("archive  {} ({} samples)", archive.display(), loaded.capture.len()));
     let outcome = end.settle(&Archived::from(&loaded.capture));
     Ok(Some((loaded, outcome)))

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use captures::LoadedCapture;
 use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use report::DiagnosisPage;
@@ -14,7 +15,7 @@ use super::{finish, supervised};
 use crate::command_line::{CaptureOptions, RunOptions};
 use crate::diagnose;
 use crate::diagnosis_text;
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{Kind, to_output, write};
 use crate::recording;
@@ -162,18 +163,18 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     };
     let files: Vec<String> = taken.iter().map(|one| one.path.display().to_string()).collect();
     let model = Model {
-        name: first.loaded.title(),
+        name: load::title(&first.loaded),
         description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
         effects: found.model.effects.clone(),
     };
     write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
-    let page = DiagnosisPage { found, train: first.loaded.facts(), heldout: Some(held_out.loaded.facts()) };
+    let page = DiagnosisPage { found, train: load::facts(&first.loaded), heldout: Some(load::facts(&held_out.loaded)) };
     let report = options.report.clone().unwrap_or_else(|| beside("html"));
     diagnose::tell(&page, options.json.as_deref(), Some(&report))?;
     say(format!("report   {}", report.display()));
     if let Some(path) = &options.recording {
-        recording::write(path, found, &first.loaded.title(), Some(&held_out.loaded.title()))?;
+        recording::write(path, found, &load::title(&first.loaded), Some(&load::title(&held_out.loaded)))?;
         say(format!("recording  {}", path.display()));
     }
     Ok(())

@@ -3,12 +3,13 @@
 mod breakaway;
 mod table;
 
+use captures::LoadedCapture;
 use dynamics::Model;
 use identification::checks::{DetentCount, FreeTravel, breakaways, count_detents, free_travel};
 use serde::Serialize;
 
 use crate::command_line::CheckOptions;
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{to_output, write_json};
 pub use breakaway::Threshold;
@@ -58,7 +59,7 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     let model = options.model.as_deref().map(Model::load).transpose()?;
     let mut captures = Vec::new();
     for path in &options.captures {
-        let loaded = LoadedCapture::load(path)?;
+        let loaded = load::load(path)?;
         captures.push(look(&loaded, model.as_ref())?);
     }
     withhold_breakaways(&mut captures);
@@ -86,7 +87,7 @@ fn look(loaded: &LoadedCapture, model: Option<&Model>) -> anyhow::Result<Shown> 
     let seen = breakaways(&samples, loaded.calibration.as_ref())?;
     let [static_negative, static_positive] = Threshold::of(&seen, model);
     let free_travel = free_travel(&samples, loaded.calibration.as_ref())?;
-    let capture = loaded.title();
+    let capture = load::title(&loaded);
     Ok(Shown { capture, detents, no_detents, static_negative, static_positive, free_travel, no_static: None })
 }
 

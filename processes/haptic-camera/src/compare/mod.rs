@@ -7,13 +7,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use captures::LoadedCapture;
 use dynamics::{Model, knobs};
 use identification::{Fit, Parameters};
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
 
 use crate::command_line::CompareOptions;
 use crate::fit::fit_capture;
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 use crate::parameter_table::true_value;
@@ -79,7 +80,7 @@ fn compare(given: &[String]) -> anyhow::Result<Comparison> {
             subjects.push(Subject::Model { file: name.clone(), model: knobs::named(name)? });
             continue;
         }
-        let loaded = LoadedCapture::load(&PathBuf::from(name))?;
+        let loaded = load::load(&PathBuf::from(name))?;
         let fit = fit_capture(&loaded)?;
         let group = Group::of(&loaded);
         let same = subjects.iter_mut().find_map(|subject| match subject {
@@ -148,7 +149,7 @@ fn of_captures(group: Option<&Group>, fitted: &[(LoadedCapture, Fit)]) -> anyhow
         .iter()
         .map(|(loaded, fit)| ComparedCapture {
             number: 0,
-            facts: loaded.facts(),
+            facts: load::facts(&loaded),
             parameters: values(&fit.parameters),
             quality: quality(fit),
         })

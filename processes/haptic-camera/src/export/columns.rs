@@ -1,9 +1,9 @@
 //! A capture's columns for a columnar file.
 
 use archive::Capture;
+use captures::LoadedCapture;
 
 use super::TAKEN_ALONG;
-use crate::load::LoadedCapture;
 
 /// The values of a column.
 pub(super) enum Values<'a> {

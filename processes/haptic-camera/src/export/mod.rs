@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use archive::attachment;
 use archive::whole_file::write_bytes;
+use captures::calibration_beside;
 use dynamics::knobs;
 
 use crate::command_line::ExportOptions;
-use crate::load::{LoadedCapture, calibration_beside};
+use crate::load;
 use crate::outcome::{Outcome, say, tell_error};
 use crate::outputs::{CALIBRATION_MARK, Kind, write};
 use torque_over_angle::TorqueOverAngle;
@@ -54,7 +55,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
 
 /// The columns that `fit` reads, with what it must know of the rig beside them: it then finds the same.
 fn capture_as_csv(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
-    let loaded = LoadedCapture::load(source)?;
+    let loaded = load::load(source)?;
     loaded.capture.write_csv(out)?;
     say(format!("{}: {} samples; angles in rad, torque in mNm, time in s", out.display(), loaded.capture.len()));
     if let Some(calibration) = &loaded.calibration {
@@ -66,7 +67,7 @@ fn capture_as_csv(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
 }
 
 fn capture_as_parquet(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
-    let loaded = LoadedCapture::load(source)?;
+    let loaded = load::load(source)?;
     let columns = columns::of(&loaded.capture);
     let metadata = columns::metadata(&loaded, &columns);
     let bytes = parquet_file::bytes(&columns, metadata)

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::fit::fit_capture;
-use crate::load::LoadedCapture;
+use crate::load;
 
 /// Samples up to which a capture is fitted for a list: a minute and a half at 10 kHz, a second's work or so.
 const MOST_SAMPLES: u64 = 1_000_000;
@@ -31,7 +31,7 @@ impl Quality {
         if samples > MOST_SAMPLES {
             return Self::default();
         }
-        let fitted = LoadedCapture::load(path).and_then(|loaded| fit_capture(&loaded));
+        let fitted = load::load(path).and_then(|loaded| fit_capture(&loaded));
         fitted.map_or_else(
             |_| Self::default(),
             |fit| Self {

@@ -2,11 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use captures::LoadedCapture;
 use dynamics::Excitation;
 use identification::filter::chebyshev2_low_pass;
 use report::{ChannelDifference, ChannelLag, ChannelTrace};
-
-use crate::load::LoadedCapture;
 
 /// Frequency at which the lag is taken, Hz.
 pub const LAG_HZ: f64 = 30.0;

@@ -6,13 +6,14 @@
 mod channel;
 mod table;
 
+use captures::LoadedCapture;
 use dynamics::Excitation;
 use report::{CaptureFacts, RigTest};
 
 use anyhow::Context as _;
 
 use crate::command_line::RigTestOptions;
-use crate::load::LoadedCapture;
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 use crate::rig_run::RigRun;
@@ -45,7 +46,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         amplitude: Some(TORQUE_AMPLITUDE_MNM),
         ..free(sweep, duration_s)
     };
-    let made = |run: &RigRun, purpose| LoadedCapture::load(&run.archive(&options.rig, purpose)?);
+    let made = |run: &RigRun, purpose| load::load(&run.archive(&options.rig, purpose)?);
     let sweep = options.sweep.as_str();
     let spun = [made(&free(sweep, SWEEP_S), "rig-test-free")?, made(&free("tone", TONE_S), "rig-test-free-30-hz")?];
     let held =
@@ -89,7 +90,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
 
 /// A run of the rig under the name `title`.
 fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
-    CaptureFacts { title: title.to_owned(), ..loaded.facts() }
+    CaptureFacts { title: title.to_owned(), ..load::facts(&loaded) }
 }
 
 /// What the rig was told to do.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context as _;
+use captures::LoadedCapture;
 use dynamics::{Model, Motion};
 use identification::checks::breakaways;
 use identification::diagnosis::{DiagnoseOptions, diagnose};
@@ -13,7 +14,7 @@ use super::compare::{further_effects, parameters, torque_error_mnm};
 use super::two_bodies;
 use super::{Added, HeldStill, Limits, Verification, passes};
 use crate::check::Threshold;
-use crate::load::LoadedCapture;
+use crate::load;
 
 /// Grip of the hand that turns the knob, in usual ones: one that holds a knob firmly.
 const GRIP: f64 = 6.0;
@@ -54,7 +55,7 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
     let mut capture = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<LoadedCapture> {
         let path = make(name, hand, duration_s)?;
         captures.push(path.clone());
-        LoadedCapture::load(&path)
+        load::load(&path)
     };
     let amplitude_rad = driving_speed_rad_s(model).map_or(AMPLITUDE_RAD, |speed_rad_s| {
         (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(AMPLITUDE_RAD)

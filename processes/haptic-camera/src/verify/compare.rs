@@ -1,10 +1,10 @@
 //! Parameter by parameter: intended and rendered.
 
+use captures::LoadedCapture;
 use dynamics::{Effect, Model, Motion, Part, effects};
 use identification::Fit;
 use serde::Serialize;
 
-use crate::load::LoadedCapture;
 use crate::simulate::{along_motion, torque_at_knob};
 
 use super::{LARGEST_DIFFERENCE_PERCENT, LARGEST_STATIC_DIFFERENCE_PERCENT};

@@ -18,6 +18,7 @@ use report::CaptureFacts;
 use serde::Serialize;
 
 use crate::command_line::{ReplayOptions, RunOptions};
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 use crate::supervision::{Archived, Shown, SupervisedRun, archive_stem};
@@ -210,7 +211,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     if !to_output(options.json.as_deref()) {
         table::lines(verification).iter().for_each(say);
     }
-    write_json(options.json.as_deref(), &Told { verification, capture: captured.train.facts() })?;
+    write_json(options.json.as_deref(), &Told { verification, capture: load::facts(&captured.train) })?;
     if let Some(path) = &options.report {
         write(path, Kind::Page, &page::page(&model, &captured))?;
         if !to_output(options.json.as_deref()) {

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use captures::LoadedCapture;
 use dynamics::{Model, Part};
 use identification::checks::{FreeTravel, free_travel};
 use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
 
 use super::compare::{Verified, along_motion_mnm};
 use super::{Added, HeldStill, Limits, LostMotion, Verification, passes};
-use crate::load::LoadedCapture;
 
 /// Compares the captures of a sweep, another motion and a creep with a model of two bodies.
 ///
