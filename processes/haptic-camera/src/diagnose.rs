@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use anyhow::bail;
-use captures::LoadedCapture;
 use dynamics::Model;
 use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, Progress, diagnose};
 use indicatif::{ProgressBar, ProgressStyle};
+use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, DiagnosisNumbers, DiagnosisPage, FigureNumbers};
 use serde::Serialize;
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use captures::LoadedCapture;
 use dynamics::Model;
 use identification::{Average, Fit, FitOptions, PreparationMethod};
+use loaded_capture::LoadedCapture;
 use report::{AveragePage, CaptureFacts, FigureNumbers, FitNumbers};
 use serde::Serialize;
 

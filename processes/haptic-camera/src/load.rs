@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use captures::LoadedCapture;
 use identification::Fit;
+use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, FigureNumbers, FitPage};
 
 use crate::outcome::remark;

@@ -2,9 +2,9 @@
 
 use anyhow::Context as _;
 use archive::{Capture, whole_file};
-use captures::LoadedCapture;
 use dynamics::simulate::ForwardSimulation;
 use dynamics::{Calibration, Direction, Model, Motion, shifted};
+use loaded_capture::LoadedCapture;
 
 use crate::command_line::{SimulateOptions, SimulationDrive};
 use crate::load;

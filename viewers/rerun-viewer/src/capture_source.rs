@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use archive::Capture;
-use captures::LoadedCapture;
 use dynamics::{Calibration, Model};
 use identification::{Fit, FitOptions};
+use loaded_capture::LoadedCapture;
 
 use crate::capture_summary;
 use crate::layout::Subject;
@@ -212,9 +212,9 @@ mod tests {
             command_delay_s: None,
             motor_cogging: None,
         };
-        std::fs::write(captures::calibration_beside(file.path()), calibration.to_toml()).unwrap();
+        std::fs::write(loaded_capture::calibration_beside(file.path()), calibration.to_toml()).unwrap();
         let mut source = CaptureSource::open(file.path()).unwrap();
-        std::fs::remove_file(captures::calibration_beside(file.path())).unwrap();
+        std::fs::remove_file(loaded_capture::calibration_beside(file.path())).unwrap();
         let (_, _, text) = everything(&mut source);
         assert!(text.contains("| inertia | 0.200"), "{text}");
     }

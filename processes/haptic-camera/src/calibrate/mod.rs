@@ -6,9 +6,9 @@ mod table;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use captures::LoadedCapture;
 use dynamics::Calibration;
 use identification::calibration::{self, CalibrateError, Calibrated};
+use loaded_capture::LoadedCapture;
 
 use crate::command_line::{CalibrateOptions, CalibrationKind, RigOptions};
 use crate::load;

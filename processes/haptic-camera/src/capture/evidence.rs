@@ -1,9 +1,9 @@
 //! The captures that a diagnosis rests on, and how further ones join them.
 
-use captures::LoadedCapture;
 use dynamics::effects;
 use identification::Samples;
 use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, diagnose};
+use loaded_capture::LoadedCapture;
 
 use crate::command_line::CaptureOptions;
 use crate::diagnose::{progress_bar, show_progress};
@@ -111,7 +111,7 @@ impl Joined {
 #[cfg(test)]
 mod tests {
     use archive::Capture;
-    use captures::LoadedCapture;
+    use loaded_capture::LoadedCapture;
 
     use super::Joined;
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use archive::claim::numbered;
 use archive::whole_file;
-use captures::LoadedCapture;
 use identification::Fit;
+use loaded_capture::LoadedCapture;
 
 use crate::fit;
 use crate::load;

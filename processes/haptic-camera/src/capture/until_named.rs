@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use captures::LoadedCapture;
 use dynamics::Model;
 use identification::diagnosis::Diagnosis;
+use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
 
 use super::evidence::diagnosed;

@@ -3,9 +3,9 @@
 mod breakaway;
 mod table;
 
-use captures::LoadedCapture;
 use dynamics::Model;
 use identification::checks::{DetentCount, FreeTravel, breakaways, count_detents, free_travel};
+use loaded_capture::LoadedCapture;
 use serde::Serialize;
 
 use crate::command_line::CheckOptions;

@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use captures::LoadedCapture;
 use dynamics::{Model, knobs};
 use identification::{Fit, Parameters};
+use loaded_capture::LoadedCapture;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
 
 use crate::command_line::CompareOptions;

@@ -1,7 +1,7 @@
 //! A capture's columns for a columnar file.
 
 use archive::Capture;
-use captures::LoadedCapture;
+use loaded_capture::LoadedCapture;
 
 use super::TAKEN_ALONG;
 

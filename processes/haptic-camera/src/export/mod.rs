@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use archive::attachment;
 use archive::whole_file::write_bytes;
-use captures::calibration_beside;
 use dynamics::knobs;
+use loaded_capture::calibration_beside;
 
 use crate::command_line::ExportOptions;
 use crate::load;

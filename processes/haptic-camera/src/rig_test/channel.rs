@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use captures::LoadedCapture;
 use dynamics::Excitation;
 use identification::filter::chebyshev2_low_pass;
+use loaded_capture::LoadedCapture;
 use report::{ChannelDifference, ChannelLag, ChannelTrace};
 
 /// Frequency at which the lag is taken, Hz.

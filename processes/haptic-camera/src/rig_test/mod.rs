@@ -6,8 +6,8 @@
 mod channel;
 mod table;
 
-use captures::LoadedCapture;
 use dynamics::Excitation;
+use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, RigTest};
 
 use anyhow::Context as _;

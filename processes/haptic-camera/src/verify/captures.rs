@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use captures::LoadedCapture;
 use dynamics::{Model, Motion};
 use identification::checks::breakaways;
 use identification::diagnosis::{DiagnoseOptions, diagnose};
 use identification::{Fit, FitOptions};
+use loaded_capture::LoadedCapture;
 use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};

@@ -1,8 +1,8 @@
 //! Parameter by parameter: intended and rendered.
 
-use captures::LoadedCapture;
 use dynamics::{Effect, Model, Motion, Part, effects};
 use identification::Fit;
+use loaded_capture::LoadedCapture;
 use serde::Serialize;
 
 use crate::simulate::{along_motion, torque_at_knob};

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use captures::LoadedCapture;
 use dynamics::{Model, Part};
 use identification::checks::{FreeTravel, free_travel};
 use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
+use loaded_capture::LoadedCapture;
 
 use super::compare::{Verified, along_motion_mnm};
 use super::{Added, HeldStill, Limits, LostMotion, Verification, passes};

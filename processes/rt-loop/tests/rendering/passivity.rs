@@ -3,7 +3,7 @@
 use hal::Apparatus as _;
 use hal::simulated::{Cogging, Grip, Hand, Intention, RigParameters, SimulatedRig};
 use rt_loop::control::rendering::RenderGains;
-use rt_loop::stability::{Bounded, Bounds};
+use rt_loop::stability::Bounds;
 
 use crate::held_knob::{HeldKnob, held_by_contact, held_by_springs};
 use crate::numbers::Numbers;
@@ -157,6 +157,8 @@ fn knob_three_with(kind: &'static dynamics::EffectKind, values: &[f64]) -> dynam
 #[test]
 fn damping_that_cannot_be_rendered_is_refused_by_its_parameter_whichever_effect_has_it() {
     use dynamics::effects::{eddy_current_damping, end_stop, quadratic_drag};
+    use rt_loop::stability::Bounded;
+
     let mut viscous = dynamics::knobs::paper_knob(3).unwrap();
     viscous.effects.iter_mut().filter(|effect| effect.kind().name == "friction").for_each(|friction| {
         friction.values_mut()[3] = 100.0;

@@ -1,0 +1,111 @@
+//! A capture as every program loads it: the file, what is known of the rig that made it, and the columns that a fit takes.
+
+use std::path::{Path, PathBuf};
+
+use archive::{ArchiveError, Capture, attachment};
+use dynamics::{Calibration, CalibrationError, Model, ModelError};
+use identification::Samples;
+
+/// A capture with what is known of the rig that made it.
+#[derive(Clone, Debug)]
+pub struct LoadedCapture {
+    /// The capture.
+    pub capture: Capture,
+    /// The rig's calibration; `None` for a table without one.
+    pub calibration: Option<Calibration>,
+    /// The file beside a table from which the calibration was read.
+    pub calibration_file: Option<PathBuf>,
+    /// The knob that the simulated rig turned; `None` for a real one or a table.
+    pub truth: Option<Model>,
+}
+
+/// A capture that cannot be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The file itself.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// The calibration in an archive.
+    #[error("{}: {error}", path.display())]
+    Calibration {
+        /// The archive.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: CalibrationError,
+    },
+    /// The calibration beside a table.
+    #[error(transparent)]
+    CalibrationFile(#[from] CalibrationError),
+    /// A folder that does not say whether a calibration lies beside a table.
+    #[error("{} cannot be read ({error}); check the folder's permissions", path.display())]
+    Beside {
+        /// The calibration's place.
+        path: PathBuf,
+        /// The system's word for it.
+        error: std::io::Error,
+    },
+    /// The model of the simulated knob.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+impl LoadedCapture {
+    /// Reads a capture and its attachments; of a table, the calibration that an export put beside it.
+    ///
+    /// # Errors
+    /// [`LoadError`], one sentence on what is wrong with a file.
+    pub fn load(path: &Path) -> Result<Self, LoadError> {
+        let capture = Capture::load(path)?.of_knob();
+        let attached = capture.attached_text(attachment::CALIBRATION).filter(|text| !text.is_empty());
+        let calibration_file =
+            if attached.is_none() && capture.description.is_none() { existing_calibration_beside(path)? } else { None };
+        let calibration = match (attached, &calibration_file) {
+            (Some(text), _) => Some(
+                Calibration::from_toml(text)
+                    .map_err(|error| LoadError::Calibration { path: path.to_owned(), error })?,
+            ),
+            (None, Some(file)) => Some(Calibration::load(file)?),
+            (None, None) => None,
+        };
+        let truth = capture
+            .attached_text(attachment::MODEL)
+            .map(|text| Model::from_toml(text, &format!("the model in {}", path.display())))
+            .transpose()?;
+        let seen = |known: Calibration| if capture.is_rendered() { known.seen_from_the_hand() } else { known };
+        let calibration = calibration.map(seen);
+        Ok(Self { capture, calibration, calibration_file, truth })
+    }
+
+    /// The columns that a fit takes.
+    #[must_use]
+    pub fn samples(&self) -> Samples<'_> {
+        Samples {
+            t_s: &self.capture.t_s,
+            angle_rad: &self.capture.angle_rad,
+            velocity_rad_s: self.capture.velocity_rad_s.as_deref(),
+            acceleration_rad_s2: self.capture.acceleration_rad_s2.as_deref(),
+            torque_mnm: &self.capture.torque_mnm,
+        }
+    }
+
+    /// Torque commanded from the motor, mNm; `None` for a table or a simulation without it.
+    #[must_use]
+    pub fn commanded_torque_mnm(&self) -> Option<&[f64]> {
+        self.capture.commanded_torque_mnm.as_deref()
+    }
+}
+
+/// The place of an exported table's calibration.
+#[must_use]
+pub fn calibration_beside(table: &Path) -> PathBuf {
+    table.with_extension("calibration.toml")
+}
+
+/// The calibration of an exported table; `None` for a table without one.
+fn existing_calibration_beside(table: &Path) -> Result<Option<PathBuf>, LoadError> {
+    let path = calibration_beside(table);
+    match path.try_exists() {
+        Ok(exists) => Ok(exists.then_some(path)),
+        Err(error) => Err(LoadError::Beside { path, error }),
+    }
+}
