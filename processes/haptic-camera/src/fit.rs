@@ -110,7 +110,7 @@ struct Told<'a> {
 impl<'a> Told<'a> {
     fn of(loaded: &LoadedCapture, fit: &'a Fit) -> Self {
         let numbers = FitNumbers::of(fit, loaded.truth.as_ref());
-        Self { fit, numbers, capture: load::facts(&loaded), figures: FigureNumbers::new() }
+        Self { fit, numbers, capture: load::facts(loaded), figures: FigureNumbers::new() }
     }
 }
 

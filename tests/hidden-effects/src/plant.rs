@@ -59,8 +59,8 @@ pub enum Link {
 
 impl Link {
     fn of(effects: &[Effect]) -> Self {
-        let links = effects.iter().map(|effect| effect.acts().link(effect.size));
-        links.filter(|link| !matches!(link, Self::Rigid)).last().unwrap_or(Self::Rigid)
+        let mut links = effects.iter().rev().map(|effect| effect.acts().link(effect.size));
+        links.find(|link| !matches!(link, Self::Rigid)).unwrap_or(Self::Rigid)
     }
 
     /// Part of the knob's inertia that moves with the cap.

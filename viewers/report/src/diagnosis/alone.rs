@@ -46,8 +46,11 @@ pub(super) fn figure(found: &Diagnosis, step: &Step, rows: &[Row]) -> Option<Fig
     })
 }
 
+/// Reads a quantity off a row.
+type Quantity = Box<dyn Fn(&Row) -> f64>;
+
 /// The quantity that the effect declares to depend on mainly, with its axis; an angle within a detent for what repeats with them.
-fn quantity(effect: &Effect, model: &Model) -> Option<(&'static str, Box<dyn Fn(&Row) -> f64>)> {
+fn quantity(effect: &Effect, model: &Model) -> Option<(&'static str, Quantity)> {
     let period_rad = model.parameter("detent_period").filter(|period| *period != 0.0);
     let kind = effect.kind();
     let repeats = kind.role == Role::Detents && kind.name != effects::cogging::KIND.name;
