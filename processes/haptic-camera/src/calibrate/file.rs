@@ -32,7 +32,7 @@ impl Previous {
     }
 }
 
-/// Writes what was known with what was learnt in its place; `replaced` is what it may replace.
+/// Writes the known calibration with the newly found values; `replaced` is what it may replace.
 ///
 /// # Errors
 /// When the file cannot be written.
