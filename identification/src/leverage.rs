@@ -133,3 +133,16 @@ fn pair(row: usize, column: usize) -> usize {
     let (row, column) = (row.max(column), row.min(column));
     row * (row + 1) / 2 + column
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::Leverage;
+
+    #[test]
+    fn where_no_column_could_be_fitted_nothing_is_corrected() {
+        let columns = [vec![0.0; 100], vec![0.0; 100]];
+        assert_eq!(Leverage::of(&columns, &[], 4.0).correction(), DMatrix::identity(2, 2));
+    }
+}

@@ -151,20 +151,3 @@ fn a_gap_in_time_is_said() {
     assert!(note(&fit, "samples are missing from the capture").is_some());
     assert_told(&fit, 0.03, "gap");
 }
-
-#[test]
-fn a_torque_that_leaves_no_parameter_to_fit_is_no_panic() {
-    let t_s: Vec<f64> = (0..600).map(|row| f64::from(row) * 1e-3).collect();
-    let angle_rad: Vec<f64> = (0..600).map(|row| (0.05 * f64::from(row)).sin()).collect();
-    for torque_mnm in [vec![0.0; 600], angle_rad.iter().map(|angle| 1e-300 * angle).collect()] {
-        let samples = Samples {
-            t_s: &t_s,
-            angle_rad: &angle_rad,
-            velocity_rad_s: None,
-            acceleration_rad_s2: None,
-            torque_mnm: &torque_mnm,
-        };
-        let fitted = fit(&samples, &FitOptions::default());
-        assert!(fitted.is_ok_and(|fit| fit.residual_rms_mnm < 1e-200));
-    }
-}
