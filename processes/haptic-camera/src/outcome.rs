@@ -6,7 +6,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use indicatif::ProgressBar;
 pub use operator::tell_error;
-use operator::{one_line, visible};
+use operator::visible;
 
 /// The panel that is on the screen: it is taken away while something else is printed, and drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
@@ -62,8 +62,7 @@ pub fn say(lines: impl std::fmt::Display) {
 
 /// Prints a remark for the operator on standard error, in one line apart from results.
 pub fn remark(line: impl std::fmt::Display) {
-    let line = one_line(&line.to_string());
-    beside_panel(|| drop(writeln!(std::io::stderr(), "{line}")));
+    beside_panel(|| operator::remark(line.to_string()));
 }
 
 fn note_output(printed: std::io::Result<()>) {

@@ -194,24 +194,8 @@ mod tests {
             (t_s, sine, -0.25 * 9.0 * sine + 4.0 * cosine.signum())
         });
         let file = table(rows);
-        let calibration = Calibration {
-            gripper_inertia: 0.05,
-            motor_inertia: 0.016,
-            torque_sensor_stiffness_mnm_rad: 5e5,
-            torque_zero_mnm: 0.0,
-            torque_delay_s: 0.0,
-            acceleration_zero_rad_s2: 0.0,
-            acceleration_delay_s: 0.0,
-            gravity_amplitude_rad_s2: 0.0,
-            gravity_phase_rad: 0.0,
-            angle_step_rad: 1e-5,
-            torque_step_mnm: 0.18,
-            acceleration_step_rad_s2: 2.8,
-            motor_coulomb_mnm: None,
-            motor_viscous: None,
-            command_delay_s: None,
-            motor_cogging: None,
-        };
+        let calibration =
+            Calibration { gripper_inertia: 0.05, torque_zero_mnm: 0.0, ..crate::model_torque::tests::calibration() };
         let beside = loaded_capture::calibration_beside(file.path());
         let inertia = || {
             let fit = CaptureSource::open(file.path()).unwrap().fit.unwrap();

@@ -10,8 +10,8 @@
 //!         polls      frames      oldest     may stall as it likes
 //! ```
 //!
-//! For pages, what was drawn is kept in [`drawn`] and served by [`page`], whose [server](page::server) sends other
-//! users away and lets go of whoever takes nothing. `docs/live-view.md` says what is to be seen.
+//! [`drawn`] keeps what was drawn for pages, and [`page`] serves it. Its [server](page::server) refuses other users and
+//! drops connections that take nothing. `docs/live-view.md` says what is to be seen.
 //!
 //! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
 //!   control loop never waits. A viewer started again receives the last seconds first, at the port that

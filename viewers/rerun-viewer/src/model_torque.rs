@@ -178,8 +178,30 @@ pub fn told(estimate: &Estimate) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// The calibration of some rig.
+    pub(crate) fn calibration() -> Calibration {
+        Calibration {
+            gripper_inertia: 0.004,
+            motor_inertia: 0.016,
+            torque_sensor_stiffness_mnm_rad: 5e5,
+            torque_zero_mnm: 0.6,
+            torque_delay_s: 0.0,
+            acceleration_zero_rad_s2: 0.0,
+            acceleration_delay_s: 0.0,
+            gravity_amplitude_rad_s2: 0.0,
+            gravity_phase_rad: 0.0,
+            angle_step_rad: 1e-5,
+            torque_step_mnm: 0.18,
+            acceleration_step_rad_s2: 2.8,
+            motor_coulomb_mnm: None,
+            motor_viscous: None,
+            command_delay_s: None,
+            motor_cogging: None,
+        }
+    }
 
     fn enough(value: f64) -> Estimate {
         Estimate { value, ci95_low: value, ci95_high: value, verdict: Verdict::Enough.code(), reserved: 0 }
@@ -241,24 +263,7 @@ mod tests {
     #[test]
     #[allow(clippy::unwrap_used, reason = "test")]
     fn on_the_rig_the_sensor_also_bears_the_gripper_and_has_its_zero() {
-        let calibration = Calibration {
-            gripper_inertia: 0.004,
-            motor_inertia: 0.016,
-            torque_sensor_stiffness_mnm_rad: 5e5,
-            torque_zero_mnm: 0.6,
-            torque_delay_s: 0.0,
-            acceleration_zero_rad_s2: 0.0,
-            acceleration_delay_s: 0.0,
-            gravity_amplitude_rad_s2: 0.0,
-            gravity_phase_rad: 0.0,
-            angle_step_rad: 1e-5,
-            torque_step_mnm: 0.18,
-            acceleration_step_rad_s2: 2.8,
-            motor_coulomb_mnm: None,
-            motor_viscous: None,
-            command_delay_s: None,
-            motor_cogging: None,
-        };
+        let calibration = calibration();
         let knob = KnobModel::from_fit(&knob_three()).unwrap();
         let more_mnm = knob.on_rig(&calibration).torque_mnm(0.1, 2.0, 100.0) - knob.torque_mnm(0.1, 2.0, 100.0);
         assert!((more_mnm - (0.6 + 0.4)).abs() < 1e-12);
