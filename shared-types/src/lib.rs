@@ -41,7 +41,7 @@ mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};
 pub use description::{ClockMapping, RunDescription};
-pub use fit_update::{Estimate, FitUpdate, Verdict};
+pub use fit_update::{Convergence, Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
 pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};
 pub use private_ipc::PrivateIpc;

@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use consumer::Stop;
 use dynamics::Calibration;
-use identification::live::{LiveFit, LiveSample};
+use identification::live::{LiveFit, LiveSample, USUAL_SHARE};
 use streams::Streams;
 use update::Cadence;
 
@@ -28,6 +28,9 @@ struct Arguments {
     /// Times this process was restarted during the run, for its health report.
     #[arg(long, default_value_t = 0)]
     restarts: u32,
+    /// Share of its value within which half the 95 % interval of each parameter is asked for.
+    #[arg(long, default_value_t = USUAL_SHARE)]
+    share: f64,
 }
 
 fn main() -> ExitCode {
@@ -56,7 +59,7 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
         Some(_) => (calibration.seen_from_the_hand(), -1.0),
         None => (calibration, 1.0),
     };
-    let mut fit = LiveFit::new(run.rate_hz, Some(&calibration));
+    let mut fit = LiveFit::new(run.rate_hz, Some(&calibration)).converging_to(arguments.share);
     let mut cadence = Cadence::new();
     while !stop.is_asked() {
         streams.take_samples(run.run_id, |sample| {

@@ -10,6 +10,7 @@ use super::loop_link::LoopLink;
 use super::words::Words;
 use crate::command_line::RunOptions;
 use crate::terminal;
+use crate::until_ci::Share;
 
 /// After the run a recorder that cannot be started, or dies at once, is tried for so long.
 const RECORDER_BACK: Duration = Duration::from_secs(10);
@@ -23,12 +24,18 @@ pub(crate) struct Consumers {
 
 impl Consumers {
     /// Starts them, off the control loop's core where there is another. Only the recorder is indispensable.
-    pub(crate) fn start(archive: &Path, options: &RunOptions, loop_core: u32) -> anyhow::Result<Self> {
+    pub(crate) fn start(
+        archive: &Path,
+        options: &RunOptions,
+        until: Option<Share>,
+        loop_core: u32,
+    ) -> anyhow::Result<Self> {
         let words = Words::apart_from_panel(terminal::size().is_some());
         let out = vec![format!("--out={}", archive.display())];
         let mut recorder = Consumer::new(ProcessKind::Recorder, out, loop_core);
         recorder.start(&words)?;
-        let mut others = vec![Consumer::new(ProcessKind::LiveFitter, Vec::new(), loop_core)];
+        let share = until.map(|share| format!("--share={}", share.get())).into_iter().collect();
+        let mut others = vec![Consumer::new(ProcessKind::LiveFitter, share, loop_core)];
         if !options.no_viewer {
             let place = if options.native_viewer { "--native" } else { "--web" };
             others.push(Consumer::new(ProcessKind::Viewer, vec![place.to_owned()], loop_core));
