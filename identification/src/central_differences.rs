@@ -51,7 +51,12 @@ pub(crate) fn central_differences(uniform: &Uniform) -> FixedPreparation {
         equal_hz: f64::INFINITY,
     };
     let torque_noise_mnm = (uniform.torque_density * 0.5 * rate_hz).sqrt();
-    let band = Band { edge_hz: CHEBYSHEV.2.min(HIGHEST * rate_hz), torque_noise_mnm };
+    let band = Band {
+        edge_hz: CHEBYSHEV.2.min(HIGHEST * rate_hz),
+        torque_noise_mnm,
+        clear_hz: f64::INFINITY,
+        angle_density: 0.0,
+    };
     let fir = if step == 1 { Fir::identity() } else { before_decimation(band.edge_hz, rate_hz) };
     let frame = Frame { rate_hz, mask, fir, step, threshold_rad_s: 0.0 };
     FixedPreparation { motion, torque_mnm: uniform.torque_mnm.clone(), frame, band }

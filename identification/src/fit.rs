@@ -227,7 +227,7 @@ impl<'a> Prepared<'a> {
         if uniform.lost > 0 {
             notes.push(format!("{} samples are missing from the capture; the fit leaves the gaps out", uniform.lost));
         }
-        notes.extend(uniform.faults.iter().cloned());
+        notes.extend(uniform.notes.iter().cloned());
         Fit {
             parameters,
             covariance,

@@ -8,7 +8,7 @@ use dynamics::{Effect, effects};
 use crate::filter::Fir;
 use crate::motion::{Band, KnobMotion, ROWS_PER_EDGE};
 use crate::statistics::rms;
-use crate::uniform::Uniform;
+use crate::uniform::{Uniform, whole};
 use crate::vector;
 
 /// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
@@ -19,7 +19,7 @@ const FADE_S: f64 = 0.002;
 /// Speed below which a knob may be sticking, as a share of the RMS speed.
 const SLOW: f64 = 0.01;
 /// Half length of the low-pass in periods of its edge: a Hamming window's transition is then as wide as the edge.
-const HALF_LENGTH_PERIODS: f64 = 1.65;
+pub(crate) const HALF_LENGTH_PERIODS: f64 = 1.65;
 /// Samples that are filtered together: few enough to stay in a processor's cache.
 const BLOCK: usize = 2048;
 
@@ -51,7 +51,7 @@ impl Frame {
         if !motion.exact {
             fade(&mut mask, (FADE_S * rate_hz).round() as usize);
         }
-        let step = ((rate_hz / (ROWS_PER_EDGE * band.edge_hz)) as usize).max(1);
+        let step = whole(rate_hz / (ROWS_PER_EDGE * band.edge_hz)).max(1);
         let half_length = (HALF_LENGTH_PERIODS * rate_hz / band.edge_hz).round() as usize;
         Self { rate_hz, mask, fir: Fir::low_pass(half_length, band.edge_hz, rate_hz), step, threshold_rad_s }
     }

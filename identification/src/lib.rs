@@ -23,6 +23,7 @@
 //! [`live::LiveFit`] does the same to a stream. [`average()`] makes one model of several captures,
 //! [`calibration`] finds out what is known of a rig, and [`checks`] looks at a capture without a fit.
 
+mod angle_spectrum;
 mod average;
 pub mod calibration;
 mod central_differences;
@@ -43,6 +44,7 @@ mod least_squares;
 mod leverage;
 pub mod live;
 mod long_run;
+mod misfit;
 mod motion;
 mod options;
 mod paper_preparation;
@@ -50,6 +52,7 @@ mod problem;
 mod quasi_static;
 mod report;
 mod samples;
+mod sampling;
 mod saturation;
 mod scan;
 mod sensor_noise;

@@ -5,24 +5,23 @@ use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion};
 
+use crate::angle_spectrum::AngleSpectrum;
 use crate::filter::{Fir, Sections, butterworth_low_pass};
 use crate::fusion::{Sensors, blend, kalman_smoother};
 use crate::options::AccelerationUse;
-use crate::spectrum::{Spectrum, white_density};
+use crate::spectrum::Spectrum;
 use crate::statistics::{MEDIAN_MAGNITUDE, median, rms};
 use crate::uniform::Uniform;
 use crate::vector::{self, dot};
 
 /// Share of the torque's power above its noise that may lie beyond the fit's band.
 const POWER_BEYOND_BAND: f64 = 1e-4;
-/// Share of the velocity's power that lies in the sweep itself; the rest is jumps when the knob slips.
-const SWEEP_POWER: f64 = 0.95;
 /// Widest band, as a share of the sample rate.
 const WIDEST: f64 = 0.1;
 /// The band reaches at least to this multiple of the sweep's highest frequency …
-const NARROWEST_PER_SWEEP: f64 = 10.0;
+const NARROWEST_PER_SWEEP: f64 = 17.0;
 /// … and at most to this one, unless fine detents need more: beyond, rigs ring and their sensors differ.
-const WIDEST_PER_SWEEP: f64 = 25.0;
+const WIDEST_PER_SWEEP: f64 = 43.0;
 /// Widest band as a multiple of 1/delay of a calibrated torque channel: a lag is a mere delay only far below its
 /// bandwidth. For a second-order Butterworth this is an eighth of it, where the rest is worth half a microsecond.
 const WIDEST_PER_LAG: f64 = 0.028;
@@ -42,7 +41,7 @@ const DIFFERENCE_REACH: usize = 8;
 /// no parameter of the simulated rig's knobs differs.
 const EFFECTIVE: f64 = 0.4;
 /// Rows that the band should give if the sample rate permits: fewer make poor intervals.
-const FEWEST_ROWS: f64 = 1000.0;
+const FEWEST_ROWS: f64 = 200.0;
 /// Scatter of an exact derivative column, relative to its RMS: rounding, not measurement.
 const EXACT: f64 = 1e-7;
 
@@ -82,6 +81,10 @@ pub(crate) struct Band {
     pub(crate) edge_hz: f64,
     /// Torque noise, if it is white as the upper end of its spectrum says, mNm.
     pub(crate) torque_noise_mnm: f64,
+    /// Edge of the widest band in which the acceleration is signal, Hz.
+    pub(crate) clear_hz: f64,
+    /// Density of the encoder's noise in the band, rad²/Hz.
+    pub(crate) angle_density: f64,
 }
 
 impl Band {
@@ -94,20 +97,22 @@ impl Band {
         let torque_noise_mnm = (floor * rate_hz * 0.5).sqrt();
         let widest_hz = WIDEST * rate_hz;
         if exact {
-            return Self { edge_hz: widest_hz, torque_noise_mnm };
+            return Self { edge_hz: widest_hz, torque_noise_mnm, clear_hz: f64::INFINITY, angle_density: 0.0 };
         }
         let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
         let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
-        let velocity = Spectrum::welch(&gradient(&uniform.angle_rad, rate_hz), rate_hz);
-        let sweep_hz = velocity.power_below(SWEEP_POWER, 0.0);
+        let AngleSpectrum { sweep_hz, clear_hz, noise_density: angle_density } =
+            AngleSpectrum::of(&uniform.angle_rad, rate_hz);
+        // An accelerometer sees what the encoder does not.
+        let clear_hz = if uniform.acceleration_rad_s2.is_some() { f64::INFINITY } else { clear_hz.max(sweep_hz) };
         let duration_s = uniform.torque_mnm.len() as f64 / rate_hz;
         let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
         let lowest_hz = (NARROWEST_PER_SWEEP * sweep_hz).max(enough_hz);
         let lag_s = calibration.map_or(0.0, |known| known.torque_delay_s.abs());
         let alike_hz = (WIDEST_PER_LAG / lag_s).max(enough_hz);
         let wanted_hz = (1.25 * reach_hz).min(WIDEST_PER_SWEEP * sweep_hz).max(lowest_hz);
-        let edge_hz = wanted_hz.min(alike_hz).min(widest_hz);
-        Self { edge_hz, torque_noise_mnm }
+        let edge_hz = wanted_hz.min(alike_hz).min(clear_hz).min(widest_hz);
+        Self { edge_hz, torque_noise_mnm, clear_hz, angle_density }
     }
 
     /// The band widened for detents of a wavenumber (1/rad) that the knob crosses at a speed; `None` if it need not be.
@@ -133,7 +138,7 @@ impl KnobMotion {
         acceleration_use: AccelerationUse,
     ) -> Self {
         let rate_hz = uniform.rate_hz;
-        let mut angle_density = white_density(&uniform.angle_rad, rate_hz);
+        let mut angle_density = band.angle_density;
         let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
         let mut angle = uniform.angle_rad.clone();
         if let Some(known) = calibration.filter(|known| compliant(known)) {

@@ -58,7 +58,12 @@ pub(crate) fn paper_preparation(uniform: &Uniform) -> FixedPreparation {
         motion,
         torque_mnm: chebyshev(&uniform.torque_mnm, TORQUE_EDGE_HZ, rate_hz),
         frame: Frame { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s },
-        band: Band { edge_hz, torque_noise_mnm: (uniform.torque_density * 0.5 * rate_hz).sqrt() },
+        band: Band {
+            edge_hz,
+            torque_noise_mnm: (uniform.torque_density * 0.5 * rate_hz).sqrt(),
+            clear_hz: f64::INFINITY,
+            angle_density: 0.0,
+        },
     }
 }
 

@@ -34,7 +34,7 @@ pub(crate) struct Problem<'a> {
     /// Rows of θ·sin(θ/P) and θ·cos(θ/P) for the detents at the index given, from which the derivative by P follows.
     detent_slopes: Option<(usize, [Column; 2])>,
     nonnegative: Vec<bool>,
-    noise: SensorNoise,
+    pub(crate) noise: SensorNoise,
     /// Columns whose coefficient is an inertia.
     inertial: Vec<usize>,
 }
@@ -120,7 +120,7 @@ impl<'a> Problem<'a> {
     }
 
     fn column_noise(&self) -> Vec<ColumnNoise> {
-        let SensorNoise { acceleration_squares, acceleration_torque } = self.noise;
+        let SensorNoise { acceleration_squares, acceleration_torque, .. } = self.noise;
         self.inertial
             .iter()
             .map(|column| ColumnNoise { column: *column, square: acceleration_squares, product: acceleration_torque })

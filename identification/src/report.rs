@@ -7,6 +7,7 @@ use crate::estimate::{Covariance, Parameter, Parameters, Point};
 use crate::fit::Trimmed;
 use crate::frame::Frame;
 use crate::least_squares::{RobustCovariance, dot};
+use crate::misfit::Misfit;
 use crate::motion::{Band, KnobMotion};
 use crate::problem::Column;
 use crate::statistics::{NORMAL_95, rms, student_95};
@@ -16,6 +17,10 @@ use crate::vector;
 const HOPELESS: f64 = 0.5;
 /// Share of the acceleration's power that may be noise before the inertia is not told.
 const NOISY_ACCELERATION: f64 = 0.2;
+/// Scatter of the speed, relative to it, up to which friction is known for one speed alone.
+const ONE_SPEED: f64 = 1e-3;
+/// Share of the speed's scatter that may be the encoder's noise: it would draw viscous friction towards zero.
+const NOISY_SPEED: f64 = 0.05;
 /// A collinear column's share of another column from which both are untold.
 const ENTANGLED: f64 = 0.01;
 
@@ -46,9 +51,10 @@ impl Report<'_> {
         let robust = solution.robust(instruments);
         let degrees_of_freedom = robust.degrees_of_freedom;
         let critical = student_95(degrees_of_freedom);
+        let misfit = Misfit::of(self.trimmed, self.motion, &robust);
         let mut parameters = Vec::new();
         for (index, effect) in self.trimmed.effects().iter().enumerate() {
-            self.effect_parameters(index, effect, &robust, &textbook, &mut parameters);
+            self.effect_parameters(index, effect, &robust, &textbook, &misfit, &mut parameters);
         }
         if let Some(reason) = no_detents {
             for parameter in effects::detent::KIND.parameters {
@@ -99,6 +105,7 @@ impl Report<'_> {
         effect: &Effect,
         robust: &RobustCovariance,
         textbook: &DMatrix<f64>,
+        misfit: &Misfit,
         parameters: &mut Vec<Parameter>,
     ) {
         let Some(regressors) = effect.kind().regressors else { return };
@@ -113,22 +120,28 @@ impl Report<'_> {
         let searched_any = !regressors.searched.is_empty();
         for (position, (kind, value)) in effect.parameters().enumerate() {
             let critical = student_95(robust.degrees_of_freedom_of(&jacobian.row(position).transpose()));
-            let half = critical * variances[(position, position)].max(0.0).sqrt();
+            let derivatives = jacobian.row(position).into_owned();
+            let by_chance = critical * variances[(position, position)].max(0.0).sqrt();
+            let half = by_chance.hypot(misfit.of_sum(&derivatives));
+            let [below, above] = misfit.without_bounds(&derivatives, critical).unwrap_or([0.0; 2]);
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
-            if let Some(reason) = linear.and_then(|column| self.why_untold(column, kind.name, half)) {
+            let reason = linear.and_then(|column| {
+                self.at_one_speed(column, robust, critical).or_else(|| self.why_untold(column, kind.name, half))
+            });
+            if let Some(reason) = reason {
                 parameters.push(Parameter::untold(kind.name, kind.unit, reason));
                 continue;
             }
             let value = value - gripper;
             let held = linear.is_some_and(|column| self.trimmed.solution.at_zero[column]);
-            let low = if held { 0.0 } else { value - half };
+            let low = if held { 0.0 } else { value - half.max(-below) };
             let half = if held { self.half_width_at_zero(range.start + position, critical) } else { half };
             parameters.push(Parameter {
                 name: kind.name,
                 value: Some(value),
                 unit: kind.unit,
-                ci95: Some([low, value + half]),
+                ci95: Some([low, value + half.max(above)]),
                 ci95_textbook: (!held).then_some([value - half_textbook, value + half_textbook]),
                 reason: None,
             });
@@ -170,6 +183,36 @@ impl Report<'_> {
     fn half_width_at_zero(&self, column: usize, critical: f64) -> f64 {
         let Trimmed { columns, solution, .. } = self.trimmed;
         critical * rms(&solution.residual) / dot(&columns[column], &columns[column]).sqrt()
+    }
+
+    /// Why a friction column cannot be told apart from the other one of its direction, and what is known of both together:
+    /// the speed varies by little more than the encoder's noise.
+    fn at_one_speed(&self, column: usize, robust: &RobustCovariance, critical: f64) -> Option<String> {
+        let Trimmed { columns, solution, problem, .. } = self.trimmed;
+        let friction = problem.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
+        let direction = column.checked_sub(problem.range(friction).start).filter(|place| *place < 4)? % 2;
+        let coulomb = problem.range(friction).start + direction;
+        let viscous = coulomb + 2;
+        let product = |left: usize, right: usize| dot(&columns[left], &columns[right]);
+        let (rows, speed_rad_s) = (product(coulomb, coulomb), product(coulomb, viscous) / product(coulomb, coulomb));
+        let varies = product(viscous, viscous) - rows * speed_rad_s.powi(2);
+        let noise = problem.noise.velocity_squares * rows / self.sliding_rows().len().max(1) as f64;
+        let is_one_speed = varies <= (ONE_SPEED * speed_rad_s).powi(2) * rows || noise > NOISY_SPEED * varies;
+        if rows == 0.0 || !is_one_speed {
+            return None;
+        }
+        let together = solution.coefficients[coulomb] + solution.coefficients[viscous] * speed_rad_s;
+        let at = |row: usize, other: usize| robust.matrix[(row, other)];
+        let variance = at(coulomb, coulomb)
+            + 2.0 * speed_rad_s * at(coulomb, viscous)
+            + speed_rad_s.powi(2) * at(viscous, viscous);
+        let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
+            .map(|column| self.column_name(column).unwrap_or_default());
+        Some(format!(
+            "{name} cannot be told apart from {with}: the knob turned at one speed, {speed_rad_s:.4} rad/s, where both together \
+             make {together:.4} ± {:.4} mNm; vary the speed",
+            critical * variance.max(0.0).sqrt()
+        ))
     }
 
     fn why_untold(&self, column: usize, name: &str, half: f64) -> Option<String> {

@@ -19,6 +19,8 @@ const BEYOND: f64 = 1.6;
 /// Sums over all rows that noise alone gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SensorNoise {
+    /// Of the squared velocity, rad²/s².
+    pub(crate) velocity_squares: f64,
     /// Of the squared acceleration, rad²/s⁴.
     pub(crate) acceleration_squares: f64,
     /// Of acceleration times torque, mNm·rad/s².
@@ -44,12 +46,14 @@ impl SensorNoise {
             let square = (TAU * frequency_hz).powi(2);
             let encoder = motion.encoder_share(frequency_hz);
             let angle_density = motion.angle_density + torque_density * compliance * compliance;
+            density.velocity_squares += width_hz * passed * angle_density * square * encoder;
             density.acceleration_squares +=
                 width_hz * passed * motion.acceleration_density(frequency_hz, angle_density);
             density.acceleration_torque += width_hz * passed * torque_density * square * compliance * encoder;
         }
         let rows = frame.mask.iter().map(|mask| mask * mask).sum::<f64>() / frame.step as f64;
         Self {
+            velocity_squares: rows * density.velocity_squares,
             acceleration_squares: rows * density.acceleration_squares,
             acceleration_torque: rows * density.acceleration_torque,
         }

@@ -17,9 +17,14 @@ pub(crate) struct Spectrum {
 
 impl Spectrum {
     /// Welch's estimate: Hann windows of up to 4096 samples, half overlapping, each without its straight line.
-    #[allow(clippy::cast_precision_loss, reason = "window lengths are small")]
     pub(crate) fn welch(signal: &[f64], rate_hz: f64) -> Self {
-        let mut length = 4096;
+        Self::with_windows(4096, signal, rate_hz)
+    }
+
+    /// The same with windows of up to `longest` samples, a power of two.
+    #[allow(clippy::cast_precision_loss, reason = "window lengths are small")]
+    pub(crate) fn with_windows(longest: usize, signal: &[f64], rate_hz: f64) -> Self {
+        let mut length = longest;
         while length > 64 && 4 * length > signal.len() {
             length /= 2;
         }

@@ -3,6 +3,7 @@
 use dynamics::Calibration;
 
 use crate::Samples;
+use crate::sampling::Readings;
 use crate::saturation::{Rails, frozen, frozen_note};
 use crate::spectrum::Spectrum;
 use crate::statistics::median;
@@ -37,15 +38,18 @@ pub(crate) struct Uniform {
     pub(crate) present: Vec<bool>,
     /// Grid points that stand for lost samples.
     pub(crate) lost: usize,
-    /// What is wrong with sensors, a sentence each.
-    pub(crate) faults: Vec<String>,
+    /// What is wrong with sensors and samples, a sentence each.
+    pub(crate) notes: Vec<String>,
 }
 
 impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
+        let readings = Readings::of(samples);
+        let samples = &readings.as_ref().map_or(*samples, Readings::samples);
         let mut uniform = Self::on_grid(samples);
         uniform.leave_out_faults(samples, calibration);
+        uniform.notes.extend(readings.map(|readings| readings.note));
         // Before any interpolation, which would take off the upper end.
         let rate_hz = uniform.rate_hz;
         uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);
@@ -71,7 +75,7 @@ impl Uniform {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
         let regular: Vec<f64> = steps.iter().copied().filter(|step| *step <= GAP * typical).collect();
-        let step = regular.iter().sum::<f64>() / regular.len().max(1) as f64;
+        let step = exact(regular.iter().sum::<f64>() / regular.len().max(1) as f64);
         let scatter =
             (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
         if gaps == 0 && scatter < JITTER {
@@ -116,7 +120,7 @@ impl Uniform {
             torque_mnm: sampled(samples.torque_mnm),
             lost: present.iter().filter(|present| !**present).count(),
             present,
-            faults: Vec::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -153,13 +157,13 @@ impl Uniform {
                 }
             }
         }
-        self.faults.extend(torque.note("torque", "mNm"));
-        self.faults.extend(frozen_note(&frozen));
+        self.notes.extend(torque.note("torque", "mNm"));
+        self.notes.extend(frozen_note(&frozen));
         let acceleration = samples.acceleration_rad_s2.map(Rails::of).unwrap_or_default();
         if acceleration.samples() > 0 {
             self.acceleration_rad_s2 = None;
-            self.faults.push(format!(
-                "the acceleration channel stands at an end of its range for {} samples: the acceleration was taken from the                  encoder instead",
+            self.notes.push(format!(
+                "the acceleration channel stands at an end of its range for {} samples: the acceleration was taken from the encoder instead",
                 acceleration.samples()
             ));
         }
@@ -180,7 +184,7 @@ impl Uniform {
             torque_density: 0.0,
             present: vec![true; samples.t_s.len()],
             lost: 0,
-            faults: Vec::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -221,10 +225,23 @@ pub(crate) fn typical_step(time: &[f64]) -> (f64, bool) {
         farthest = farthest.max((right - left - mean).abs());
     }
     if farthest < JITTER * mean {
-        return (mean, true);
+        return (exact(mean), true);
     }
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    (median(&mut steps), false)
+    (exact(median(&mut steps)), false)
+}
+
+/// The step of which the rate has twelve digits: all that times in a file have, wherever they begin.
+fn exact(step_s: f64) -> f64 {
+    let rate_hz = 1.0 / step_s;
+    let unit = 10.0_f64.powf(rate_hz.log10().floor() - 11.0);
+    1.0 / ((rate_hz / unit).round() * unit)
+}
+
+/// The whole part of a number of samples, one that is whole but for rounding being itself.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
+pub(crate) fn whole(samples: f64) -> usize {
+    (samples * (1.0 + 1e-9)) as usize
 }
 
 /// The signal behind a first-order low-pass with a time constant of `lag` samples, exact for straight lines between samples.

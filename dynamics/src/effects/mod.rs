@@ -24,11 +24,12 @@ pub mod stribeck;
 pub mod torque_offset;
 pub mod torque_ramp;
 pub mod torque_table;
+pub mod velocity_strengthening;
 
 use crate::EffectKind;
 
 /// Every effect, in the order in which a model lists them: first those that every fit looks for.
-pub static ALL: [&EffectKind; 24] = [
+pub static ALL: [&EffectKind; 25] = [
     &inertia::KIND,
     &friction::KIND,
     &karnopp_stick::KIND,
@@ -45,6 +46,7 @@ pub static ALL: [&EffectKind; 24] = [
     &quadratic_drag::KIND,
     &eddy_current_damping::KIND,
     &stribeck::KIND,
+    &velocity_strengthening::KIND,
     &friction_eccentricity::KIND,
     &friction_drift::KIND,
     &presliding_hysteresis::KIND,

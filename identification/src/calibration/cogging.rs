@@ -22,7 +22,7 @@ use crate::motion::gradient;
 use crate::quasi_static;
 use crate::samples::{FEWEST_SAMPLES, span};
 use crate::statistics::median;
-use crate::uniform::Uniform;
+use crate::uniform::{Uniform, whole};
 
 /// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.
 const EDGE_HZ: f64 = 200.0;
@@ -122,7 +122,7 @@ impl Rows {
         let mut speeds: Vec<f64> = velocity.iter().map(|velocity| velocity.abs()).collect();
         let fastest_rad_s = speeds.iter().copied().fold(0.0, f64::max);
         let speed_rad_s = median(&mut speeds);
-        let step = (rate_hz / (ROWS_PER_EDGE * edge_hz)).floor().max(1.0) as usize;
+        let step = whole(rate_hz / (ROWS_PER_EDGE * edge_hz)).max(1);
         let mut rows = Self {
             edge_hz,
             speed_rad_s,

@@ -6,6 +6,7 @@ use crate::filter::butterworth_low_pass;
 use crate::least_squares::{LeastSquares, RobustCovariance};
 use crate::motion::ROWS_PER_EDGE;
 use crate::statistics::{MEDIAN_MAGNITUDE, median, rms, student_95};
+use crate::uniform::whole;
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.
@@ -60,7 +61,7 @@ impl Band {
         reason = "a number of samples"
     )]
     pub(super) fn solve(&self, columns: &[Vec<f64>], target: &[f64]) -> Solved {
-        let step = (self.rate_hz / (ROWS_PER_EDGE * self.edge_hz)).floor().max(1.0) as usize;
+        let step = whole(self.rate_hz / (ROWS_PER_EDGE * self.edge_hz)).max(1);
         let settling = ((SETTLING * self.rate_hz / self.edge_hz) as usize).min(target.len() / 4);
         let rows = |signal: &[f64]| -> Vec<f64> {
             signal[settling..signal.len() - settling].iter().step_by(step).copied().collect()

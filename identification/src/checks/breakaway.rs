@@ -3,10 +3,14 @@
 use dynamics::{Calibration, Direction};
 
 use crate::samples::{FitError, Samples};
-use crate::statistics::median;
+use crate::uniform::typical_step;
 
 /// Shortest rest before a breakaway, s.
 const REST_S: f64 = 0.020;
+/// … and samples: fewer are the turning point of a motion.
+const FEWEST_AT_REST: usize = 5;
+/// The torque on a resting knob rises by this share of the breakaway's: on one that turns back it is at its peak all along.
+const RISE: f64 = 0.05;
 /// A knob that has left its rest by this much has broken away, in encoder steps …
 const AWAY_STEPS: f64 = 6.0;
 /// … or rad, where the encoder's step is not known.
@@ -46,17 +50,13 @@ pub struct Breakaway {
 )]
 pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<Vec<Breakaway>, FitError> {
     samples.check()?;
-    let rate_hz = rate_hz(samples);
+    let rate_hz = 1.0 / typical_step(samples.t_s).0;
     let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
     let knob_rad = knob_angles(samples, known);
     let away_rad = known.map(|known| AWAY_STEPS * known.angle_step_rad).filter(|away| *away > 0.0).unwrap_or(AWAY_RAD);
-    let (rest, soon) = ((REST_S * rate_hz) as usize, (SOON_S * rate_hz) as usize);
-    if rest == 0 {
-        // Between two samples a knob may have rested and broken away unseen.
-        return Ok(Vec::new());
-    }
-    let read = ((READ_S * rate_hz) as usize).max(3).min(rest);
-    let average = ((AVERAGE_S * rate_hz) as usize).max(3).min(read);
+    let lasting = |time_s: f64, fewest: usize| ((time_s * rate_hz).round() as usize).max(fewest);
+    let (rest, soon) = (lasting(REST_S, FEWEST_AT_REST), lasting(SOON_S, 1));
+    let (read, average) = (lasting(READ_S, 3), lasting(AVERAGE_S, 3));
 
     let mut found = Vec::new();
     let mut start = 0;
@@ -75,22 +75,19 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
                 .windows(average)
                 .map(|part| sign * part.iter().sum::<f64>() / average as f64)
                 .fold(f64::NEG_INFINITY, f64::max);
-            found.push(Breakaway {
-                t_s: samples.t_s[index],
-                angle_rad: knob_rad[start],
-                direction,
-                torque_mnm: sign * peak - zero_mnm,
-            });
+            let at_first = sign * samples.torque_mnm[start..start + average].iter().sum::<f64>() / average as f64;
+            if peak - at_first > RISE * (peak - sign * zero_mnm).abs() {
+                found.push(Breakaway {
+                    t_s: samples.t_s[index],
+                    angle_rad: knob_rad[start],
+                    direction,
+                    torque_mnm: sign * peak - zero_mnm,
+                });
+            }
         }
         start = index;
     }
     Ok(found)
-}
-
-/// Sample rate, Hz.
-pub(super) fn rate_hz(samples: &Samples<'_>) -> f64 {
-    let mut steps: Vec<f64> = samples.t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    1.0 / median(&mut steps)
 }
 
 /// Angles of the knob itself, which rests while the sensor twists under the rising torque, rad.

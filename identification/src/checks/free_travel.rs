@@ -2,8 +2,9 @@
 
 use dynamics::Calibration;
 
-use super::breakaway::{knob_angles, rate_hz};
+use super::breakaway::knob_angles;
 use crate::samples::{FitError, Samples};
+use crate::uniform::typical_step;
 
 /// Time over which torque and angle are averaged, s.
 const BIN_S: f64 = 0.005;
@@ -80,7 +81,7 @@ impl Bins {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
     fn of(samples: &Samples<'_>, known: Option<&Calibration>) -> Self {
         let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
-        let length = ((BIN_S * rate_hz(samples)) as usize).max(1);
+        let length = ((BIN_S / typical_step(samples.t_s).0).round() as usize).max(1);
         let means = |values: &[f64]| -> Vec<f64> {
             values.chunks_exact(length).map(|values| values.iter().sum::<f64>() / length as f64).collect()
         };

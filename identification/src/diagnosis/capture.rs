@@ -94,10 +94,11 @@ impl Capture {
         let mut uniform = Uniform::of(samples, calibration);
         let rate_hz = uniform.rate_hz;
         let exact = KnobMotion::exact(&mut uniform, calibration);
-        let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz), ..Band::of(&uniform, exact.is_some(), calibration) };
+        let band = Band::of(&uniform, exact.is_some(), calibration);
+        let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz).min(band.clear_hz), ..band };
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
         let mut frame = Frame::new(&uniform, &motion, &band);
-        let length = (STRETCH_S * rate_hz) as usize;
+        let length = (STRETCH_S * rate_hz).round() as usize;
         frame.mask.iter_mut().enumerate().for_each(|(index, mask)| *mask *= stretches.weight(index / length.max(1)));
         let sliding = frame.sliding();
         if sliding < crate::FEWEST_SAMPLES / 2 {
@@ -288,7 +289,7 @@ impl Capture {
     reason = "numbers of samples"
 )]
 fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_mnm: &[f64]) -> Option<f64> {
-    let shortest = (REST_S * uniform.rate_hz) as usize + 2 * frame.fir.half_length();
+    let shortest = (REST_S * uniform.rate_hz).round() as usize + 2 * frame.fir.half_length();
     let resting = |index: usize| motion.velocity_rad_s[index].abs() <= frame.threshold_rad_s && uniform.present[index];
     // Frequency in cycles per row, and density in mean squares per cycle.
     let mut lines: Vec<[f64; 2]> = Vec::new();

@@ -19,17 +19,6 @@ pub enum DiagnosisError {
          the training capture"
     )]
     SameCapture,
-    /// The sample rates differ.
-    #[error(
-        "the training capture has {train_hz:.1} samples per second and the held-out one {heldout_hz:.1}; capture both \
-         at one rate"
-    )]
-    DifferentRates {
-        /// Of the training capture, Hz.
-        train_hz: f64,
-        /// Of the held-out capture, Hz.
-        heldout_hz: f64,
-    },
     /// The columns differ by a power of ten or another unit.
     #[error(
         "the model of the training capture predicts the held-out torque only when multiplied by {factor:.3}; check that \

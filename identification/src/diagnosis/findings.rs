@@ -27,8 +27,9 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// What is missing.
     pub verdict: Verdict,
-    /// The effects named, strongest first. Beside [`Verdict::OutsideLibrary`] these explain most of the gap, and something
-    /// else is left.
+    /// Whether nothing else is missing.
+    pub complete: bool,
+    /// The effects that were added, strongest first. Beside [`Verdict::OutsideLibrary`] something else is left.
     pub effects: Vec<&'static str>,
     /// In one sentence.
     pub summary: String,
@@ -121,6 +122,9 @@ pub struct Step {
     pub evidence: f64,
     /// Standard errors by which stretch after stretch of both captures is explained better.
     pub steadiness: f64,
+    /// Share of false discoveries among the effects tried in this step that predict stretches of the held-out capture as
+    /// well as this one (Benjamini and Hochberg 1995).
+    pub false_discovery_rate: f64,
     /// RMS on the held-out capture with a placebo of as many parameters: the effect's own columns at the wrong time, mNm.
     pub placebo_rms: f64,
     /// Other effects in its place, best first.
@@ -231,8 +235,12 @@ impl Diagnosis {
                 });
                 let named = match self.effects.as_slice() {
                     [] => String::new(),
-                    [one] => format!("Most of the gap, but not all, is {one}. "),
-                    several => format!("Most of the gap, but not all, is {}. ", several.join(" and ")),
+                    effects => format!(
+                        "Added: {}; on held-out data the gap shrinks from {:.3} to {:.3} mNm. That is not all. ",
+                        effects.join(", "),
+                        self.heldout_rms_before,
+                        self.heldout_rms_after
+                    ),
                 };
                 format!(
                     "{named}Something is missing that no known effect explains: {:.3} mNm are left on held-out data, \

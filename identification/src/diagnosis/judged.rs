@@ -1,5 +1,7 @@
 //! How well a fitted structure explains the capture that it was fitted to and another one.
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
 use super::capture::Capture;
 use super::nonlinear::{self, Nonlinear};
 use super::normal;
@@ -103,21 +105,37 @@ impl Judged {
         [self.train_floor_mnm, self.heldout_floor_mnm]
     }
 
+    /// Probability that an effect of nothing predicts the held-out capture, stretch after stretch, as much better than
+    /// `other` as this one does; one where it is felt in too few stretches to say.
+    pub(crate) fn heldout_p_value(&self, other: &Self) -> f64 {
+        let mut gains = stretches(&other.heldout_residual, &self.heldout_residual);
+        gains.retain(|gain| gain.abs() > FELT);
+        if gains.len() < FEWEST_FELT { 1.0 } else { students_tail(mean_over_error(&gains), gains.len()) }
+    }
+
     /// By how many standard errors this explains stretch after stretch of both captures better than `other`, among the
     /// stretches in which the two differ at all: an end stop is not felt everywhere.
     pub(crate) fn steadily_better_than(&self, other: &Self) -> f64 {
         let mut gains = stretches(&other.train_residual, &self.train_residual);
         gains.extend(stretches(&other.heldout_residual, &self.heldout_residual));
         gains.retain(|gain| gain.abs() > FELT);
-        #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
-        let count = gains.len() as f64;
-        if gains.len() < FEWEST_FELT {
-            return 0.0;
-        }
-        let mean = gains.iter().sum::<f64>() / count;
-        let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
-        mean / variance.sqrt().max(f64::MIN_POSITIVE)
+        if gains.len() < FEWEST_FELT { 0.0 } else { mean_over_error(&gains) }
     }
+}
+
+/// Mean in standard errors.
+#[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
+fn mean_over_error(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
+    mean / variance.sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// Probability that Student's t of so many values exceeds `score`.
+#[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
+pub(crate) fn students_tail(score: f64, values: usize) -> f64 {
+    StudentsT::new(0.0, 1.0, values as f64 - 1.0).map_or(1.0, |student| student.sf(score))
 }
 
 /// By how much the logarithm of the mean square falls in each stretch.

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::capture::Capture;
+use super::judged::students_tail;
 use super::periodogram::periodogram;
 use super::structure::Structure;
 use crate::least_squares::dot;
@@ -105,7 +106,7 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
         coordinate,
         unit,
         explained_percent: (100.0 * gains.iter().sum::<f64>() / total).max(0.0),
-        p_value: upper_tail(score),
+        p_value: students_tail(score, FOLDS),
         significant: false,
         map: all
             .iter()
@@ -168,13 +169,6 @@ fn binned(values: &[f64]) -> Vec<usize> {
         bins[index] = rank * BINS / values.len();
     }
     bins
-}
-
-/// Probability that Student's t of FOLDS − 1 degrees of freedom exceeds a score (Hill's approximation by a normal one).
-fn upper_tail(score: f64) -> f64 {
-    let freedom = (FOLDS - 1) as f64;
-    let normal = (freedom * (score * score / freedom).ln_1p()).sqrt().copysign(score) * (1.0 - 0.75 / freedom);
-    0.5 * libm::erfc(normal / std::f64::consts::SQRT_2)
 }
 
 fn control_false_discoveries(found: &mut [Location]) {

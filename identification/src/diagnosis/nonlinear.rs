@@ -11,6 +11,7 @@ use super::capture::Capture;
 use super::structure::{Searched, Structure};
 use crate::filter::Fir;
 use crate::least_squares::dot;
+use crate::uniform::whole;
 
 /// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in
 /// each.
@@ -288,7 +289,7 @@ fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
     }
     let rate_hz = capture.rate_hz / capture.frame.step as f64;
     let edge_hz = share * capture.band.edge_hz;
-    let step = (rate_hz / (2.5 * edge_hz)) as usize;
+    let step = whole(rate_hz / (2.5 * edge_hz));
     Fir::low_pass((1.65 * rate_hz / edge_hz).round() as usize, edge_hz, rate_hz).decimate(rows, step.max(1))
 }
 

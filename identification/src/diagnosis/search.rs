@@ -11,17 +11,21 @@ use super::findings::Partial;
 use super::hypotheses::{self, Effort};
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
+use super::placebo;
 use super::separable::Separable;
 use super::structure::Structure;
 use super::verdict::LEFT;
 use super::workflow::{DiagnoseOptions, Progress};
-use super::worth::{EVIDENCE, explains_the_gap, worthwhile};
+use super::worth::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, false_discovery_rate, takes_its_part, worthwhile};
 use crate::{FitError, FitOptions, Samples, fit};
 
 /// Most effects that are added.
 const MOST_EFFECTS: usize = 4;
 /// Effects that are tried together with a coupling where none alone is worth it.
 const HIDING: usize = 3;
+
+/// Share of the held-out torque's square that the model must explain, but for a factor, for that factor to be a unit's.
+const WELL_PREDICTED: f64 = 0.5;
 
 pub(crate) struct Search<'a> {
     pub(crate) train: &'a Capture,
@@ -37,8 +41,23 @@ pub(crate) struct Found {
     pub(crate) added: Vec<&'static str>,
     /// The rivals of each.
     pub(crate) rivals: Vec<Vec<Judged>>,
+    /// Share of false discoveries, by what each predicts of the held-out capture, among all that were tried with it.
+    pub(crate) false_discovery_rates: Vec<f64>,
+    /// Whether one was added that is a part of the gap only: then something is left that has no name.
+    pub(crate) in_part: bool,
     /// What explained part of the rest and was not added.
     pub(crate) partial: Vec<Partial>,
+}
+
+impl Found {
+    /// Whether an effect brought nothing beside a smaller model, which need not be tried again at the cost of a coupling.
+    fn has_failed(&self, kind: &EffectKind) -> bool {
+        let last = self.chain.len().checked_sub(2).zip(self.rivals.last());
+        last.is_some_and(|(before, rivals)| {
+            let failed = |rival: &&Judged| !takes_its_part(&self.chain[before], rival);
+            rivals.iter().filter(failed).any(|rival| rival.newest() == kind.name)
+        })
+    }
 }
 
 impl Search<'_> {
@@ -90,7 +109,9 @@ impl Search<'_> {
             let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
             let factor = crate::least_squares::dot(&target, &predicted)
                 / crate::least_squares::dot(&predicted, &predicted).max(f64::MIN_POSITIVE);
-            if which == "held-out" && !(0.1..10.0).contains(&factor) {
+            // A model that lacks gravity may well predict the opposite; only a good prediction shows a wrong unit.
+            let predicts = crate::least_squares::dot(&predicted, &predicted) * factor.powi(2) > WELL_PREDICTED * square;
+            if which == "held-out" && predicts && !(0.1..10.0).contains(&factor) {
                 return Err(DiagnosisError::DifferentUnits { factor });
             }
         }
@@ -99,24 +120,35 @@ impl Search<'_> {
 
     /// Adds effect after effect as long as one is worth it.
     pub(crate) fn explain(&self, first: Judged) -> Found {
-        let mut found = Found { chain: vec![first], added: Vec::new(), rivals: Vec::new(), partial: Vec::new() };
+        let mut found = Found {
+            chain: vec![first],
+            added: Vec::new(),
+            rivals: Vec::new(),
+            false_discovery_rates: Vec::new(),
+            in_part: false,
+            partial: Vec::new(),
+        };
         while found.rivals.len() < MOST_EFFECTS {
             let Some(current) = found.chain.last().cloned() else { break };
             if explains_the_gap(&current, &found.chain[0]) {
                 // Nothing more could be worth a name.
                 break;
             }
-            let mut tried = self.try_all(&current, &found.chain[0]);
+            let mut tried = self.try_all(&current, &found);
             tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
             let worth = |rival: &Judged| {
                 self.disqualified(rival).is_none() && worthwhile(&current, rival, &found.chain[0], self.heldout)
             };
             let Some(best) = tried.iter().position(worth) else {
                 found.partial = self.partial(&current, &tried);
-                if self.add_pair(&mut found, &current, &tried) {
+                if !found.in_part && self.add_pair(&mut found, &current, &tried) {
                     continue;
                 }
-                break;
+                let Some(best) = self.discovery(&current, &tried) else { break };
+                let chosen = tried.remove(best);
+                found.in_part = true;
+                self.add(&mut found, chosen, tried);
+                continue;
             };
             let chosen = tried.remove(best);
             if let Some(with_detents) = self.as_detent(&chosen) {
@@ -130,8 +162,37 @@ impl Search<'_> {
         found
     }
 
+    /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them
+    /// alone: each better than what is there, than a null test and, stretch after stretch, than chance.
+    fn discovery(&self, current: &Judged, tried: &[Judged]) -> Option<usize> {
+        if current.heldout_over_floor().min(current.train_over_floor()) < LEFT {
+            return None;
+        }
+        let p_values: Vec<f64> = tried.iter().map(|judged| judged.heldout_p_value(current)).collect();
+        let is_discovery = |index: &usize| {
+            let judged = &tried[*index];
+            false_discovery_rate(p_values[*index], &p_values) <= FALSE_DISCOVERIES
+                && takes_its_part(current, judged)
+                && self.disqualified(judged).is_none()
+                && judged.heldout_rms_mnm < self.placebo_rms_mnm(judged.newest(), current, judged)
+        };
+        (0..tried.len())
+            .filter(is_discovery)
+            .min_by(|one, other| tried[*one].heldout_rms_mnm.total_cmp(&tried[*other].heldout_rms_mnm))
+    }
+
+    /// What mere freedom leaves of the held-out capture, mNm.
+    pub(crate) fn placebo_rms_mnm(&self, effect: &str, before: &Judged, after: &Judged) -> f64 {
+        placebo::rms_mnm(effect, before, &after.structure, self.train, self.heldout)
+    }
+
     fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) {
         let effect = chosen.newest();
+        if let Some(before) = found.chain.last() {
+            let p_value = chosen.heldout_p_value(before);
+            let all: Vec<f64> = rivals.iter().map(|rival| rival.heldout_p_value(before)).chain([p_value]).collect();
+            found.false_discovery_rates.push(false_discovery_rate(p_value, &all));
+        }
         self.say(Progress::Added { effect, heldout_over_floor: chosen.heldout_over_floor() });
         found.added.push(effect);
         found.chain.push(chosen);
@@ -179,7 +240,8 @@ impl Search<'_> {
     }
 
     /// The best fit with each effect of the catalogue more, on both cores.
-    fn try_all(&self, current: &Judged, first: &Judged) -> Vec<Judged> {
+    fn try_all(&self, current: &Judged, found: &Found) -> Vec<Judged> {
+        let first = &found.chain[0];
         let kinds = hypotheses::candidates(&current.structure);
         if current.structure.is_coupled() {
             return hypotheses::beside_coupling(&kinds, &current.structure, self.train, self.heldout);
@@ -203,7 +265,7 @@ impl Search<'_> {
         let closes =
             |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();
         if open(current) && !tried.iter().any(closes) {
-            for kind in coupled {
+            for kind in coupled.into_iter().filter(|kind| !found.has_failed(kind)) {
                 let judged = hypotheses::coupled(kind, &current.structure, [self.train, self.heldout], Effort::Full);
                 say(kind);
                 let closed = judged.as_ref().is_some_and(closes);
@@ -253,7 +315,8 @@ impl Search<'_> {
             let Some(last) = found.chain.last() else { return };
             let Some(index) = last.structure.position(found.added[step]) else { return };
             let without = self.settled(last.structure.without(index));
-            if worthwhile(&without, last, &found.chain[0], self.heldout) {
+            let is_discovery = takes_its_part(&without, last) && last.heldout_p_value(&without) < FALSE_DISCOVERIES;
+            if worthwhile(&without, last, &found.chain[0], self.heldout) || found.in_part && is_discovery {
                 step += 1;
                 continue;
             }
@@ -261,6 +324,7 @@ impl Search<'_> {
             let removed = found.added.remove(step);
             found.chain.remove(step + 1);
             found.rivals.remove(step);
+            found.false_discovery_rates.remove(step);
             for later in &mut found.chain[step + 1..] {
                 if let Some(index) = later.structure.position(removed) {
                     *later = self.settled(later.structure.without(index));

@@ -46,9 +46,12 @@ impl Structure {
         Self { effects: effects.to_vec(), columns, skew_s: 0.0 }
     }
 
-    /// The structure with one effect more, of which the first `columns` take part.
+    /// The structure with one effect more, of which the first `columns` take part; a delay takes the place of the skew.
     pub(crate) fn with(&self, effect: Effect, columns: usize) -> Self {
         let mut more = self.clone();
+        if matches!(effect.kind().part, Part::ReadingDelay(_)) {
+            more.skew_s = 0.0;
+        }
         more.effects.push(effect);
         more.columns.push(columns);
         more

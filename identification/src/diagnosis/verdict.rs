@@ -8,8 +8,8 @@ use super::judged::Judged;
 use super::locate::locate;
 use super::search::{Found, Search};
 use super::structure::Structure;
-use super::worth::{UNEXPLAINED, worthwhile};
-use super::{experiment, intervals, placebo, rows};
+use super::worth::{UNEXPLAINED, takes_its_part, worthwhile};
+use super::{experiment, intervals, rows};
 
 /// RMS in floors above which something is left, if it goes with something …
 pub(crate) const LEFT: f64 = 1.3;
@@ -17,8 +17,6 @@ pub(crate) const LEFT: f64 = 1.3;
 const CERTAINLY_LEFT: f64 = 1.6;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
 const TIE: f64 = 3.0;
-/// Share of the gap's mean square that effects must explain to be named although something else is left.
-const MOST_OF_IT: f64 = 0.7;
 /// Time over which motion is predicted from torque before it is started anew, s.
 pub const FORWARD_WINDOW_S: f64 = 0.1;
 
@@ -33,7 +31,8 @@ impl Search<'_> {
         let where_after = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
         let shaped = where_after.iter().any(|location| location.significant);
-        let verdict = if left > LEFT && unexplained > UNEXPLAINED && (shaped || left > CERTAINLY_LEFT) {
+        let is_left = left > LEFT && unexplained > UNEXPLAINED && (shaped || left > CERTAINLY_LEFT);
+        let verdict = if is_left || found.in_part {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {
             Verdict::None
@@ -47,11 +46,12 @@ impl Search<'_> {
             .enumerate()
             .map(|(index, rivals)| {
                 let pair = [&found.chain[index], &found.chain[index + 1]];
-                self.step(found.added[index], pair, rivals, last, &values)
+                let rate = found.false_discovery_rates[index];
+                self.step((found.added[index], rate), pair, rivals, last, &values)
             })
             .collect();
         let mut partial = found.partial.clone();
-        let mut effects = self.strongest_first(&last.structure, &steps);
+        let effects = self.strongest_first(&last.structure, &steps);
         if verdict == Verdict::OutsideLibrary {
             let gap = first.excess_beside(last);
             let added = found.chain.windows(2).zip(&found.added).map(|(pair, effect)| Partial {
@@ -59,9 +59,6 @@ impl Search<'_> {
                 explains_percent: 100.0 * (pair[0].excess_beside(last) - pair[1].excess_beside(last)) / gap,
             });
             partial.splice(0..0, added);
-            if last.excess() > (1.0 - MOST_OF_IT) * gap {
-                effects.clear();
-            }
         }
         let next_experiment =
             steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
@@ -75,6 +72,7 @@ impl Search<'_> {
             });
         let mut diagnosis = Diagnosis {
             verdict,
+            complete: verdict != Verdict::OutsideLibrary,
             effects,
             summary: String::new(),
             train_rms_before: first.train_rms_mnm,
@@ -136,7 +134,7 @@ impl Search<'_> {
 
     fn step(
         &self,
-        effect: &'static str,
+        (effect, false_discovery_rate): (&'static str, f64),
         [before, after]: [&Judged; 2],
         rivals: &[Judged],
         last: &Judged,
@@ -154,7 +152,7 @@ impl Search<'_> {
         let tied = |judged: &&Judged| {
             self.disqualified(judged).is_none()
                 && (after.evidence - judged.evidence < TIE || after.steadily_better_than(judged) < 2.0)
-                && worthwhile(before, judged, before, self.heldout)
+                && (worthwhile(before, judged, before, self.heldout) || takes_its_part(before, judged))
         };
         Step {
             effect,
@@ -165,7 +163,8 @@ impl Search<'_> {
             heldout_rms_after: after.heldout_rms_mnm,
             evidence: after.evidence - before.evidence,
             steadiness: after.steadily_better_than(before),
-            placebo_rms: placebo::rms_mnm(effect, before, &after.structure, self.train, self.heldout),
+            false_discovery_rate,
+            placebo_rms: self.placebo_rms_mnm(effect, before, after),
             ties: rivals.iter().filter(tied).map(Judged::newest).collect(),
             rivals: rivals.iter().map(rival).collect(),
         }

@@ -84,7 +84,7 @@ fn prepare(
         return Err(DiagnosisError::SameCapture);
     }
     let mut edge_hz = Capture::widest_edge_hz();
-    let captures = loop {
+    loop {
         match prepare_in(edge_hz, train, heldout, options) {
             // Where the encoder is coarse, motion can be told from noise in a narrower band only.
             Err(DiagnosisError::Capture { reason: FitError::HardlyMoving { .. }, .. }) if edge_hz > NARROWEST_HZ => {
@@ -93,14 +93,17 @@ fn prepare(
             Ok(captures) if captures[0].acceleration_noise_share > NOISIEST && edge_hz > NARROWEST_HZ => {
                 edge_hz *= 0.5;
             }
-            prepared => break prepared?,
+            // Both are compared in the narrower one's band.
+            Ok(captures) if edges_hz(&captures)[0] < edges_hz(&captures)[1] => edge_hz = edges_hz(&captures)[0],
+            prepared => return prepared,
         }
-    };
-    let [train_hz, heldout_hz] = [captures[0].rate_hz, captures[1].rate_hz];
-    if (train_hz / heldout_hz - 1.0).abs() > 0.02 {
-        return Err(DiagnosisError::DifferentRates { train_hz, heldout_hz });
     }
-    Ok(captures)
+}
+
+/// Edges of both bands, the lower one first, Hz.
+fn edges_hz(captures: &[Capture; 2]) -> [f64; 2] {
+    let [train_hz, heldout_hz] = captures.each_ref().map(|capture| capture.band.edge_hz);
+    [train_hz.min(heldout_hz), train_hz.max(heldout_hz)]
 }
 
 fn prepare_in(

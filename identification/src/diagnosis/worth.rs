@@ -11,6 +11,10 @@ const STEADY: f64 = 3.0;
 pub(crate) const WORTHWHILE: f64 = 0.28;
 /// … and in mean squares of the floor: smaller ones could be what the floor's own estimate is wrong by.
 const SMALLEST: f64 = 0.06;
+/// Probability of chance up to which held-out stretches speak for an effect whose residual is more than noise.
+const CHANCE: f64 = 0.05;
+/// RMS in floors up to which a residual may be taken for noise.
+const MOSTLY_NOISE: f64 = 3.0;
 /// Share of the gap's amplitude that may be left by a complete explanation.
 pub(crate) const UNEXPLAINED: f64 = 0.15;
 /// How far the floor may lie below its estimate, as a share of it.
@@ -24,9 +28,13 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
     let closed = gap - after.excess_beside(before).min(after.excess());
     // An end stop may be felt in a few stretches only; then what was never fitted must speak for it.
     let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
-    // Whether a simulated body breaks away at one moment may hang on anything: then one stretch proves nothing.
-    let may_be_seldom = !(before.structure.is_coupled() && before.structure.sticks());
+    // Whether a simulated body breaks away at one moment may hang on anything: then one stretch proves nothing. Nor does it
+    // where much of the residual is no noise, which the likelihood takes it for.
+    let may_be_seldom =
+        !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
+    let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
     after.evidence - before.evidence > EVIDENCE
+        && predicts
         && (after.steadily_better_than(before) > STEADY || may_be_seldom && unseen > EVIDENCE)
         && after.heldout_rms_mnm < before.heldout_rms_mnm
         && closed > WORTHWHILE * gap
@@ -40,4 +48,32 @@ pub(crate) fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
     let gap = first.excess_beside(judged);
     let lower = judged.floors_mnm().map(|floor| LOWER_FLOOR * floor);
     gap > 0.0 && judged.excess_above(lower) < UNEXPLAINED * UNEXPLAINED * gap
+}
+
+/// Share of the mean square above the floor that an effect must take away to be added where much is left that has no name: a
+/// real machine has more effects than a catalogue, and one of them is seldom most of the gap.
+const DISCOVERED: f64 = 0.04;
+/// Share of false discoveries that is accepted among the effects added so: far below one in twenty, since neighbouring
+/// stretches of a real machine's residual are not independent, and four times in a row something may be added.
+pub(crate) const FALSE_DISCOVERIES: f64 = 1e-3;
+
+/// Whether an effect more takes away its part of both captures' gaps.
+pub(crate) fn takes_its_part(before: &Judged, after: &Judged) -> bool {
+    let [train, heldout] = before.floors_mnm();
+    let takes = |before: f64, after: f64, floor: f64| {
+        before * before - after * after > DISCOVERED * (before * before - floor * floor)
+    };
+    after.evidence - before.evidence > EVIDENCE
+        && takes(before.train_rms_mnm, after.train_rms_mnm, train)
+        && takes(before.heldout_rms_mnm, after.heldout_rms_mnm, heldout)
+}
+
+/// The share of false discoveries among `p_values` up to and including one of them (Benjamini and Hochberg 1995).
+#[allow(clippy::cast_precision_loss, reason = "a number of effects")]
+pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
+    let rate = |p_value: f64| {
+        let rank = p_values.iter().filter(|other| **other <= p_value).count().max(1);
+        p_value * p_values.len() as f64 / rank as f64
+    };
+    p_values.iter().filter(|other| **other >= p_value).map(|other| rate(*other)).fold(1.0, f64::min)
 }

@@ -3,6 +3,7 @@
 use super::blocks::MOST_COLUMNS;
 use crate::filter::Fir;
 use crate::motion::ROWS_PER_EDGE;
+use crate::uniform::whole;
 
 /// The last values of a stream, addressed by their count since the start.
 #[derive(Clone, Debug)]
@@ -49,7 +50,7 @@ impl RowFilter {
         let length = 2 * half_length + 1;
         Self {
             fir: Fir::low_pass(half_length, band_hz, rate_hz),
-            step: ((rate_hz / (ROWS_PER_EDGE * band_hz)) as usize).max(1),
+            step: whole(rate_hz / (ROWS_PER_EDGE * band_hz)).max(1),
             width,
             history: vec![0.0; 2 * length * width],
             next: 0,

@@ -58,6 +58,7 @@ fn spring() -> Diagnosis {
         heldout_rms_before: 2.637,
         heldout_rms_after: 0.2318,
         evidence: 4129.0,
+        false_discovery_rate: 1e-6,
         steadiness: 12.6,
         placebo_rms: 2.729,
         rivals: vec![
@@ -69,6 +70,7 @@ fn spring() -> Diagnosis {
     };
     Diagnosis {
         verdict: Verdict::Effects,
+        complete: true,
         effects: vec!["return-spring"],
         refined: std::collections::BTreeMap::new(),
         summary: "Missing: return-spring (or mass-imbalance: a tie).".to_owned(),

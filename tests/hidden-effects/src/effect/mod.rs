@@ -32,6 +32,7 @@ mod stribeck;
 mod torque_drift;
 mod torque_offset;
 mod varying_inertia;
+mod velocity_strengthening;
 
 use serde_json::Value;
 
@@ -40,8 +41,9 @@ use crate::knob::{Knob, Wish};
 use crate::plant::{Bristle, Link};
 
 /// Every effect: those of the catalogue first.
-static ALL: [&Kind; 29] = [
+static ALL: [&Kind; 30] = [
     &stribeck::KIND,
+    &velocity_strengthening::KIND,
     &backlash::KIND,
     &detent_harmonics::KIND,
     &mass_imbalance::KIND,
@@ -88,7 +90,7 @@ pub fn named(name: &str) -> Option<&'static Kind> {
 }
 
 /// Pairs that a capture cannot tell from one another or from one of them alone.
-const LOOK_ALIKES: [(&str, &str); 10] = [
+const LOOK_ALIKES: [(&str, &str); 14] = [
     ("torque-offset", "return-spring"),
     ("return-spring", "mass-imbalance"),
     ("shaft-compliance", "presliding-hysteresis"),
@@ -99,6 +101,10 @@ const LOOK_ALIKES: [(&str, &str); 10] = [
     ("presliding-hysteresis", "backlash"),
     ("backlash", "sensor-delay"),
     ("presliding-hysteresis", "stribeck"),
+    ("velocity-strengthening", "stribeck"),
+    ("velocity-strengthening", "quadratic-drag"),
+    ("velocity-strengthening", "eddy-current-damping"),
+    ("velocity-strengthening", "presliding-hysteresis"),
 ];
 
 /// Whether two effects of the catalogue can be told apart when both are there.

@@ -1,0 +1,120 @@
+//! Samples that are no readings of their own: a sensor's value held, or drawn as a straight line to the next.
+//!
+//! A logger that is faster than its sensor repeats each reading, and a file that was interpolated to a higher rate has
+//! straight lines between readings. Both look like a signal of far less noise and far more bandwidth than the sensor has: the
+//! jumps from reading to reading fill the spectrum up to half the logger's rate. Only the readings are kept.
+
+use crate::samples::Samples;
+use crate::statistics::quantile;
+use crate::vector;
+
+/// Fewest readings that show a rate of their own.
+const FEWEST_READINGS: usize = 50;
+/// A value is held, or a line straight, up to this share of the channel's typical change: what decimals in a file leave.
+const ROUNDING: f64 = 1e-4;
+/// Least distance of two readings, in samples: below, some samples lie between none.
+const LEAST_DISTANCE: f64 = 1.8;
+/// Share of the readings' distances that must be the same but for one sample.
+const REGULAR: f64 = 0.9;
+/// Steps of an encoder by which its readings must differ at the median to be told from a slow knob's single steps.
+const FEWEST_STEPS: f64 = 3.0;
+
+/// The columns of a capture at its sensors' own readings.
+pub(crate) struct Readings {
+    t_s: Vec<f64>,
+    angle_rad: Vec<f64>,
+    velocity_rad_s: Option<Vec<f64>>,
+    acceleration_rad_s2: Option<Vec<f64>>,
+    torque_mnm: Vec<f64>,
+    /// What was recognised, in a sentence.
+    pub(crate) note: String,
+}
+
+/// How a channel goes from one reading to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Between {
+    /// It keeps the value.
+    Held,
+    /// It follows a straight line.
+    Interpolated,
+}
+
+impl Readings {
+    /// The readings among checked samples; `None` if every sample is one.
+    pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
+        let angle = readings(samples.angle_rad, vector::smallest_step(samples.angle_rad));
+        let torque = readings(samples.torque_mnm, 0.0);
+        // The slower channel: at the places of its readings the other one is known too.
+        let (channel, (between, places)) = [("angle", angle), ("torque", torque)]
+            .into_iter()
+            .filter_map(|(channel, found)| found.map(|found| (channel, found)))
+            .min_by_key(|(_, (_, places))| places.len())?;
+        let kept = |column: &[f64]| places.iter().map(|place| column[*place]).collect::<Vec<f64>>();
+        let word = match between {
+            Between::Held => "repeats each reading",
+            Between::Interpolated => "is a straight line from reading to reading",
+        };
+        #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+        let distance = samples.t_s.len() as f64 / places.len() as f64;
+        Some(Self {
+            t_s: kept(samples.t_s),
+            angle_rad: kept(samples.angle_rad),
+            velocity_rad_s: samples.velocity_rad_s.map(kept),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(kept),
+            torque_mnm: kept(samples.torque_mnm),
+            note: format!(
+                "the {channel} channel {word}, over {distance:.1} samples each: only the {} readings were used",
+                places.len()
+            ),
+        })
+    }
+
+    pub(crate) fn samples(&self) -> Samples<'_> {
+        Samples {
+            t_s: &self.t_s,
+            angle_rad: &self.angle_rad,
+            velocity_rad_s: self.velocity_rad_s.as_deref(),
+            acceleration_rad_s2: self.acceleration_rad_s2.as_deref(),
+            torque_mnm: &self.torque_mnm,
+        }
+    }
+}
+
+/// The places of a channel's readings, if they lie regularly apart; `step` is the channel's own, 0 if it has none.
+fn readings(signal: &[f64], step: f64) -> Option<(Between, Vec<usize>)> {
+    let changes: Vec<f64> = signal.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let bends: Vec<f64> = changes.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // A held value changes on arriving at the reading; a line bends at it.
+    let held = regular(&changes).filter(|places| {
+        let mut sizes: Vec<f64> = places.iter().map(|place| changes[*place].abs()).collect();
+        quantile(&mut sizes, 0.5) >= FEWEST_STEPS * step
+    });
+    let interpolated = || regular(&bends).map(|places| (Between::Interpolated, places));
+    let (between, places) = held.map(|places| (Between::Held, places)).or_else(interpolated)?;
+    Some((between, places.into_iter().map(|place| place + 1).collect()))
+}
+
+/// The places where `differences` are not nothing, if those lie regularly apart.
+#[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
+fn regular(differences: &[f64]) -> Option<Vec<usize>> {
+    let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
+    let nothing = ROUNDING * quantile(&mut sizes, 0.99);
+    let places: Vec<usize> = (0..differences.len()).filter(|place| differences[*place].abs() > nothing).collect();
+    if places.len() < FEWEST_READINGS || (differences.len() as f64) < LEAST_DISTANCE * places.len() as f64 {
+        return None;
+    }
+    let distances: Vec<usize> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let typical = *distances.clone().select_nth_unstable(distances.len() / 2).1;
+    let share = |is_regular: &dyn Fn(usize) -> bool| {
+        distances.iter().filter(|distance| is_regular(**distance)).count() as f64 / distances.len() as f64
+    };
+    // A rate that is no multiple of the sensor's gives distances of two lengths; a reading that equals the last, or lies on
+    // the line through it, leaves a distance of several.
+    let is_regular = share(&|distance| distance.abs_diff(typical) <= 1) >= REGULAR
+        || share(&|distance| distance.is_multiple_of(typical)) >= REGULAR;
+    let readings = places.iter().zip(distances.iter().chain([&1])).flat_map(|(place, distance)| {
+        let count = if distance.is_multiple_of(typical) { distance / typical } else { 1 };
+        (0..count).map(move |reading| place + reading * typical)
+    });
+    (is_regular && typical >= 2).then(|| readings.collect())
+}
