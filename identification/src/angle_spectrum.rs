@@ -9,7 +9,7 @@ const LONGEST_WINDOW: usize = 1 << 15;
 const SWEEP_POWER: f64 = 0.95;
 /// Noise in the acceleration's power up to the band's edge. The noise that is known is taken off again
 /// ([`SensorNoise`](crate::sensor_noise::SensorNoise)); this bounds what is left of it where it is not white.
-const NOISE_IN_BAND: f64 = 1e-3;
+const NOISE_IN_BAND: f64 = 1e-4;
 /// Bands per octave in which the noise is read.
 const PER_OCTAVE: i32 = 4;
 /// Noise does not fall faster than this from one octave to the next: a motion does, beyond its sweep.
