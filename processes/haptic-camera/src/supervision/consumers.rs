@@ -8,7 +8,6 @@ use shared_types::ProcessKind;
 use super::consumer::Consumer;
 use super::loop_link::LoopLink;
 use super::words::Words;
-use crate::command_line::RunOptions;
 use crate::terminal;
 
 /// After the run a recorder that cannot be started, or dies at once, is tried for so long.
@@ -23,16 +22,13 @@ pub(crate) struct Consumers {
 
 impl Consumers {
     /// Starts them, off the control loop's core where there is another. Only the recorder is indispensable.
-    pub(crate) fn start(archive: &Path, options: &RunOptions, loop_core: u32) -> anyhow::Result<Self> {
+    pub(crate) fn start(archive: &Path, viewer: Option<&str>, loop_core: u32) -> anyhow::Result<Self> {
         let words = Words::apart_from_panel(terminal::size().is_some());
         let out = vec![format!("--out={}", archive.display())];
         let mut recorder = Consumer::new(ProcessKind::Recorder, out, loop_core);
         recorder.start(&words)?;
         let mut others = vec![Consumer::new(ProcessKind::LiveFitter, Vec::new(), loop_core)];
-        if !options.no_viewer {
-            let place = if options.native_viewer { "--native" } else { "--web" };
-            others.push(Consumer::new(ProcessKind::Viewer, vec![place.to_owned()], loop_core));
-        }
+        others.extend(viewer.map(|place| Consumer::new(ProcessKind::Viewer, vec![place.to_owned()], loop_core)));
         others.iter_mut().for_each(|consumer| consumer.try_to_start(&words));
         Ok(Self { recorder, others, words })
     }

@@ -6,7 +6,7 @@ use super::loop_link::LoopLink;
 use super::panel::{losses, standing_words};
 use crate::until_ci::{Knowledge, Standing, Yardstick};
 
-/// How far the model is fitted, how late the loop was and what was lost.
+/// How far run and fit are, how late the loop was and what was lost.
 pub(super) fn fit_line(link: &LoopLink, yardstick: Option<&Yardstick>) -> String {
     let known = link.fit().map_or_else(String::new, |fit| {
         let enough = fit.estimates().iter().filter(|(_, e)| e.verdict == Verdict::Enough.code()).count();
@@ -21,7 +21,12 @@ pub(super) fn fit_line(link: &LoopLink, yardstick: Option<&Yardstick>) -> String
             Some(yardstick) => format!("{residual}, {}", widest(&Knowledge::from(fit), yardstick)),
         }
     });
-    format!("{:5.1} s, {}{known}", link.elapsed_s(), losses(link))
+    format!("{}{known}", time_line(link))
+}
+
+/// How far the run is, how late the loop was and what was lost.
+pub(super) fn time_line(link: &LoopLink) -> String {
+    format!("{:5.1} s, {}", link.elapsed_s(), losses(link))
 }
 
 /// The parameter that an end of the sweep waits for most.
