@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
-use shared_types::{ClockMapping, ModelChange, RunDescription, Sample};
+use shared_types::{ModelChange, RunDescription, Sample};
 
 use crate::description::attachment;
 use crate::error::ArchiveError;
@@ -92,7 +92,7 @@ impl Capture {
     /// Whether the rig rendered a model and a hand turned the gripper.
     #[must_use]
     pub fn is_rendered(&self) -> bool {
-        self.description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some())
+        self.description.as_ref().is_some_and(RunDescription::is_rendered)
     }
 
     /// The capture with the torque that the knob takes, whoever drives: of a rendering that is minus what the sensor reads, and
@@ -223,24 +223,14 @@ impl Capture {
     }
 
     fn description_or_default(&self) -> RunDescription {
-        let mut run = self.description.clone().unwrap_or_else(|| RunDescription {
-            run_id: 0,
+        let unknown = || RunDescription {
             software_version: env!("CARGO_PKG_VERSION").to_owned(),
             apparatus: "unknown".to_owned(),
             knob: "unknown".to_owned(),
-            rate_hz: self.rate_hz,
             planned_ticks: self.len() as u64,
-            clock: ClockMapping { monotonic_time_ns: 0, wall_clock_time_ns: 0 },
-            realtime: 0,
-            excitation_toml: String::new(),
-            calibration_toml: String::new(),
-            simulated_knob_toml: None,
-            rendered_model_toml: None,
-            control_toml: None,
-            notes: Vec::new(),
-        });
-        run.rate_hz = self.rate_hz;
-        run
+            ..RunDescription::default()
+        };
+        RunDescription { rate_hz: self.rate_hz, ..self.description.clone().unwrap_or_else(unknown) }
     }
 
     #[allow(

@@ -87,13 +87,6 @@ pub fn doc_example_description() -> shared_types::RunDescription {
         knob: "1".to_owned(),
         rate_hz: 10_000.0,
         planned_ticks: 10,
-        clock: shared_types::ClockMapping { monotonic_time_ns: 0, wall_clock_time_ns: 0 },
-        realtime: 0,
-        excitation_toml: String::new(),
-        calibration_toml: String::new(),
-        simulated_knob_toml: None,
-        rendered_model_toml: None,
-        control_toml: None,
-        notes: Vec::new(),
+        ..shared_types::RunDescription::default()
     }
 }

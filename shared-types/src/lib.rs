@@ -40,7 +40,7 @@ pub mod shared_memory;
 mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};
-pub use description::{ClockMapping, RunDescription};
+pub use description::{ClockMapping, DescriptionError, RunDescription};
 pub use fit_update::{Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
 pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};

@@ -11,7 +11,7 @@ use identification::live::{LiveFit, LiveSample};
 use rt_loop::control::{ControlState, Reading, Request};
 use rt_loop::plan::{Plan, Rendering};
 use rt_loop::request::RunRequest;
-use shared_types::{Fault, LoopState, LoopStatus, ModelChange, RunDescription, Sample};
+use shared_types::{Fault, LoopState, LoopStatus, RunDescription, Sample};
 
 use crate::large_job;
 use crate::outcome::remark;
@@ -51,7 +51,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
     let armed = ArmedRig::of(plan)?;
     let status = whole_file::write_whole(path, Replace::Nothing, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;
-        if let Some(model) = first_model(&description) {
+        if let Some(model) = description.first_model() {
             writer.model(&model)?;
         }
         let keep = |sample: &Sample| writer.sample(&dated(sample, &description)).map(drop);
@@ -100,12 +100,6 @@ impl Watch {
         self.next_s = time_s + ESTIMATES_S;
         self.rule.take(time_s, Knowledge::from(&self.fit.estimate()))
     }
-}
-
-/// The model with which a rendering begins.
-fn first_model(run: &RunDescription) -> Option<ModelChange> {
-    let model_toml = run.rendered_model_toml.clone()?;
-    Some(ModelChange { run_id: run.run_id, tick: 0, monotonic_time_ns: run.clock.monotonic_time_ns, model_toml })
 }
 
 /// The sample with the time that its tick would have had.

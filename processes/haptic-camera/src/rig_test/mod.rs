@@ -103,5 +103,5 @@ fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
 /// What the rig was told to do.
 fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
     let description = loaded.capture.description.as_ref().context("the run has no description")?;
-    toml::from_str(&description.excitation_toml).context("the run's excitation cannot be read")
+    Ok(description.excitation()?)
 }
