@@ -20,6 +20,7 @@
 //! |---|---|
 //! | [`mod@write`] | [`CaptureWriter`]: the recorder's way in |
 //! | [`capture`] | [`Capture`]: columns, from MCAP or CSV, and back |
+//! | [`columns`] | the list of the columns that a capture can have |
 //! | [`schema`] | where each field lies in a message, from the schema in the file |
 //! | [`recover`](mod@recover) | a whole file from a broken one, saying what was lost |
 //! | [`merge`](mod@merge) | one file from the parts that a restarted recorder leaves |
@@ -45,6 +46,7 @@
 pub mod capture;
 mod channels;
 pub mod claim;
+pub mod columns;
 mod combine;
 mod csv_file;
 mod description;
