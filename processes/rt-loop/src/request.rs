@@ -176,3 +176,31 @@ impl FromStr for RunRequest {
         toml::from_str(text)
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_request_comes_through_as_it_was_asked_for_numbers_that_are_none_too() {
+        let line = "rt-loop --knob none --torque --amplitude 0.1 --rate-hz nan --duration-s 2.3 --core 1 --calibration rig.toml \
+            --seed 18446744073709551615 --motor-cogging 48:0.3:1 --motor-cogging 7:0.1 --render 5 --nearest --hand multisine \
+            --hand-torque -3 --grip 1e300 --without-remarks";
+        let asked = RunRequest::from(Options::try_parse_from(line.split_whitespace()).unwrap());
+        let passed_on = toml::to_string(&asked).unwrap();
+        let taken = RunRequest::from(Options::try_parse_from(["rt-loop", "--request", &passed_on]).unwrap());
+        assert_eq!(format!("{taken:?}"), format!("{asked:?}"));
+        assert_eq!(asked.rig.simulated.hand.unwrap().hand_torque, Some(-3.0));
+    }
+
+    #[test]
+    fn a_hand_without_a_model_to_feel_is_wrong_usage_and_so_is_a_request_beside_options() {
+        for line in
+            ["--hand multisine", "--grip 2", "--nearest", "--without-remarks", "--request x", "--request a=1 --torque"]
+        {
+            assert!(Options::try_parse_from(["rt-loop"].into_iter().chain(line.split(' '))).is_err(), "{line}");
+        }
+        assert_eq!(RunRequest::default().rendering, None);
+    }
+}
