@@ -23,7 +23,7 @@ const SLOWEST_RATE_HZ: f64 = 2_000.0;
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// A rig that is not there.
-    #[error("there is no rig '{asked}'; there are: {known}")]
+    #[error("there is no rig '{asked}'; --apparatus takes {known}")]
     UnknownRig {
         /// The name asked for.
         asked: String,

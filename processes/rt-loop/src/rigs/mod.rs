@@ -16,7 +16,7 @@ use crate::request::RunRequest;
 pub struct RigKind {
     /// Its name, as `--apparatus` takes it.
     pub name: &'static str,
-    /// What it is, in words that follow the name.
+    /// What it is, in a few words.
     pub description: &'static str,
     /// Makes it ready for a run, its amplifier off.
     ///
@@ -43,6 +43,6 @@ pub static ALL: [&RigKind; 1] = [&sim::KIND];
 pub fn by_name(name: &str) -> Result<&'static RigKind, PlanError> {
     ALL.into_iter().find(|kind| kind.name == name).ok_or_else(|| PlanError::UnknownRig {
         asked: name.to_owned(),
-        known: ALL.map(|kind| format!("{}, {}", kind.name, kind.description)).join("; "),
+        known: ALL.map(|kind| format!("'{}' ({})", kind.name, kind.description)).join(", "),
     })
 }
