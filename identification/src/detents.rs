@@ -6,9 +6,10 @@ use crate::estimate::Harmonic;
 use crate::frame::Frame;
 use crate::held_out;
 use crate::least_squares::{LeastSquares, dot};
-use crate::motion::{Band, KnobMotion, rms};
+use crate::motion::{Band, KnobMotion};
 use crate::problem::{Column, Problem};
 use crate::scan::{FEWEST_PERIODS, Scan};
+use crate::statistics::rms;
 
 /// Peaks of the scan that are refined, at most, …
 const CANDIDATES: usize = 3;

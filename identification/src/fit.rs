@@ -19,7 +19,7 @@ use crate::quasi_static;
 use crate::report::Report;
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
 use crate::saturation::Rails;
-use crate::spectrum::quantile;
+use crate::statistics::quantile;
 use crate::time_order::Sorted;
 use crate::uniform::Uniform;
 use crate::vector;

@@ -6,7 +6,8 @@ use std::ops::Range;
 use dynamics::{Effect, effects};
 
 use crate::filter::Fir;
-use crate::motion::{Band, KnobMotion, ROWS_PER_EDGE, rms};
+use crate::motion::{Band, KnobMotion, ROWS_PER_EDGE};
+use crate::statistics::rms;
 use crate::uniform::Uniform;
 use crate::vector;
 

@@ -54,7 +54,7 @@ mod saturation;
 mod scan;
 mod sensor_noise;
 mod spectrum;
-mod student;
+pub mod statistics;
 mod time_order;
 mod uniform;
 mod vector;

@@ -6,8 +6,6 @@
 
 use crate::vector::dot;
 
-/// Two-sided 95 % of a normal distribution, in standard deviations.
-pub(crate) const NORMAL_95: f64 = 1.959_964;
 /// Places at which half of the kernel is told apart.
 const PLACES_PER_HALF: usize = 16;
 /// Scores whose running sums are taken side by side: one alone would wait for each addition.

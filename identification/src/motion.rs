@@ -9,6 +9,7 @@ use crate::filter::{Fir, Sections, butterworth_low_pass};
 use crate::fusion::{Sensors, blend, kalman_smoother};
 use crate::options::AccelerationUse;
 use crate::spectrum::{Spectrum, white_density};
+use crate::statistics::{MEDIAN_MAGNITUDE, median, rms};
 use crate::uniform::Uniform;
 use crate::vector::{self, dot};
 
@@ -306,13 +307,6 @@ pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
     rate
 }
 
-/// Root of the mean square.
-pub(crate) fn rms(values: &[f64]) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-    let count = values.len().max(1) as f64;
-    (dot(values, values) / count).sqrt()
-}
-
 /// A Butterworth low-pass run both ways.
 pub(crate) fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
     let sections: Option<Sections> = butterworth_low_pass(order, edge_hz, rate_hz).ok();
@@ -397,14 +391,14 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
 pub(crate) fn scatter(signal: &[f64]) -> f64 {
     let mut fourth: Vec<f64> =
         signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
-    // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.
-    crate::spectrum::median(&mut fourth) / 0.6745 / 70_f64.sqrt()
+    // Fourth differences raise the variance of white noise 70-fold.
+    median(&mut fourth) / MEDIAN_MAGNITUDE / 70_f64.sqrt()
 }
 
 /// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
 fn is_smooth(signal: &[f64], limit: f64) -> bool {
-    // The median of |x| is 0.6745 standard deviations, and fourth differences raise the variance 70-fold.
-    let limit = limit * 0.6745 * 70_f64.sqrt();
+    // Fourth differences raise the variance of white noise 70-fold.
+    let limit = limit * MEDIAN_MAGNITUDE * 70_f64.sqrt();
     2 * vector::small_fourth_differences(signal, limit) > signal.len().saturating_sub(4)
 }
 

@@ -3,7 +3,8 @@
 use crate::filter::{Fir, butterworth_low_pass, chebyshev2_low_pass};
 use crate::fixed_preparation::FixedPreparation;
 use crate::frame::Frame;
-use crate::motion::{Band, KnobMotion, gradient, prompt, rms};
+use crate::motion::{Band, KnobMotion, gradient, prompt};
+use crate::statistics::rms;
 use crate::uniform::Uniform;
 
 /// Order and stop band of the Chebyshev low-passes of the second kind, dB.

@@ -7,10 +7,9 @@ use crate::estimate::{Covariance, Parameter, Parameters, Point};
 use crate::fit::Trimmed;
 use crate::frame::Frame;
 use crate::least_squares::{RobustCovariance, dot};
-use crate::long_run::NORMAL_95;
-use crate::motion::{Band, KnobMotion, rms};
+use crate::motion::{Band, KnobMotion};
 use crate::problem::Column;
-use crate::student::student_95;
+use crate::statistics::{NORMAL_95, rms, student_95};
 use crate::vector;
 
 /// A parameter whose interval spans this share of the torque's RMS, times its column, is not told.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::motion::rms;
+use crate::statistics::rms;
 use crate::vector;
 
 /// Shortest run of equal values that may be a rail, samples.

@@ -15,7 +15,7 @@ use crate::frame::Frame;
 use crate::least_squares::dot;
 use crate::motion::{Band, KnobMotion};
 use crate::problem::Column;
-use crate::spectrum::{median, quantile};
+use crate::statistics::{median, quantile};
 use crate::vector;
 
 /// Fewest periods that the travel must hold for a period to be told.

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::fourier;
+use crate::statistics::median;
 use crate::vector::{self, dot};
 
 /// One-sided power spectral density.
@@ -107,26 +108,6 @@ pub(crate) fn white_density(signal: &[f64], rate_hz: f64) -> f64 {
         .map(|(frequency, density)| density / (2.0 * (PI * frequency / rate_hz).sin()).powi(4))
         .collect();
     median(&mut part)
-}
-
-/// Median of the values, which are reordered; 0 for none.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    quantile(values, 0.5)
-}
-
-/// Value below which the given share of the values lies; reorders them; 0 for none.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "an index between 0 and the length"
-)]
-pub(crate) fn quantile(values: &mut [f64], share: f64) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let index = (share * (values.len() - 1) as f64).round() as usize;
-    *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 /// Mean and slope per sample of the straight line through a signal at `places` 0, 1, ….

@@ -4,7 +4,8 @@ use dynamics::Calibration;
 
 use crate::Samples;
 use crate::saturation::{Rails, frozen, frozen_note};
-use crate::spectrum::{Spectrum, median};
+use crate::spectrum::Spectrum;
+use crate::statistics::median;
 
 /// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
 const JITTER: f64 = 0.01;

@@ -67,7 +67,7 @@ fn the_live_fit_comes_to_the_values_of_the_whole_capture() {
                 assert_eq!(parameter.verdict, Verdict::Absent);
                 continue;
             };
-            assert_eq!(parameter.verdict, Verdict::Enough, "{}", parameter.name);
+            assert_eq!(parameter.verdict, Verdict::Estimated, "{}", parameter.name);
             let [low, high] = parameter.ci95.unwrap();
             assert!((value - expected).abs() < high - low, "{}: {value} against {expected}", parameter.name);
         }

@@ -14,10 +14,10 @@ wire_message! {
         pub ci95_low: f64,
         /// Upper end of the 95 % interval.
         pub ci95_high: f64,
-        /// 1 excited enough to tell, 0 not yet, 2 not part of the model.
+        /// 1 excited enough to be estimated, 0 not yet, 2 not part of the model.
         pub verdict: u32,
-        /// Always 0.
-        pub reserved: u32,
+        /// 1 known as well as was asked for, 2 too small for the torque sensor to show, 0 neither.
+        pub convergence: u32,
     }
 }
 
@@ -62,14 +62,46 @@ wire_message! {
 }
 
 wire_code! {
-    /// Whether the data so far can tell a parameter.
+    /// Whether a parameter can be estimated from the data so far.
     pub enum Verdict {
         /// The sweep has not yet excited the parameter enough.
         NotYet = 0,
         /// Excited enough: value and interval mean what they say.
-        Enough = 1,
+        Estimated = 1,
         /// The model that was fitted does not have this parameter.
         Absent = 2,
+    }
+}
+
+wire_code! {
+    /// Whether a parameter is known as well as was asked for.
+    pub enum Convergence {
+        /// The interval is still wider than was asked for, or there is none.
+        Open = 0,
+        /// The interval is as narrow as was asked for.
+        Converged = 1,
+        /// The parameter is too small for the torque sensor to show.
+        Negligible = 2,
+    }
+}
+
+impl Estimate {
+    /// Half the width of the 95 % interval; NaN while there is none.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        0.5 * (self.ci95_high - self.ci95_low)
+    }
+
+    /// Whether the model that was fitted has this parameter.
+    #[must_use]
+    pub fn is_in_model(&self) -> bool {
+        self.verdict != Verdict::Absent.code()
+    }
+
+    /// Whether a longer capture is not needed for this parameter: it has converged or is negligible.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.convergence != Convergence::Open.code()
     }
 }
 

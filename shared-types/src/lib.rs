@@ -50,7 +50,7 @@ mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};
 pub use description::{ClockMapping, DescriptionError, RunDescription};
-pub use fit_update::{Estimate, FitUpdate, Verdict};
+pub use fit_update::{Convergence, Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
 pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};
 #[cfg(feature = "services")]

@@ -21,7 +21,7 @@ use crate::estimate::Harmonic;
 use crate::motion::gradient;
 use crate::quasi_static;
 use crate::samples::{FEWEST_SAMPLES, span};
-use crate::spectrum::median;
+use crate::statistics::median;
 use crate::uniform::Uniform;
 
 /// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.

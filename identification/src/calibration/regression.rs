@@ -4,9 +4,8 @@ use nalgebra::DMatrix;
 
 use crate::filter::butterworth_low_pass;
 use crate::least_squares::{LeastSquares, RobustCovariance};
-use crate::motion::{ROWS_PER_EDGE, rms};
-use crate::spectrum::median;
-use crate::student::student_95;
+use crate::motion::ROWS_PER_EDGE;
+use crate::statistics::{MEDIAN_MAGNITUDE, median, rms, student_95};
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.
@@ -73,7 +72,7 @@ impl Band {
         let mut used = target.len();
         for _ in 0..ROUNDS {
             let mut distances: Vec<f64> = solution.residual.iter().map(|left| left.abs()).collect();
-            let limit = OUTLIER * median(&mut distances) / 0.6745;
+            let limit = OUTLIER * median(&mut distances) / MEDIAN_MAGNITUDE;
             let outliers: Vec<usize> = (0..target.len()).filter(|row| solution.residual[*row].abs() > limit).collect();
             if outliers.is_empty() || used < outliers.len() + target.len() / 2 {
                 break;

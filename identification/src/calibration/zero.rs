@@ -4,13 +4,12 @@ use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_at_rest};
 use crate::samples::span;
+use crate::statistics::student_95;
 
 /// Travel up to which the rig counts as at rest, rad.
 const REST_RAD: f64 = 2e-3;
 /// Stretches of which the means are compared: what wanders more slowly than they last shows as scatter.
 const STRETCHES: usize = 30;
-/// Two-sided 95 % of Student's distribution with [`STRETCHES`] − 1 degrees of freedom.
-const STUDENT_95: f64 = 2.045;
 
 /// Averages torque and acceleration of a rig at rest with nothing on the gripper.
 ///
@@ -68,5 +67,5 @@ fn mean(signal: &[f64], step: f64) -> (f64, f64) {
     } else {
         0.0
     };
-    (value, STUDENT_95 * standard_error + hidden)
+    (value, student_95((means.len() - 1) as f64) * standard_error + hidden)
 }

@@ -3,7 +3,7 @@
 use dynamics::{Calibration, Direction};
 
 use crate::samples::{FitError, Samples};
-use crate::spectrum::median;
+use crate::statistics::median;
 
 /// Shortest rest before a breakaway, s.
 const REST_S: f64 = 0.020;

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::profile::{BINS_PER_TURN, Profile};
 use crate::samples::{FitError, Samples, span};
+use crate::statistics::student_95;
 
 /// Agreement of the two directions' torques over angle from which they show detents, as a correlation.
 const REPEATS: f64 = 0.5;
@@ -101,14 +102,15 @@ pub fn count_detents(samples: &Samples<'_>) -> Result<DetentCount, CountError> {
     if uneven > UNEVEN {
         return Err(CountError::Uneven { scatter_percent: 100.0 * uneven });
     }
+    let freedom = (intervals - 1).max(1) as f64;
     // The ends of a mean spacing are two crossings, each as uncertain as their scatter about the even spacing.
     let scatter = crossings
         .iter()
         .enumerate()
         .map(|(index, angle)| (angle - crossings[0] - index as f64 * spacing_rad).powi(2))
         .sum::<f64>()
-        / intervals as f64;
-    let half = 1.96 * (2.0 * scatter).sqrt() / intervals as f64 + TAU / BINS_PER_TURN / intervals as f64;
+        / freedom;
+    let half = student_95(freedom) * (2.0 * scatter).sqrt() / intervals as f64 + TAU / BINS_PER_TURN / intervals as f64;
     Ok(DetentCount {
         turned_rad,
         detents: u32::try_from(intervals).unwrap_or(u32::MAX),

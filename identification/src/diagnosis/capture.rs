@@ -10,11 +10,11 @@ use super::periodogram::periodogram;
 use super::structure::Structure;
 use crate::frame::Frame;
 use crate::least_squares::dot;
-use crate::motion::{Band, KnobMotion, gradient, rms};
+use crate::motion::{Band, KnobMotion, gradient};
 use crate::options::AccelerationUse;
 use crate::samples::{FitError, Samples, span};
 use crate::sensor_noise::SensorNoise;
-use crate::spectrum::{median, quantile};
+use crate::statistics::{median, quantile, rms};
 use crate::uniform::Uniform;
 
 /// Upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.

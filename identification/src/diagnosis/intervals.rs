@@ -6,10 +6,8 @@ use super::capture::Capture;
 use super::findings::Value;
 use super::nonlinear::Nonlinear;
 use super::structure::Structure;
-use crate::least_squares::LeastSquares;
-
-/// Standard errors on either side of a value.
-const WIDTH: f64 = 1.96;
+use crate::least_squares::{LeastSquares, RobustCovariance};
+use crate::statistics::student_95;
 
 /// Values with intervals of each effect of a structure that was fitted to a capture.
 ///
@@ -19,7 +17,8 @@ pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'sta
     let fit = Nonlinear::new(structure.clone(), capture);
     let tangents = fit.tangents(1.0);
     let solved = LeastSquares::solve(&tangents, &fit.residual, &vec![false; tangents.len()]);
-    let covariance = solved.robust(&tangents).matrix;
+    let RobustCovariance { matrix: covariance, degrees_of_freedom, .. } = solved.robust(&tangents);
+    let critical = student_95(degrees_of_freedom);
     let mut all = Vec::new();
     for (index, effect) in structure.effects.iter().enumerate() {
         let mut values = BTreeMap::new();
@@ -27,7 +26,7 @@ pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'sta
             let value = effect.values()[parameter];
             let column = fit.column_of(index, parameter);
             let ci95 = column.filter(|column| !solved.collinear[*column]).and_then(|column| {
-                let half = WIDTH * covariance[(column, column)].sqrt();
+                let half = critical * covariance[(column, column)].sqrt();
                 fit.interval(column, value, half).filter(|[low, high]| low.is_finite() && high.is_finite())
             });
             if column.is_some() || value != 0.0 {

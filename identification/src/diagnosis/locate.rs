@@ -6,7 +6,7 @@ use super::capture::Capture;
 use super::periodogram::periodogram;
 use super::structure::Structure;
 use crate::least_squares::dot;
-use crate::spectrum::median;
+use crate::statistics::median;
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;

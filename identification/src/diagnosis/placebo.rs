@@ -6,7 +6,7 @@ use super::nonlinear::Nonlinear;
 use super::normal;
 use super::structure::Structure;
 use crate::least_squares::dot;
-use crate::spectrum::median;
+use crate::statistics::median;
 
 /// Shifts of the columns, as shares of the capture.
 const SHIFTS: [f64; 5] = [0.19, 0.31, 0.43, 0.61, 0.77];

@@ -13,7 +13,7 @@ use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::nonlinear::Nonlinear;
 use super::structure::Structure;
-use crate::spectrum::quantile;
+use crate::statistics::quantile;
 
 /// Shares of the largest torque that are tried as limits, together with everything else …
 const LEVELS: [f64; 2] = [0.3, 1.0];

@@ -15,8 +15,9 @@ mod kalman_smoother;
 
 use std::f64::consts::TAU;
 
-use crate::motion::{gradient, low_pass, prompt, rms};
-use crate::spectrum::{Spectrum, median, white_density};
+use crate::motion::{gradient, low_pass, prompt};
+use crate::spectrum::{Spectrum, white_density};
+use crate::statistics::{median, rms};
 
 pub(crate) use blend::blend;
 pub(crate) use kalman_smoother::kalman_smoother;
@@ -138,7 +139,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::{Sensors, blend, kalman_smoother};
-    use crate::motion::{gradient, low_pass, rms};
+    use crate::motion::{gradient, low_pass};
+    use crate::statistics::rms;
 
     const RATE_HZ: f64 = 2000.0;
     const STEP_RAD: f64 = TAU / 16_384.0;

@@ -3,8 +3,7 @@
 use dynamics::{Minimum, ParameterKind};
 
 use crate::estimate::Parameter;
-use crate::long_run::NORMAL_95;
-use crate::student::student_95;
+use crate::statistics::{NORMAL_95, student_95};
 
 use super::slide::to_f64;
 

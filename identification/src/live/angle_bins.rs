@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use realfft::{RealFftPlanner, num_complex::Complex};
 
 use crate::scan::FEWEST_PERIODS;
-use crate::spectrum::median;
+use crate::statistics::median;
 
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;

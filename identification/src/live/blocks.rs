@@ -2,6 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use crate::statistics::student_95;
+
 /// Most columns of a row, torque included.
 pub(super) const MOST_COLUMNS: usize = 16;
 /// Most blocks; when they are full, neighbours merge.
@@ -37,6 +39,14 @@ pub(super) struct Solution {
     pub(super) residual_rms: f64,
     pub(super) rows: u64,
     pub(super) blocks: usize,
+}
+
+impl Solution {
+    /// Half width of a 95 % interval over the standard deviation, which the scatter of the blocks gives.
+    #[allow(clippy::cast_precision_loss, reason = "a number of blocks")]
+    pub(super) fn critical(&self) -> f64 {
+        student_95(self.blocks as f64 - 1.0)
+    }
 }
 
 impl Blocks {

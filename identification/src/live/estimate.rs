@@ -4,23 +4,22 @@ use dynamics::{Effect, ParameterKind, Part, effects};
 use nalgebra::DMatrix;
 
 use super::blocks::{Blocks, Solution};
+use super::convergence::{Convergence, Criterion, MotionRms};
 
-/// Two-sided 95 % for some sixty degrees of freedom, in standard deviations.
-const CRITICAL: f64 = 2.0;
 /// Blocks that must scatter before intervals mean anything.
 const FEWEST_BLOCKS: usize = 16;
-/// A parameter is told when its interval's half width is below this share of its value …
-const TOLD_SHARE: f64 = 0.1;
+/// A parameter is estimated when its interval's half width is below this share of its value …
+const ESTIMATED_SHARE: f64 = 0.1;
 /// … or worth less than this share of the torque's RMS.
-const TOLD_TORQUE: f64 = 0.02;
+const ESTIMATED_TORQUE: f64 = 0.02;
 
-/// Whether the data so far can tell a parameter.
+/// Whether a parameter can be estimated from the data so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The sweep has not yet excited the parameter enough.
     NotYet,
     /// Excited enough: value and interval mean what they say.
-    Enough,
+    Estimated,
     /// The model that was fitted does not have this parameter.
     Absent,
 }
@@ -36,8 +35,18 @@ pub struct LiveParameter {
     pub value: Option<f64>,
     /// 95 % interval; `None` while nothing can be said of it.
     pub ci95: Option<[f64; 2]>,
-    /// Whether the data can tell it.
+    /// Whether it can be estimated.
     pub verdict: Verdict,
+    /// Whether it is known as well as was asked for.
+    pub convergence: Convergence,
+}
+
+impl LiveParameter {
+    /// Half the width of the 95 % interval; `None` while there is none.
+    #[must_use]
+    pub fn half_width(&self) -> Option<f64> {
+        self.ci95.map(|[low, high]| 0.5 * (high - low))
+    }
 }
 
 /// The model as the stream so far tells it.
@@ -66,6 +75,25 @@ pub struct LiveEstimate {
 }
 
 impl LiveEstimate {
+    /// Holds the parameters' intervals against `criterion`.
+    pub(super) fn judge(&mut self, criterion: &Criterion) {
+        let motion = self.motion();
+        for parameter in &mut self.parameters {
+            if let (Some(value), Some(half_width)) = (parameter.value, parameter.half_width()) {
+                parameter.convergence = criterion.judge(parameter.name, value, half_width, motion);
+            }
+        }
+    }
+
+    /// RMS of the motion so far; NaN before the first row.
+    #[must_use]
+    pub fn motion(&self) -> MotionRms {
+        MotionRms {
+            velocity_rad_s: self.speed_rms_rad_s.unwrap_or(f64::NAN),
+            acceleration_rad_s2: self.acceleration_rms_rad_s2.unwrap_or(f64::NAN),
+        }
+    }
+
     /// The parameter called `name`.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&LiveParameter> {
@@ -127,7 +155,7 @@ pub(super) fn estimate(
         for (position, kind) in effect.kind().parameters.iter().enumerate() {
             let column = start + position;
             let subtract = if matches!(effect.kind().part, Part::Inertia(_)) { gripper_inertia } else { 0.0 };
-            let half = CRITICAL * solution.covariance[(column, column)].max(0.0).sqrt();
+            let half = solution.critical() * solution.covariance[(column, column)].max(0.0).sqrt();
             estimate.parameters.push(parameter(kind, column, half, subtract, &solution, excitation));
             match kind.name {
                 "inertia" => estimate.acceleration_rms_rad_s2 = Some(solution.column_rms[column]),
@@ -157,6 +185,7 @@ pub(super) fn estimate(
                 value: None,
                 ci95: None,
                 verdict,
+                convergence: Convergence::Open,
             }));
         }
     }
@@ -175,6 +204,7 @@ fn untold(base_effects: &[Effect]) -> Vec<LiveParameter> {
             value: None,
             ci95: None,
             verdict: Verdict::NotYet,
+            convergence: Convergence::Open,
         })
         .collect()
 }
@@ -190,19 +220,27 @@ fn parameter(
     let ParameterKind { name, unit, .. } = *kind;
     let seen = excitation.of(name);
     if !solution.told[column] || seen < excitation.enough {
-        return LiveParameter { name, unit, value: None, ci95: None, verdict: Verdict::NotYet };
+        return LiveParameter {
+            name,
+            unit,
+            value: None,
+            ci95: None,
+            verdict: Verdict::NotYet,
+            convergence: Convergence::Open,
+        };
     }
     let value = solution.coefficients[column] - subtract;
     // The column counts where it is not zero.
     let column_rms = solution.column_rms[column] * (excitation.sliding / seen).sqrt();
-    let small = half <= TOLD_SHARE * value.abs() || half * column_rms <= TOLD_TORQUE * solution.torque_rms;
+    let small = half <= ESTIMATED_SHARE * value.abs() || half * column_rms <= ESTIMATED_TORQUE * solution.torque_rms;
     let enough = solution.blocks >= FEWEST_BLOCKS && small && kind.minimum.permits(value);
     LiveParameter {
         name,
         unit,
         value: Some(value),
         ci95: (solution.blocks >= FEWEST_BLOCKS).then_some([value - half, value + half]),
-        verdict: if enough { Verdict::Enough } else { Verdict::NotYet },
+        verdict: if enough { Verdict::Estimated } else { Verdict::NotYet },
+        convergence: Convergence::Open,
     }
 }
 
@@ -244,12 +282,12 @@ fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution)
                 variance += left * part[(row, column)] * right;
             }
         }
-        CRITICAL * variance.max(0.0).sqrt()
+        joint.solution.critical() * variance.max(0.0).sqrt()
     };
     let square = amplitude * amplitude;
     let half_amplitude = half([a / amplitude, b / amplitude, 0.0]);
-    let told = half_amplitude < TOLD_SHARE * amplitude;
-    let verdict = if told { Verdict::Enough } else { Verdict::NotYet };
+    let told = half_amplitude < ESTIMATED_SHARE * amplitude;
+    let verdict = if told { Verdict::Estimated } else { Verdict::NotYet };
     let [amplitude_kind, period_kind, phase_kind] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
     let of = |kind: &'static ParameterKind, value: f64, half: f64| LiveParameter {
         name: kind.name,
@@ -257,6 +295,7 @@ fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution)
         value: Some(value),
         ci95: Some([value - half, value + half]),
         verdict,
+        convergence: Convergence::Open,
     };
     [
         of(amplitude_kind, amplitude, half_amplitude),

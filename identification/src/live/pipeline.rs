@@ -7,6 +7,7 @@ use dynamics::{Calibration, Motion};
 use super::LiveSample;
 use super::ring::Ring;
 use crate::filter::Fir;
+use crate::statistics::MEDIAN_MAGNITUDE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
 const ANGLE_BAND: f64 = 2.5;
@@ -176,8 +177,8 @@ impl Pipeline {
 
     /// White noise of the encoder, differentiated, up to the cutoff.
     fn velocity_noise_rad_s(&self) -> f64 {
-        // The running median of |fourth difference| is 0.6745·√70 standard deviations.
-        let angle = self.noise / (0.6745 * 70_f64.sqrt());
+        // Fourth differences raise the variance of white noise 70-fold.
+        let angle = self.noise / (MEDIAN_MAGNITUDE * 70_f64.sqrt());
         angle * TAU * (self.cutoff_hz.powi(3) / (1.5 * self.rate_hz)).sqrt()
     }
 

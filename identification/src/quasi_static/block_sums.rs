@@ -3,11 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::least_squares::dot;
+use crate::statistics::student_95;
 
 /// Stretches of equal length.
 pub(super) const BLOCKS: usize = 32;
-/// Two-sided 95 % of Student's distribution with one degree of freedom less than there are stretches.
-pub(super) const STUDENT_95: f64 = 2.0395;
 
 /// Products of columns and target, stretch by stretch.
 pub(super) struct BlockSums {
@@ -29,6 +28,12 @@ pub(super) struct Estimate {
     pub(super) covariance: DMatrix<f64>,
     /// As textbooks have it.
     pub(super) textbook: DMatrix<f64>,
+}
+
+/// Half width of a 95 % interval over the standard deviation: the stretches leave one degree of freedom less than their
+/// number.
+pub(super) fn critical() -> f64 {
+    student_95((BLOCKS - 1) as f64)
 }
 
 impl BlockSums {

@@ -14,12 +14,11 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::smallest_step;
-use crate::long_run::NORMAL_95;
-use crate::motion::{rms, scatter};
+use crate::motion::scatter;
 use crate::samples::{FEWEST_SAMPLES, Samples};
 use crate::saturation::Rails;
-use crate::spectrum::median;
-use block_sums::{BlockSums, STUDENT_95};
+use crate::statistics::{NORMAL_95, median, rms};
+use block_sums::{BlockSums, critical};
 use ladder::Grid;
 pub(crate) use sinusoids::of_turns;
 
@@ -65,7 +64,7 @@ pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> 
         parameters: fitted.parameters(&frictions, &none),
         residual_rms_mnm: rms(residual),
         relative_error_percent: 100.0 * rms(residual) / rms(&map.torque_mnm),
-        mean_ci95_mnm: STUDENT_95 * fitted.mean_prediction_sd(&fitted.covariance),
+        mean_ci95_mnm: critical() * fitted.mean_prediction_sd(&fitted.covariance),
         mean_ci95_textbook_mnm: NORMAL_95 * fitted.mean_prediction_sd(&fitted.textbook),
         samples: samples.t_s.len(),
         rows: map.torque_mnm.len(),
@@ -138,7 +137,7 @@ impl Fitted {
             sums.push(ladder::tangent(&map.angle_rad, wavenumber, pair(*strongest)));
             if let Some(wider) = sums.estimate() {
                 let half = |covariance: &DMatrix<f64>| covariance[(base, base)].max(0.0).sqrt() / wavenumber.powi(2);
-                period_half_widths_rad = [STUDENT_95 * half(&wider.covariance), NORMAL_95 * half(&wider.textbook)];
+                period_half_widths_rad = [critical() * half(&wider.covariance), NORMAL_95 * half(&wider.textbook)];
             }
             sums.truncate(base);
         }
@@ -172,7 +171,7 @@ impl Fitted {
                     name: kind.name,
                     value: Some(self.coefficients[at]),
                     unit: kind.unit,
-                    ci95: Some(interval(self.coefficients[at], STUDENT_95 * self.covariance[(at, at)].max(0.0).sqrt())),
+                    ci95: Some(interval(self.coefficients[at], critical() * self.covariance[(at, at)].max(0.0).sqrt())),
                     ci95_textbook: Some(interval(
                         self.coefficients[at],
                         NORMAL_95 * self.textbook[(at, at)].max(0.0).sqrt(),
@@ -250,7 +249,7 @@ impl Fitted {
                     acceleration_rad_s2: 0.0,
                     torque_mnm: map.torque_mnm[at],
                     torque_model_mnm: map.torque_mnm[at] - self.residual[at],
-                    torque_model_ci95_mnm: STUDENT_95 * sd(&row, &self.covariance),
+                    torque_model_ci95_mnm: critical() * sd(&row, &self.covariance),
                     residual_mnm: self.residual[at],
                 }
             })

@@ -1,6 +1,6 @@
 //! What the sinusoids of a ladder are, each with its intervals.
 
-use super::block_sums::{BlockSums, Estimate, STUDENT_95};
+use super::block_sums::{BlockSums, Estimate, critical};
 use super::ladder::{self, Grid};
 use super::{along, interval, overtone};
 use crate::estimate::Harmonic;
@@ -50,8 +50,8 @@ pub(super) fn ranked(
         let after = sums.left(&chosen)?;
         let [sine, cosine] = pair(*position);
         let amplitude = sine.hypot(cosine);
-        let half = STUDENT_95 * along(&estimate.covariance, at, [sine / amplitude, cosine / amplitude]);
-        let turn = STUDENT_95 * along(&estimate.covariance, at, [-cosine / amplitude, sine / amplitude]) / amplitude;
+        let half = critical() * along(&estimate.covariance, at, [sine / amplitude, cosine / amplitude]);
+        let turn = critical() * along(&estimate.covariance, at, [-cosine / amplitude, sine / amplitude]) / amplitude;
         let phase = cosine.atan2(sine);
         harmonics.push(Harmonic {
             order: overtone(wavenumbers[*position], wavenumbers[order[0]]),

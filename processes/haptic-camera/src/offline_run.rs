@@ -82,8 +82,8 @@ impl Watch {
     fn new(share: Share, plan: &Plan) -> Self {
         let (rate_hz, calibration) = (plan.control.rate_hz, &plan.rig.calibration);
         Self {
-            fit: LiveFit::new(rate_hz, Some(calibration)),
-            rule: StopRule::new(share, calibration.torque_step_mnm),
+            fit: LiveFit::new(rate_hz, Some(calibration)).converging_to(share.get()),
+            rule: StopRule::new(share),
             rate_hz,
             next_s: ESTIMATES_S,
         }

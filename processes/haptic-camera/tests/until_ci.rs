@@ -86,7 +86,7 @@ fn a_sweep_that_comes_to_its_end_first_says_what_is_not_known() {
     let output = capture(folder.path(), "--knob 3 --duration-s 4 --until-ci 0.1%");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(said.contains("not known within 0.1 % by the end: ") && said.contains("viscous_negative (±"), "{said}");
+    assert!(said.contains("not known within 0.1 % by the end: ") && said.contains("viscous_negative ±"), "{said}");
     let samples = archive::Overview::read(&only(folder.path(), "mcap")).unwrap().samples;
     assert_eq!(samples, 40_000);
 }

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use consumer::Stop;
-use identification::live::{LiveFit, LiveSample};
+use identification::live::{LiveFit, LiveSample, USUAL_SHARE};
 use streams::Streams;
 use update::Cadence;
 
@@ -27,6 +27,9 @@ struct Arguments {
     /// Times this process was restarted during the run, for its health report.
     #[arg(long, default_value_t = 0)]
     restarts: u32,
+    /// Share of its value within which half the 95 % interval of each parameter is asked for.
+    #[arg(long, default_value_t = USUAL_SHARE)]
+    share: f64,
 }
 
 fn main() -> ExitCode {
@@ -51,7 +54,7 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(run) = streams.wait_for_run(&stop, POLL_INTERVAL)? else { return Ok(()) };
     // On a rig that renders a hand drives, and the sensor reads what the knob gives instead of what it takes.
     let sign = if run.is_rendered() { -1.0 } else { 1.0 };
-    let mut fit = LiveFit::new(run.rate_hz, run.calibration_at_knob()?.as_ref());
+    let mut fit = LiveFit::new(run.rate_hz, run.calibration_at_knob()?.as_ref()).converging_to(arguments.share);
     let mut cadence = Cadence::new();
     while !stop.is_asked() {
         streams.take_samples(run.run_id, |sample| {

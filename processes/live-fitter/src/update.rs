@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use identification::live::{LiveEstimate, LiveParameter, Verdict as LiveVerdict};
+use identification::live::{self, LiveEstimate, LiveParameter};
 use nix::time::{ClockId, clock_gettime};
-use shared_types::{Estimate, FitUpdate, Verdict};
+use shared_types::{Convergence, Estimate, FitUpdate, Verdict};
 
 use crate::streams::Newest;
 
@@ -39,7 +39,7 @@ impl Cadence {
 pub fn measured(run_id: u64, estimate: impl FnOnce() -> LiveEstimate) -> FitUpdate {
     let begun_ns = cpu_time_ns();
     let estimate = estimate();
-    let parameter = |name: &str| estimate.parameter(name).map_or_else(absent, told);
+    let parameter = |name: &str| estimate.parameter(name).map_or_else(absent, message);
     FitUpdate {
         run_id,
         samples: estimate.samples,
@@ -59,18 +59,30 @@ pub fn measured(run_id: u64, estimate: impl FnOnce() -> LiveEstimate) -> FitUpda
     }
 }
 
-fn told(parameter: &LiveParameter) -> Estimate {
+fn message(parameter: &LiveParameter) -> Estimate {
     let [ci95_low, ci95_high] = parameter.ci95.unwrap_or([f64::NAN; 2]);
     let verdict = match parameter.verdict {
-        LiveVerdict::NotYet => Verdict::NotYet,
-        LiveVerdict::Enough => Verdict::Enough,
-        LiveVerdict::Absent => Verdict::Absent,
+        live::Verdict::NotYet => Verdict::NotYet,
+        live::Verdict::Estimated => Verdict::Estimated,
+        live::Verdict::Absent => Verdict::Absent,
     };
-    Estimate { value: parameter.value.unwrap_or(f64::NAN), ci95_low, ci95_high, verdict: verdict.code(), reserved: 0 }
+    let convergence = match parameter.convergence {
+        live::Convergence::Open => Convergence::Open,
+        live::Convergence::Converged => Convergence::Converged,
+        live::Convergence::Negligible => Convergence::Negligible,
+    };
+    Estimate {
+        value: parameter.value.unwrap_or(f64::NAN),
+        ci95_low,
+        ci95_high,
+        verdict: verdict.code(),
+        convergence: convergence.code(),
+    }
 }
 
 fn absent() -> Estimate {
-    Estimate { value: f64::NAN, ci95_low: f64::NAN, ci95_high: f64::NAN, verdict: Verdict::Absent.code(), reserved: 0 }
+    let nothing = f64::NAN;
+    Estimate { value: nothing, ci95_low: nothing, ci95_high: nothing, verdict: Verdict::Absent.code(), convergence: 0 }
 }
 
 /// CPU time of this thread so far, ns.

@@ -80,13 +80,13 @@ fn fit_update(run_id: u64, newest: &Sample, noise: &mut Noise) -> FitUpdate {
         let value = PARAMETERS[index] + 0.3 * half_width * noise.next();
         // Detents are told later than friction.
         let enough = time_s > if index >= 5 { 4.0 } else { 1.0 };
-        let verdict = if enough { Verdict::Enough } else { Verdict::NotYet };
+        let verdict = if enough { Verdict::Estimated } else { Verdict::NotYet };
         Estimate {
             value,
             ci95_low: value - half_width,
             ci95_high: value + half_width,
             verdict: verdict.code(),
-            reserved: 0,
+            convergence: u32::from(enough),
         }
     });
     let [

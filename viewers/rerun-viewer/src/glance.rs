@@ -8,7 +8,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde::Serialize;
 use shared_types::LoopState;
 
-use crate::enough::Known;
 use crate::entities::PARAMETERS;
 use crate::knob_track::Motion;
 use crate::process_conditions;
@@ -109,12 +108,11 @@ fn parameters(facts: &Facts<'_>) -> Vec<ParameterAtAGlance> {
     let Some(fit) = facts.fit else { return Vec::new() };
     let estimates = fit.estimates().into_iter().zip(PARAMETERS);
     estimates
-        .map(|((name, estimate), (_, unit))| (name, facts.known(name), estimate, unit))
-        .filter(|(_, known, _, _)| *known != Known::Absent)
-        .map(|(name, known, estimate, unit)| ParameterAtAGlance {
+        .filter(|((_, estimate), _)| estimate.is_in_model())
+        .map(|((name, estimate), (_, unit))| ParameterAtAGlance {
             name: name.replace('_', " "),
             value: format!("{} {unit}", value_and_interval(&estimate)),
-            enough: known == Known::Enough,
+            enough: estimate.is_settled(),
         })
         .collect()
 }

@@ -34,7 +34,6 @@ pub mod decimation;
 pub mod diagnosis;
 pub mod drawing;
 pub mod drawn;
-pub mod enough;
 pub mod entities;
 pub mod extremes;
 pub mod frame;

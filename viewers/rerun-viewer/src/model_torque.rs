@@ -13,7 +13,6 @@ use std::f64::consts::{PI, TAU};
 use dynamics::Calibration;
 use shared_types::{Estimate, FitUpdate, Verdict};
 
-use crate::enough;
 use crate::entities::PARAMETERS;
 use crate::half_widths::HalfWidths;
 
@@ -53,7 +52,7 @@ impl KnobModel {
         let value = |name: &str| estimates.iter().find(|(known, _)| *known == name).and_then(|(_, found)| told(found));
         let half_width = |name: &str| {
             let (_, estimate) = estimates.iter().find(|(known, _)| *known == name)?;
-            told(estimate).map(|_| enough::half_width(estimate))
+            told(estimate).map(|_| estimate.half_width())
         };
         Self::from_told(value).map(|model| model.with_half_widths(half_width))
     }
@@ -173,7 +172,7 @@ impl KnobModel {
 
 /// The value of a parameter that the data can tell.
 pub fn told(estimate: &Estimate) -> Option<f64> {
-    (Verdict::from_code(estimate.verdict) == Some(Verdict::Enough) && estimate.value.is_finite())
+    (Verdict::from_code(estimate.verdict) == Some(Verdict::Estimated) && estimate.value.is_finite())
         .then_some(estimate.value)
 }
 
@@ -204,7 +203,7 @@ pub(crate) mod tests {
     }
 
     fn enough(value: f64) -> Estimate {
-        Estimate { value, ci95_low: value, ci95_high: value, verdict: Verdict::Enough.code(), reserved: 0 }
+        Estimate { value, ci95_low: value, ci95_high: value, verdict: Verdict::Estimated.code(), convergence: 0 }
     }
 
     /// Knob 3 of the paper's Table 5.

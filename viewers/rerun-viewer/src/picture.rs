@@ -17,7 +17,7 @@ use crate::scatter::{Abscissa, Scatter, ScatterPoint};
 use crate::signals::Signals;
 use crate::source::{Event, Reading};
 use crate::waiting_rows::WaitingRows;
-use crate::{enough, process_conditions, summary};
+use crate::{process_conditions, summary};
 
 /// Bin of the lateness, of which only the largest stays.
 const LATENESS_BIN_NS: i64 = 20_000_000;
@@ -376,7 +376,6 @@ impl Picture {
             frames_dropped,
             newest: self.newest_reading,
             motion: self.knob.motion(),
-            torque_step_mnm: self.calibration.as_ref().map_or(enough::TORQUE_STEP_MNM, |known| known.torque_step_mnm),
             now_ns: shared_types::rig::monotonic_time_ns(),
         }
     }

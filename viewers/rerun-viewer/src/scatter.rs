@@ -221,7 +221,7 @@ mod tests {
             value,
             ci95_low: value,
             ci95_high: value,
-            verdict: Verdict::Enough.code(),
+            verdict: Verdict::Estimated.code(),
             ..Estimate::default()
         };
         let fit =

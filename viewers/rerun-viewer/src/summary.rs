@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
+use identification::live::USUAL_SHARE;
 use shared_types::{Estimate, Fault, FitUpdate, LoopState, LoopStatus, RunDescription, realtime};
 
 use crate::consumers::Consumers;
-use crate::enough::{self, Known, Reach};
 use crate::entities::{PARAMETERS, SIGNALS};
 use crate::knob_track::Motion;
 use crate::model_torque::told;
@@ -37,18 +37,8 @@ pub struct Facts<'a> {
     pub newest: Option<Reading>,
     /// Whether the knob sticks.
     pub motion: Option<Motion>,
-    /// Step of the torque sensor, mNm.
-    pub torque_step_mnm: f64,
     /// CLOCK_MONOTONIC now, ns.
     pub now_ns: u64,
-}
-
-impl Facts<'_> {
-    /// How well a parameter of the fit is known.
-    pub fn known(&self, name: &str) -> Known {
-        let reach = Reach::of_ranges(&self.ranges);
-        self.fit.map_or(Known::Absent, |fit| enough::known(name, fit, &reach, self.torque_step_mnm))
-    }
 }
 
 /// The run and its loop as Markdown.
@@ -137,11 +127,10 @@ pub fn parameters(facts: &Facts<'_>) -> String {
     let mut text = "| | parameter | value ± 95 % |\n|---|---|---|\n".to_owned();
     let (mut enough, mut all) = (0, 0);
     for ((name, estimate), (_, unit)) in fit.estimates().into_iter().zip(PARAMETERS) {
-        let known = facts.known(name);
-        if known != Known::Absent {
+        if estimate.is_in_model() {
             all += 1;
-            enough += u32::from(known == Known::Enough);
-            let word = if known == Known::Enough { "enough" } else { "**not yet**" };
+            enough += u32::from(estimate.is_settled());
+            let word = if estimate.is_settled() { "enough" } else { "**not yet**" };
             let value = match told(&estimate) {
                 Some(_) => format!("{} {unit}", value_and_interval(&estimate)),
                 None => value_and_interval(&estimate),
@@ -154,10 +143,13 @@ pub fn parameters(facts: &Facts<'_>) -> String {
         let _ = writeln!(text, "\nresidual **{:.3} mNm** RMS over {samples} samples\n", fit.residual_rms_mnm);
     }
     format!(
-        "## {enough} of {all} enough\n\n{text}\nenough: half the 95 % interval is below {:.0} % of the value, or is worth less \
-         than the sensor's step of {} mNm wherever the knob was in the last 10 s\n",
-        100.0 * enough::RELATIVE,
-        three_digits(facts.torque_step_mnm)
+        "## {enough} of {all} enough
+
+{text}
+enough: half the 95 % interval is as small a share of the value as was asked \
+         for, else {:.0} %, or the torque sensor cannot show the parameter
+",
+        100.0 * USUAL_SHARE
     )
 }
 
@@ -236,7 +228,6 @@ impl<'a> Facts<'a> {
             frames_dropped: 0,
             newest: None,
             motion: None,
-            torque_step_mnm: enough::TORQUE_STEP_MNM,
             now_ns: 0,
         }
     }
@@ -244,13 +235,18 @@ impl<'a> Facts<'a> {
 
 #[cfg(test)]
 mod tests {
-    use shared_types::Verdict;
+    use shared_types::{Convergence, Verdict};
 
     use super::*;
 
-    fn enough(value: f64, half_width: f64) -> Estimate {
+    fn estimated(value: f64, half_width: f64, convergence: Convergence) -> Estimate {
         let (ci95_low, ci95_high) = (value - half_width, value + half_width);
-        Estimate { value, ci95_low, ci95_high, verdict: Verdict::Enough.code(), reserved: 0 }
+        let (verdict, convergence) = (Verdict::Estimated.code(), convergence.code());
+        Estimate { value, ci95_low, ci95_high, verdict, convergence }
+    }
+
+    fn enough(value: f64, half_width: f64) -> Estimate {
+        estimated(value, half_width, Convergence::Converged)
     }
 
     #[test]
@@ -267,12 +263,11 @@ mod tests {
 
     #[test]
     fn the_plain_word_stands_beside_each_parameter_that_the_model_has() {
-        let mut fit =
-            FitUpdate { coulomb_positive: enough(2.3, 0.012), inertia: enough(0.035, 9.0), ..FitUpdate::default() };
+        let inertia = estimated(0.035, 9.0, Convergence::Open);
+        let mut fit = FitUpdate { coulomb_positive: enough(2.3, 0.012), inertia, ..FitUpdate::default() };
         fit.detent_phase.verdict = Verdict::Absent.code();
         let consumers = Consumers::default();
-        let mut facts = Facts { fit: Some(&fit), ..Facts::nothing(&consumers) };
-        facts.ranges[2].1 = Some((-100.0, 100.0));
+        let facts = Facts { fit: Some(&fit), ..Facts::nothing(&consumers) };
         let text = parameters(&facts);
         assert!(text.contains("## 1 of 7 enough"), "{text}");
         assert!(text.contains("| enough | coulomb positive | 2.300 ± 0.012 mNm |"), "{text}");

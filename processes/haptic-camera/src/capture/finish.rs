@@ -5,6 +5,7 @@ use std::path::Path;
 use archive::claim::numbered;
 use archive::whole_file;
 use identification::Fit;
+use identification::live::Convergence;
 use loaded_capture::LoadedCapture;
 
 use crate::fit;
@@ -12,7 +13,7 @@ use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{Kind, write};
 use crate::supervision::{Archived, RunEnd};
-use crate::until_ci::Achieved;
+use crate::until_ci::{Achieved, Known};
 
 /// Names that are tried for what is made of a capture.
 const NAMES_TRIED: u32 = 1_000;
@@ -39,7 +40,8 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
             say("");
             fit::show(&loaded, &fitted);
             if let Some(achieved) = &end.achieved {
-                tell_precision(achieved, &fitted);
+                let step_mnm = loaded.calibration.as_ref().map_or(0.0, |known| known.torque_step_mnm);
+                tell_precision(achieved, &fitted, step_mnm);
             }
         }
         // The capture is kept and whole; that it tells no model is a finding, not a failure.
@@ -75,10 +77,10 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
 pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
     let share = achieved.asked;
     let Some(ended_s) = achieved.ended_s else {
-        let wanting: Vec<String> = achieved.wanting().into_iter().map(wanting_words).collect();
+        let open: Vec<String> = achieved.open().iter().map(share_words).collect();
         return format!(
             "not known within {share} by the end: {}; give it longer with --duration-s, or a larger share",
-            if wanting.is_empty() { "there was no steady estimate".to_owned() } else { wanting.join(", ") }
+            if open.is_empty() { "there was no steady estimate".to_owned() } else { open.join(", ") }
         );
     };
     let saved_s = planned_s - ended_s;
@@ -89,24 +91,24 @@ pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
 }
 
 /// Holds the fit of the archive against what the sweep was ended for.
-fn tell_precision(achieved: &Achieved, fitted: &Fit) {
-    let Some(verification) = achieved.verify(fitted) else { return };
+fn tell_precision(achieved: &Achieved, fitted: &Fit, torque_step_mnm: f64) {
+    let Some(knowledge) = achieved.verify(fitted, torque_step_mnm) else { return };
     let share = achieved.asked;
-    if !verification.wanting.is_empty() {
-        let wanting: Vec<String> = verification.wanting.into_iter().map(wanting_words).collect();
-        remark(format!("the fit of the archive does not know within {share}: {}", wanting.join(", ")));
-    } else if let Some((name, widest)) = verification.widest {
-        say(format!(
-            "every parameter is known within {share}; the widest interval is {name}'s, ± {:.2} %",
-            100.0 * widest
-        ));
+    let open: Vec<String> = knowledge.open().iter().map(share_words).collect();
+    let converged = knowledge.parameters.iter().filter(|known| known.convergence == Convergence::Converged);
+    let widest = converged.max_by(|one, other| one.share().unwrap_or(0.0).total_cmp(&other.share().unwrap_or(0.0)));
+    if !open.is_empty() {
+        remark(format!("the fit of the archive does not know within {share}: {}", open.join(", ")));
+    } else if let Some(widest) = widest {
+        say(format!("every parameter is known within {share}; the widest interval: {}", share_words(widest)));
     }
 }
 
-fn wanting_words((name, share): (&str, Option<f64>)) -> String {
-    match share {
-        Some(share) => format!("{name} (± {:.2} %)", 100.0 * share),
-        None => format!("{name} (cannot be told)"),
+/// A parameter with its interval's share of the value.
+pub(crate) fn share_words(known: &Known) -> String {
+    match known.share() {
+        Some(share) => format!("{} ± {:.2} %", known.name, 100.0 * share),
+        None => format!("{} not estimated yet", known.name),
     }
 }
 

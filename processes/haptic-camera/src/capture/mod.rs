@@ -13,6 +13,7 @@ use crate::command_line::CaptureOptions;
 use crate::outcome::Outcome;
 use crate::supervision::{Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 pub(crate) use budget::Budget;
+pub(crate) use finish::share_words;
 
 /// Runs a capture from start to end, or capture after capture until the knob's effects have names.
 ///

@@ -1,7 +1,10 @@
 //! From single breakaways to the torque that a resting knob bears.
 
+use std::f64::consts::FRAC_PI_2;
+
 use dynamics::{Direction, Model, Motion};
 use identification::checks::Breakaway;
+use identification::statistics::{MEDIAN_MAGNITUDE, median, student_95};
 use serde::Serialize;
 
 /// The torque at which the knob breaks away in one direction.
@@ -39,18 +42,24 @@ impl Threshold {
         let torque_mnm = median(&mut torques);
         let count = torques.len() as f64;
         let mut distances: Vec<f64> = torques.iter().map(|torque| (torque - torque_mnm).abs()).collect();
-        let scatter = median(&mut distances) / 0.6745;
-        // Student's quantile by its expansion about the normal one; a median is 1.253 times as uncertain as a mean.
-        let freedom = (count - 1.0).max(1.0);
-        let quantile = 1.96 * (1.0 + 1.21 / freedom + 1.4 / (freedom * freedom));
-        let half = quantile * 1.253 * scatter / count.sqrt();
+        let scatter = median(&mut distances) / MEDIAN_MAGNITUDE;
+        // A median is √(π/2) times as uncertain as a mean.
+        let half = student_95(count - 1.0) * FRAC_PI_2.sqrt() * scatter / count.sqrt();
         let ci95_mnm = (torques.len() > 1).then_some([torque_mnm - half, torque_mnm + half]);
         Some(Self { torque_mnm, ci95_mnm, times: torques.len() })
     }
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+    use super::Threshold;
+
+    #[test]
+    fn the_interval_of_two_breakaways_is_students_of_one_degree_of_freedom() {
+        // Median 2, magnitudes of the differences 0.1: 12.706 · √(π/2) · 0.1/0.67449 / √2.
+        let [low, high] = Threshold::from_torques(vec![1.9, 2.1]).unwrap().ci95_mnm.unwrap();
+        assert!((0.5 * (high - low) - 1.669_5).abs() < 1e-3, "{low} to {high}");
+    }
 }

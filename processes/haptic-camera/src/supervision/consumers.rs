@@ -9,6 +9,7 @@ use super::consumer::Consumer;
 use super::loop_link::LoopLink;
 use super::words::Words;
 use crate::terminal;
+use crate::until_ci::Share;
 
 /// After the run a recorder that cannot be started, or dies at once, is tried for so long.
 const RECORDER_BACK: Duration = Duration::from_secs(10);
@@ -22,12 +23,18 @@ pub(crate) struct Consumers {
 
 impl Consumers {
     /// Starts them, off the control loop's core where there is another. Only the recorder is indispensable.
-    pub(crate) fn start(archive: &Path, viewer: Option<&str>, loop_core: u32) -> anyhow::Result<Self> {
+    pub(crate) fn start(
+        archive: &Path,
+        viewer: Option<&str>,
+        until: Option<Share>,
+        loop_core: u32,
+    ) -> anyhow::Result<Self> {
         let words = Words::apart_from_panel(terminal::size().is_some());
         let out = vec![format!("--out={}", archive.display())];
         let mut recorder = Consumer::new(ProcessKind::Recorder, out, loop_core);
         recorder.start(&words)?;
-        let mut others = vec![Consumer::new(ProcessKind::LiveFitter, Vec::new(), loop_core)];
+        let share = until.map(|share| format!("--share={}", share.get())).into_iter().collect();
+        let mut others = vec![Consumer::new(ProcessKind::LiveFitter, share, loop_core)];
         others.extend(viewer.map(|place| Consumer::new(ProcessKind::Viewer, vec![place.to_owned()], loop_core)));
         others.iter_mut().for_each(|consumer| consumer.try_to_start(&words));
         Ok(Self { recorder, others, words })

@@ -1,25 +1,21 @@
 //! The state of a run in one plain line.
 
-use shared_types::{Sample, Verdict};
+use shared_types::Sample;
 
 use super::loop_link::LoopLink;
-use super::panel::{losses, standing_words};
-use crate::until_ci::{Knowledge, Standing, Yardstick};
+use super::panel::losses;
+use crate::capture::share_words;
+use crate::until_ci::{Knowledge, Share};
 
 /// How far run and fit are, how late the loop was and what was lost.
-pub(super) fn fit_line(link: &LoopLink, yardstick: Option<&Yardstick>) -> String {
+pub(super) fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
     let known = link.fit().map_or_else(String::new, |fit| {
-        let enough = fit.estimates().iter().filter(|(_, e)| e.verdict == Verdict::Enough.code()).count();
-        let told = fit.estimates().iter().filter(|(_, e)| e.verdict != Verdict::Absent.code()).count();
         let residual = if fit.residual_rms_mnm.is_finite() {
             format!(", residual {:.2} mNm", fit.residual_rms_mnm)
         } else {
             String::new()
         };
-        match yardstick {
-            None => format!("{residual}, {enough} of {told} known"),
-            Some(yardstick) => format!("{residual}, {}", widest(&Knowledge::from(fit), yardstick)),
-        }
+        format!("{residual}, {}", known_words(&Knowledge::from(fit), until))
     });
     format!("{}{known}", time_line(link))
 }
@@ -29,19 +25,15 @@ pub(super) fn time_line(link: &LoopLink) -> String {
     format!("{:5.1} s, {}", link.elapsed_s(), losses(link))
 }
 
-/// The parameter that an end of the sweep waits for most.
-fn widest(knowledge: &Knowledge, yardstick: &Yardstick) -> String {
-    let wanting = knowledge.parameters.iter().filter_map(|known| match yardstick.standing(known, knowledge) {
-        Standing::Wanting(share) => Some((known.name, share)),
-        _ => None,
-    });
-    let widest = wanting.max_by(|one, other| {
-        let width = |share: Option<f64>| share.unwrap_or(f64::INFINITY);
-        width(one.1).total_cmp(&width(other.1))
-    });
-    match widest {
-        None => format!("all within ± {:.2} %", 100.0 * yardstick.share),
-        Some((name, share)) => format!("{name} {}", standing_words(Standing::Wanting(share))),
+/// How many parameters are known well enough, or the one that an end of the sweep waits for most.
+fn known_words(knowledge: &Knowledge, until: Option<Share>) -> String {
+    match (until, knowledge.open().first()) {
+        (Some(share), None) => format!("all within {share}"),
+        (Some(_), Some(least_known)) => share_words(least_known),
+        (None, _) => {
+            let in_model = knowledge.parameters.iter().filter(|known| known.is_in_model);
+            format!("{} of {} known", in_model.clone().filter(|known| known.is_settled()).count(), in_model.count())
+        }
     }
 }
 

@@ -33,7 +33,6 @@ pub(crate) struct LoopLink {
     /// Longest time without a word of the recorder.
     longest_absence: Duration,
     torque_zero_mnm: f64,
-    torque_step_mnm: f64,
     models: Vec<FeltModel>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
@@ -57,7 +56,6 @@ impl LoopLink {
             health: Vec::new(),
             longest_absence: Duration::ZERO,
             torque_zero_mnm: 0.0,
-            torque_step_mnm: 0.0,
             models: Vec::new(),
             _node: node,
         })
@@ -85,7 +83,6 @@ impl LoopLink {
             let run = serde_json::from_slice::<RunDescription>(json.payload()).ok();
             if let Some(known) = run.and_then(|run| run.calibration().ok()?) {
                 self.torque_zero_mnm = known.torque_zero_mnm;
-                self.torque_step_mnm = known.torque_step_mnm;
             }
         }
         while let Ok(Some(json)) = self.model_changes.receive() {
@@ -105,11 +102,6 @@ impl LoopLink {
     /// Torque of the hand at the last status, mNm: the opposite of what the sensor reads on a rig that renders.
     pub(crate) fn hand_torque_mnm(&self) -> f64 {
         self.torque_zero_mnm - self.status.torque_mnm
-    }
-
-    /// One step of the torque sensor, mNm; 0 where it is not known.
-    pub(crate) fn torque_step_mnm(&self) -> f64 {
-        self.torque_step_mnm
     }
 
     /// What the consumers last said of themselves.

@@ -135,7 +135,7 @@ impl SupervisedRun {
     /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
     fn supervise(&self, control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
-        let mut consumers = Consumers::start(&self.archive, self.viewer, link.status().core)?;
+        let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status().core)?;
         let ready_by = Instant::now() + RECORDER_READY;
         while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
             std::thread::sleep(CYCLE);
@@ -155,8 +155,8 @@ impl SupervisedRun {
             );
             return Err(error);
         }
-        let mut rule = self.until.map(|share| StopRule::new(share, link.torque_step_mnm()));
-        let mut progress = Progress::new(self, rule.as_ref().map(StopRule::yardstick));
+        let mut rule = self.until.map(StopRule::new);
+        let mut progress = Progress::new(self);
         let (mut stopped_by_operator, mut loop_died) = (false, false);
         let drill = Drill::listen(drill::SERVING_THREAD)?;
         loop {

@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use identification::live::{Convergence, USUAL_SHARE};
 use shared_types::{FitUpdate, LATENESS_BIN_EDGES_NS, LoopStatus, ProcessKind};
 
 use super::loop_link::LoopLink;
 use crate::repeatability::digits;
-use crate::until_ci::{Knowledge, Known, Standing, Yardstick};
+use crate::until_ci::{Knowledge, Known, Share};
 
 /// Lines of the panel: the bar, the table's head, eight parameters, and what follows.
 pub(super) const FIT_LINES: u16 = 14;
@@ -29,25 +30,23 @@ pub(super) fn time(link: &LoopLink, planned_steps: Option<u64>) -> String {
 }
 
 /// All below the bar.
-pub(super) fn below(link: &LoopLink, yardstick: Option<&Yardstick>) -> String {
-    let mut text = table(link.fit(), yardstick);
+pub(super) fn below(link: &LoopLink, until: Option<Share>) -> String {
+    let mut text = table(link.fit(), until);
     let residual = link.fit().map(|fit| fit.residual_rms_mnm).filter(|residual| residual.is_finite());
     let residual = residual.map_or_else(|| "-".to_owned(), |residual| format!("{residual:.3} mNm RMS"));
     let _ = write!(text, "residual  {residual}\nlateness  {}\nlosses    {}", lateness(link.status()), losses(link));
     text
 }
 
-fn table(fit: Option<&FitUpdate>, yardstick: Option<&Yardstick>) -> String {
-    let asked = yardstick.map_or_else(String::new, |yardstick| format!("needs ± {:.2} %", 100.0 * yardstick.share));
-    let mut text = format!("{:<18}{:>12}{:>13}{:>9}  {:<12}{asked}\n", "parameter", "so far", "95 %", "share", "unit");
+fn table(fit: Option<&FitUpdate>, until: Option<Share>) -> String {
+    let asked = 100.0 * until.map_or(USUAL_SHARE, Share::get);
+    let mut text =
+        format!("{:<18}{:>12}{:>13}{:>9}  {:<12}needs ± {asked} %\n", "parameter", "so far", "95 %", "share", "unit");
     let knowledge = fit.map(Knowledge::from);
     for kind in parameters() {
         let known = knowledge.as_ref().and_then(|all| all.parameters.iter().find(|known| known.name == kind.name));
         let [value, half_width, share] = cells(known);
-        let word = match (yardstick, known, &knowledge) {
-            (Some(yardstick), Some(known), Some(all)) => word(yardstick.standing(known, all)),
-            _ => "",
-        };
+        let word = known.map_or("", word);
         let line = format!("{:<18}{value:>12}{half_width:>13}{share:>9}  {:<12}{word}", kind.name, kind.unit);
         let _ = writeln!(text, "{}", line.trim_end());
     }
@@ -64,33 +63,23 @@ fn parameters() -> impl Iterator<Item = &'static dynamics::ParameterKind> {
 fn cells(known: Option<&Known>) -> [String; 3] {
     let nothing = |word: &str| [word.to_owned(), String::new(), String::new()];
     match known {
-        Some(known) if known.absent => nothing("none"),
+        Some(known) if !known.is_in_model => nothing("none"),
         Some(Known { value: Some(value), half_width: Some(half_width), .. }) => {
             let digits = digits(*half_width);
             let share = 100.0 * known.and_then(Known::share).unwrap_or(f64::INFINITY);
             let share = if share < 1000.0 { format!("{share:.2} %") } else { "-".to_owned() };
             [format!("{value:.digits$}"), format!("± {half_width:.digits$}"), share]
         }
-        _ => nothing("not yet"),
+        _ => nothing("-"),
     }
 }
 
-fn word(standing: Standing) -> &'static str {
-    match standing {
-        Standing::Enough(_) => "enough",
-        Standing::Negligible => "negligible",
-        Standing::Absent => "",
-        Standing::Wanting(_) => "wanting",
-    }
-}
-
-/// Where a parameter stands, in words.
-pub(super) fn standing_words(standing: Standing) -> String {
-    match standing {
-        Standing::Wanting(None) => "not told yet".to_owned(),
-        Standing::Wanting(Some(share)) | Standing::Enough(share) => format!("± {:.2} %", 100.0 * share),
-        Standing::Negligible => "negligible".to_owned(),
-        Standing::Absent => "not there".to_owned(),
+fn word(known: &Known) -> &'static str {
+    match known.convergence {
+        _ if !known.is_in_model => "",
+        Convergence::Converged => "known",
+        Convergence::Negligible => "negligible",
+        Convergence::Open => "not yet",
     }
 }
 
@@ -165,8 +154,8 @@ mod tests {
             value: -12_345.678,
             ci95_low: -12_345.679,
             ci95_high: -12_345.677,
-            verdict: Verdict::Enough.code(),
-            reserved: 0,
+            verdict: Verdict::Estimated.code(),
+            convergence: 0,
         };
         let absurd = Estimate { value: 1e-9, ci95_low: -1e6, ci95_high: 1e6, ..wide };
         for one in [Estimate::default(), wide, absurd, Estimate { value: f64::NAN, ..wide }] {

@@ -10,7 +10,7 @@ use super::loop_link::LoopLink;
 use super::panel::{self, FIT_LINES};
 use crate::outcome::{hold_panel, release_panel, say};
 use crate::terminal;
-use crate::until_ci::Yardstick;
+use crate::until_ci::Share;
 
 /// Time between two plain lines, at least …
 const LINE_INTERVAL: Duration = Duration::from_secs(2);
@@ -35,7 +35,7 @@ pub(crate) enum Shown {
 /// Shows how far the run is and how it goes.
 pub(crate) struct Progress {
     shown: Shown,
-    yardstick: Option<Yardstick>,
+    until: Option<Share>,
     bar: Option<ProgressBar>,
     whole_panel: bool,
     next: Instant,
@@ -44,7 +44,7 @@ pub(crate) struct Progress {
 
 impl Progress {
     /// For a run that has just begun.
-    pub(crate) fn new(run: &SupervisedRun, yardstick: Option<Yardstick>) -> Self {
+    pub(crate) fn new(run: &SupervisedRun) -> Self {
         let shown = run.shown;
         let duration_s = (!run.request.is_open_ended()).then_some(run.request.duration_s);
         let size = terminal::size();
@@ -65,7 +65,7 @@ impl Progress {
             Duration::try_from_secs_f64(duration_s / LINES_PER_RUN).map_or(LINE_INTERVAL, |one| one.max(LINE_INTERVAL))
         });
         let next = Instant::now() + if bar.is_some() { Duration::ZERO } else { line_interval };
-        Self { shown, yardstick, bar, whole_panel, next, line_interval }
+        Self { shown, until: run.until, bar, whole_panel, next, line_interval }
     }
 
     pub(crate) fn show(&mut self, link: &LoopLink) {
@@ -74,7 +74,7 @@ impl Progress {
         }
         self.next = Instant::now() + if self.bar.is_some() { PANEL_INTERVAL } else { self.line_interval };
         let line = || match self.shown {
-            Shown::Fit => fit_line(link, self.yardstick.as_ref()),
+            Shown::Fit => fit_line(link, self.until),
             Shown::Rendering => rendering_line(link),
             Shown::Time => time_line(link),
         };
@@ -83,7 +83,7 @@ impl Progress {
             Some(bar) => {
                 if self.whole_panel {
                     bar.set_prefix(panel::time(link, bar.length()));
-                    bar.set_message(panel::below(link, self.yardstick.as_ref()));
+                    bar.set_message(panel::below(link, self.until));
                 } else {
                     bar.set_message(operator::visible(&line()).into_owned());
                 }

@@ -1,8 +1,10 @@
 //! What an estimate knows of each parameter, and whether that is enough.
 
-use identification::live::{LiveEstimate, Verdict as LiveVerdict};
-use identification::{Fit, Parameter};
-use shared_types::{FitUpdate, Verdict};
+use identification::Fit;
+use identification::live::{
+    Convergence, Criterion, LiveEstimate, MotionRms, Verdict as LiveVerdict, relative_half_width,
+};
+use shared_types::FitUpdate;
 
 /// A parameter as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,15 +15,21 @@ pub struct Known {
     pub value: Option<f64>,
     /// Half the width of the 95 % interval; `None` while there is none.
     pub half_width: Option<f64>,
-    /// Whether the model lacks the parameter.
-    pub absent: bool,
+    /// Whether the model has the parameter.
+    pub is_in_model: bool,
+    /// Whether it is known as well as was asked for.
+    pub convergence: Convergence,
 }
 
 impl Known {
     /// The half width as a share of the value; of a phase, of one radian. `None` while there is no interval.
     pub fn share(&self) -> Option<f64> {
-        let scale = if is_phase(self.name) { 1.0 } else { self.value?.abs() };
-        Some(self.half_width? / scale)
+        Some(relative_half_width(self.name, self.value?, self.half_width?)).filter(|share| share.is_finite())
+    }
+
+    /// Whether a capture need not go on for this parameter.
+    pub fn is_settled(&self) -> bool {
+        !self.is_in_model || self.convergence != Convergence::Open
     }
 }
 
@@ -30,73 +38,39 @@ impl Known {
 pub struct Knowledge {
     /// The parameters of inertia, friction and detents.
     pub parameters: Vec<Known>,
-    /// RMS of the velocity so far, rad/s; NaN where it is not known.
-    pub speed_rms_rad_s: f64,
-    /// RMS of the acceleration so far, rad/s².
-    pub acceleration_rms_rad_s2: f64,
+    /// RMS of the motion so far; NaN where it is not known.
+    pub motion: MotionRms,
 }
 
-/// Whether a parameter is known well enough.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Standing {
-    /// The interval's half width is this share of the value, which is enough.
-    Enough(f64),
-    /// Too small to be seen by the torque sensor.
-    Negligible,
-    /// The model does not have it.
-    Absent,
-    /// Not yet: the half width is this share of the value, or nothing can be said of it.
-    Wanting(Option<f64>),
-}
-
-impl Standing {
-    /// Whether a capture need not go on for this parameter.
-    pub fn is_settled(self) -> bool {
-        !matches!(self, Self::Wanting(_))
+impl Knowledge {
+    /// Whether every parameter is known well enough.
+    pub fn is_enough(&self) -> bool {
+        !self.parameters.is_empty() && self.parameters.iter().all(Known::is_settled)
     }
-}
 
-/// What parameters are measured by.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Yardstick {
-    /// The share that half an interval may be wide, below one.
-    pub share: f64,
-    /// One step of the torque sensor, mNm.
-    pub torque_step_mnm: f64,
-}
+    /// The parameters that are not known well enough, the least known first.
+    pub fn open(&self) -> Vec<Known> {
+        let mut open: Vec<Known> = self.parameters.iter().filter(|known| !known.is_settled()).copied().collect();
+        let width = |known: &Known| known.share().unwrap_or(f64::INFINITY);
+        open.sort_by(|one, other| width(other).total_cmp(&width(one)));
+        open
+    }
 
-impl Yardstick {
-    /// Where a parameter stands after a motion.
-    pub fn standing(&self, known: &Known, of: &Knowledge) -> Standing {
-        if known.absent {
-            return Standing::Absent;
-        }
-        let (Some(value), Some(half_width), Some(share)) = (known.value, known.half_width, known.share()) else {
-            return Standing::Wanting(None);
+    /// What a fit of the whole capture knows of the same parameters, by the same motion.
+    #[must_use]
+    pub fn of_fit(&self, fit: &Fit, criterion: &Criterion) -> Self {
+        let of = |known: &Known| {
+            let fitted = fit.parameters.0.iter().find(|parameter| parameter.name == known.name);
+            let value = fitted.and_then(|parameter| parameter.value);
+            let half_width = fitted.and_then(|parameter| parameter.ci95).map(|[low, high]| 0.5 * (high - low));
+            let convergence = value.zip(half_width).map_or(Convergence::Open, |(value, half_width)| {
+                criterion.judge(known.name, value, half_width, self.motion)
+            });
+            let is_in_model = fitted.is_some() && (value.is_some() || known.is_in_model);
+            Known { value, half_width, is_in_model, convergence, ..*known }
         };
-        if share <= self.share {
-            return Standing::Enough(share);
-        }
-        let most_mnm = torque_per_unit(known.name, of).map(|torque| (value.abs() + half_width) * torque);
-        match most_mnm {
-            Some(most_mnm) if most_mnm <= self.torque_step_mnm => Standing::Negligible,
-            _ => Standing::Wanting(share.is_finite().then_some(share)),
-        }
+        Self { parameters: self.parameters.iter().map(of).collect(), ..*self }
     }
-}
-
-/// Torque that one unit of a parameter makes over the motion so far, mNm; `None` for period and phase, which make none.
-fn torque_per_unit(name: &str, of: &Knowledge) -> Option<f64> {
-    match name {
-        "inertia" => Some(of.acceleration_rms_rad_s2),
-        "viscous_negative" | "viscous_positive" => Some(of.speed_rms_rad_s),
-        "coulomb_negative" | "coulomb_positive" | "detent_amplitude" => Some(1.0),
-        _ => None,
-    }
-}
-
-fn is_phase(name: &str) -> bool {
-    name == "detent_phase"
 }
 
 impl From<&FitUpdate> for Knowledge {
@@ -105,13 +79,20 @@ impl From<&FitUpdate> for Knowledge {
         let known = |(name, estimate): (&'static str, shared_types::Estimate)| Known {
             name,
             value: finite(estimate.value),
-            half_width: finite(0.5 * (estimate.ci95_high - estimate.ci95_low)),
-            absent: estimate.verdict == Verdict::Absent.code(),
+            half_width: finite(estimate.half_width()),
+            is_in_model: estimate.is_in_model(),
+            convergence: match shared_types::Convergence::from_code(estimate.convergence) {
+                Some(shared_types::Convergence::Converged) => Convergence::Converged,
+                Some(shared_types::Convergence::Negligible) => Convergence::Negligible,
+                Some(shared_types::Convergence::Open) | None => Convergence::Open,
+            },
         };
         Self {
             parameters: update.estimates().map(known).to_vec(),
-            speed_rms_rad_s: update.speed_rms_rad_s,
-            acceleration_rms_rad_s2: update.acceleration_rms_rad_s2,
+            motion: MotionRms {
+                velocity_rad_s: update.speed_rms_rad_s,
+                acceleration_rad_s2: update.acceleration_rms_rad_s2,
+            },
         }
     }
 }
@@ -121,30 +102,29 @@ impl From<&LiveEstimate> for Knowledge {
         let parameters = estimate.parameters.iter().map(|parameter| Known {
             name: parameter.name,
             value: parameter.value,
-            half_width: parameter.ci95.map(|[low, high]| 0.5 * (high - low)),
-            absent: parameter.verdict == LiveVerdict::Absent,
+            half_width: parameter.half_width(),
+            is_in_model: parameter.verdict != LiveVerdict::Absent,
+            convergence: parameter.convergence,
         });
-        Self {
-            parameters: parameters.collect(),
-            speed_rms_rad_s: estimate.speed_rms_rad_s.unwrap_or(f64::NAN),
-            acceleration_rms_rad_s2: estimate.acceleration_rms_rad_s2.unwrap_or(f64::NAN),
-        }
+        Self { parameters: parameters.collect(), motion: estimate.motion() }
     }
 }
 
-impl Knowledge {
-    /// What a fit of the whole capture knows of the same parameters, by the same motion.
-    #[must_use]
-    pub fn of_fit(&self, fit: &Fit) -> Self {
-        let of = |known: &Known| {
-            let fitted: Option<&Parameter> = fit.parameters.0.iter().find(|parameter| parameter.name == known.name);
-            Known {
-                name: known.name,
-                value: fitted.and_then(|parameter| parameter.value),
-                half_width: fitted.and_then(|parameter| parameter.ci95).map(|[low, high]| 0.5 * (high - low)),
-                absent: fitted.is_none_or(|parameter| parameter.value.is_none() && known.absent),
+#[cfg(test)]
+mod tests {
+    use shared_types::{Convergence, Estimate, FitUpdate, Verdict};
+
+    use super::Knowledge;
+
+    #[test]
+    fn the_terminal_counts_as_known_what_the_page_does() {
+        for verdict in [Verdict::NotYet, Verdict::Estimated] {
+            for convergence in [Convergence::Open, Convergence::Converged, Convergence::Negligible] {
+                let inertia =
+                    Estimate { verdict: verdict.code(), convergence: convergence.code(), ..Estimate::default() };
+                let known = Knowledge::from(&FitUpdate { inertia, ..FitUpdate::default() }).parameters[0];
+                assert_eq!(known.is_settled(), inertia.is_settled(), "{verdict:?}, {convergence:?}");
             }
-        };
-        Self { parameters: self.parameters.iter().map(of).collect(), ..self.clone() }
+        }
     }
 }

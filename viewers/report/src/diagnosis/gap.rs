@@ -1,6 +1,7 @@
 //! How large the gap is, before and after.
 
 use identification::diagnosis::{Diagnosis, ForwardFromCommand, Row, Verdict};
+use identification::statistics::NORMAL_95;
 use maud::{Markup, html};
 
 use super::{Numbering, floors};
@@ -9,9 +10,6 @@ use crate::ink::Ink;
 use crate::numbers::{three, two};
 use crate::page::FEWEST_ROWS;
 use crate::plot::{Axis, Layer, Plot};
-
-/// Standard deviations that hold 95 % of a normal noise.
-const NINETY_FIVE_PERCENT: f64 = 1.96;
 
 /// A floor from the fewest rows that are believed is known to one part in nine: residuals below this share of it contradict it.
 const DOUBTFUL: f64 = 0.7;
@@ -111,7 +109,7 @@ fn excerpt(found: &Diagnosis, rows: &[Row]) -> (Figure, Numbers) {
     let changed = !found.steps.is_empty();
     let shown = typical_excerpt(rows, |row| row.t_s, |row| row.residual_before_mnm);
     let (start_s, end_s) = (shown.first().map_or(0.0, |row| row.t_s), shown.last().map_or(0.0, |row| row.t_s));
-    let reach = NINETY_FIVE_PERCENT * found.noise_floor_rms;
+    let reach = NORMAL_95 * found.noise_floor_rms;
     let longest_s = longest_step_s(rows, |row| row.t_s);
     let mut layers = vec![
         Layer::Band(Ink::Floor, vec![(start_s, -reach, reach), (end_s, -reach, reach)]),
