@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
-use shared_types::{ClockMapping, ModelChange, RunDescription, Sample};
+use shared_types::{ModelChange, RunDescription, Sample};
 
 use crate::description::attachment;
 use crate::error::ArchiveError;
 use crate::sequence::Gap;
 use crate::whole_file::{self, Replace};
 use crate::write::CaptureWriter;
-use crate::{csv_file, mcap_file, memory};
+use crate::{columns, csv_file, mcap_file, memory};
 
 /// A capture, row by row in the order of time. All columns have the same length, at least three.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,7 +92,7 @@ impl Capture {
     /// Whether the rig rendered a model and a hand turned the gripper.
     #[must_use]
     pub fn is_rendered(&self) -> bool {
-        self.description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some())
+        self.description.as_ref().is_some_and(RunDescription::is_rendered)
     }
 
     /// The capture with the torque that the knob takes, whoever drives: of a rendering that is minus what the sensor reads, and
@@ -125,38 +125,15 @@ impl Capture {
     /// [`ArchiveError::Unordered`].
     pub fn validate(&self) -> Result<(), ArchiveError> {
         let rows = self.len();
-        let measured: Vec<(&'static str, &[f64])> = [
-            ("t_s", Some(&self.t_s)),
-            ("angle_rad", Some(&self.angle_rad)),
-            ("velocity_rad_s", self.velocity_rad_s.as_ref()),
-            ("acceleration_rad_s2", self.acceleration_rad_s2.as_ref()),
-            ("torque_mnm", Some(&self.torque_mnm)),
-        ]
-        .into_iter()
-        .filter_map(|(name, column)| Some((name, column?.as_slice())))
-        .collect();
-        let commanded = [
-            ("commanded_angle_rad", self.commanded_angle_rad.as_ref()),
-            ("commanded_torque_mnm", self.commanded_torque_mnm.as_ref()),
-        ];
-        let lengths = measured
-            .iter()
-            .map(|(name, column)| (*name, column.len()))
-            .chain(commanded.into_iter().filter_map(|(name, column)| Some((name, column?.len()))))
-            .chain([("seq", self.seq.len()), ("tick", self.tick.len())])
-            .chain(
-                [("state", &self.state), ("missed_ticks", &self.missed_ticks), ("flags", &self.flags)]
-                    .into_iter()
-                    .filter_map(|(name, column)| Some((name, column.as_ref()?.len()))),
-            );
-        for (column, length) in lengths {
-            if length != rows {
-                return Err(ArchiveError::Ragged { column, rows: length, expected: rows });
+        for (column, values) in columns::of(self) {
+            if values.len() != rows {
+                return Err(ArchiveError::Ragged { column, rows: values.len(), expected: rows });
             }
         }
         if rows < 3 {
             return Err(ArchiveError::TooShort { path: self.source.clone(), rows });
         }
+        let measured = columns::measured(self);
         for row in 0..rows {
             for (column, values) in &measured {
                 let value = values[row];
@@ -223,24 +200,14 @@ impl Capture {
     }
 
     fn description_or_default(&self) -> RunDescription {
-        let mut run = self.description.clone().unwrap_or_else(|| RunDescription {
-            run_id: 0,
+        let unknown = || RunDescription {
             software_version: env!("CARGO_PKG_VERSION").to_owned(),
             apparatus: "unknown".to_owned(),
             knob: "unknown".to_owned(),
-            rate_hz: self.rate_hz,
             planned_ticks: self.len() as u64,
-            clock: ClockMapping { monotonic_time_ns: 0, wall_clock_time_ns: 0 },
-            realtime: 0,
-            excitation_toml: String::new(),
-            calibration_toml: String::new(),
-            simulated_knob_toml: None,
-            rendered_model_toml: None,
-            control_toml: None,
-            notes: Vec::new(),
-        });
-        run.rate_hz = self.rate_hz;
-        run
+            ..RunDescription::default()
+        };
+        RunDescription { rate_hz: self.rate_hz, ..self.description.clone().unwrap_or_else(unknown) }
     }
 
     #[allow(
@@ -250,24 +217,13 @@ impl Capture {
         reason = "a run's nanoseconds fit both types"
     )]
     fn sample(&self, row: usize, run: &RunDescription) -> Sample {
-        let or_nan = |column: &Option<Vec<f64>>| column.as_ref().map_or(f64::NAN, |column| column[row]);
-        let or_zero = |column: &Option<Vec<u32>>| column.as_ref().map_or(0, |column| column[row]);
         let since_start_ns = (self.tick[row] as f64 * 1e9 / self.rate_hz).round() as u64;
-        Sample {
-            seq: self.seq[row],
-            tick: self.tick[row],
-            monotonic_time_ns: run.clock.monotonic_time_ns.saturating_add(since_start_ns),
-            angle_rad: self.angle_rad[row],
-            velocity_rad_s: or_nan(&self.velocity_rad_s),
-            acceleration_rad_s2: or_nan(&self.acceleration_rad_s2),
-            torque_mnm: self.torque_mnm[row],
-            commanded_angle_rad: or_nan(&self.commanded_angle_rad),
-            commanded_torque_mnm: or_nan(&self.commanded_torque_mnm),
-            missed_ticks: or_zero(&self.missed_ticks),
-            flags: or_zero(&self.flags),
-            state: self.state.as_ref().map_or(shared_types::LoopState::Running.code(), |state| state[row]),
-            ..Sample::default()
+        let monotonic_time_ns = run.clock.monotonic_time_ns.saturating_add(since_start_ns);
+        let mut sample = Sample { monotonic_time_ns, ..Sample::default() };
+        for fill in columns::of_samples().filter_map(|column| column.fill) {
+            fill(&mut sample, self, row);
         }
+        sample
     }
 }
 

@@ -6,38 +6,26 @@ use std::path::Path;
 use foreign_files::{Column, Others, read_columns};
 
 use crate::capture::Capture;
+use crate::columns::{self, MEASURED, Values};
 use crate::error::ArchiveError;
-
-const TIME: &str = "t_s";
-const ANGLE: &str = "angle_rad";
-const VELOCITY: &str = "velocity_rad_s";
-const ACCELERATION: &str = "acceleration_rad_s2";
-const TORQUE: &str = "torque_mnm";
-/// Every column a table can have, in the order in which one is written.
-const COLUMNS: [&str; 5] = [TIME, ANGLE, VELOCITY, ACCELERATION, TORQUE];
 
 /// Reads a table; its columns may stand in any order.
 pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
     let file = foreign_files::open(path).map_err(|error| ArchiveError::file(path, error))?;
-    let wanted = COLUMNS.map(|name| match name {
-        VELOCITY | ACCELERATION => Column::optional(name),
-        _ => Column::required(name),
+    let wanted = MEASURED.each_ref().map(|column| match column.required {
+        true => Column::required(column.name),
+        false => Column::optional(column.name),
     });
-    let columns = read_columns(file, wanted, Others::Refused).map_err(|error| ArchiveError::table(path, error))?;
-    let [t_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm] = columns;
-    let t_s = t_s.unwrap_or_default();
-    let mut capture = Capture {
-        source: path.to_owned(),
-        angle_rad: angle_rad.unwrap_or_default(),
-        velocity_rad_s,
-        acceleration_rad_s2,
-        torque_mnm: torque_mnm.unwrap_or_default(),
-        rate_hz: rate_hz(&t_s),
-        seq: (0..t_s.len() as u64).collect(),
-        ..Capture::default()
-    };
-    capture.tick = ticks(&t_s, capture.rate_hz);
-    capture.t_s = t_s;
+    let found = read_columns(file, wanted, Others::Refused).map_err(|error| ArchiveError::table(path, error))?;
+    let mut capture = Capture { source: path.to_owned(), ..Capture::default() };
+    for (column, values) in MEASURED.iter().zip(found) {
+        if let Some(values) = values {
+            (column.store)(&mut capture, Values::Reals(values.into()));
+        }
+    }
+    capture.rate_hz = rate_hz(&capture.t_s);
+    capture.seq = (0..capture.t_s.len() as u64).collect();
+    capture.tick = ticks(&capture.t_s, capture.rate_hz);
     Ok(capture)
 }
 
@@ -77,17 +65,7 @@ fn ticks(t_s: &[f64], rate_hz: f64) -> Vec<u64> {
 
 /// Writes a table with the columns that the capture has.
 pub(crate) fn write(capture: &Capture, place: impl Write) -> Result<(), ArchiveError> {
-    let columns: Vec<(&str, &Vec<f64>)> = [
-        Some(&capture.t_s),
-        Some(&capture.angle_rad),
-        capture.velocity_rad_s.as_ref(),
-        capture.acceleration_rad_s2.as_ref(),
-        Some(&capture.torque_mnm),
-    ]
-    .into_iter()
-    .zip(COLUMNS)
-    .filter_map(|(column, name)| Some((name, column?)))
-    .collect();
+    let columns = columns::measured(capture);
     let mut table = csv::Writer::from_writer(place);
     table.write_record(columns.iter().map(|(name, _)| *name)).map_err(|error| ArchiveError::write(&error))?;
     for row in 0..capture.len() {

@@ -20,6 +20,7 @@
 //! |---|---|
 //! | [`mod@write`] | [`CaptureWriter`]: the recorder's way in |
 //! | [`capture`] | [`Capture`]: columns, from MCAP or CSV, and back |
+//! | [`columns`] | the list of the columns that a capture can have |
 //! | [`schema`] | where each field lies in a message, from the schema in the file |
 //! | [`recover`](mod@recover) | a whole file from a broken one, saying what was lost |
 //! | [`merge`](mod@merge) | one file from the parts that a restarted recorder leaves |
@@ -45,6 +46,7 @@
 pub mod capture;
 mod channels;
 pub mod claim;
+pub mod columns;
 mod combine;
 mod csv_file;
 mod description;
@@ -87,13 +89,6 @@ pub fn doc_example_description() -> shared_types::RunDescription {
         knob: "1".to_owned(),
         rate_hz: 10_000.0,
         planned_ticks: 10,
-        clock: shared_types::ClockMapping { monotonic_time_ns: 0, wall_clock_time_ns: 0 },
-        realtime: 0,
-        excitation_toml: String::new(),
-        calibration_toml: String::new(),
-        simulated_knob_toml: None,
-        rendered_model_toml: None,
-        control_toml: None,
-        notes: Vec::new(),
+        ..shared_types::RunDescription::default()
     }
 }

@@ -12,6 +12,7 @@ use shared_types::{LoopState, ModelChange, RunDescription};
 
 use crate::capture::Capture;
 use crate::channels::Schemas;
+use crate::columns::{self, Column, Values};
 use crate::description::{CAPTURE_METADATA, GAPS_METADATA, attachment};
 use crate::error::{ArchiveError, with_causes};
 use crate::parse::parse_record;
@@ -105,7 +106,7 @@ impl<'a> Content<'a> {
             samples: HashMap::new(),
             model_channels: HashSet::new(),
             models: Vec::new(),
-            rows: Rows::default(),
+            rows: Rows::new(),
             metadata: BTreeMap::new(),
             attachments: BTreeMap::new(),
         }
@@ -149,7 +150,7 @@ impl<'a> Content<'a> {
         if definition.holds_samples() {
             let layout = Layout::parse(&definition.schema_text)
                 .map_err(|error| ArchiveError::Schema { path: self.path.to_owned(), error })?;
-            self.samples.insert(channel_id, SampleFields::find(self.path, &layout)?);
+            self.samples.insert(channel_id, sample_fields(self.path, &layout)?);
         } else if definition.holds_models() {
             self.model_channels.insert(channel_id);
         }
@@ -170,45 +171,21 @@ impl<'a> Content<'a> {
             .filter(|rate: &f64| rate.is_finite() && *rate > 0.0)
             .ok_or_else(|| ArchiveError::NoRate { path: path.to_owned() })?;
         let gaps = recorded_gaps(&metadata).unwrap_or_else(|| rows.gaps());
-        let rows = rows.without_unmeasured_fault();
-        let Rows {
-            seq,
-            tick,
-            state,
-            missed_ticks,
-            flags,
-            angle_rad,
-            velocity,
-            acceleration,
-            torque_mnm,
-            commanded_angle,
-            commanded_torque,
-        } = rows;
-        #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
-        let t_s = tick.iter().map(|&tick| tick as f64 / rate_hz).collect();
-        let [state, missed_ticks, flags] =
-            [state, missed_ticks, flags].map(|column| (!column.is_empty()).then_some(column));
-        Ok(Capture {
+        let mut capture = Capture {
             source: path.to_owned(),
             rate_hz,
-            seq,
-            tick,
-            state,
-            missed_ticks,
-            flags,
-            t_s,
-            angle_rad,
-            velocity_rad_s: present(velocity),
-            acceleration_rad_s2: present(acceleration),
-            torque_mnm,
-            commanded_angle_rad: present(commanded_angle),
-            commanded_torque_mnm: present(commanded_torque),
             gaps,
             models,
             description,
             metadata,
             attachments,
-        })
+            ..Capture::default()
+        };
+        rows.store_into(&mut capture);
+        #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+        let time_s = |tick: &u64| *tick as f64 / rate_hz;
+        capture.t_s = capture.tick.iter().map(time_s).collect();
+        Ok(capture)
     }
 }
 
@@ -217,134 +194,65 @@ pub(crate) fn recorded_gaps(metadata: &BTreeMap<String, BTreeMap<String, String>
     serde_json::from_str(metadata.get(GAPS_METADATA)?.get("gaps")?).ok()
 }
 
-/// A column that is NaN throughout was never measured.
-fn present(column: Vec<f64>) -> Option<Vec<f64>> {
-    column.iter().any(|value| !value.is_nan()).then_some(column)
+/// Where the fields of a sample lie, column by column; `None` for one that it does not have.
+type SampleFields = Vec<Option<FieldLayout>>;
+
+fn sample_fields(path: &Path, layout: &Layout) -> Result<SampleFields, ArchiveError> {
+    let find = |column: &Column| match layout.field(column.name) {
+        None if column.required => {
+            Err(ArchiveError::MissingField { path: path.to_owned(), field: column.name, found: layout.field_names() })
+        }
+        field => Ok(field.cloned()),
+    };
+    columns::of_samples().map(find).collect()
 }
 
-/// Where a sample's fields lie.
-struct SampleFields {
-    seq: FieldLayout,
-    tick: FieldLayout,
-    angle_rad: FieldLayout,
-    torque_mnm: FieldLayout,
-    velocity_rad_s: Option<FieldLayout>,
-    acceleration_rad_s2: Option<FieldLayout>,
-    commanded_angle_rad: Option<FieldLayout>,
-    commanded_torque_mnm: Option<FieldLayout>,
-    state: Option<FieldLayout>,
-    missed_ticks: Option<FieldLayout>,
-    flags: Option<FieldLayout>,
-}
-
-impl SampleFields {
-    fn find(path: &Path, layout: &Layout) -> Result<Self, ArchiveError> {
-        let required = |field: &'static str| {
-            layout.field(field).cloned().ok_or_else(|| ArchiveError::MissingField {
-                path: path.to_owned(),
-                field,
-                found: layout.field_names(),
-            })
-        };
-        let optional = |field: &str| layout.field(field).cloned();
-        Ok(Self {
-            seq: required("seq")?,
-            tick: required("tick")?,
-            angle_rad: required("angle_rad")?,
-            torque_mnm: required("torque_mnm")?,
-            velocity_rad_s: optional("velocity_rad_s"),
-            acceleration_rad_s2: optional("acceleration_rad_s2"),
-            commanded_angle_rad: optional("commanded_angle_rad"),
-            commanded_torque_mnm: optional("commanded_torque_mnm"),
-            state: optional("state"),
-            missed_ticks: optional("missed_ticks"),
-            flags: optional("flags"),
-        })
-    }
-}
-
-/// The columns as they grow.
-#[derive(Default)]
-struct Rows {
-    seq: Vec<u64>,
-    tick: Vec<u64>,
-    state: Vec<u32>,
-    missed_ticks: Vec<u32>,
-    flags: Vec<u32>,
-    angle_rad: Vec<f64>,
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
-    torque_mnm: Vec<f64>,
-    commanded_angle: Vec<f64>,
-    commanded_torque: Vec<f64>,
-}
+/// The columns of the samples as they grow.
+struct Rows(Vec<Values<'static>>);
 
 impl Rows {
+    fn new() -> Self {
+        Self(columns::of_samples().map(|column| (column.empty)()).collect())
+    }
+
     /// Adds a sample; `None` when the message does not hold what its schema says.
     fn push(&mut self, fields: &SampleFields, message: &[u8]) -> Option<()> {
         let body = message.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER)?;
-        self.seq.push(fields.seq.as_u64(body)?);
-        self.tick.push(fields.tick.as_u64(body)?);
-        self.angle_rad.push(fields.angle_rad.as_f64(body)?);
-        self.torque_mnm.push(fields.torque_mnm.as_f64(body)?);
-        for (column, field) in [
-            (&mut self.velocity, &fields.velocity_rad_s),
-            (&mut self.acceleration, &fields.acceleration_rad_s2),
-            (&mut self.commanded_angle, &fields.commanded_angle_rad),
-            (&mut self.commanded_torque, &fields.commanded_torque_mnm),
-        ] {
+        for (values, field) in self.0.iter_mut().zip(fields) {
             if let Some(field) = field {
-                column.push(field.as_f64(body)?);
-            }
-        }
-        for (column, field) in [
-            (&mut self.state, &fields.state),
-            (&mut self.missed_ticks, &fields.missed_ticks),
-            (&mut self.flags, &fields.flags),
-        ] {
-            if let Some(field) = field {
-                column.push(u32::try_from(field.as_u64(body)?).ok()?);
+                values.push(field, body)?;
             }
         }
         Some(())
     }
 
-    /// Leaves out the last sample of a run that ended because a sensor or the apparatus failed: it
-    /// shows the fault and has no measurement.
-    fn without_unmeasured_fault(mut self) -> Self {
-        let measured = |value: Option<&f64>| value.is_none_or(|value| value.is_finite());
-        let at_fault = self.state.last() == Some(&LoopState::Fault.code());
-        if at_fault && !(measured(self.angle_rad.last()) && measured(self.torque_mnm.last())) {
-            let Self {
-                seq,
-                tick,
-                state,
-                missed_ticks,
-                flags,
-                angle_rad,
-                velocity,
-                acceleration,
-                torque_mnm,
-                commanded_angle,
-                commanded_torque,
-            } = &mut self;
-            for column in [angle_rad, velocity, acceleration, torque_mnm, commanded_angle, commanded_torque] {
-                column.pop();
-            }
-            seq.pop();
-            tick.pop();
-            for column in [state, missed_ticks, flags] {
-                column.pop();
+    /// Gives a capture the columns that are there. The last sample of a run that ended because a sensor or the apparatus
+    /// failed is left out: it shows the fault and has no measurement.
+    fn store_into(mut self, capture: &mut Capture) {
+        let last = |name| self.named(name)?.last();
+        let at_fault = last("state") == Some(f64::from(LoopState::Fault.code()));
+        let measured = |name| last(name).is_none_or(f64::is_finite);
+        if at_fault && !(measured("angle_rad") && measured("torque_mnm")) {
+            self.0.iter_mut().for_each(Values::pop);
+        }
+        for (column, values) in columns::of_samples().zip(self.0) {
+            if column.required || values.has_any() {
+                (column.store)(capture, values);
             }
         }
-        self
+    }
+
+    fn named(&self, name: &str) -> Option<&Values<'static>> {
+        columns::of_samples().zip(&self.0).find_map(|(column, values)| (column.name == name).then_some(values))
     }
 
     fn gaps(&self) -> Vec<Gap> {
         let mut ledger = SequenceLedger::default();
-        for &seq in &self.seq {
-            // A repeated sample shows as time that does not rise.
-            let _ = ledger.admit(seq);
+        if let Some(Values::Counts(seq)) = self.named("seq") {
+            for &seq in seq.iter() {
+                // A repeated sample shows as time that does not rise.
+                let _ = ledger.admit(seq);
+            }
         }
         ledger.gaps().to_vec()
     }

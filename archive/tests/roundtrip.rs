@@ -47,6 +47,19 @@ fn a_recording_reads_back_to_the_last_bit() {
 }
 
 #[test]
+fn every_column_of_an_archive_stands_in_the_documentation() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("capture.mcap");
+    std::fs::write(&path, recording(0..10, 400)).unwrap();
+    let capture = Capture::load(&path).unwrap();
+    let documentation = include_str!("../../docs/files.md");
+    for (name, values) in archive::columns::of(&capture) {
+        assert_eq!(values.len(), 10, "{name}");
+        assert!(documentation.contains(name), "{name} is not in docs/files.md");
+    }
+}
+
+#[test]
 fn messages_are_dated_by_the_run_s_clock_and_not_by_the_system_s() {
     let file = recording(0..10, 100);
     let first = mcap::MessageStream::new(&file).unwrap().next().unwrap().unwrap();

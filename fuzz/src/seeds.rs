@@ -88,8 +88,8 @@ fn model_change() -> ModelChange {
 /// As the control loop would describe a short run of the simulated rig.
 fn description() -> RunDescription {
     // A torque: with the fuzzer's instrumentation the compiler gets the check of the servo wrong, which is sound without.
-    let options = <rt_loop::plan::Options as clap::Parser>::try_parse_from(["rt-loop", "--duration-s=1", "--torque"]);
-    let plan = rt_loop::plan::Plan::new(&options.expect("options")).expect("a plan");
+    let options = <rt_loop::request::Options as clap::Parser>::try_parse_from(["rt-loop", "--duration-s=1", "--torque"]);
+    let plan = rt_loop::plan::Plan::new(&options.expect("options").into()).expect("a plan");
     RunDescription {
         run_id: 5,
         clock: ClockMapping { monotonic_time_ns: 1, wall_clock_time_ns: 1_700_000_000_000_000_000 },

@@ -9,6 +9,7 @@ use iceoryx2::prelude::CallbackProgression;
 use crate::private_ipc::PrivateIpc;
 use crate::rig;
 use crate::services::{self, ServiceError};
+use crate::shared_memory_dir;
 
 /// A process that was killed is not known as dead to iceoryx2 at once, hence retries.
 const RETRIES: u32 = 10;
@@ -30,7 +31,7 @@ pub fn clear_shared_memory() -> Result<usize, ServiceError> {
     }
     let alone = attached(&node) == 1;
     drop(node);
-    if alone && let Err(error) = rig::remove_shared_memory() {
+    if alone && let Err(error) = shared_memory_dir::remove() {
         return Err(services::unavailable("clean-up", &error));
     }
     Ok(files_in_shared_memory(&rig::runtime_dir()).len())
@@ -39,7 +40,7 @@ pub fn clear_shared_memory() -> Result<usize, ServiceError> {
 /// What the rig with this runtime directory has in shared memory: its folder there and everything in it.
 #[must_use]
 pub fn files_in_shared_memory(runtime_dir: &Path) -> Vec<PathBuf> {
-    let mut found = rig::shared_memory_dirs(runtime_dir);
+    let mut found = shared_memory_dir::of_rig(runtime_dir);
     let mut next = 0;
     while let Some(path) = found.get(next) {
         // What is no folder has no entries.

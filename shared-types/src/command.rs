@@ -1,5 +1,6 @@
 //! What the operator's program asks of the control loop, and what it answers.
 
+#[cfg(feature = "services")]
 use iceoryx2::prelude::ZeroCopySend;
 
 use crate::wire_code;

@@ -1,11 +1,14 @@
 //! What a consumer must know about a run besides its samples.
 
+use dynamics::{Calibration, Excitation, Model, ModelError};
 use serde::{Deserialize, Serialize};
+
+use crate::ModelChange;
 
 /// A pair of clock readings taken at the same moment.
 ///
 /// Sample times are CLOCK_MONOTONIC, which no one can step; the pair dates them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ClockMapping {
     /// CLOCK_MONOTONIC, ns.
     pub monotonic_time_ns: u64,
@@ -22,7 +25,9 @@ impl ClockMapping {
 }
 
 /// Describes one run; published once as JSON with history, kept in the archive's metadata.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+///
+/// What it says in TOML is read where it is asked for, so that a part which this program does not understand hides no other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunDescription {
     /// Identity of the run, drawn at its start.
     pub run_id: u64,
@@ -56,4 +61,78 @@ pub struct RunDescription {
     pub control_toml: Option<String>,
     /// Further facts about the run, such as the seed of the simulated rig.
     pub notes: Vec<(String, String)>,
+}
+
+/// A part of a run's description that cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("the run's {part} cannot be read ({reason}); read it with the version that made it, {version}")]
+pub struct DescriptionError {
+    part: &'static str,
+    reason: String,
+    version: String,
+}
+
+impl RunDescription {
+    /// Whether the rig rendered a model, and a hand turned the gripper.
+    #[must_use]
+    pub fn is_rendered(&self) -> bool {
+        self.rendered_model_toml.is_some()
+    }
+
+    /// What the rig was told to follow.
+    ///
+    /// # Errors
+    /// [`DescriptionError`] for a text that is no excitation.
+    pub fn excitation(&self) -> Result<Excitation, DescriptionError> {
+        self.part("excitation", toml::from_str(&self.excitation_toml))
+    }
+
+    /// What was known of the rig; `None` where nothing was.
+    ///
+    /// # Errors
+    /// [`DescriptionError`] for a text that is no calibration.
+    pub fn calibration(&self) -> Result<Option<Calibration>, DescriptionError> {
+        let text = Some(&self.calibration_toml).filter(|text| !text.is_empty());
+        self.part("calibration", text.map(|text| Calibration::from_toml(text)).transpose())
+    }
+
+    /// The calibration as whoever looks at the knob must take it: of a rendering as the hand sees it.
+    ///
+    /// # Errors
+    /// As [`calibration`](Self::calibration).
+    pub fn calibration_at_knob(&self) -> Result<Option<Calibration>, DescriptionError> {
+        let seen = |known: Calibration| if self.is_rendered() { known.seen_from_the_hand() } else { known };
+        Ok(self.calibration()?.map(seen))
+    }
+
+    /// The model with which a rendering begins, at its first tick; `None` where the rig turned a knob.
+    #[must_use]
+    pub fn first_model(&self) -> Option<ModelChange> {
+        let monotonic_time_ns = self.clock.monotonic_time_ns;
+        let model_toml = self.rendered_model_toml.clone()?;
+        Some(ModelChange { run_id: self.run_id, tick: 0, monotonic_time_ns, model_toml })
+    }
+
+    /// A part that was read, or could not be.
+    ///
+    /// # Errors
+    /// [`DescriptionError`], where `read` is an error.
+    pub fn part<Part>(
+        &self,
+        part: &'static str,
+        read: Result<Part, impl std::fmt::Display>,
+    ) -> Result<Part, DescriptionError> {
+        let version = &self.software_version;
+        read.map_err(|error| DescriptionError { part, reason: error.to_string(), version: version.clone() })
+    }
+}
+
+impl ModelChange {
+    /// The model.
+    ///
+    /// # Errors
+    /// [`ModelError`] for a text that is no model.
+    pub fn model(&self) -> Result<Model, ModelError> {
+        Model::from_toml(&self.model_toml, "the rendered model")
+    }
 }

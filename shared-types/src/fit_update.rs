@@ -1,5 +1,6 @@
 //! What the live fitter publishes.
 
+#[cfg(feature = "services")]
 use iceoryx2::prelude::ZeroCopySend;
 
 use crate::wire_code;

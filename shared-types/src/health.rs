@@ -1,5 +1,6 @@
 //! What each consumer says about itself, twice a second.
 
+#[cfg(feature = "services")]
 use iceoryx2::prelude::ZeroCopySend;
 
 use crate::wire_code;

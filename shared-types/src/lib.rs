@@ -9,9 +9,12 @@
 //!   refused with [`ServiceError::OtherLayout`](services::ServiceError) and never reads garbage.
 //! - **[`RunDescription`]** is what a consumer must know about a run besides its samples, and
 //!   **[`ModelChange`]** tells of each model that a replay begins to render.
-//! - **[`rig`]** says where a rig's shared memory and lock live, so that rigs do not meet.
+//! - **[`rig`]** says where a rig's lock lives, so that rigs do not meet.
 //! - **[`shared_memory`]** reserves what a run can come to need of it.
 //! - **[`lease`]** ends a process with the one that started it.
+//!
+//! Services and shared memory are the feature `services`, which is on unless it is declined: whoever only reads archives does
+//! without iceoryx2.
 //!
 //! ```
 //! use shared_types::{Sample, wire::WireMessage};
@@ -24,6 +27,7 @@
 #[macro_use]
 pub mod wire;
 
+#[cfg(feature = "services")]
 pub mod clean_up;
 mod command;
 mod description;
@@ -32,18 +36,24 @@ mod fit_update;
 mod health;
 pub mod lease;
 mod model_exchange;
+#[cfg(feature = "services")]
 mod private_ipc;
 pub mod rig;
 mod sample;
+#[cfg(feature = "services")]
 pub mod services;
+#[cfg(feature = "services")]
 pub mod shared_memory;
+#[cfg(feature = "services")]
+mod shared_memory_dir;
 mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};
-pub use description::{ClockMapping, RunDescription};
+pub use description::{ClockMapping, DescriptionError, RunDescription};
 pub use fit_update::{Convergence, Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
 pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};
+#[cfg(feature = "services")]
 pub use private_ipc::PrivateIpc;
 pub use sample::{BlockHeader, Fault, LoopState, Sample};
 pub use status::{LATENESS_BIN_EDGES_NS, LoopStatus, realtime};

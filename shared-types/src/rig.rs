@@ -1,33 +1,22 @@
-//! Where a rig's lock and shared memory live, and the clocks that its processes share.
+//! Where a rig's lock lives, and the clocks that its processes share.
 //!
 //! A rig is named by its runtime directory, `$HAPTIC_CAMERA_RUNTIME_DIR`, or else a folder under `$XDG_RUNTIME_DIR` or in the
-//! user's home. Its shared memory lies in a folder of its own below `/dev/shm`, whose name is drawn by lot and noted in the
-//! runtime directory. Only the user may enter either folder: nothing that another user makes, names or removes meets a rig,
-//! and two rigs never meet.
+//! user's home, which only the user may enter.
 
 use std::fs::File;
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use nix::fcntl::{Flock, FlockArg};
 use nix::libc;
-use nix::unistd::{User, geteuid, mkdtemp};
-
-use crate::wire::fnv1a;
+use nix::unistd::{User, geteuid};
 
 /// Names the directory that stands for the rig.
 pub const RUNTIME_DIR_VARIABLE: &str = "HAPTIC_CAMERA_RUNTIME_DIR";
 
-/// Where POSIX shared memory lies on Linux.
-pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
-
 /// Names the folder that timings go to, where somebody wants them: of each tick from the control loop, of each sample's
 /// arrival from the consumers.
 pub const TIMINGS_VARIABLE: &str = "HAPTIC_CAMERA_TIMINGS";
-
-/// In the runtime directory: a link to the folder in shared memory.
-const SHARED_MEMORY_LINK: &str = "shared-memory";
 
 /// The directory that holds the rig's lock.
 ///
@@ -80,65 +69,6 @@ pub fn open_private_dir(path: &Path) -> std::io::Result<File> {
         directory.set_permissions(std::fs::Permissions::from_mode(0o700)).map_err(named)?;
     }
     Ok(directory)
-}
-
-/// The folder that holds the rig's shared memory, made under a new name if there is none.
-///
-/// # Errors
-/// The system's, when the runtime directory or shared memory cannot be used.
-pub(crate) fn create_shared_memory_dir() -> std::io::Result<PathBuf> {
-    let runtime_dir = create_runtime_dir()?;
-    let _one_at_a_time = lock(&runtime_dir)?;
-    let link = runtime_dir.join(SHARED_MEMORY_LINK);
-    if let Some(directory) = std::fs::read_link(&link).ok().filter(|directory| open_private_dir(directory).is_ok()) {
-        return Ok(directory);
-    }
-    forget_shared_memory(&runtime_dir)?;
-    let template = format!("{}XXXXXX", shared_memory_prefix(&runtime_dir));
-    let directory = mkdtemp(&Path::new(SHARED_MEMORY).join(template)).map_err(|error| {
-        let reason = format!("no folder can be made in {SHARED_MEMORY} ({error}): check its permissions and its space");
-        std::io::Error::new(std::io::Error::from(error).kind(), reason)
-    })?;
-    std::os::unix::fs::symlink(&directory, link)?;
-    Ok(directory)
-}
-
-/// Removes the rig's folder in shared memory with everything in it.
-///
-/// # Errors
-/// The system's.
-pub(crate) fn remove_shared_memory() -> std::io::Result<()> {
-    let runtime_dir = runtime_dir();
-    let _one_at_a_time = lock(&runtime_dir)?;
-    forget_shared_memory(&runtime_dir)
-}
-
-/// The folders in shared memory that the rig with this runtime directory made: one while it is attached to, and what is left of
-/// earlier ones if the runtime directory was removed meanwhile.
-pub(crate) fn shared_memory_dirs(runtime_dir: &Path) -> Vec<PathBuf> {
-    let prefix = shared_memory_prefix(runtime_dir);
-    let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
-    let named = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix));
-    named.map(|entry| entry.path()).filter(|path| open_private_dir(path).is_ok()).collect()
-}
-
-fn forget_shared_memory(runtime_dir: &Path) -> std::io::Result<()> {
-    match std::fs::remove_file(runtime_dir.join(SHARED_MEMORY_LINK)) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
-    shared_memory_dirs(runtime_dir).iter().try_for_each(std::fs::remove_dir_all)
-}
-
-/// What the names of its folders begin with. Others may make such names too; theirs are not the rig's.
-fn shared_memory_prefix(runtime_dir: &Path) -> String {
-    let named = std::path::absolute(runtime_dir).unwrap_or_else(|_| runtime_dir.to_owned());
-    format!("haptic-camera-{:016x}-", fnv1a(named.as_os_str().as_encoded_bytes()))
-}
-
-/// Keeps other processes of the rig from making or removing its folder in shared memory.
-fn lock(runtime_dir: &Path) -> std::io::Result<Flock<File>> {
-    Ok(Flock::lock(File::open(runtime_dir)?, FlockArg::LockExclusive).map_err(|(_, error)| error)?)
 }
 
 /// Longest path of a runtime directory, bytes: with its name a socket in it has the 107 that Linux permits (unix(7)).

@@ -1,5 +1,6 @@
 //! What the control loop publishes at every tick.
 
+#[cfg(feature = "services")]
 use iceoryx2::prelude::ZeroCopySend;
 
 use crate::wire_code;

@@ -25,8 +25,8 @@ use iceoryx2::service::builder::request_response::{RequestResponseOpenError, Req
 use crate::private_ipc::PrivateIpc;
 use crate::wire::WireMessage;
 use crate::{
-    BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample, rig,
-    shared_memory,
+    BlockHeader, ControlRequest, ControlResponse, FitUpdate, LoopStatus, MODEL_MAX_BYTES, ProcessHealth, Sample,
+    shared_memory, shared_memory_dir,
 };
 
 /// Most samples in one block: 1.6 ms at 20 kHz.
@@ -205,7 +205,7 @@ pub fn attach(process_name: &str) -> Result<RigNode, ServiceError> {
 /// iceoryx2's configuration for this rig: everything in the rig's own folder.
 fn config() -> Result<Config, ServiceError> {
     let mut config = Config::default();
-    let directory = rig::create_shared_memory_dir()?;
+    let directory = shared_memory_dir::create()?;
     let root = directory.to_string_lossy().as_ref().try_into().map_err(|error| unavailable("shared memory", &error))?;
     config.global.set_root_path(&root);
     Ok(config)

@@ -11,8 +11,9 @@ use nix::errno::Errno;
 use nix::fcntl::{FallocateFlags, OFlag, fallocate};
 
 use crate::clean_up::files_in_shared_memory;
-use crate::rig::{SHARED_MEMORY, runtime_dir};
+use crate::rig::runtime_dir;
 use crate::services::{SAMPLE_QUEUE_BLOCKS, SAMPLES_PER_BLOCK, ServiceError};
+use crate::shared_memory_dir::SHARED_MEMORY;
 use crate::{BlockHeader, Sample};
 
 /// What blocks of samples take at most. As many can be out at once as the slowest consumer's queue holds, in which the

@@ -1,5 +1,6 @@
 //! What the control loop says about itself, ten times a second.
 
+#[cfg(feature = "services")]
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Upper edges of the lateness bins, ns; the last bin counts everything above the last edge.

@@ -115,7 +115,8 @@ macro_rules! wire_message {
         }
     ) => {
         $(#[doc = $doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Default, ZeroCopySend,
+        #[cfg_attr(feature = "services", derive(ZeroCopySend))]
+        #[derive(Clone, Copy, Debug, PartialEq, Default,
                  zerocopy::IntoBytes, zerocopy::FromBytes, zerocopy::Immutable, zerocopy::KnownLayout)]
         #[repr(C)]
         pub struct $name {

@@ -37,6 +37,26 @@ fn a_capture_with_all_processes_ends_with_archive_model_and_report_and_leaves_no
 }
 
 #[test]
+fn a_calibration_makes_its_run_as_a_capture_does_and_is_ended_as_one() {
+    let bench = Bench::new().unwrap();
+    let output = bench.run(&["calibrate", "zero", "--out", "rig.toml"]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    assert!(bench.path("rig.toml").exists());
+    let folder = std::fs::read_dir(bench.path("captures")).unwrap().next().unwrap().unwrap().path();
+    assert_whole(&Capture::load(&folder.join("none.mcap")).unwrap(), 50_000);
+
+    let child = bench.start(&["calibrate", "gravity", "--out", "gravity.toml"]).unwrap();
+    bench.wait_for_process("recorder").unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    kill(Pid::from_raw(i32::try_from(child.id()).unwrap()), Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
+    assert!(printed(&output).contains("stopped by the operator"), "{}", printed(&output));
+    assert!(!bench.path("gravity.toml").exists());
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
+}
+
+#[test]
 fn sixty_seconds_at_10_khz_are_recorded_without_a_gap() {
     let bench = Bench::new().unwrap();
     let output = bench.run(&["capture", "--duration-s", "60", "--no-viewer", "--out", "out"]).unwrap();

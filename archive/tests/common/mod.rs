@@ -30,9 +30,8 @@ pub fn description() -> RunDescription {
         excitation_toml: "kind = \"paper\"\n".to_owned(),
         calibration_toml: "torque_offset_mnm = 0.25\n".to_owned(),
         simulated_knob_toml: Some("[[effects]]\nname = \"inertia\"\n".to_owned()),
-        rendered_model_toml: None,
-        control_toml: None,
         notes: vec![("seed".to_owned(), "42".to_owned())],
+        ..RunDescription::default()
     }
 }
 

@@ -1,6 +1,9 @@
 //! Cogging: the magnets of a motor pull its rotor towards the teeth of the iron.
 
 use std::f64::consts::TAU;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
 
 use super::ParameterError;
 
@@ -11,7 +14,8 @@ use super::ParameterError;
 /// what its making leaves unequal adds as many as there are slots, and as many as there are poles (L. Gašparin and others,
 /// *Additional cogging torque components in permanent-magnet motors due to manufacturing imperfections*, IEEE Trans. Magnetics
 /// 45, 2009).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Cogging {
     /// Periods in a turn of the motor.
     pub per_turn: u32,
@@ -19,6 +23,31 @@ pub struct Cogging {
     pub torque_mnm: f64,
     /// Phase at the encoder's zero, rad.
     pub phase_rad: f64,
+}
+
+/// A text that is no cogging.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("'{0}' is no cogging; give periods per turn, mNm and, if it matters, rad, as in 48:1.5:0.3")]
+pub struct CoggingError(String);
+
+impl FromStr for Cogging {
+    type Err = CoggingError;
+
+    /// Reads `48:1.5` or `48:1.5:0.3`: periods per turn, mNm, rad.
+    fn from_str(text: &str) -> Result<Self, CoggingError> {
+        let told = || CoggingError(text.to_owned());
+        let parts: Vec<&str> = text.split(':').collect();
+        let (per_turn, torque, phase) = match parts[..] {
+            [per_turn, torque] => (per_turn, torque, "0"),
+            [per_turn, torque, phase] => (per_turn, torque, phase),
+            _ => return Err(told()),
+        };
+        Ok(Self {
+            per_turn: per_turn.parse().map_err(|_| told())?,
+            torque_mnm: torque.parse().map_err(|_| told())?,
+            phase_rad: phase.parse().map_err(|_| told())?,
+        })
+    }
 }
 
 /// Most periods in a turn: finer ones would pass the substeps of a fast motor.

@@ -48,7 +48,7 @@ mod sensors;
 mod shaft;
 mod watchdog;
 
-pub use cogging::Cogging;
+pub use cogging::{Cogging, CoggingError};
 pub use hand::{Grip, Hand, Intention};
 pub use parameters::{ParameterError, RigParameters};
 pub use plant::Truth;

@@ -6,60 +6,42 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context as _;
 use archive::whole_file::{self, Replace};
 use archive::{ArchiveError, CaptureWriter};
-use clap::Parser as _;
 use hal::Apparatus;
 use identification::live::{LiveFit, LiveSample};
 use rt_loop::control::{ControlState, Reading, Request};
-use rt_loop::plan::{Options, Plan};
-use shared_types::{Fault, LoopState, ModelChange, RunDescription, Sample};
+use rt_loop::plan::{Plan, Rendering};
+use rt_loop::request::RunRequest;
+use shared_types::{Fault, LoopState, LoopStatus, RunDescription, Sample};
 
 use crate::large_job;
 use crate::outcome::remark;
-use crate::until_ci::{Achieved, Knowledge, Share, StopRule};
+use crate::supervision::{FeltModel, RunEnd};
+use crate::until_ci::{Knowledge, Share, StopRule};
 
 /// Time for which the rig is armed before the run begins, s.
 const ARMED_S: f64 = 0.3;
 /// Time between two estimates of what is known, as in a live run, s.
 const ESTIMATES_S: f64 = 0.04;
 
-/// How an offline run went.
-#[derive(Clone, Debug, Default)]
-pub struct OfflineRun {
-    /// Identity of the run.
-    pub run_id: u64,
-    /// Samples that were taken.
-    pub samples: usize,
-    /// Why it ended early, if a limit was passed.
-    pub fault: Option<Fault>,
-    /// Name of the model that was rendered, if any.
-    pub rendered: Option<String>,
-    /// Ticks in which the guard of a rendering took energy back.
-    pub guarded_ticks: u64,
-    /// What became known, if the run was to end once enough is.
-    pub achieved: Option<Achieved>,
-}
-
-/// Makes the run that the control loop's `arguments` ask for, and keeps its archive at `path`.
+/// Makes the run asked for, and keeps its archive at `path`.
 ///
 /// Once `stop` is set, or every parameter is known within the share `until`, the torque is ramped down as in a live run,
 /// and the archive ends there.
 ///
 /// # Errors
 /// What keeps the run from being made, and an archive that cannot be written.
-pub fn archive(
-    arguments: &[String],
-    path: &Path,
-    stop: &AtomicBool,
-    until: Option<Share>,
-) -> anyhow::Result<OfflineRun> {
-    let options = Options::try_parse_from([&["rt-loop".to_owned()], arguments].concat())?;
-    let plan = Plan::new(&options)?;
+pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Option<Share>) -> anyhow::Result<RunEnd> {
+    let plan = Plan::new(request)?;
+    anyhow::ensure!(
+        plan.simulated_knob.is_some(),
+        "the {} runs by the clock alone; leave --offline out",
+        plan.rig.name
+    );
     let mut description = plan.description()?;
     description.notes.push(("time".to_owned(), "offline: the plant's, not a clock's".to_owned()));
-    let rendered = plan.rendering.as_ref().map(|rendering| rendering.model.name.clone());
-    if !options.without_remarks {
-        plan.rendering.iter().flat_map(|rendering| &rendering.remarks).for_each(remark);
-    }
+    let felt = plan.rendering.iter().map(|rendering| FeltModel { tick: 0, name: rendering.model.name.clone() });
+    let models = felt.collect();
+    plan.rendering.iter().flat_map(Rendering::told).for_each(remark);
     let mut watch = until.map(|share| Watch::new(share, &plan));
     let (planned, rate_hz) = (plan.control.planned_ticks, plan.control.rate_hz);
     large_job::tell(planned);
@@ -67,18 +49,25 @@ pub fn archive(
         large_job::admit(planned, rate_hz, path)?;
     }
     let armed = ArmedRig::of(plan)?;
-    let made = whole_file::write_whole(path, Replace::Nothing, |place| {
+    let status = whole_file::write_whole(path, Replace::Nothing, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;
-        if let Some(model) = first_model(&description) {
+        if let Some(model) = description.first_model() {
             writer.model(&model)?;
         }
         let keep = |sample: &Sample| writer.sample(&dated(sample, &description)).map(drop);
-        let made = armed.turn(stop, watch.as_mut(), keep)?;
+        let status = armed.turn(stop, watch.as_mut(), keep)?;
         writer.finish()?;
-        Ok(made)
+        Ok(status)
     })?;
-    let achieved = watch.map(|watch| watch.rule.achieved());
-    Ok(OfflineRun { run_id: description.run_id, rendered, achieved, ..made })
+    Ok(RunEnd {
+        status: LoopStatus { run_id: description.run_id, rate_hz, ..status },
+        recorder_exit: Some(0),
+        restarts: Vec::new(),
+        models,
+        interrupted: stop.load(Ordering::Acquire),
+        achieved: watch.map(|watch| watch.rule.achieved()),
+        loop_died: false,
+    })
 }
 
 /// Fits what is captured as it comes, as the live fitter does, and says when enough is known.
@@ -111,12 +100,6 @@ impl Watch {
         self.next_s = time_s + ESTIMATES_S;
         self.rule.take(time_s, Knowledge::from(&self.fit.estimate()))
     }
-}
-
-/// The model with which a rendering begins.
-fn first_model(run: &RunDescription) -> Option<ModelChange> {
-    let model_toml = run.rendered_model_toml.clone()?;
-    Some(ModelChange { run_id: run.run_id, tick: 0, monotonic_time_ns: run.clock.monotonic_time_ns, model_toml })
 }
 
 /// The sample with the time that its tick would have had.
@@ -162,10 +145,10 @@ impl ArmedRig {
         stop: &AtomicBool,
         mut watch: Option<&mut Watch>,
         mut keep: impl FnMut(&Sample) -> Result<(), ArchiveError>,
-    ) -> Result<OfflineRun, ArchiveError> {
+    ) -> Result<LoopStatus, ArchiveError> {
         let Self { mut apparatus, mut state, rate_hz } = self;
         let start = (ARMED_S * rate_hz) as u64;
-        let mut made = OfflineRun::default();
+        let mut made = LoopStatus { finished: 1, ..LoopStatus::default() };
         for tick in 0.. {
             if tick == start {
                 state.request(Request::Start);
@@ -180,7 +163,7 @@ impl ArmedRig {
                 if watch.as_mut().is_some_and(|watch| watch.take(sample)) {
                     state.request(Request::Stop);
                 }
-                made.samples += 1;
+                made.published_samples += 1;
                 made.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
                 keep(sample)?;
             }
@@ -190,7 +173,7 @@ impl ArmedRig {
             }
         }
         apparatus.disable();
-        made.fault = state.fault();
+        made.fault = state.fault().map_or(0, Fault::code);
         Ok(made)
     }
 }

@@ -28,6 +28,16 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// The worse of two: a failure before lost data.
+    #[must_use]
+    pub fn worse(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Failed, _) | (_, Self::Failed) => Self::Failed,
+            (Self::DataLost, _) | (_, Self::DataLost) => Self::DataLost,
+            _ => self,
+        }
+    }
+
     /// The same, or a failure if standard output did not take all that was printed; told, unless whoever read it has closed it,
     /// as `head` does.
     #[must_use]

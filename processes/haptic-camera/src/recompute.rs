@@ -7,7 +7,7 @@ use archive::Capture;
 use hal::Measurement;
 use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
-use shared_types::{LoopState, ModelChange, RunDescription, Sample};
+use shared_types::{LoopState, RunDescription, Sample};
 
 use crate::command_line::RecomputeOptions;
 use crate::outcome::{Outcome, remark, say};
@@ -96,11 +96,10 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
             break;
         }
         if flags[row] & Sample::MODEL_TAKEN != 0 {
-            let ModelChange { model_toml, .. } =
-                capture.models.iter().find(|model| model.tick == tick && tick > 0).with_context(|| {
-                    format!("a model begins to be felt at tick {tick}, but the archive does not have it")
-                })?;
-            anyhow::ensure!(step.take_model(model_toml)?, "the model of tick {tick} came while another was waiting");
+            let change = capture.models.iter().find(|model| model.tick == tick && tick > 0).with_context(|| {
+                format!("a model begins to be felt at tick {tick}, but the archive does not have it")
+            })?;
+            anyhow::ensure!(step.take_model(change)?, "the model of tick {tick} came while another was waiting");
             told.models += 1;
         }
         let measurement = Measurement {

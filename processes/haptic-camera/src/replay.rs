@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
+use rt_loop::request::{HandRequest, LONGEST_DURATION_S, RunRequest};
+
 use crate::command_line::ReplayOptions;
 use crate::outcome::{Outcome, say};
 use crate::supervision::{Archived, FeltModel, RunEnd, Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::verify;
 
-/// Length of a replay without a clock, which no hand at the rig could end, s.
-const OFFLINE_S: f64 = 10.0;
-/// Length of a replay that the operator ends, s: the longest run of the control loop.
-const OPEN_ENDED_S: f64 = 86_400.0;
 /// Most models that are listed at the end.
 const LISTED_MODELS: usize = 12;
 
@@ -23,14 +21,14 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     if options.verify {
         return verify::run(options, &interrupted);
     }
-    let duration_s = options.duration_s.or(options.run.offline.then_some(OFFLINE_S));
     let claim = claim_archive(&options.run.out, &options.model, "replay-")?;
+    let request = options.request();
     let run = SupervisedRun {
-        in_words: in_words(options, duration_s),
-        task: task(options, duration_s),
-        options: &options.run,
+        in_words: in_words(options, &request),
+        request,
+        offline: options.run.offline,
+        viewer: options.run.viewer(),
         archive: claim.archive().to_owned(),
-        duration_s,
         until: None,
         shown: Shown::Rendering,
     };
@@ -40,39 +38,21 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     }
 }
 
-fn task(options: &ReplayOptions, duration_s: Option<f64>) -> Vec<String> {
-    let mut task = vec![
-        format!("--render={}", options.model),
-        format!("--hand={}", options.hand),
-        format!("--grip={}", options.grip),
-        format!("--duration-s={}", duration_s.unwrap_or(OPEN_ENDED_S)),
-    ];
-    if options.nearest {
-        task.push("--nearest".to_owned());
-    }
-    if let Some(torque_mnm) = options.hand_torque {
-        task.push(format!("--hand-torque={torque_mnm}"));
-    }
-    if let Some(amplitude) = options.amplitude {
-        task.push(format!("--amplitude={amplitude}"));
-    }
-    task
-}
-
 /// What is rendered, and for whom.
-fn in_words(options: &ReplayOptions, duration_s: Option<f64>) -> String {
-    let ReplayOptions { model, hand, hand_torque, run, .. } = options;
+fn in_words(options: &ReplayOptions, request: &RunRequest) -> String {
+    let ReplayOptions { model, hand: HandRequest { hand, hand_torque, .. }, .. } = options;
     let model = if model.parse::<u32>().is_ok() { format!("knob {model}") } else { model.clone() };
     let hand = match (hand_torque, hand.as_str()) {
         (Some(torque_mnm), _) => format!("a hand that turns it with {torque_mnm} mNm"),
         (None, "none") => "nobody's hand on it".to_owned(),
         (None, motion) => format!("a hand that follows {motion}"),
     };
-    let length = match duration_s {
-        Some(duration_s) => format!("for {duration_s} s"),
-        None => format!("until Ctrl-C, {} h at most", OPEN_ENDED_S / 3600.0),
+    let length = if request.is_open_ended() {
+        format!("until Ctrl-C, {} h at most", LONGEST_DURATION_S / 3600.0)
+    } else {
+        format!("for {} s", request.duration_s)
     };
-    format!("rendering {model} with {hand} at {} Hz {length}", run.rate_hz)
+    format!("rendering {model} with {hand} at {} Hz {length}", request.pace.rate_hz)
 }
 
 /// Tells what was rendered, how it went and where the archive lies.

@@ -13,7 +13,6 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use consumer::Stop;
-use dynamics::Calibration;
 use identification::live::{LiveFit, LiveSample, USUAL_SHARE};
 use streams::Streams;
 use update::Cadence;
@@ -53,13 +52,9 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
     let stop = Stop::listen()?;
     let mut streams = Streams::attach(arguments.restarts)?;
     let Some(run) = streams.wait_for_run(&stop, POLL_INTERVAL)? else { return Ok(()) };
-    let calibration = Calibration::from_toml(&run.calibration_toml)?;
     // On a rig that renders a hand drives, and the sensor reads what the knob gives instead of what it takes.
-    let (calibration, sign) = match run.rendered_model_toml {
-        Some(_) => (calibration.seen_from_the_hand(), -1.0),
-        None => (calibration, 1.0),
-    };
-    let mut fit = LiveFit::new(run.rate_hz, Some(&calibration)).converging_to(arguments.share);
+    let sign = if run.is_rendered() { -1.0 } else { 1.0 };
+    let mut fit = LiveFit::new(run.rate_hz, run.calibration_at_knob()?.as_ref()).converging_to(arguments.share);
     let mut cadence = Cadence::new();
     while !stop.is_asked() {
         streams.take_samples(run.run_id, |sample| {

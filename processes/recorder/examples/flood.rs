@@ -114,19 +114,9 @@ fn main() -> anyhow::Result<()> {
 
 fn blank_description() -> RunDescription {
     RunDescription {
-        run_id: 0,
         software_version: env!("CARGO_PKG_VERSION").to_owned(),
         apparatus: "none".to_owned(),
         knob: "none".to_owned(),
-        rate_hz: 0.0,
-        planned_ticks: 0,
-        clock: ClockMapping { monotonic_time_ns: 0, wall_clock_time_ns: 0 },
-        realtime: 0,
-        excitation_toml: String::new(),
-        calibration_toml: String::new(),
-        simulated_knob_toml: None,
-        rendered_model_toml: None,
-        control_toml: None,
-        notes: Vec::new(),
+        ..RunDescription::default()
     }
 }

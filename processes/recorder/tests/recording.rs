@@ -546,17 +546,10 @@ fn description(run_id: u64) -> RunDescription {
         apparatus: "none".to_owned(),
         knob: "none".to_owned(),
         rate_hz: RATE_HZ,
-        planned_ticks: 0,
         clock: ClockMapping {
             monotonic_time_ns: rig::monotonic_time_ns(),
             wall_clock_time_ns: rig::wall_clock_time_ns(),
         },
-        realtime: 0,
-        excitation_toml: String::new(),
-        calibration_toml: String::new(),
-        simulated_knob_toml: None,
-        rendered_model_toml: None,
-        control_toml: None,
-        notes: Vec::new(),
+        ..RunDescription::default()
     }
 }

@@ -14,8 +14,9 @@
 //! - [`nearest`]: the nearest model that passes.
 //! - [`recomputation`]: a recorded rendering fed through the control step again.
 //! - [`stability`]: what can be rendered on a rig without shaking.
-//! - [`motor_cogging`]: the cogging that the simulated rig's motor is to have.
-//! - [`plan`]: what the process was asked to do, checked against the rig.
+//! - [`request`]: what the process is asked to do, and the options that ask it.
+//! - [`rigs`]: the rigs that there are.
+//! - [`plan`]: a request checked against its rig.
 //!
 //! It reads nothing but control requests and models, publishes samples, status, the run's description
 //! and each model that begins to be felt, and when it dies the amplifier's watchdog takes the torque away; consumers see the stream end.
@@ -23,13 +24,13 @@
 pub mod admission;
 pub mod control;
 pub mod drilled_apparatus;
-mod hand;
 mod model_exchange;
-pub mod motor_cogging;
 pub mod nearest;
 pub mod plan;
 pub mod publisher;
 pub mod realtime;
 pub mod recomputation;
+pub mod request;
 pub mod rig_lock;
+pub mod rigs;
 pub mod stability;

@@ -12,12 +12,13 @@ use hal::ApparatusError;
 use operator::{LevelFilter, remark};
 use rt_loop::control::ControlState;
 use rt_loop::drilled_apparatus::DrilledApparatus;
-use rt_loop::plan::{Options, Plan};
+use rt_loop::plan::Plan;
 use rt_loop::publisher::StreamPublisher;
 use rt_loop::realtime::{
     CallWatch, Permission, SharedState, TickLog, TickLoop, WATCH_CALLS_VARIABLE, WakefulProcessors, block_signals,
     keep_off_core, prefer_publisher,
 };
+use rt_loop::request::{Options, RunRequest};
 use rt_loop::rig_lock::RigLock;
 use shared_types::RunDescription;
 use shared_types::drill::{self, Drill};
@@ -27,11 +28,11 @@ use shared_types::rig::TIMINGS_VARIABLE;
 fn main() -> ExitCode {
     shared_types::rig::keep_files_private();
     operator::start_log(LevelFilter::ERROR);
-    let options = match operator::parse() {
-        Ok(options) => options,
+    let request = match operator::parse::<Options>() {
+        Ok(options) => RunRequest::from(options),
         Err(status) => return status,
     };
-    match run(&options) {
+    match run(&request) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             tracing::debug!("{error:?}");
@@ -41,19 +42,17 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(options: &Options) -> anyhow::Result<()> {
+fn run(request: &RunRequest) -> anyhow::Result<()> {
     let must_end = must_end()?;
     shared_types::shared_memory::check_room()?;
-    let plan = Plan::new(options)?;
+    let plan = Plan::new(request)?;
     let _lock = RigLock::take()?;
     let control =
         ControlState::new(plan.control, &plan.rig.calibration).context("the rate is too low for the filters")?;
     let description = plan.description()?;
     let (control, admission) = match plan.rendering {
         Some(rendering) => {
-            if !options.without_remarks {
-                rendering.remarks.iter().for_each(remark);
-            }
+            rendering.told().for_each(remark);
             (control.with_renderer(rendering.renderer), Some(rendering.admission))
         }
         None => (control, None),

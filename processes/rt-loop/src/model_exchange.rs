@@ -45,7 +45,7 @@ impl ModelExchange {
             revision: 0,
             newest_waits: false,
         };
-        if run.rendered_model_toml.is_some() {
+        if run.is_rendered() {
             exchange.publish(0, run.clock.monotonic_time_ns);
         }
         Ok(exchange)

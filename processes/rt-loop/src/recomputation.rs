@@ -1,9 +1,9 @@
 //! A recorded rendering fed through the control step again: the same torques, bit for bit, or something is not as it was.
 
-use dynamics::{Calibration, Drive, Excitation, Model};
+use dynamics::{Calibration, Drive, Excitation, ModelError};
 use hal::{Limits, Measurement};
 use serde::{Deserialize, Serialize};
-use shared_types::RunDescription;
+use shared_types::{DescriptionError, ModelChange, RunDescription};
 
 use crate::control::rendering::{RenderGains, RenderedModel, Renderer, Unrenderable};
 use crate::control::{ControlPlan, ControlState, Reading, Request, ServoGains, StepOutput};
@@ -37,13 +37,11 @@ pub enum NotRecomputable {
     #[error("the archive does not say with which gains and limits it was made; replay again with this program")]
     NoControl,
     /// Something in the run's description that cannot be read.
-    #[error("the archive's {what} cannot be read: {reason}")]
-    Unreadable {
-        /// What.
-        what: &'static str,
-        /// Why.
-        reason: String,
-    },
+    #[error(transparent)]
+    Unreadable(#[from] DescriptionError),
+    /// A recorded model that cannot be read.
+    #[error(transparent)]
+    Malformed(#[from] ModelError),
     /// A model that this program does not render.
     #[error("this program does not render the recorded model: {0}")]
     Model(#[from] Unrenderable),
@@ -77,15 +75,11 @@ impl Recomputation {
     /// # Errors
     /// [`NotRecomputable`].
     pub fn new(run: &RunDescription) -> Result<Self, NotRecomputable> {
-        let model_toml = run.rendered_model_toml.as_ref().ok_or(NotRecomputable::NotRendered)?;
+        let first = run.first_model().ok_or(NotRecomputable::NotRendered)?;
         let control_toml = run.control_toml.as_ref().ok_or(NotRecomputable::NoControl)?;
-        let unreadable = |what: &'static str, reason: String| NotRecomputable::Unreadable { what, reason };
-        let described: ControlDescription =
-            toml::from_str(control_toml).map_err(|error| unreadable("control description", error.to_string()))?;
-        let calibration = Calibration::from_toml(&run.calibration_toml)
-            .map_err(|error| unreadable("calibration", error.to_string()))?;
-        let excitation: Excitation =
-            toml::from_str(&run.excitation_toml).map_err(|error| unreadable("excitation", error.to_string()))?;
+        let described: ControlDescription = run.part("control description", toml::from_str(control_toml))?;
+        let calibration = run.calibration()?.ok_or(NotRecomputable::NoControl)?;
+        let excitation = run.excitation()?;
         let ControlDescription { rate_hz, planned_ticks, limits, servo_gains, render_gains } = described;
         let render_gains = render_gains.ok_or(NotRecomputable::NotRendered)?;
         let plan = ControlPlan {
@@ -96,7 +90,7 @@ impl Recomputation {
             rate_hz,
             planned_ticks,
         };
-        let model = rendered(model_toml, &calibration)?;
+        let model = rendered(&first, &calibration)?;
         let too_slow = || NotRecomputable::Rate { rate_hz };
         let renderer =
             Renderer::new(model, render_gains, &calibration, limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
@@ -104,12 +98,12 @@ impl Recomputation {
         Ok(Self { control, calibration, begun: false })
     }
 
-    /// Gives the renderer a model that begins to be felt at the next tick, as TOML; `false` if it does not take it then.
+    /// Gives the renderer a model that begins to be felt at the next tick; `false` if it does not take it then.
     ///
     /// # Errors
     /// [`NotRecomputable`] for a model that this program cannot read or render.
-    pub fn take_model(&mut self, model_toml: &str) -> Result<bool, NotRecomputable> {
-        let model = rendered(model_toml, &self.calibration)?;
+    pub fn take_model(&mut self, change: &ModelChange) -> Result<bool, NotRecomputable> {
+        let model = rendered(change, &self.calibration)?;
         Ok(self.control.take_model(model).is_ok())
     }
 
@@ -129,8 +123,6 @@ impl Recomputation {
     }
 }
 
-fn rendered(model_toml: &str, calibration: &Calibration) -> Result<Box<RenderedModel>, NotRecomputable> {
-    let model = Model::from_toml(model_toml, "the recorded model")
-        .map_err(|error| NotRecomputable::Unreadable { what: "model", reason: error.to_string() })?;
-    Ok(Box::new(RenderedModel::new(&model, calibration)?))
+fn rendered(change: &ModelChange, calibration: &Calibration) -> Result<Box<RenderedModel>, NotRecomputable> {
+    Ok(Box::new(RenderedModel::new(&change.model()?, calibration)?))
 }

@@ -8,7 +8,8 @@ use clap::Parser as _;
 use common::Bench;
 use dynamics::{Calibration, CoggingHarmonic};
 use rt_loop::control::{ControlState, Reading, Request};
-use rt_loop::plan::{Options, Plan};
+use rt_loop::plan::Plan;
+use rt_loop::request::Options;
 use shared_types::LoopState;
 
 const COGGING: &str = "--motor-cogging=48:1.5:0.4";
@@ -82,7 +83,7 @@ fn what_the_hand_feels_of_cogging_is_gone_at_speed_too_where_its_delay_is_known(
 /// RMS of the distance from the commanded angle while the gripper alone is turned, rad.
 fn behind_rad(arguments: &[&str], knowing: impl Fn(&mut Calibration)) -> f64 {
     let arguments = [&["rt-loop", "--knob=none", "--sweep=slow-turn", "--duration-s=3"], arguments].concat();
-    let mut plan = Plan::new(&Options::try_parse_from(arguments).unwrap()).unwrap();
+    let mut plan = Plan::new(&Options::try_parse_from(arguments).unwrap().into()).unwrap();
     knowing(&mut plan.rig.calibration);
     let mut control = ControlState::new(plan.control, &plan.rig.calibration).unwrap();
     plan.apparatus.enable().unwrap();
@@ -119,12 +120,12 @@ fn a_servo_follows_a_motor_that_cogs_as_closely_as_one_that_does_not() {
 fn a_calibration_with_more_harmonics_than_a_tick_has_time_for_is_refused() {
     let folder = std::env::temp_dir().join(format!("haptic-camera-cogging-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let mut known = Plan::new(&Options::try_parse_from(["rt-loop"]).unwrap()).unwrap().rig.calibration;
+    let mut known = Plan::new(&Options::try_parse_from(["rt-loop"]).unwrap().into()).unwrap().rig.calibration;
     let planned = |known: &Calibration| {
         let path = folder.join("rig.toml");
         std::fs::write(&path, known.to_toml()).unwrap();
         let arguments = ["rt-loop".to_owned(), format!("--calibration={}", path.display())];
-        Plan::new(&Options::try_parse_from(arguments).unwrap()).map(|_| ()).map_err(|error| error.to_string())
+        Plan::new(&Options::try_parse_from(arguments).unwrap().into()).map(|_| ()).map_err(|error| error.to_string())
     };
     let harmonic = CoggingHarmonic { per_turn: 1, torque_mnm: 0.1, phase_rad: 0.0 };
     known.motor_cogging = Some(vec![harmonic; 64]);

@@ -7,8 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Parser as _;
 use hal::{Apparatus, ApparatusError, Measurement, RigDescription};
 use rt_loop::control::ControlState;
-use rt_loop::plan::{Options, Plan};
+use rt_loop::plan::Plan;
 use rt_loop::realtime::TickLoop;
+use rt_loop::request::Options;
 
 /// The simulated rig until it panics at its hundredth reading.
 struct Panicking {
@@ -46,7 +47,7 @@ impl Apparatus for Panicking {
 
 #[test]
 fn the_amplifier_is_off_after_a_panic_of_the_real_time_thread() {
-    let plan = Plan::new(&Options::try_parse_from(["rt-loop", "--knob=3", "--duration-s=3"]).unwrap()).unwrap();
+    let plan = Plan::new(&Options::try_parse_from(["rt-loop", "--knob=3", "--duration-s=3"]).unwrap().into()).unwrap();
     let control = ControlState::new(plan.control, &plan.rig.calibration).unwrap();
     let is_on = Arc::new(AtomicBool::new(false));
     let apparatus = Box::new(Panicking { rig: plan.apparatus, readings: 0, is_on: Arc::clone(&is_on) });

@@ -12,8 +12,9 @@ use dynamics::{Model, knobs};
 use hal::{Apparatus, ApparatusError, Measurement, RigDescription};
 use rt_loop::admission::Admission;
 use rt_loop::control::{ControlState, Request};
-use rt_loop::plan::{Options, Plan};
+use rt_loop::plan::Plan;
 use rt_loop::realtime::{CallWatch, CallWatchError, LoopPort, ModelEvent, TickLoop};
+use rt_loop::request::Options;
 use shared_types::{LoopState, Sample};
 
 /// A rig at which something else is done once in the run, while the sensors are read.
@@ -67,7 +68,7 @@ fn live_run(
     mut meanwhile: impl FnMut(&mut LoopPort, Option<&Admission>, usize),
 ) -> Outcome {
     let arguments = ["rt-loop", "--duration-s=1.2"].iter().chain(arguments);
-    let plan = Plan::new(&Options::try_parse_from(arguments).unwrap()).unwrap();
+    let plan = Plan::new(&Options::try_parse_from(arguments).unwrap().into()).unwrap();
     let control = ControlState::new(plan.control, &plan.rig.calibration).unwrap();
     let (control, admission) = match plan.rendering {
         Some(rendering) => (control.with_renderer(rendering.renderer), Some(rendering.admission)),

@@ -3,7 +3,8 @@
 
 use clap::Parser as _;
 use rt_loop::control::{ControlState, Reading, Request};
-use rt_loop::plan::{Options, Plan, PlanError};
+use rt_loop::plan::{Plan, PlanError};
+use rt_loop::request::Options;
 use shared_types::Fault;
 
 const RATES_HZ: [f64; 6] = [2_000.0, 2_300.0, 2_600.0, 3_300.0, 5_000.0, 20_000.0];
@@ -11,7 +12,7 @@ const RATES_HZ: [f64; 6] = [2_000.0, 2_300.0, 2_600.0, 3_300.0, 5_000.0, 20_000.
 fn plan(knob: &str, rate_hz: f64, further: &[&str]) -> Result<Plan, PlanError> {
     let arguments = ["rt-loop".to_owned(), format!("--knob={knob}"), format!("--rate-hz={rate_hz}")];
     let arguments = arguments.into_iter().chain(further.iter().map(|&argument| argument.to_owned()));
-    Plan::new(&Options::try_parse_from(arguments).unwrap())
+    Plan::new(&Options::try_parse_from(arguments).unwrap().into())
 }
 
 /// Makes a run without a clock; the fault that ended it.

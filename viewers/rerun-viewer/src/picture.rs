@@ -212,7 +212,7 @@ impl Picture {
         let time_ns = nanoseconds(sample.time_s(rate_hz));
         let Sample { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, .. } = *sample;
         // Of a rendered knob the sensor reads minus what it takes from the hand.
-        let is_rendered = self.description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some());
+        let is_rendered = self.description.as_ref().is_some_and(RunDescription::is_rendered);
         let torque_mnm = if is_rendered { -torque_mnm } else { torque_mnm };
         let turning_positive = velocity_rad_s > 0.0;
         let stuck = is_rendered.then_some(sample.flags & Sample::STUCK != 0);
@@ -383,10 +383,8 @@ impl Picture {
 
 /// The rig's calibration; without it the model's torque is drawn as if the rig were ideal.
 fn calibration(description: &RunDescription) -> Option<Calibration> {
-    let text = &description.calibration_toml;
-    let read = (!text.is_empty()).then(|| Calibration::from_toml(text))?;
-    let known = read.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}")).ok()?;
-    Some(if description.rendered_model_toml.is_some() { known.seen_from_the_hand() } else { known })
+    let known = description.calibration_at_knob();
+    known.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}")).ok()?
 }
 
 /// Whether it is time, and if so when it is next.

@@ -22,7 +22,7 @@ impl RenderedModel {
     /// What is wrong with the model's text.
     #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     pub fn new(change: &ModelChange, before: Option<Self>, rate_hz: f64) -> Result<Self, ModelError> {
-        let model = Model::from_toml(&change.model_toml, "the rendered model")?;
+        let model = change.model()?;
         Ok(Self { model, before: before.map(|before| before.model), from_s: change.tick as f64 / rate_hz })
     }
 

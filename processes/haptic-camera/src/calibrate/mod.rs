@@ -9,11 +9,13 @@ use anyhow::Context as _;
 use dynamics::Calibration;
 use identification::calibration::{self, CalibrateError, Calibrated};
 use loaded_capture::LoadedCapture;
+use rt_loop::request::RunRequest;
 
 use crate::command_line::{CalibrateOptions, CalibrationKind, RigOptions};
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::rig_run::RigRun;
+use crate::rig_run;
+use crate::supervision::listen_for_interrupt;
 
 /// Amplitude of the fast sines with nothing on the gripper, rad.
 const FAST_AMPLITUDE_RAD: f64 = 0.1;
@@ -23,11 +25,13 @@ const FAST_AMPLITUDE_RAD: f64 = 0.1;
 /// # Errors
 /// One sentence on why a capture does not do, or a file cannot be read or written.
 pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
-    let previous = options.calibration.as_deref().map(file::Previous::read).transpose()?;
-    let captures = if options.captures.is_empty() {
-        vec![options.what.capture(&options.rig, options.calibration.as_ref())?]
+    let given = options.rig.request.calibration.as_deref();
+    let previous = given.map(file::Previous::read).transpose()?;
+    let (captures, outcome) = if options.captures.is_empty() {
+        let (capture, outcome) = options.what.capture(&options.rig)?;
+        (vec![capture], outcome)
     } else {
-        options.captures.clone()
+        (options.captures.clone(), Outcome::Done)
     };
     let mut known: Option<Calibration> = previous.as_ref().map(|previous| previous.calibration.clone());
     let mut found = Vec::new();
@@ -62,7 +66,7 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     }
     file::write(&options.out, options.replaced(), &told, &known, previous.as_ref(), &captures)?;
     say(format!("calibration  {}", options.out.display()));
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 impl CalibrationKind {
@@ -93,23 +97,23 @@ impl CalibrationKind {
         }
     }
 
-    /// Makes the capture that it needs.
-    fn capture(self, rig: &RigOptions, calibration: Option<&PathBuf>) -> anyhow::Result<PathBuf> {
-        let fast = |sweep: &str, amplitude, duration_s| RigRun {
-            knob: "none",
+    /// Makes the capture that it needs; gives it, and whether data was lost.
+    fn capture(self, rig: &RigOptions) -> anyhow::Result<(PathBuf, Outcome)> {
+        let fast = |sweep: &str, amplitude, duration_s| RunRequest {
+            knob: "none".to_owned(),
             sweep: sweep.to_owned(),
-            torque: false,
             amplitude,
-            rate_hz: 10_000.0,
             duration_s,
-            calibration: calibration.cloned(),
+            rig: rig.request.clone(),
+            ..RunRequest::default()
         };
-        let run = match self {
+        let request = match self {
             Self::Friction => fast("linear-chirp", None, 10.0),
             Self::Gravity | Self::Cogging => fast("slow-turn", None, 15.0),
-            Self::Zero => RigRun { torque: true, ..fast("hold", None, 5.0) },
+            Self::Zero => RunRequest { torque: true, ..fast("hold", None, 5.0) },
             Self::Gripper | Self::Latency => fast("fast-multisine", Some(FAST_AMPLITUDE_RAD), 10.0),
         };
-        run.archive(rig, &format!("calibrate-{}", self.subject()))
+        let interrupted = listen_for_interrupt()?;
+        rig_run::archive(request, rig, &format!("calibrate-{}", self.subject()), &interrupted)
     }
 }

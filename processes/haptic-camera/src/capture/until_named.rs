@@ -8,11 +8,12 @@ use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
+use rt_loop::request::RunRequest;
 
 use super::evidence::diagnosed;
 use super::next::{Experiment, Next, next};
 use super::{finish, supervised};
-use crate::command_line::{CaptureOptions, RunOptions};
+use crate::command_line::CaptureOptions;
 use crate::diagnose;
 use crate::diagnosis_text;
 use crate::load;
@@ -49,10 +50,10 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
     for signal in ending_signals() {
         signal_hook::flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;
     }
-    let held_out = if options.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
+    let held_out = if options.request.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
     let first = [
-        Experiment { sweep: options.sweep.clone(), amplitude_rad: options.amplitude },
-        Experiment { sweep: held_out.to_owned(), amplitude_rad: options.amplitude },
+        Experiment { sweep: options.request.sweep.clone(), amplitude_rad: options.request.amplitude },
+        Experiment { sweep: held_out.to_owned(), amplitude_rad: options.request.amplitude },
     ];
     let mut taken: Vec<Taken> = Vec::new();
     let mut worst = Outcome::Done;
@@ -65,7 +66,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
             remark("no diagnosis: it takes two captures from start to end");
             return Ok(outcome);
         }
-        worst = worse(worst, outcome);
+        worst = worst.worse(outcome);
     }
     let mut before: Option<Diagnosis> = None;
     loop {
@@ -82,7 +83,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
             (Err(error), None) => return Err(error),
         };
         let made: Vec<Experiment> = taken.iter().map(|one| one.experiment.clone()).collect();
-        let next = match next(&found, &made, options.duration_s, options.budget) {
+        let next = match next(&found, &made, options.request.duration_s, options.budget) {
             _ if interrupted.load(Ordering::Acquire) => None,
             Next::Experiment(experiment, [one, other]) => {
                 say(format!("\ncapture {}: to tell {one} from {other}", taken.len() + 1));
@@ -102,13 +103,13 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
             Some((one, outcome)) if outcome != Outcome::Failed && !interrupted.load(Ordering::Acquire) => {
                 taken.push(one);
                 before = Some(found);
-                worst = worse(worst, outcome);
+                worst = worst.worse(outcome);
             }
             // What was found before stands; the cut capture is kept, and is no evidence.
             cut => {
                 remark("the last experiment did not run to its end: the diagnosis rests on those before it");
                 conclude(options, &taken, &found)?;
-                return Ok(cut.map_or(Outcome::Failed, |(_, outcome)| worse(worst, outcome)));
+                return Ok(cut.map_or(Outcome::Failed, |(_, outcome)| worst.worse(outcome)));
             }
         }
     }
@@ -121,14 +122,12 @@ fn one_more(
     index: usize,
     interrupted: &AtomicBool,
 ) -> anyhow::Result<Option<(Taken, Outcome)>> {
-    let options = CaptureOptions {
-        sweep: experiment.sweep.clone(),
-        amplitude: experiment.amplitude_rad,
-        // Another run has other noise.
-        run: RunOptions { seed: options.run.seed.wrapping_add(index as u64), ..options.run.clone() },
-        ..options.clone()
-    };
-    let claim = claim_archive(&options.run.out, &options.knob, "")?;
+    let mut options = options.clone();
+    let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
+    (*sweep, *amplitude) = (experiment.sweep.clone(), experiment.amplitude_rad);
+    // Another run has other noise.
+    rig.simulated.seed = rig.simulated.seed.wrapping_add(index as u64);
+    let claim = claim_archive(&options.run.out, &options.request.knob, "")?;
     let run = supervised(&options, &claim);
     let Some(end) = run.take(interrupted)? else { return Ok(None) };
     let read = finish::read_back(&run.archive, &end)?;
@@ -178,12 +177,4 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         say(format!("recording  {}", path.display()));
     }
     Ok(())
-}
-
-fn worse(one: Outcome, other: Outcome) -> Outcome {
-    match (one, other) {
-        (Outcome::Failed, _) | (_, Outcome::Failed) => Outcome::Failed,
-        (Outcome::DataLost, _) | (_, Outcome::DataLost) => Outcome::DataLost,
-        _ => one,
-    }
 }

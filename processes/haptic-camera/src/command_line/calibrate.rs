@@ -8,6 +8,9 @@ use crate::command_line::RigOptions;
 
 /// Options of `calibrate`.
 #[derive(Debug, Args)]
+#[command(mut_arg("calibration", |calibration| calibration
+    .help("What is known so far, instead of what the captures say of their rig")
+    .value_name("PREVIOUS.toml")))]
 pub struct CalibrateOptions {
     /// What to calibrate
     #[arg(value_enum, value_name = "WHAT")]
@@ -18,9 +21,6 @@ pub struct CalibrateOptions {
     /// Where the calibration goes; may be the file given as --calibration
     #[arg(long, value_name = "CALIBRATION.toml")]
     pub out: PathBuf,
-    /// What is known so far, instead of what the captures say of their rig
-    #[arg(long, value_name = "PREVIOUS.toml")]
-    pub calibration: Option<PathBuf>,
     /// How the rig is turned where no capture is given
     #[command(flatten)]
     pub rig: RigOptions,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use rt_loop::request::RunRequest;
 
 use crate::capture::Budget;
 use crate::command_line::RunOptions;
@@ -11,22 +12,9 @@ use crate::until_ci::Share;
 /// Options of `capture`.
 #[derive(Clone, Debug, Args)]
 pub struct CaptureOptions {
-    /// The knob on the simulated rig: 1 to 5 for the paper's, a model file, or none or locked for the gripper alone
-    #[arg(long, default_value = "3", value_name = "1…5|FILE.toml|none|locked")]
-    pub knob: String,
-    /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
-    /// torque-ramp, tone or hold
-    #[arg(long, default_value = "linear-chirp")]
-    pub sweep: String,
-    /// Command a torque instead of an angle
-    #[arg(long)]
-    pub torque: bool,
-    /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it]
-    #[arg(long, allow_negative_numbers = true)]
-    pub amplitude: Option<f64>,
-    /// Length of the capture, s
-    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
-    pub duration_s: f64,
+    /// Rig, knob, motion and rate
+    #[command(flatten)]
+    pub request: RunRequest,
     /// End the sweep once every parameter is known within this share of its value, as 1%; --duration-s is then the longest.
     ///
     /// What counts is half the width of the 95 % interval, as fitted live. It must hold while the data grow by a tenth. A phase
@@ -34,7 +22,7 @@ pub struct CaptureOptions {
     /// sensor is settled.
     #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_hyphen_values = true)]
     pub until_ci: Option<Share>,
-    /// Rig, rate, archive and view
+    /// Archive and view
     #[command(flatten)]
     pub run: RunOptions,
     /// Diagnose what is captured, and run the experiments that tell rivals apart until one name is left.

@@ -11,14 +11,14 @@ impl Command {
         let files = Files::default();
         match self {
             Self::Capture(options) => files
-                .reading([&options.knob])
-                .reading(&options.run.calibration)
+                .reading([&options.request.knob])
+                .reading(&options.request.rig.calibration)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page)
                 .writing(options.recording.as_ref(), Kind::Recording),
             Self::Replay(options) => files
-                .reading([&options.model, &options.hand])
-                .reading(&options.run.calibration)
+                .reading([&options.model, &options.hand.hand])
+                .reading(&options.rig.calibration)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page),
             Self::Fit(options) => files
@@ -39,7 +39,7 @@ impl Command {
                 files.reading(&options.captures).replacing(Some(&options.out), options.replaced())
             }
             Self::RigTest(options) => files
-                .reading(&options.calibration)
+                .reading(&options.rig.request.calibration)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page),
             Self::Check(options) => {
@@ -68,7 +68,7 @@ impl CalibrateOptions {
     /// What the calibration may replace: the one that was given, or one that was written before.
     #[must_use]
     pub fn replaced(&self) -> Replace {
-        let is_given = self.calibration.as_deref().is_some_and(|given| is_same(given, &self.out));
+        let is_given = self.rig.request.calibration.as_deref().is_some_and(|given| is_same(given, &self.out));
         if is_given { Replace::Anything } else { Kind::Calibration.replaces() }
     }
 }

@@ -3,8 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, RigRequest, RunRequest};
 
 use crate::command_line::RunOptions;
+
+/// Length of a replay without a clock, which no hand at the rig could end, s.
+const OFFLINE_S: f64 = 10.0;
 
 /// Options of `replay`.
 #[derive(Clone, Debug, Args)]
@@ -16,15 +20,9 @@ pub struct ReplayOptions {
     /// to what
     #[arg(long)]
     pub nearest: bool,
-    /// What the hand on the simulated rig wants: a sweep's name, the angles recorded in a CSV file, or none to let go
-    #[arg(long, default_value = "none", value_name = "SWEEP|FILE.csv|none")]
-    pub hand: String,
-    /// Torque that the hand on the simulated rig applies instead, mNm
-    #[arg(long, allow_negative_numbers = true, value_name = "MNM")]
-    pub hand_torque: Option<f64>,
-    /// Times by which the hand on the simulated rig is stiffer and more damped than a usual pinch grip
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, value_name = "FACTOR")]
-    pub grip: f64,
+    /// The hand on the simulated rig
+    #[command(flatten)]
+    pub hand: HandRequest,
     /// Largest angle to which the hand's sweep goes, rad [default: as the sweep has it]
     #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
@@ -41,7 +39,31 @@ pub struct ReplayOptions {
     /// Write the comparison as a report page
     #[arg(long, requires = "verify", value_name = "FILE.html")]
     pub report: Option<PathBuf>,
-    /// Rig, rate, archive and view
+    /// Rate and core
+    #[command(flatten)]
+    pub pace: Pace,
+    /// The rig
+    #[command(flatten)]
+    pub rig: RigRequest,
+    /// Archive and view
     #[command(flatten)]
     pub run: RunOptions,
+}
+
+impl ReplayOptions {
+    /// What the control loop is asked to do.
+    #[must_use]
+    pub fn request(&self) -> RunRequest {
+        let Self { model, nearest, hand, amplitude, duration_s, pace, rig, run, .. } = self;
+        let mut request = RunRequest {
+            rendering: Some(RenderingRequest { model: model.clone(), nearest: *nearest, without_remarks: false }),
+            amplitude: *amplitude,
+            duration_s: duration_s.unwrap_or(if run.offline { OFFLINE_S } else { LONGEST_DURATION_S }),
+            pace: pace.clone(),
+            rig: rig.clone(),
+            ..RunRequest::default()
+        };
+        request.rig.simulated.hand = Some(hand.clone());
+        request
+    }
 }

@@ -15,9 +15,6 @@ pub struct RigTestOptions {
     /// Samples per second
     #[arg(long, default_value_t = 5_000.0, allow_negative_numbers = true)]
     pub rate_hz: f64,
-    /// The rig's calibration, instead of the one that it comes with
-    #[arg(long, value_name = "CALIBRATION.toml")]
-    pub calibration: Option<PathBuf>,
     /// Write the result as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

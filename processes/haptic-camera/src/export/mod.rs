@@ -1,6 +1,5 @@
 //! `export`: captures and models in the formats of other programs.
 
-mod columns;
 mod firmware;
 mod parquet_file;
 mod torque_over_angle;
@@ -68,12 +67,10 @@ fn capture_as_csv(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
 
 fn capture_as_parquet(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
     let loaded = load::load(source)?;
-    let columns = columns::of(&loaded.capture);
-    let metadata = columns::metadata(&loaded, &columns);
-    let bytes = parquet_file::bytes(&columns, metadata)
-        .with_context(|| format!("{} cannot be made into Parquet", source.display()))?;
+    let (bytes, columns) =
+        parquet_file::bytes(&loaded).with_context(|| format!("{} cannot be made into Parquet", source.display()))?;
     write_bytes(out, Kind::Data.replaces(), &bytes)?;
-    say(format!("{}: {} samples, {} columns with their units", out.display(), loaded.capture.len(), columns.len()));
+    say(format!("{}: {} samples, {columns} columns with their units", out.display(), loaded.capture.len()));
     Ok(Outcome::Done)
 }
 

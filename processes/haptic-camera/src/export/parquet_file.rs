@@ -1,7 +1,9 @@
-//! Columns as an Apache Parquet file.
+//! A capture's columns as an Apache Parquet file.
 
 use std::sync::Arc;
 
+use archive::columns::{self, Values};
+use loaded_capture::LoadedCapture;
 use parquet::basic::{Compression, Encoding, Repetition, Type as PhysicalType};
 use parquet::data_type::{DataType, DoubleType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
@@ -10,44 +12,50 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
 
-use super::columns::{Column, Values};
+use super::TAKEN_ALONG;
 
-/// The file's bytes: one group of rows, every value there.
+/// The file's bytes and the number of its columns: one group of rows, every value there.
 ///
 /// Measured numbers hardly repeat, so dictionaries would only add to them.
 ///
 /// # Errors
 /// What the library says.
-pub(super) fn bytes(columns: &[Column<'_>], metadata: Vec<(String, String)>) -> Result<Vec<u8>, ParquetError> {
-    let fields = columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
+pub(super) fn bytes(loaded: &LoadedCapture) -> Result<(Vec<u8>, usize), ParquetError> {
+    let columns: Vec<(&str, Values<'_>)> = columns::of(&loaded.capture).collect();
+    let fields = columns.iter().map(|(name, values)| field(name, values)).collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("capture").with_fields(fields).build()?);
-    let metadata = metadata.into_iter().map(|(key, value)| KeyValue::new(key, value)).collect();
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::PLAIN)
-        .set_key_value_metadata(Some(metadata))
+        .set_key_value_metadata(Some(metadata(loaded, &columns)))
         .build();
     let mut file = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
     let mut group = file.next_row_group()?;
-    for column in columns {
-        match &column.values {
-            Values::Real(values) => write::<DoubleType>(&mut group, values)?,
-            Values::Count(values) => write::<Int64Type>(&mut group, values)?,
-            Values::Code(values) => write::<Int32Type>(&mut group, values)?,
+    for (_, values) in &columns {
+        match values {
+            Values::Reals(values) => write::<DoubleType>(&mut group, values)?,
+            Values::Counts(values) => {
+                let counts: Vec<i64> = values.iter().map(|&count| i64::try_from(count).unwrap_or(i64::MAX)).collect();
+                write::<Int64Type>(&mut group, &counts)?;
+            }
+            Values::Codes(values) => {
+                let codes: Vec<i32> = values.iter().map(|&code| i32::try_from(code).unwrap_or(i32::MAX)).collect();
+                write::<Int32Type>(&mut group, &codes)?;
+            }
         }
     }
     group.close()?;
-    file.into_inner()
+    Ok((file.into_inner()?, columns.len()))
 }
 
-fn field(column: &Column<'_>) -> Result<Arc<Type>, ParquetError> {
-    let physical = match column.values {
-        Values::Real(_) => PhysicalType::DOUBLE,
-        Values::Count(_) => PhysicalType::INT64,
-        Values::Code(_) => PhysicalType::INT32,
+fn field(name: &str, values: &Values<'_>) -> Result<Arc<Type>, ParquetError> {
+    let physical = match values {
+        Values::Reals(_) => PhysicalType::DOUBLE,
+        Values::Counts(_) => PhysicalType::INT64,
+        Values::Codes(_) => PhysicalType::INT32,
     };
-    let field = Type::primitive_type_builder(column.name, physical).with_repetition(Repetition::REQUIRED).build()?;
+    let field = Type::primitive_type_builder(name, physical).with_repetition(Repetition::REQUIRED).build()?;
     Ok(Arc::new(field))
 }
 
@@ -60,4 +68,25 @@ fn write<Kind: DataType>(
     };
     column.typed::<Kind>().write_batch(values, None, None)?;
     column.close()
+}
+
+/// What the file says of itself: the unit of every column, the rate, and what the archive had attached.
+fn metadata(loaded: &LoadedCapture, columns: &[(&str, Values<'_>)]) -> Vec<KeyValue> {
+    let capture = &loaded.capture;
+    let own = [
+        ("software", format!("haptic-camera {}", env!("CARGO_PKG_VERSION"))),
+        ("source", capture.source.display().to_string()),
+        ("rate_hz", capture.rate_hz.to_string()),
+        ("missing_samples", capture.gaps.iter().map(|gap| gap.count).sum::<u64>().to_string()),
+    ];
+    let own = own.into_iter().map(|(key, text)| KeyValue::new(key.to_owned(), text));
+    let units = columns.iter().filter_map(|(name, _)| {
+        let unit = archive::unit_of(name)?;
+        Some(KeyValue::new(format!("unit.{name}"), unit.to_owned()))
+    });
+    let attached = TAKEN_ALONG.iter().filter_map(|name| {
+        let text = capture.attached_text(name).filter(|text| !text.is_empty())?;
+        Some(KeyValue::new((*name).to_owned(), text.to_owned()))
+    });
+    own.chain(units).chain(attached).collect()
 }

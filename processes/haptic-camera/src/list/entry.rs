@@ -7,6 +7,7 @@ use archive::{ArchiveError, Overview};
 use foreign_files::TableError;
 use operator::one_line;
 use serde::Serialize;
+use shared_types::RunDescription;
 
 use super::quality::Quality;
 
@@ -92,7 +93,7 @@ impl Entry {
             health,
             problem: None,
             captured_at: date(captured_at_ns),
-            replay: description.as_ref().is_some_and(|run| run.rendered_model_toml.is_some()),
+            replay: description.as_ref().is_some_and(RunDescription::is_rendered),
             knob: description.map(|run| run.knob),
             duration_s: Some(duration_s),
             rate_hz: Some(rate_hz),

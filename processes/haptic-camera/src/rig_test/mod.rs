@@ -9,6 +9,7 @@ mod table;
 use dynamics::Excitation;
 use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, RigTest};
+use rt_loop::request::{Pace, RunRequest};
 
 use anyhow::Context as _;
 
@@ -16,7 +17,8 @@ use crate::command_line::RigTestOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
-use crate::rig_run::RigRun;
+use crate::rig_run;
+use crate::supervision::listen_for_interrupt;
 use channel::{Channel, LAG_HZ};
 
 /// Length of the paper's sweep: 30,000 samples at 5 kHz, s.
@@ -31,26 +33,31 @@ const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
 /// # Errors
 /// Whatever keeps the rig from being turned, and a file that cannot be written.
 pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
-    let free = |sweep: &str, duration_s| RigRun {
-        knob: "none",
+    let free = |sweep: &str, duration_s| RunRequest {
+        knob: "none".to_owned(),
         sweep: sweep.to_owned(),
-        torque: false,
-        amplitude: None,
-        rate_hz: options.rate_hz,
         duration_s,
-        calibration: options.calibration.clone(),
+        pace: Pace { rate_hz: options.rate_hz, core: None },
+        rig: options.rig.request.clone(),
+        ..RunRequest::default()
     };
-    let locked = |sweep: &str, duration_s| RigRun {
-        knob: "locked",
+    let locked = |sweep: &str, duration_s| RunRequest {
+        knob: "locked".to_owned(),
         torque: true,
         amplitude: Some(TORQUE_AMPLITUDE_MNM),
         ..free(sweep, duration_s)
     };
-    let made = |run: &RigRun, purpose| load::load(&run.archive(&options.rig, purpose)?);
+    let interrupted = listen_for_interrupt()?;
+    let mut outcome = Outcome::Done;
+    let mut made = |request, purpose| {
+        let (archive, whole) = rig_run::archive(request, &options.rig, purpose, &interrupted)?;
+        outcome = outcome.worse(whole);
+        load::load(&archive)
+    };
     let sweep = options.sweep.as_str();
-    let spun = [made(&free(sweep, SWEEP_S), "rig-test-free")?, made(&free("tone", TONE_S), "rig-test-free-30-hz")?];
+    let spun = [made(free(sweep, SWEEP_S), "rig-test-free")?, made(free("tone", TONE_S), "rig-test-free-30-hz")?];
     let held =
-        [made(&locked(sweep, SWEEP_S), "rig-test-locked")?, made(&locked("tone", TONE_S), "rig-test-locked-30-hz")?];
+        [made(locked(sweep, SWEEP_S), "rig-test-locked")?, made(locked("tone", TONE_S), "rig-test-locked-30-hz")?];
 
     let mut test = RigTest {
         sweep: sweep.to_owned(),
@@ -85,7 +92,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     if let Some(path) = &options.report {
         write(path, Kind::Page, &report::rig_test_page(&test))?;
     }
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 /// A run of the rig under the name `title`.
@@ -96,5 +103,5 @@ fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
 /// What the rig was told to do.
 fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
     let description = loaded.capture.description.as_ref().context("the run has no description")?;
-    toml::from_str(&description.excitation_toml).context("the run's excitation cannot be read")
+    Ok(description.excitation()?)
 }

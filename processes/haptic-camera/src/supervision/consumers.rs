@@ -8,7 +8,6 @@ use shared_types::ProcessKind;
 use super::consumer::Consumer;
 use super::loop_link::LoopLink;
 use super::words::Words;
-use crate::command_line::RunOptions;
 use crate::terminal;
 use crate::until_ci::Share;
 
@@ -26,7 +25,7 @@ impl Consumers {
     /// Starts them, off the control loop's core where there is another. Only the recorder is indispensable.
     pub(crate) fn start(
         archive: &Path,
-        options: &RunOptions,
+        viewer: Option<&str>,
         until: Option<Share>,
         loop_core: u32,
     ) -> anyhow::Result<Self> {
@@ -36,10 +35,7 @@ impl Consumers {
         recorder.start(&words)?;
         let share = until.map(|share| format!("--share={}", share.get())).into_iter().collect();
         let mut others = vec![Consumer::new(ProcessKind::LiveFitter, share, loop_core)];
-        if !options.no_viewer {
-            let place = if options.native_viewer { "--native" } else { "--web" };
-            others.push(Consumer::new(ProcessKind::Viewer, vec![place.to_owned()], loop_core));
-        }
+        others.extend(viewer.map(|place| Consumer::new(ProcessKind::Viewer, vec![place.to_owned()], loop_core)));
         others.iter_mut().for_each(|consumer| consumer.try_to_start(&words));
         Ok(Self { recorder, others, words })
     }

@@ -7,7 +7,7 @@ use super::panel::losses;
 use crate::capture::share_words;
 use crate::until_ci::{Knowledge, Share};
 
-/// How far the model is fitted, how late the loop was and what was lost.
+/// How far run and fit are, how late the loop was and what was lost.
 pub(super) fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
     let known = link.fit().map_or_else(String::new, |fit| {
         let residual = if fit.residual_rms_mnm.is_finite() {
@@ -17,7 +17,12 @@ pub(super) fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
         };
         format!("{residual}, {}", known_words(&Knowledge::from(fit), until))
     });
-    format!("{:5.1} s, {}{known}", link.elapsed_s(), losses(link))
+    format!("{}{known}", time_line(link))
+}
+
+/// How far the run is, how late the loop was and what was lost.
+pub(super) fn time_line(link: &LoopLink) -> String {
+    format!("{:5.1} s, {}", link.elapsed_s(), losses(link))
 }
 
 /// How many parameters are known well enough, or the one that an end of the sweep waits for most.

@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
-use dynamics::{Calibration, Model};
 use shared_types::services::{
     self, ControlClient, FIT_UPDATES, LOOP_STATUS, MessageSubscriber, PROCESS_HEALTH, RigNode, TextSubscriber,
 };
@@ -82,16 +81,14 @@ impl LoopLink {
         }
         while let Ok(Some(json)) = self.descriptions.receive() {
             let run = serde_json::from_slice::<RunDescription>(json.payload()).ok();
-            if let Some(known) = run.and_then(|run| Calibration::from_toml(&run.calibration_toml).ok()) {
+            if let Some(known) = run.and_then(|run| run.calibration().ok()?) {
                 self.torque_zero_mnm = known.torque_zero_mnm;
             }
         }
         while let Ok(Some(json)) = self.model_changes.receive() {
             // A word that is not understood is told by the recorder, which needs it.
             let change = serde_json::from_slice::<ModelChange>(json.payload()).ok();
-            if let Some(ModelChange { tick, model_toml, .. }) = change
-                && let Ok(model) = Model::from_toml(&model_toml, "the rendered model")
-            {
+            if let Some((tick, Ok(model))) = change.map(|change| (change.tick, change.model())) {
                 self.models.push(FeltModel { tick, name: model.name });
             }
         }

@@ -19,13 +19,14 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use archive::Claim;
+use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::drill::{self, Drill};
-use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime, rig};
+use shared_types::{CommandKind, LoopState, LoopStatus, ProcessKind, realtime, rig};
 
-use crate::command_line::RunOptions;
+use crate::large_job;
 use crate::offline_run;
-use crate::outcome::{remark, say};
+use crate::outcome::{Outcome, remark, say};
 use crate::until_ci::{Knowledge, Share, StopRule};
 pub(crate) use account::Archived;
 pub(crate) use child::program_path;
@@ -54,17 +55,17 @@ const SAID_WHY: [i32; 2] = [1, 2];
 const CYCLE: Duration = Duration::from_millis(20);
 
 /// What a run needs, whichever command it is made for.
-pub(crate) struct SupervisedRun<'a> {
+pub(crate) struct SupervisedRun {
     /// What is done, in words: "capturing knob 3 …".
     pub(crate) in_words: String,
-    /// What the control loop is told to do, [`RunOptions::loop_arguments`] apart.
-    pub(crate) task: Vec<String>,
-    /// Rig, rate, consumers.
-    pub(crate) options: &'a RunOptions,
+    /// What the control loop is asked to do.
+    pub(crate) request: RunRequest,
+    /// Whether the simulated rig is run as fast as the processor goes, without other processes.
+    pub(crate) offline: bool,
+    /// What the viewer's program is told, if there is to be a live view.
+    pub(crate) viewer: Option<&'static str>,
     /// Where the archive goes.
     pub(crate) archive: PathBuf,
-    /// Length, s; `None` where the operator ends it.
-    pub(crate) duration_s: Option<f64>,
     /// Ends the run once every parameter is known within this share.
     pub(crate) until: Option<Share>,
     /// What the operator sees while it goes on.
@@ -91,16 +92,21 @@ pub(crate) fn archive_stem(knob: &str, before: &str) -> String {
     format!("{time}-{before}{knob}")
 }
 
-impl SupervisedRun<'_> {
+impl SupervisedRun {
     /// Makes the run and its archive; `None` when the control loop itself said why it cannot run.
     ///
     /// # Errors
     /// Whatever keeps the run from being started, recorded or ended.
     pub(crate) fn take(&self, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
-        if self.options.offline {
-            return self.offline(interrupted).map(Some);
+        if self.offline {
+            say(format!("{}, offline", self.in_words));
+            return offline_run::archive(&self.request, &self.archive, interrupted, self.until).map(Some);
         }
-        let mut control_loop = Child::start(program("rt-loop")?.args(self.loop_arguments()))?;
+        if !self.request.is_open_ended() {
+            large_job::tell(self.request.ticks());
+        }
+        let request = toml::to_string(&self.request).context("the control loop cannot be asked for this run")?;
+        let mut control_loop = Child::start(program("rt-loop")?.arg(format!("--request={request}")))?;
         let end = self.supervise(&mut control_loop, interrupted);
         // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
         control_loop.end(LOOP_ENDS);
@@ -108,37 +114,28 @@ impl SupervisedRun<'_> {
         end
     }
 
-    fn loop_arguments(&self) -> Vec<String> {
-        [self.options.loop_arguments(), self.task.clone()].concat()
-    }
-
-    /// The same without clock and other processes.
-    fn offline(&self, interrupted: &AtomicBool) -> anyhow::Result<RunEnd> {
-        say(format!("{}, offline", self.in_words));
-        let run = offline_run::archive(&self.loop_arguments(), &self.archive, interrupted, self.until)?;
-        Ok(RunEnd {
-            status: LoopStatus {
-                run_id: run.run_id,
-                published_samples: run.samples as u64,
-                fault: run.fault.map_or(0, Fault::code),
-                guarded_ticks: run.guarded_ticks,
-                rate_hz: self.options.rate_hz,
-                finished: 1,
-                ..LoopStatus::default()
-            },
-            recorder_exit: Some(0),
-            restarts: Vec::new(),
-            models: run.rendered.into_iter().map(|name| FeltModel { tick: 0, name }).collect(),
-            interrupted: interrupted.load(Ordering::Acquire),
-            achieved: run.achieved,
-            loop_died: false,
-        })
+    /// Makes a run that further work rests on; gives its archive, and whether data was lost.
+    ///
+    /// # Errors
+    /// Whatever keeps the run from coming to its planned end, the operator too.
+    pub(crate) fn complete(&self, interrupted: &AtomicBool) -> anyhow::Result<(PathBuf, Outcome)> {
+        let Self { in_words, archive, .. } = self;
+        let end = self.take(interrupted)?.context("the control loop could not run")?;
+        let folder = archive.parent().unwrap_or(archive).display();
+        anyhow::ensure!(!end.interrupted, "stopped by the operator; what was captured so far is in {folder}");
+        if let Some(fault) = end.fault_words() {
+            anyhow::bail!("{in_words}: ended in a fault: {fault}");
+        }
+        let archive = end.left_archive(archive).with_context(|| format!("{in_words}: no archive was left"))?;
+        let outcome = end.settle(&Archived::read(&archive)?);
+        anyhow::ensure!(outcome != Outcome::Failed, "{in_words}: did not come to its end");
+        Ok((archive, outcome))
     }
 
     /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
     fn supervise(&self, control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
-        let mut consumers = Consumers::start(&self.archive, self.options, self.until, link.status().core)?;
+        let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status().core)?;
         let ready_by = Instant::now() + RECORDER_READY;
         while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
             std::thread::sleep(CYCLE);

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::SupervisedRun;
-use super::lines::{fit_line, rendering_line};
+use super::lines::{fit_line, rendering_line, time_line};
 use super::loop_link::LoopLink;
 use super::panel::{self, FIT_LINES};
 use crate::outcome::{hold_panel, release_panel, say};
@@ -28,6 +28,8 @@ pub(crate) enum Shown {
     Fit,
     /// What a hand does to a rendered model, and what it feels.
     Rendering,
+    /// How far the run is, and what was lost.
+    Time,
 }
 
 /// Shows how far the run is and how it goes.
@@ -42,8 +44,9 @@ pub(crate) struct Progress {
 
 impl Progress {
     /// For a run that has just begun.
-    pub(crate) fn new(run: &SupervisedRun<'_>) -> Self {
-        let (shown, duration_s) = (run.shown, run.duration_s);
+    pub(crate) fn new(run: &SupervisedRun) -> Self {
+        let shown = run.shown;
+        let duration_s = (!run.request.is_open_ended()).then_some(run.request.duration_s);
         let size = terminal::size();
         // A panel that does not fit would scroll instead of staying where it is.
         let whole_panel = shown == Shown::Fit && size.is_some_and(|size| size.rows > FIT_LINES && size.columns >= 80);
@@ -73,6 +76,7 @@ impl Progress {
         let line = || match self.shown {
             Shown::Fit => fit_line(link, self.until),
             Shown::Rendering => rendering_line(link),
+            Shown::Time => time_line(link),
         };
         match &self.bar {
             None => say(line()),

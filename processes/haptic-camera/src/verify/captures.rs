@@ -8,6 +8,7 @@ use identification::checks::breakaways;
 use identification::diagnosis::{DiagnoseOptions, diagnose};
 use identification::{Fit, FitOptions};
 use loaded_capture::LoadedCapture;
+use rt_loop::request::HandRequest;
 use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};
@@ -33,8 +34,9 @@ const HOLD_S: f64 = 10.0;
 /// Time after which a hold is looked at, s: the hand's torque has risen.
 const SETTLED_S: f64 = 0.5;
 
-/// Makes a capture of the rendered knob: its name, what the hand does, its length in s; gives the archive.
-pub type Maker<'a> = dyn FnMut(&str, &[String], f64) -> anyhow::Result<PathBuf> + 'a;
+/// Makes a capture of the rendered knob: its name, the hand, the largest angle of the hand's sweep in rad, its length in s; gives
+/// the archive.
+pub type Maker<'a> = dyn FnMut(&str, HandRequest, Option<f64>, f64) -> anyhow::Result<PathBuf> + 'a;
 
 /// A verification with the capture and the fit that it was made of.
 pub struct Captured {
@@ -52,25 +54,22 @@ pub struct Captured {
 /// When a run cannot be made, or a capture cannot be read or fitted.
 pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Result<Captured> {
     let mut captures = Vec::new();
-    let mut capture = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<LoadedCapture> {
-        let path = make(name, hand, duration_s)?;
+    let mut capture = |name: &str, hand, amplitude_rad, duration_s| -> anyhow::Result<LoadedCapture> {
+        let path = make(name, hand, amplitude_rad, duration_s)?;
         captures.push(path.clone());
         load::load(&path)
     };
     let amplitude_rad = driving_speed_rad_s(model).map_or(AMPLITUDE_RAD, |speed_rad_s| {
         (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(AMPLITUDE_RAD)
     });
-    let hand = |sweep: &str, amplitude_rad: f64| {
-        [format!("--hand={sweep}"), format!("--amplitude={amplitude_rad}"), format!("--grip={GRIP}")]
-    };
-    let train = capture("sweep", &hand("linear-chirp", amplitude_rad), SWEEP_S)?;
-    let heldout = capture("heldout", &hand("stepped-amplitude", amplitude_rad), SWEEP_S)?;
-    let creep = capture("creep", &hand("slow-turn", CREEP.0), CREEP.1)?;
+    let firm = |sweep: &str| HandRequest { hand: sweep.to_owned(), hand_torque: None, grip: GRIP };
+    let holding = |torque_mnm| HandRequest { hand_torque: Some(torque_mnm), grip: 1.0, ..firm("none") };
+    let train = capture("sweep", firm("linear-chirp"), Some(amplitude_rad), SWEEP_S)?;
+    let heldout = capture("heldout", firm("stepped-amplitude"), Some(amplitude_rad), SWEEP_S)?;
+    let creep = capture("creep", firm("slow-turn"), Some(CREEP.0), CREEP.1)?;
 
     let held_still = match holding_torque_mnm(model) {
-        Some(torque_mnm) => {
-            Some(held_still(torque_mnm, &capture("hold", &[format!("--hand-torque={torque_mnm}")], HOLD_S)?))
-        }
+        Some(torque_mnm) => Some(held_still(torque_mnm, &capture("hold", holding(torque_mnm), None, HOLD_S)?)),
         None => None,
     };
     let fit = fit(&train, model)?;

@@ -11,17 +11,17 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
 use archive::claim;
-use clap::Parser as _;
-use dynamics::{Model, knobs};
 use identification::diagnosis::{Diagnosis, Verdict};
 use report::CaptureFacts;
+use rt_loop::plan::Plan;
+use rt_loop::request::HandRequest;
 use serde::Serialize;
 
-use crate::command_line::{ReplayOptions, RunOptions};
+use crate::command_line::ReplayOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
-use crate::supervision::{Archived, Shown, SupervisedRun, archive_stem};
+use crate::supervision::{Shown, SupervisedRun, archive_stem};
 use compare::Verified;
 
 /// Largest difference of a parameter that passes if its interval does not hold the intended value, %.
@@ -152,61 +152,39 @@ impl Added {
     }
 }
 
-/// The model that is to be felt: the one asked for, or the nearest to it that the rig renders.
-fn intended(options: &ReplayOptions) -> anyhow::Result<Model> {
-    if !options.nearest {
-        return Ok(knobs::named(&options.model)?);
-    }
-    let asked = ["rt-loop".to_owned(), format!("--render={}", options.model), "--nearest".to_owned()];
-    let arguments = asked.into_iter().chain(options.run.loop_arguments());
-    let plan = rt_loop::plan::Plan::new(&rt_loop::plan::Options::try_parse_from(arguments)?)?;
-    Ok(plan.rendering.context("no model is rendered")?.model)
-}
-
 /// Verifies a rendering and tells the result; failed if the rendered knob is not the model's.
 ///
 /// # Errors
 /// What keeps a capture from being made, read or fitted.
 pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
-    let model = intended(options)?;
+    let mut asked = options.request();
+    // The model that is to be felt: the one asked for, or the nearest to it that the rig renders.
+    let model = Plan::new(&asked)?.rendering.context("no model is rendered")?.model;
     let out = &options.run.out;
     let folder = claim::folder(out, &archive_stem(&options.model, "verify-"))
         .with_context(|| format!("no folder can be made in {}; choose another with --out", out.display()))?;
-    // Nobody watches four captures in a row.
-    let run_options = RunOptions { no_viewer: true, native_viewer: false, ..options.run.clone() };
-    let mut remarks_told = false;
-    let mut is_data_lost = false;
-    let mut make = |name: &str, hand: &[String], duration_s: f64| -> anyhow::Result<PathBuf> {
-        let archive = folder.join(format!("{name}.mcap"));
-        let mut task = vec![format!("--render={}", options.model), format!("--duration-s={duration_s}")];
-        if options.nearest {
-            task.push("--nearest".to_owned());
-        }
-        if remarks_told {
-            task.push("--without-remarks".to_owned());
-        }
-        remarks_told = true;
-        let run = SupervisedRun {
-            in_words: format!("rendering {} for the {name}, {duration_s} s", model.name),
-            task: task.iter().chain(hand).cloned().collect(),
-            options: &run_options,
-            archive: archive.clone(),
-            duration_s: Some(duration_s),
-            until: None,
-            shown: Shown::Rendering,
+    let mut whole = Outcome::Done;
+    let mut make =
+        |name: &str, hand: HandRequest, amplitude_rad: Option<f64>, duration_s: f64| -> anyhow::Result<PathBuf> {
+            asked.duration_s = duration_s;
+            (asked.rig.simulated.hand, asked.amplitude) = (Some(hand), amplitude_rad);
+            let run = SupervisedRun {
+                in_words: format!("rendering {} for the {name}, {duration_s} s", model.name),
+                request: asked.clone(),
+                offline: options.run.offline,
+                // Nobody watches four captures in a row.
+                viewer: None,
+                archive: folder.join(format!("{name}.mcap")),
+                until: None,
+                shown: Shown::Rendering,
+            };
+            let (archive, outcome) = run.complete(interrupted)?;
+            whole = whole.worse(outcome);
+            // Once is enough.
+            asked.rendering.iter_mut().for_each(|rendering| rendering.without_remarks = true);
+            Ok(archive)
         };
-        let end = run.take(interrupted)?.context("the control loop could not run")?;
-        anyhow::ensure!(!end.interrupted, "stopped by the operator; the captures so far are in {}", folder.display());
-        if let Some(fault) = end.fault_words() {
-            anyhow::bail!("the {name} ended in a fault: {fault}");
-        }
-        let archive = end.left_archive(&archive).with_context(|| format!("the {name} left no archive"))?;
-        let outcome = end.settle(&Archived::read(&archive)?);
-        anyhow::ensure!(outcome != Outcome::Failed, "the {name} did not come to its end");
-        is_data_lost |= outcome == Outcome::DataLost;
-        Ok(archive)
-    };
-    let captured = captures::verify(&model, options.run.rate_hz, &mut make)?;
+    let captured = captures::verify(&model, options.pace.rate_hz, &mut make)?;
     let verification = &captured.verification;
     if !to_output(options.json.as_deref()) {
         table::lines(verification).iter().for_each(say);
@@ -218,9 +196,5 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
             say(format!("report   {}", path.display()));
         }
     }
-    Ok(match (verification.passed, is_data_lost) {
-        (true, false) => Outcome::Done,
-        (true, true) => Outcome::DataLost,
-        (false, _) => Outcome::Failed,
-    })
+    Ok(if verification.passed { whole } else { Outcome::Failed })
 }

@@ -8,7 +8,8 @@ use hal::{Apparatus, Measurement};
 use rt_loop::admission::Admission;
 use rt_loop::control::rendering::RenderedModel;
 use rt_loop::control::{ControlState, Reading, Request, StepOutput};
-use rt_loop::plan::{Options, Plan};
+use rt_loop::plan::Plan;
+use rt_loop::request::Options;
 
 const RATE_HZ: f64 = 10_000.0;
 
@@ -29,7 +30,7 @@ impl Bench {
     /// The same with other arguments, on a rig of which `knowing` has its word.
     pub fn on_rig(further: &[&str], knowing: impl Fn(&mut Calibration)) -> Self {
         let arguments = [&["rt-loop", "--render=3", "--seed=5"], further].concat();
-        let mut plan = Plan::new(&Options::try_parse_from(arguments).unwrap()).unwrap();
+        let mut plan = Plan::new(&Options::try_parse_from(arguments).unwrap().into()).unwrap();
         knowing(&mut plan.rig.calibration);
         let rendering = plan.rendering.unwrap();
         let mut control =

@@ -1,4 +1,4 @@
-//! The hand on the simulated rig, as the options ask for it.
+//! The hand on the simulated rig, as a request asks for it.
 
 use std::path::Path;
 
@@ -6,25 +6,23 @@ use dynamics::{Drive, Excitation};
 use foreign_files::{Column, Others, read_columns};
 use hal::simulated::{Grip, Hand, Intention};
 
-use crate::plan::{Options, PlanError};
+use crate::plan::PlanError;
+use crate::request::HandRequest;
 
 /// Time after which the hand begins to move, s: the run begins some tenths of a second after the amplifier was switched on.
 const HAND_BEGINS_S: f64 = 0.5;
 
-/// The hand on the simulated rig; `None` when nobody holds the gripper.
-pub(crate) fn hand(options: &Options) -> Result<Option<Hand>, PlanError> {
+/// The hand on the simulated rig, whose sweep goes to `amplitude_rad`; `None` when nobody holds the gripper.
+pub(super) fn hand(asked: &HandRequest, amplitude_rad: Option<f64>) -> Result<Option<Hand>, PlanError> {
     let unusable = |reason: String| PlanError::Hand(reason);
-    if !(options.grip.is_finite() && options.grip > 0.0) {
-        return Err(unusable(format!("a grip of {} must be more than zero, and finite", options.grip)));
+    let HandRequest { hand, hand_torque, grip } = asked;
+    if !(grip.is_finite() && *grip > 0.0) {
+        return Err(unusable(format!("a grip of {grip} must be more than zero, and finite")));
     }
     let usual = Grip::default();
-    let grip = Grip {
-        damping: options.grip * usual.damping,
-        stiffness_mnm_rad: options.grip * usual.stiffness_mnm_rad,
-        ..usual
-    };
-    let intention = match (options.hand_torque, options.hand.as_str()) {
-        (Some(torque_mnm), _) if torque_mnm.is_finite() => Intention::Torque(torque_mnm),
+    let grip = Grip { damping: grip * usual.damping, stiffness_mnm_rad: grip * usual.stiffness_mnm_rad, ..usual };
+    let intention = match (hand_torque, hand.as_str()) {
+        (Some(torque_mnm), _) if torque_mnm.is_finite() => Intention::Torque(*torque_mnm),
         (Some(torque_mnm), _) => return Err(unusable(format!("a torque of {torque_mnm} mNm is no torque"))),
         (None, "none") => return Ok(None),
         (None, file) if Path::new(file).extension().is_some_and(|extension| extension == "csv") => {
@@ -32,8 +30,8 @@ pub(crate) fn hand(options: &Options) -> Result<Option<Hand>, PlanError> {
         }
         (None, sweep) => {
             let motion = Excitation::named(sweep, Drive::Position)?;
-            Intention::Motion(match options.amplitude {
-                Some(amplitude) => motion.with_amplitude(amplitude)?,
+            Intention::Motion(match amplitude_rad {
+                Some(amplitude_rad) => motion.with_amplitude(amplitude_rad)?,
                 None => motion,
             })
         }

@@ -1,0 +1,173 @@
+//! The columns of a capture, each in one entry: archives, tables and exports are read, checked and written along this list.
+//!
+//! A new column is a field of [`Sample`], whose comment describes it in every archive's schema, a field of [`Capture`], and an
+//! entry here. Its name carries its [unit](crate::unit_of).
+
+use std::borrow::Cow;
+
+use shared_types::{LoopState, Sample};
+
+use crate::capture::Capture;
+use crate::schema::FieldLayout;
+
+/// The values of a column, one for each sample.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values<'a> {
+    /// Counts.
+    Counts(Cow<'a, [u64]>),
+    /// Real numbers; NaN where there is none.
+    Reals(Cow<'a, [f64]>),
+    /// Codes and bits.
+    Codes(Cow<'a, [u32]>),
+}
+
+/// A column of a capture.
+pub(crate) struct Column {
+    pub(crate) name: &'static str,
+    /// Whether every capture has it.
+    pub(crate) required: bool,
+    /// What to begin with when its values come one by one.
+    pub(crate) empty: fn() -> Values<'static>,
+    /// The capture's values; `None` where it has none.
+    values: fn(&Capture) -> Option<Values<'_>>,
+    /// Gives the capture these values.
+    pub(crate) store: fn(&mut Capture, Values<'static>),
+    /// Gives the sample the capture's value in a row; `None` where samples have no such field.
+    pub(crate) fill: Option<fn(&mut Sample, &Capture, usize)>,
+}
+
+/// The entry of a column that every capture has, or of one that may be absent, with what a sample then says.
+macro_rules! column {
+    ($name:ident, $kind:ident) => {
+        Column {
+            fill: Some(|sample, capture, row| sample.$name = capture.$name[row]),
+            ..column!($name, $kind, no field)
+        }
+    };
+    ($name:ident, $kind:ident, no field) => {
+        Column {
+            name: stringify!($name),
+            required: true,
+            empty: || Values::$kind(Cow::default()),
+            values: |capture| Some(Values::$kind(Cow::from(&capture.$name))),
+            store: |capture, values| {
+                if let Values::$kind(values) = values {
+                    capture.$name = values.into_owned();
+                }
+            },
+            fill: None,
+        }
+    };
+    ($name:ident, $kind:ident, or $absent:expr) => {
+        Column {
+            name: stringify!($name),
+            required: false,
+            empty: || Values::$kind(Cow::default()),
+            values: |capture| capture.$name.as_deref().map(|values| Values::$kind(Cow::from(values))),
+            store: |capture, values| {
+                if let Values::$kind(values) = values {
+                    capture.$name = Some(values.into_owned());
+                }
+            },
+            fill: Some(|sample, capture, row| {
+                sample.$name = capture.$name.as_ref().map_or($absent, |values| values[row]);
+            }),
+        }
+    };
+}
+
+static COUNTED: [Column; 2] = [column!(seq, Counts), column!(tick, Counts)];
+/// What a CSV table has: finite numbers throughout.
+pub(crate) static MEASURED: [Column; 5] = [
+    column!(t_s, Reals, no field),
+    column!(angle_rad, Reals),
+    column!(velocity_rad_s, Reals, or f64::NAN),
+    column!(acceleration_rad_s2, Reals, or f64::NAN),
+    column!(torque_mnm, Reals),
+];
+static TOLD: [Column; 5] = [
+    column!(commanded_angle_rad, Reals, or f64::NAN),
+    column!(commanded_torque_mnm, Reals, or f64::NAN),
+    column!(state, Codes, or LoopState::Running.code()),
+    column!(missed_ticks, Codes, or 0),
+    column!(flags, Codes, or 0),
+];
+
+/// Every column, in the order of exports.
+fn all() -> impl Iterator<Item = &'static Column> {
+    COUNTED.iter().chain(&MEASURED).chain(&TOLD)
+}
+
+/// The columns that are fields of a sample.
+pub(crate) fn of_samples() -> impl Iterator<Item = &'static Column> {
+    all().filter(|column| column.fill.is_some())
+}
+
+/// The columns that a capture has, with their names.
+pub fn of(capture: &Capture) -> impl Iterator<Item = (&'static str, Values<'_>)> {
+    all().filter_map(|column| Some((column.name, (column.values)(capture)?)))
+}
+
+/// The measured columns that a capture has, with their names.
+pub(crate) fn measured(capture: &Capture) -> Vec<(&'static str, &[f64])> {
+    let reals = |column: &Column| match (column.values)(capture)? {
+        Values::Reals(Cow::Borrowed(values)) => Some((column.name, values)),
+        _ => None,
+    };
+    MEASURED.iter().filter_map(reals).collect()
+}
+
+impl Values<'_> {
+    /// Number of values.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Counts(values) => values.len(),
+            Self::Reals(values) => values.len(),
+            Self::Codes(values) => values.len(),
+        }
+    }
+
+    /// True without any value.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether there is any value but NaN: a column that is NaN throughout was never measured.
+    pub(crate) fn has_any(&self) -> bool {
+        match self {
+            Self::Reals(values) => values.iter().any(|value| !value.is_nan()),
+            _ => !self.is_empty(),
+        }
+    }
+
+    /// Adds the value of a field; `None` when the message's body does not hold it.
+    pub(crate) fn push(&mut self, field: &FieldLayout, body: &[u8]) -> Option<()> {
+        match self {
+            Self::Counts(values) => values.to_mut().push(field.as_u64(body)?),
+            Self::Reals(values) => values.to_mut().push(field.as_f64(body)?),
+            Self::Codes(values) => values.to_mut().push(u32::try_from(field.as_u64(body)?).ok()?),
+        }
+        Some(())
+    }
+
+    /// The last value.
+    #[allow(clippy::cast_precision_loss, reason = "counts stay far below 2^53")]
+    pub(crate) fn last(&self) -> Option<f64> {
+        match self {
+            Self::Counts(values) => values.last().map(|count| *count as f64),
+            Self::Reals(values) => values.last().copied(),
+            Self::Codes(values) => values.last().map(|code| f64::from(*code)),
+        }
+    }
+
+    /// Takes the last value away.
+    pub(crate) fn pop(&mut self) {
+        match self {
+            Self::Counts(values) => drop(values.to_mut().pop()),
+            Self::Reals(values) => drop(values.to_mut().pop()),
+            Self::Codes(values) => drop(values.to_mut().pop()),
+        }
+    }
+}
