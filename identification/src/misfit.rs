@@ -2,7 +2,7 @@
 //!
 //! An interval for residuals that are correlated holds if the model is right. On a real machine it seldom is: friction that
 //! rises from near zero speed, a band in which something rings. The parameters then depend on which speeds and which
-//! frequencies they were fitted to. They are fitted twice more, to half the band and to the faster half of the motion;
+//! frequencies they were fitted to. They are fitted again to half the band, to the faster and to the slower half of the motion;
 //! where an estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), the rest of the
 //! shift belongs into its interval.
 
@@ -68,7 +68,7 @@ impl Shift {
 }
 
 impl Misfit {
-    /// Fits the settled problem's columns to half the band and to the faster half of the motion.
+    /// Fits the settled problem's columns to half the band and to the faster and the slower half of the motion.
     pub(crate) fn of(trimmed: &Trimmed<'_>, motion: &KnobMotion, robust: &RobustCovariance) -> Self {
         // Instruments are for noise that these fits would see anew.
         if trimmed.instruments.is_some() {
@@ -77,15 +77,22 @@ impl Misfit {
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
         let step = trimmed.problem.frame.step;
-        let mut speeds: Vec<f64> =
+        let speeds: Vec<f64> =
             (0..trimmed.problem.target.len()).map(|row| motion.velocity_rad_s[row * step].abs()).collect();
         let typical = median(&mut speeds.clone());
         let narrow =
             Fir::low_pass((HALF_LENGTH_PERIODS * ROWS_PER_EDGE / NARROWER).round() as usize, NARROWER, ROWS_PER_EDGE);
-        speeds.iter_mut().for_each(|speed| *speed = if *speed > typical { 1.0 } else { 0.0 });
-        let faster = |rows: &[f64]| rows.iter().zip(&speeds).map(|(value, weight)| value * weight).collect();
+        let where_speed = |kept: &dyn Fn(f64) -> bool, rows: &[f64]| -> Vec<f64> {
+            rows.iter().zip(&speeds).map(|(value, speed)| if kept(*speed) { *value } else { 0.0 }).collect()
+        };
+        let faster = |rows: &[f64]| where_speed(&|speed| speed > typical, rows);
+        let slower = |rows: &[f64]| where_speed(&|speed| speed <= typical, rows);
         let lower = |rows: &[f64]| narrow.decimate(rows, EVERY);
-        let shifts = [Shift::of(trimmed, at_zero, robust, lower), Shift::of(trimmed, at_zero, robust, faster)];
+        let shifts = [
+            Shift::of(trimmed, at_zero, robust, lower),
+            Shift::of(trimmed, at_zero, robust, faster),
+            Shift::of(trimmed, at_zero, robust, slower),
+        ];
         let unbounded =
             is_held.then(|| Shift::of(trimmed, &vec![false; at_zero.len()], robust, <[f64]>::to_vec)).flatten();
         Self { rows: shifts.into_iter().flatten().collect(), unbounded }

@@ -127,7 +127,7 @@ impl Report<'_> {
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
             let reason = linear.and_then(|column| {
-                self.at_one_speed(column, robust, critical).or_else(|| self.why_untold(column, kind.name, half))
+                self.at_one_speed(column, robust, critical, misfit).or_else(|| self.why_untold(column, kind.name, half))
             });
             if let Some(reason) = reason {
                 parameters.push(Parameter::untold(kind.name, kind.unit, reason));
@@ -187,7 +187,7 @@ impl Report<'_> {
 
     /// Why a friction column cannot be told apart from the other one of its direction, and what is known of both together:
     /// the speed varies by little more than the encoder's noise.
-    fn at_one_speed(&self, column: usize, robust: &RobustCovariance, critical: f64) -> Option<String> {
+    fn at_one_speed(&self, column: usize, robust: &RobustCovariance, critical: f64, misfit: &Misfit) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
         let friction = problem.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
         let direction = column.checked_sub(problem.range(friction).start).filter(|place| *place < 4)? % 2;
@@ -202,16 +202,15 @@ impl Report<'_> {
             return None;
         }
         let together = solution.coefficients[coulomb] + solution.coefficients[viscous] * speed_rad_s;
-        let at = |row: usize, other: usize| robust.matrix[(row, other)];
-        let variance = at(coulomb, coulomb)
-            + 2.0 * speed_rad_s * at(coulomb, viscous)
-            + speed_rad_s.powi(2) * at(viscous, viscous);
+        let mut derivatives = RowDVector::zeros(columns.len());
+        (derivatives[coulomb], derivatives[viscous]) = (1.0, speed_rad_s);
+        let variance = (&derivatives * &robust.matrix).dot(&derivatives);
+        let half = (critical * variance.max(0.0).sqrt()).hypot(misfit.of_sum(&derivatives));
         let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(
             "{name} cannot be told apart from {with}: the knob turned at one speed, {speed_rad_s:.4} rad/s, where both together \
-             make {together:.4} ± {:.4} mNm; vary the speed",
-            critical * variance.max(0.0).sqrt()
+             make {together:.4} ± {half:.4} mNm; vary the speed"
         ))
     }
 

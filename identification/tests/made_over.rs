@@ -118,11 +118,12 @@ fn a_coarse_encoder_on_a_slow_motion_does_not_draw_the_inertia_down() {
                     (0.5 * (low + high) / truth - 1.0).abs() < 0.015,
                     "{rate_hz} Hz, {steps}: {name} {low} to {high}"
                 );
+                held += u32::from((low..=high).contains(&truth));
                 all += 1;
             }
         }
     }
-    // Of 36 intervals of 95 % fewer than 29 hold once in a hundred thousand times.
+    // Of 36 intervals of 95 % fewer than 29 hold once in some thousand times.
     assert!(held >= 29, "{held} of {all} intervals hold");
 }
 
@@ -146,7 +147,8 @@ fn friction_at_one_speed_is_known_in_sum_alone() {
             let parameter = fit.parameters.get(name).unwrap();
             let reason = parameter.reason.as_deref().unwrap_or_default();
             assert!(parameter.value.is_none() && reason.contains("both together"), "{parameter:?}");
-            assert!(reason.contains("0.5000 rad/s") && reason.contains("5.00"), "{reason}");
+            let known_mnm: f64 = reason.split("make ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+            assert!((known_mnm - torque_mnm).abs() < 2e-3, "{reason}");
         }
     }
 }

@@ -39,7 +39,7 @@ fn why(found: &Diagnosis, step: &Step) -> String {
     format!(
         "With it the held-out gap goes from {} to {} mNm ({} times the noise floor) and that of the training capture from {} to {} \
          mNm; the placebo leaves {} mNm. The evidence for it is {} nats, and stretch after stretch it explains more, by {} standard \
-         errors.",
+         errors. Among all effects tried here the rate of false discoveries is {}.",
         three(step.heldout_rms_before),
         three(step.heldout_rms_after),
         floors(found, step.heldout_rms_after),
@@ -47,7 +47,8 @@ fn why(found: &Diagnosis, step: &Step) -> String {
         three(step.train_rms_after),
         three(step.placebo_rms),
         three(step.evidence),
-        two(step.steadiness)
+        two(step.steadiness),
+        three(step.false_discovery_rate)
     )
 }
 
