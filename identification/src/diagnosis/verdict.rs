@@ -3,7 +3,7 @@
 use dynamics::simulate;
 
 use super::commanded;
-use super::findings::{Diagnosis, Partial, Rival, Step, Verdict};
+use super::findings::{Diagnosis, Rival, Step, Verdict};
 use super::judged::Judged;
 use super::locate::locate;
 use super::search::{Found, Search};
@@ -50,16 +50,9 @@ impl Search<'_> {
                 self.step((found.added[index], rate), pair, rivals, last, &values)
             })
             .collect();
-        let mut partial = found.partial.clone();
         let effects = self.strongest_first(&last.structure, &steps);
-        if verdict == Verdict::OutsideLibrary {
-            let gap = first.excess_beside(last);
-            let added = found.chain.windows(2).zip(&found.added).map(|(pair, effect)| Partial {
-                effect,
-                explains_percent: 100.0 * (pair[0].excess_beside(last) - pair[1].excess_beside(last)) / gap,
-            });
-            partial.splice(0..0, added);
-        }
+        let mut partial = found.partial.clone();
+        partial.retain(|partial| !effects.contains(&partial.effect));
         let next_experiment =
             steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
                 let tied = rivals.iter().find(|rival| step.ties.contains(&rival.newest()))?;

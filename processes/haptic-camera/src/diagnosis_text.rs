@@ -52,7 +52,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     }
     if !found.partial.is_empty() {
         let of = match found.verdict {
-            Verdict::OutsideLibrary => "Effects that explain part of it, and are not what is missing:",
+            Verdict::OutsideLibrary => "Effects that explain part of what is left, not surely enough to be added:",
             Verdict::None | Verdict::Effects => {
                 "Effects that would explain some of what is left, too little to be named:"
             }
