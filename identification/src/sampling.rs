@@ -118,3 +118,45 @@ fn regular(differences: &[f64]) -> Option<Vec<usize>> {
     });
     (is_regular && typical >= 2).then(|| readings.collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Between, readings};
+
+    /// A motion of two tones at so many samples a second.
+    fn motion(samples: usize, rate_hz: f64) -> Vec<f64> {
+        #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+        let at = |index: usize| index as f64 / rate_hz;
+        (0..samples).map(|index| (5.0 * at(index)).sin() + 0.2 * (17.0 * at(index)).cos()).collect()
+    }
+
+    #[test]
+    fn held_and_interpolated_readings_are_found_where_they_are() {
+        let sensor = motion(500, 1000.0);
+        let held: Vec<f64> = (0..4990).map(|sample| sensor[sample / 10]).collect();
+        let (between, places) = readings(&held, 0.0).unwrap_or((Between::Interpolated, Vec::new()));
+        assert_eq!(between, Between::Held);
+        assert!(places.len() >= 490 && places.iter().all(|place| place % 10 == 0), "{places:?}");
+
+        let line = |sample: usize| {
+            let part = [0.0, 0.25, 0.5, 0.75][sample % 4];
+            sensor[sample / 4] + part * (sensor[sample / 4 + 1] - sensor[sample / 4])
+        };
+        let interpolated: Vec<f64> = (0..1990).map(line).collect();
+        let (between, places) = readings(&interpolated, 0.0).unwrap_or((Between::Held, Vec::new()));
+        assert_eq!(between, Between::Interpolated);
+        assert!(places.len() >= 480 && places.iter().all(|place| place % 4 == 0), "{places:?}");
+    }
+
+    #[test]
+    fn a_sensors_own_samples_and_the_steps_of_a_coarse_encoder_are_all_readings() {
+        let sensor = motion(5000, 1000.0);
+        assert!(readings(&sensor, 0.0).is_none());
+        let step = 0.01;
+        let coarse: Vec<f64> = sensor.iter().map(|angle| (angle / step).round() * step).collect();
+        assert!(readings(&coarse, step).is_none());
+        // At one speed a coarse encoder's steps lie regularly apart, one step each.
+        let ramp: Vec<f64> = (0..5000).map(|index| f64::from(index / 5) * step).collect();
+        assert!(readings(&ramp, step).is_none_or(|(between, _)| between == Between::Interpolated));
+    }
+}

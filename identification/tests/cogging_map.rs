@@ -8,6 +8,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::{Capture, Uniform, measured};
+use identification::diagnosis::{DiagnoseOptions, Verdict, diagnose};
 use identification::{Fit, FitError, FitOptions, Samples, fit};
 
 /// A knob stepped by 0.002 rad with rests, at 1 kHz: friction ±`coulomb`, sinusoids (wavenumber, amplitude, phase).
@@ -145,4 +146,37 @@ fn an_encoder_that_only_trembles_is_no_map() {
     let mut capture = stepped(&[(0.0, 6.3)], [9.0, 11.0], &[], &mut random);
     capture.angle_rad.iter_mut().for_each(|angle| *angle = 1e-4 * random.next());
     assert!(matches!(fit(&capture.samples(), &FitOptions::default()), Err(FitError::HardlyMoving { .. })));
+}
+
+#[test]
+fn a_map_is_diagnosed_by_what_depends_on_the_angle() {
+    let mut random = Uniform(41);
+    let turns = [(0.0, TAU), (TAU, 0.0), (0.0, TAU), (TAU, 0.0)];
+    let sinusoids = [[24.0, 60.0, 0.4], [7.0, 25.0, 1.1]];
+    let [train, heldout] = [(); 2].map(|()| stepped(&turns, [20.0, 24.0], &sinusoids, &mut random));
+    let found = diagnose(&train.samples(), Some(&heldout.samples()), &DiagnoseOptions::default()).unwrap();
+    assert_eq!(
+        (found.verdict, found.effects.as_slice()),
+        (Verdict::Effects, ["cogging"].as_slice()),
+        "{}",
+        found.summary
+    );
+    let cogging = &found.steps[0].parameters;
+    assert!((cogging["cogging_per_turn"].value - 7.0).abs() < 0.01, "{cogging:?}");
+    assert!((cogging["cogging_torque"].value - 25.0).abs() < 0.5, "{cogging:?}");
+}
+
+#[test]
+fn a_measured_map_is_diagnosed_too() {
+    let Some(columns) = measured("laas-cogging-map.csv") else { return };
+    let samples = Samples {
+        t_s: &columns[0],
+        angle_rad: &columns[1],
+        velocity_rad_s: None,
+        acceleration_rad_s2: None,
+        torque_mnm: &columns[3],
+    };
+    let found = diagnose(&samples, None, &DiagnoseOptions::default()).unwrap();
+    assert!(found.effects.contains(&"detent-harmonics"), "{}", found.summary);
+    assert!(!found.complete && found.heldout_rms_after < found.heldout_rms_before, "{}", found.summary);
 }

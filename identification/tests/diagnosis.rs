@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Capture, recordings, table};
+use common::{Capture, Uniform, recordings, table};
 use hidden_effects::capture::Capture as Hidden;
 use hidden_effects::family::Family;
 use identification::diagnosis::{DiagnoseOptions, Diagnosis, DiagnosisError, Verdict, diagnose};
@@ -119,4 +119,34 @@ fn captures_that_permit_no_verdict_are_refused_with_the_reason() {
     short.acceleration_rad_s2 = None;
     let error = refused(&short).to_string();
     assert!(error.starts_with("the held-out capture: "), "{error}");
+}
+
+/// A knob of 0.2 mNm s²/rad with friction under two tones, its torque read `delay_s` late, at 1 kHz through a fine encoder.
+fn late(delay_s: f64, tones_hz: [f64; 2], seed: u64) -> Capture {
+    let mut random = Uniform(seed);
+    let tones = [(std::f64::consts::TAU * tones_hz[0], 1.0), (std::f64::consts::TAU * tones_hz[1], 0.05)];
+    let sum = |term: &dyn Fn(f64, f64) -> f64| tones.iter().map(|(w, size)| term(*w, *size)).sum::<f64>();
+    let step = std::f64::consts::TAU / 65_536.0;
+    let mut capture = Capture { t_s: (0..12_000).map(|index| f64::from(index) * 1e-3).collect(), ..Capture::default() };
+    for now in capture.t_s.clone() {
+        let then = now - delay_s;
+        let velocity = sum(&|w, size| size * w * (w * then).cos());
+        let acceleration = sum(&|w, size| -size * w * w * (w * then).sin());
+        capture.angle_rad.push((sum(&|w, size| size * (w * now).sin()) / step).round() * step);
+        let torque = 0.2 * acceleration + 2.0 * velocity.signum() + 0.05 * velocity;
+        capture.torque_mnm.push(torque + 0.05 * random.normal());
+    }
+    capture
+}
+
+#[test]
+fn a_delay_is_named_with_its_whole_length_also_between_samples() {
+    for (delay_s, seed) in [(1e-3, 3), (0.7e-3, 5), (1.3e-3, 7)] {
+        let [train, heldout] =
+            [(seed, [1.0, 7.3]), (seed + 1, [1.4, 5.1])].map(|(seed, tones)| late(delay_s, tones, seed));
+        let found = diagnosed(&train, Some(&heldout)).unwrap();
+        assert_eq!(found.effects, ["sensor-delay"], "{}", found.summary);
+        let delay = found.steps[0].parameters["sensor_delay"];
+        assert!((delay.value - delay_s).abs() < 1e-5, "{delay:?} for {delay_s} s");
+    }
 }

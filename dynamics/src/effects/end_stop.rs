@@ -68,14 +68,14 @@ pub static KIND: EffectKind = EffectKind {
             Search {
                 parameter: 0,
                 // Where there is none, out of reach.
-                range: |scene| Some(around(scene.lowest_rad, -BEYOND, 0.4, scene)),
+                range: |scene| Some(around(scene.lowest_rad, -BEYOND, WITHIN, scene)),
                 starts: |_| 9,
                 logarithmic: false,
                 same_as: None,
             },
             Search {
                 parameter: 1,
-                range: |scene| Some(around(scene.highest_rad, -0.4, BEYOND, scene)),
+                range: |scene| Some(around(scene.highest_rad, -WITHIN, BEYOND, scene)),
                 starts: |_| 9,
                 logarithmic: false,
                 same_as: None,
@@ -88,6 +88,9 @@ pub static KIND: EffectKind = EffectKind {
 
 /// How far beyond the motion a stop may be sought, as a share of the travel.
 const BEYOND: f64 = 0.05;
+
+/// How far within the motion, likewise: a spring from further in is no stop.
+const WITHIN: f64 = 0.36;
 
 fn around(end_rad: f64, from: f64, to: f64, scene: &Scene) -> (f64, f64) {
     (end_rad + from * scene.travel_rad(), end_rad + to * scene.travel_rad())

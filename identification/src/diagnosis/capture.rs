@@ -1,17 +1,20 @@
 //! A capture made ready: motion, torque, the rows in which they are compared, and the noise that is left in these.
 
-use dynamics::{Calibration, Motion, Scene};
+use std::f64::consts::TAU;
 
+use dynamics::{Calibration, Motion, Scene};
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
 
 use super::periodogram::periodogram;
 use super::structure::Structure;
+use crate::filter::Fir;
 use crate::frame::Frame;
 use crate::least_squares::dot;
-use crate::motion::{Band, KnobMotion, gradient};
+use crate::motion::{Band, KnobMotion, gradient, scatter};
 use crate::options::AccelerationUse;
+use crate::quasi_static::SlowMotion;
 use crate::samples::{FitError, Samples, span};
 use crate::sensor_noise::SensorNoise;
 use crate::statistics::{median, quantile, rms};
@@ -36,6 +39,10 @@ const REST_ROWS: usize = 40;
 
 /// Length of the stretches into which one capture is parted if it is to be its own held-out one, s.
 const STRETCH_S: f64 = 0.5;
+/// Stretches into which a map is parted.
+const MAP_STRETCHES: usize = 32;
+/// Most periods per turn that a map is searched for: of slots times poles, few motors have more.
+const MAP_PER_TURN: f64 = 256.0;
 
 /// Which stretches of a capture take part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +85,8 @@ pub(crate) struct Capture {
     /// What the rows amount to in fully weighted ones.
     pub(crate) weight: f64,
     angle_step_rad: f64,
+    /// Whether the knob was turned too slowly for its speed to be told: then only effects of the angle can be named.
+    pub(crate) is_map: bool,
     scene: Scene,
 }
 
@@ -126,10 +135,58 @@ impl Capture {
             motion,
             frame,
             torque: [torque, rate, curvature],
+            is_map: false,
             scene: Scene::default(),
         };
         capture.scene = capture.measured_scene();
         Ok(capture)
+    }
+
+    /// Takes a map, torque against angle and direction, row by row as it is.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn of_map(map: SlowMotion, stretches: Stretches) -> Self {
+        let SlowMotion { time_s, angle_rad, velocity_rad_s, torque_mnm } = map;
+        let count = time_s.len();
+        let rate_hz = (count - 1) as f64 / (time_s[count - 1] - time_s[0]);
+        let motion = KnobMotion {
+            time_s,
+            acceleration_rad_s2: vec![0.0; count],
+            exact: true,
+            velocity_noise_rad_s: 0.0,
+            cutoff_hz: 0.5 * rate_hz,
+            reach: 0,
+            accelerometer: false,
+            angle_density: 0.0,
+            compliance_rad_mnm: 0.0,
+            accelerometer_density: 0.0,
+            lag_s: 0.0,
+            equal_hz: f64::INFINITY,
+            angle_rad,
+            velocity_rad_s,
+        };
+        let length = count.div_ceil(MAP_STRETCHES).max(1);
+        let mask: Vec<f64> = (0..count).map(|row| stretches.weight(row / length)).collect();
+        let torque_noise_mnm = scatter(&torque_mnm);
+        // All rows are compared as they are; the edge is that of the finest torque of the angle that is looked for.
+        let speed_rad_s = motion.velocity_rad_s.first().map_or(0.0, |velocity| velocity.abs());
+        let edge_hz = (MAP_PER_TURN * speed_rad_s / TAU).min(0.5 * rate_hz);
+        let mut capture = Self {
+            rate_hz,
+            band: Band { edge_hz, torque_noise_mnm, clear_hz: f64::INFINITY, angle_density: 0.0 },
+            torque_noise_mnm,
+            acceleration_noise_rad_s2: 0.0,
+            acceleration_noise_share: 0.0,
+            weight: mask.iter().sum(),
+            angle_step_rad: crate::fit::smallest_step(&motion.angle_rad),
+            motions: (0..count).map(|index| motion.at(index)).collect(),
+            frame: Frame { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s: 0.0 },
+            motion,
+            torque: [torque_mnm, vec![0.0; count], vec![0.0; count]],
+            is_map: true,
+            scene: Scene::default(),
+        };
+        capture.scene = capture.measured_scene();
+        capture
     }
 
     /// Skew allowed between torque and motion, s: clocks and conversions differ by less.

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use dynamics::{Effect, EffectKind, Part, effects};
+use dynamics::{Coordinate, Effect, EffectKind, Part, effects};
 
 use super::both_cores::on_both_cores;
 use super::capture::Capture;
@@ -68,6 +68,8 @@ impl Search<'_> {
             None => {
                 let options = FitOptions { calibration: self.options.calibration.clone(), ..FitOptions::default() };
                 match fit(samples, &options) {
+                    // A map's fit has a detent for each sinusoid; here the others are what may be missing.
+                    Ok(fit) if self.train.is_map => fit.effects().iter().take(3).copied().collect(),
                     Ok(fit) => fit.effects().to_vec(),
                     // Too slow or too coarse to look for detents; in a narrow band the rest can still be told.
                     Err(FitError::HardlyMoving { .. }) => {
@@ -210,7 +212,8 @@ impl Search<'_> {
             .filter(|judged| !judged.structure.is_coupled() && judged.evidence > current.evidence + EVIDENCE)
             .take(HIDING)
             .collect();
-        let couplings: Vec<&'static EffectKind> = hypotheses::candidates(&current.structure)
+        let couplings: Vec<&'static EffectKind> = self
+            .candidates(&current.structure)
             .into_iter()
             .filter(|kind| matches!(kind.part, Part::Coupling(_)))
             .collect();
@@ -242,7 +245,7 @@ impl Search<'_> {
     /// The best fit with each effect of the catalogue more, on both cores.
     fn try_all(&self, current: &Judged, found: &Found) -> Vec<Judged> {
         let first = &found.chain[0];
-        let kinds = hypotheses::candidates(&current.structure);
+        let kinds = self.candidates(&current.structure);
         if current.structure.is_coupled() {
             return hypotheses::beside_coupling(&kinds, &current.structure, self.train, self.heldout);
         }
@@ -296,6 +299,17 @@ impl Search<'_> {
         let detent = Effect::new(&effects::detent::KIND, &[amplitude, 1.0 / per_turn, phase]);
         let base = judged.structure.without(judged.structure.effects.len() - 1);
         Some(self.settled(base.with(detent, 2)))
+    }
+
+    /// The effects that could be added to a structure; on a map those of the angle.
+    fn candidates(&self, structure: &Structure) -> Vec<&'static EffectKind> {
+        let mut kinds = hypotheses::candidates(structure);
+        let is_of_angle = |kind: &&EffectKind| {
+            !matches!(kind.part, Part::Coupling(_) | Part::Bristles(_) | Part::ReadingDelay(_))
+                && kind.depends_on.iter().all(|coordinate| *coordinate == Coordinate::Angle)
+        };
+        kinds.retain(|kind| !self.train.is_map || is_of_angle(kind));
+        kinds
     }
 
     /// What explains some of the rest without being worth a name.

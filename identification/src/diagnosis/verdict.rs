@@ -55,7 +55,7 @@ impl Search<'_> {
         partial.retain(|partial| !effects.contains(&partial.effect));
         let next_experiment =
             steps.iter().zip(&found.rivals).zip(&found.chain[1..]).find_map(|((step, rivals), chosen)| {
-                let tied = rivals.iter().find(|rival| step.ties.contains(&rival.newest()))?;
+                let tied = rivals.iter().find(|rival| !self.train.is_map && step.ties.contains(&rival.newest()))?;
                 experiment::next(
                     [step.effect, tied.newest()],
                     [&chosen.structure, &tied.structure],
@@ -111,6 +111,9 @@ impl Search<'_> {
     /// Error of the held-out motion predicted from the torque, with the first and with the final model.
     fn forward_angle_rms_rad(&self, first: &Structure, last: &Structure) -> Option<[f64; 2]> {
         let predicted = |structure: &Structure| {
+            if self.train.is_map {
+                return None;
+            }
             let readings_mnm = self.heldout.torque_mnm(structure.skew_s);
             let (model, motions) = (structure.model(), self.heldout.motions());
             let errors = simulate::forward_windows(&model, 0.0, motions, &readings_mnm, FORWARD_WINDOW_S).ok()?;

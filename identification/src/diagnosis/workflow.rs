@@ -7,6 +7,7 @@ use super::commanded::CommandedTorque;
 use super::error::DiagnosisError;
 use super::findings::Diagnosis;
 use super::search::Search;
+use crate::quasi_static::SlowMotion;
 use crate::{FitError, Samples};
 
 /// Largest noise of acceleration, as a share of its RMS: with more, inertia is underrated by more than a hundredth.
@@ -95,9 +96,21 @@ fn prepare(
             }
             // Both are compared in the narrower one's band.
             Ok(captures) if edges_hz(&captures)[0] < edges_hz(&captures)[1] => edge_hz = edges_hz(&captures)[0],
+            Err(DiagnosisError::Capture { reason: reason @ FitError::HardlyMoving { .. }, which }) => {
+                return maps(train, heldout).ok_or(DiagnosisError::Capture { which, reason });
+            }
             prepared => return prepared,
         }
     }
+}
+
+/// Captures in which the knob was turned too slowly for its speed to be told, as maps of torque against angle.
+fn maps(train: &Samples<'_>, heldout: Option<&Samples<'_>>) -> Option<[Capture; 2]> {
+    let of = |samples, stretches| SlowMotion::of(samples).map(|map| Capture::of_map(map, stretches));
+    Some(match heldout {
+        Some(heldout) => [of(train, Stretches::All)?, of(heldout, Stretches::All)?],
+        None => [of(train, Stretches::Odd)?, of(train, Stretches::Even)?],
+    })
 }
 
 /// Edges of both bands, the lower one first, Hz.

@@ -78,6 +78,28 @@ pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> 
     })
 }
 
+/// A map's rows as a motion: of the speed only its direction and its mean can be told, of the acceleration nothing.
+pub(crate) struct SlowMotion {
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) angle_rad: Vec<f64>,
+    pub(crate) velocity_rad_s: Vec<f64>,
+    pub(crate) torque_mnm: Vec<f64>,
+}
+
+impl SlowMotion {
+    /// Of checked samples; `None` if the knob did not wander slowly through its travel.
+    pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
+        let map = Map::of(samples, &Rails::of(samples.torque_mnm))?;
+        let speed_rad_s = map.mean_speed_rad_s(samples);
+        Some(Self {
+            time_s: map.index.iter().map(|at| samples.t_s[*at]).collect(),
+            velocity_rad_s: map.directions.iter().map(|direction| f64::from(*direction) * speed_rad_s).collect(),
+            angle_rad: map.angle_rad,
+            torque_mnm: map.torque_mnm,
+        })
+    }
+}
+
 impl Map {
     /// Way over time of all neighbouring rows of one pass, rad/s.
     fn mean_speed_rad_s(&self, samples: &Samples<'_>) -> f64 {
