@@ -9,7 +9,7 @@ use crate::angle_spectrum::AngleSpectrum;
 use crate::filter::{Fir, Sections, butterworth_low_pass};
 use crate::fusion::{Sensors, blend, kalman_smoother};
 use crate::options::AccelerationUse;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Spectrum, white_density};
 use crate::statistics::{MEDIAN_MAGNITUDE, median, rms};
 use crate::uniform::Uniform;
 use crate::vector::{self, dot};
@@ -103,8 +103,11 @@ impl Band {
         let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
         let AngleSpectrum { sweep_hz, clear_hz, noise_density: angle_density } =
             AngleSpectrum::of(&uniform.angle_rad, rate_hz);
-        // An accelerometer sees what the encoder does not.
-        let clear_hz = if uniform.acceleration_rad_s2.is_some() { f64::INFINITY } else { clear_hz.max(sweep_hz) };
+        // An accelerometer sees what the encoder does not, contact above all, whose spectrum looks like a noise.
+        let (clear_hz, angle_density) = match uniform.acceleration_rad_s2 {
+            Some(_) => (f64::INFINITY, white_density(&uniform.angle_rad, rate_hz)),
+            None => (clear_hz.max(sweep_hz), angle_density),
+        };
         let duration_s = uniform.torque_mnm.len() as f64 / rate_hz;
         let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
         let lowest_hz = (NARROWEST_PER_SWEEP * sweep_hz).max(enough_hz);

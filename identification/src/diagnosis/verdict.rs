@@ -8,7 +8,7 @@ use super::judged::Judged;
 use super::locate::locate;
 use super::search::{Found, Search};
 use super::structure::Structure;
-use super::worth::{UNEXPLAINED, takes_its_part, worthwhile};
+use super::worth::{MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
 use super::{experiment, intervals, rows};
 
 /// RMS in floors above which something is left, if it goes with something …
@@ -31,7 +31,8 @@ impl Search<'_> {
         let where_after = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
         let shaped = where_after.iter().any(|location| location.significant);
-        let is_left = left > LEFT && unexplained > UNEXPLAINED && (shaped || left > CERTAINLY_LEFT);
+        let is_left = unexplained > UNEXPLAINED
+            && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
         let verdict = if is_left || found.in_part {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {

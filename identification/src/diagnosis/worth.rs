@@ -14,7 +14,7 @@ const SMALLEST: f64 = 0.06;
 /// Probability of chance up to which held-out stretches speak for an effect whose residual is more than noise.
 const CHANCE: f64 = 0.05;
 /// RMS in floors up to which a residual may be taken for noise.
-const MOSTLY_NOISE: f64 = 3.0;
+pub(crate) const MOSTLY_NOISE: f64 = 3.0;
 /// Share of the gap's amplitude that may be left by a complete explanation.
 pub(crate) const UNEXPLAINED: f64 = 0.15;
 /// How far the floor may lie below its estimate, as a share of it.
