@@ -34,29 +34,10 @@ pub(crate) fn central_differences(uniform: &Uniform) -> FixedPreparation {
     let kept = cut..velocity.len() - cut;
     let mask = uniform.present.iter().enumerate();
     let mask = mask.map(|(index, present)| f64::from(*present && kept.contains(&index))).collect();
-    let motion = KnobMotion {
-        time_s: uniform.time_s.clone(),
-        angle_rad: angle,
-        velocity_rad_s: velocity,
-        acceleration_rad_s2: acceleration,
-        exact: false,
-        velocity_noise_rad_s: 0.0,
-        cutoff_hz: edge_hz,
-        reach: 0,
-        accelerometer: false,
-        angle_density: 0.0,
-        compliance_rad_mnm: 0.0,
-        accelerometer_density: 0.0,
-        lag_s: 0.0,
-        equal_hz: f64::INFINITY,
-    };
+    let columns = [uniform.time_s.clone(), angle, velocity, acceleration];
+    let motion = KnobMotion { exact: false, ..KnobMotion::as_given(columns, edge_hz) };
     let torque_noise_mnm = (uniform.torque_density * 0.5 * rate_hz).sqrt();
-    let band = Band {
-        edge_hz: CHEBYSHEV.2.min(HIGHEST * rate_hz),
-        torque_noise_mnm,
-        clear_hz: f64::INFINITY,
-        angle_density: 0.0,
-    };
+    let band = Band::fixed(CHEBYSHEV.2.min(HIGHEST * rate_hz), torque_noise_mnm);
     let fir = if step == 1 { Fir::identity() } else { before_decimation(band.edge_hz, rate_hz) };
     let frame = Frame { rate_hz, mask, fir, step, threshold_rad_s: 0.0 };
     FixedPreparation { motion, torque_mnm: uniform.torque_mnm.clone(), frame, band }

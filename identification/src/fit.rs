@@ -20,7 +20,7 @@ use crate::report::Report;
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
 use crate::saturation::Rails;
 use crate::statistics::quantile;
-use crate::time_order::Sorted;
+use crate::time_order::sorted;
 use crate::uniform::Uniform;
 use crate::vector;
 
@@ -71,7 +71,7 @@ const WORTH_A_NOTE: f64 = 0.25;
 /// # Errors
 /// [`FitError`] where nothing can be told; what only some parameters lack is a reason in [`Fit::parameters`].
 pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
-    if let Some(sorted) = Sorted::of(samples) {
+    if let Some(sorted) = sorted(samples) {
         let mut fit = fit_in_time(&sorted.samples(), options)?;
         fit.notes.push("the samples were not in the order of time; the fit took them in that order".to_owned());
         return Ok(fit);

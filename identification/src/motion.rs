@@ -88,6 +88,11 @@ pub(crate) struct Band {
 }
 
 impl Band {
+    /// A band whose edge does not depend on the angle's noise, of which nothing is known.
+    pub(crate) fn fixed(edge_hz: f64, torque_noise_mnm: f64) -> Self {
+        Self { edge_hz, torque_noise_mnm, clear_hz: f64::INFINITY, angle_density: 0.0 }
+    }
+
     /// As wide as the torque's excess over its noise reaches, no wider: beyond, there is only noise, and that
     /// of a twice differentiated angle grows fast. An exact motion has none and takes the widest band.
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
@@ -97,7 +102,7 @@ impl Band {
         let torque_noise_mnm = (floor * rate_hz * 0.5).sqrt();
         let widest_hz = WIDEST * rate_hz;
         if exact {
-            return Self { edge_hz: widest_hz, torque_noise_mnm, clear_hz: f64::INFINITY, angle_density: 0.0 };
+            return Self::fixed(widest_hz, torque_noise_mnm);
         }
         let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
         let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
@@ -126,6 +131,27 @@ impl Band {
 }
 
 impl KnobMotion {
+    /// Time, angle, velocity and acceleration as they are given, without noise, up to `cutoff_hz`.
+    pub(crate) fn as_given(columns: [Vec<f64>; 4], cutoff_hz: f64) -> Self {
+        let [time_s, angle_rad, velocity_rad_s, acceleration_rad_s2] = columns;
+        Self {
+            time_s,
+            angle_rad,
+            velocity_rad_s,
+            acceleration_rad_s2,
+            exact: true,
+            velocity_noise_rad_s: 0.0,
+            cutoff_hz,
+            reach: 0,
+            accelerometer: false,
+            angle_density: 0.0,
+            compliance_rad_mnm: 0.0,
+            accelerometer_density: 0.0,
+            lag_s: 0.0,
+            equal_hz: f64::INFINITY,
+        }
+    }
+
     /// The given velocity and acceleration, if they are the angle's derivatives to within rounding.
     ///
     /// The columns move out of `uniform`, which is left without motion.
@@ -349,22 +375,10 @@ fn exact_motion(uniform: &mut Uniform) -> Option<KnobMotion> {
         uniform.acceleration_rad_s2.as_ref().is_some_and(|given| is_exact_derivative(given, velocity, rate_hz));
     let velocity_rad_s = uniform.velocity_rad_s.take()?;
     let given = uniform.acceleration_rad_s2.take().filter(|_| accelerometer);
-    Some(KnobMotion {
-        time_s: std::mem::take(&mut uniform.time_s),
-        angle_rad: std::mem::take(&mut uniform.angle_rad),
-        acceleration_rad_s2: given.unwrap_or_else(|| gradient(&velocity_rad_s, rate_hz)),
-        velocity_rad_s,
-        exact: true,
-        velocity_noise_rad_s: 0.0,
-        cutoff_hz: 0.5 * rate_hz,
-        reach: 0,
-        accelerometer,
-        angle_density: 0.0,
-        compliance_rad_mnm: 0.0,
-        accelerometer_density: 0.0,
-        lag_s: 0.0,
-        equal_hz: f64::INFINITY,
-    })
+    let acceleration_rad_s2 = given.unwrap_or_else(|| gradient(&velocity_rad_s, rate_hz));
+    let (time_s, angle_rad) = (std::mem::take(&mut uniform.time_s), std::mem::take(&mut uniform.angle_rad));
+    let columns = [time_s, angle_rad, velocity_rad_s, acceleration_rad_s2];
+    Some(KnobMotion { accelerometer, ..KnobMotion::as_given(columns, 0.5 * rate_hz) })
 }
 
 /// Whether a column is smooth to rounding and neither early nor late against the derivative of another.

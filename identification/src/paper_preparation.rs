@@ -37,33 +37,20 @@ pub(crate) fn paper_preparation(uniform: &Uniform) -> FixedPreparation {
         .zip(&uniform.present)
         .map(|(velocity, present)| f64::from(*present && velocity.abs() > threshold_rad_s))
         .collect();
+    let columns = [uniform.time_s.clone(), angle, velocity, chebyshev(&acceleration, TORQUE_EDGE_HZ, rate_hz)];
     let motion = KnobMotion {
-        time_s: uniform.time_s.clone(),
-        angle_rad: angle,
-        velocity_rad_s: velocity,
-        acceleration_rad_s2: chebyshev(&acceleration, TORQUE_EDGE_HZ, rate_hz),
         exact: false,
-        velocity_noise_rad_s: 0.0,
-        cutoff_hz: TORQUE_EDGE_HZ.min(HIGHEST * rate_hz),
-        reach: 0,
         accelerometer: sensor.is_some(),
-        angle_density: 0.0,
-        compliance_rad_mnm: 0.0,
-        accelerometer_density: 0.0,
         lag_s: uniform.acceleration_lag_s,
         equal_hz: 0.0,
+        ..KnobMotion::as_given(columns, TORQUE_EDGE_HZ.min(HIGHEST * rate_hz))
     };
     let edge_hz = TORQUE_EDGE_HZ.min(HIGHEST * rate_hz);
     FixedPreparation {
         motion,
         torque_mnm: chebyshev(&uniform.torque_mnm, TORQUE_EDGE_HZ, rate_hz),
         frame: Frame { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s },
-        band: Band {
-            edge_hz,
-            torque_noise_mnm: (uniform.torque_density * 0.5 * rate_hz).sqrt(),
-            clear_hz: f64::INFINITY,
-            angle_density: 0.0,
-        },
+        band: Band::fixed(edge_hz, (uniform.torque_density * 0.5 * rate_hz).sqrt()),
     }
 }
 

@@ -18,6 +18,39 @@ pub struct Samples<'a> {
     pub torque_mnm: &'a [f64],
 }
 
+/// Rows of a capture, in an order of their own.
+pub(crate) struct Rows {
+    t_s: Vec<f64>,
+    angle_rad: Vec<f64>,
+    velocity_rad_s: Option<Vec<f64>>,
+    acceleration_rad_s2: Option<Vec<f64>>,
+    torque_mnm: Vec<f64>,
+}
+
+impl Rows {
+    /// The rows of `samples` at `places`.
+    pub(crate) fn of(samples: &Samples<'_>, places: &[usize]) -> Self {
+        let taken = |column: &[f64]| places.iter().map(|place| column[*place]).collect::<Vec<f64>>();
+        Self {
+            t_s: taken(samples.t_s),
+            angle_rad: taken(samples.angle_rad),
+            velocity_rad_s: samples.velocity_rad_s.map(taken),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(taken),
+            torque_mnm: taken(samples.torque_mnm),
+        }
+    }
+
+    pub(crate) fn samples(&self) -> Samples<'_> {
+        Samples {
+            t_s: &self.t_s,
+            angle_rad: &self.angle_rad,
+            velocity_rad_s: self.velocity_rad_s.as_deref(),
+            acceleration_rad_s2: self.acceleration_rad_s2.as_deref(),
+            torque_mnm: &self.torque_mnm,
+        }
+    }
+}
+
 /// Fewest samples from which anything is fitted.
 pub const FEWEST_SAMPLES: usize = 200;
 

@@ -4,7 +4,7 @@
 //! straight lines between readings. Both look like a signal of far less noise and far more bandwidth than the sensor has: the
 //! jumps from reading to reading fill the spectrum up to half the logger's rate. Only the readings are kept.
 
-use crate::samples::Samples;
+use crate::samples::{Rows, Samples};
 use crate::statistics::quantile;
 use crate::vector;
 
@@ -21,11 +21,7 @@ const FEWEST_STEPS: f64 = 3.0;
 
 /// The columns of a capture at its sensors' own readings.
 pub(crate) struct Readings {
-    t_s: Vec<f64>,
-    angle_rad: Vec<f64>,
-    velocity_rad_s: Option<Vec<f64>>,
-    acceleration_rad_s2: Option<Vec<f64>>,
-    torque_mnm: Vec<f64>,
+    pub(crate) rows: Rows,
     /// What was recognised, in a sentence.
     pub(crate) note: String,
 }
@@ -49,7 +45,6 @@ impl Readings {
             .into_iter()
             .filter_map(|(channel, found)| found.map(|found| (channel, found)))
             .min_by_key(|(_, (_, places))| places.len())?;
-        let kept = |column: &[f64]| places.iter().map(|place| column[*place]).collect::<Vec<f64>>();
         let word = match between {
             Between::Held => "repeats each reading",
             Between::Interpolated => "is a straight line from reading to reading",
@@ -57,26 +52,12 @@ impl Readings {
         #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
         let distance = samples.t_s.len() as f64 / places.len() as f64;
         Some(Self {
-            t_s: kept(samples.t_s),
-            angle_rad: kept(samples.angle_rad),
-            velocity_rad_s: samples.velocity_rad_s.map(kept),
-            acceleration_rad_s2: samples.acceleration_rad_s2.map(kept),
-            torque_mnm: kept(samples.torque_mnm),
+            rows: Rows::of(samples, &places),
             note: format!(
                 "the {channel} channel {word}, over {distance:.1} samples each: only the {} readings were used",
                 places.len()
             ),
         })
-    }
-
-    pub(crate) fn samples(&self) -> Samples<'_> {
-        Samples {
-            t_s: &self.t_s,
-            angle_rad: &self.angle_rad,
-            velocity_rad_s: self.velocity_rad_s.as_deref(),
-            acceleration_rad_s2: self.acceleration_rad_s2.as_deref(),
-            torque_mnm: &self.torque_mnm,
-        }
     }
 }
 

@@ -29,6 +29,22 @@ pub fn student_95(degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(UPPER_95))
 }
 
+/// Probability that Student's t with `degrees_of_freedom` exceeds `score`; one where there are none.
+pub(crate) fn student_above(score: f64, degrees_of_freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(1.0, |student| student.sf(score))
+}
+
+/// The share of false discoveries among `p_values` up to and including one of them (Y. Benjamini, Y. Hochberg, J. R. Stat.
+/// Soc. B 57, 1995, 289–300).
+#[allow(clippy::cast_precision_loss, reason = "a number of tests")]
+pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
+    let rate = |p_value: f64| {
+        let rank = p_values.iter().filter(|other| **other <= p_value).count().max(1);
+        p_value * p_values.len() as f64 / rank as f64
+    };
+    p_values.iter().filter(|other| **other >= p_value).map(|other| rate(*other)).fold(1.0, f64::min)
+}
+
 /// Median of the values, which are reordered; 0 for none.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

@@ -46,7 +46,7 @@ impl Uniform {
     /// Places checked samples on a grid of their median period.
     pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
         let readings = Readings::of(samples);
-        let samples = &readings.as_ref().map_or(*samples, Readings::samples);
+        let samples = &readings.as_ref().map_or(*samples, |readings| readings.rows.samples());
         let mut uniform = Self::on_grid(samples);
         uniform.leave_out_faults(samples, calibration);
         uniform.notes.extend(readings.map(|readings| readings.note));

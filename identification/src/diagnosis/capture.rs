@@ -148,22 +148,8 @@ impl Capture {
         let SlowMotion { time_s, angle_rad, velocity_rad_s, torque_mnm } = map;
         let count = time_s.len();
         let rate_hz = (count - 1) as f64 / (time_s[count - 1] - time_s[0]);
-        let motion = KnobMotion {
-            time_s,
-            acceleration_rad_s2: vec![0.0; count],
-            exact: true,
-            velocity_noise_rad_s: 0.0,
-            cutoff_hz: 0.5 * rate_hz,
-            reach: 0,
-            accelerometer: false,
-            angle_density: 0.0,
-            compliance_rad_mnm: 0.0,
-            accelerometer_density: 0.0,
-            lag_s: 0.0,
-            equal_hz: f64::INFINITY,
-            angle_rad,
-            velocity_rad_s,
-        };
+        let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; count]];
+        let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
         let length = count.div_ceil(MAP_STRETCHES).max(1);
         let mask: Vec<f64> = (0..count).map(|row| stretches.weight(row / length)).collect();
         let torque_noise_mnm = scatter(&torque_mnm);
@@ -172,7 +158,7 @@ impl Capture {
         let edge_hz = (MAP_PER_TURN * speed_rad_s / TAU).min(0.5 * rate_hz);
         let mut capture = Self {
             rate_hz,
-            band: Band { edge_hz, torque_noise_mnm, clear_hz: f64::INFINITY, angle_density: 0.0 },
+            band: Band::fixed(edge_hz, torque_noise_mnm),
             torque_noise_mnm,
             acceleration_noise_rad_s2: 0.0,
             acceleration_noise_share: 0.0,

@@ -1,13 +1,12 @@
 //! How well a fitted structure explains the capture that it was fitted to and another one.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
 use super::capture::Capture;
 use super::nonlinear::{self, Nonlinear};
 use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
 use crate::least_squares::dot;
+use crate::statistics::student_above;
 
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;
@@ -110,7 +109,11 @@ impl Judged {
     pub(crate) fn heldout_p_value(&self, other: &Self) -> f64 {
         let mut gains = stretches(&other.heldout_residual, &self.heldout_residual);
         gains.retain(|gain| gain.abs() > FELT);
-        if gains.len() < FEWEST_FELT { 1.0 } else { students_tail(mean_over_error(&gains), gains.len()) }
+        if gains.len() < FEWEST_FELT {
+            return 1.0;
+        }
+        #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
+        student_above(mean_over_error(&gains), (gains.len() - 1) as f64)
     }
 
     /// By how many standard errors this explains stretch after stretch of both captures better than `other`, among the
@@ -130,12 +133,6 @@ fn mean_over_error(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / count;
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
     mean / variance.sqrt().max(f64::MIN_POSITIVE)
-}
-
-/// Probability that Student's t of so many values exceeds `score`.
-#[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
-pub(crate) fn students_tail(score: f64, values: usize) -> f64 {
-    StudentsT::new(0.0, 1.0, values as f64 - 1.0).map_or(1.0, |student| student.sf(score))
 }
 
 /// By how much the logarithm of the mean square falls in each stretch.

@@ -3,11 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::capture::Capture;
-use super::judged::students_tail;
 use super::periodogram::periodogram;
 use super::structure::Structure;
 use crate::least_squares::dot;
-use crate::statistics::median;
+use crate::statistics::{false_discovery_rate, median, student_above};
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;
@@ -106,7 +105,7 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
         coordinate,
         unit,
         explained_percent: (100.0 * gains.iter().sum::<f64>() / total).max(0.0),
-        p_value: students_tail(score, FOLDS),
+        p_value: student_above(score, (FOLDS - 1) as f64),
         significant: false,
         map: all
             .iter()
@@ -172,13 +171,9 @@ fn binned(values: &[f64]) -> Vec<usize> {
 }
 
 fn control_false_discoveries(found: &mut [Location]) {
-    let mut order: Vec<usize> = (0..found.len()).collect();
-    order.sort_by(|a, b| found[*a].p_value.total_cmp(&found[*b].p_value));
-    #[allow(clippy::cast_precision_loss, reason = "a number of coordinates")]
-    let limit = |rank: usize| FALSE_DISCOVERIES * (rank + 1) as f64 / order.len() as f64;
-    let last = (0..order.len()).rev().find(|rank| found[order[*rank]].p_value <= limit(*rank));
-    for rank in 0..last.map_or(0, |last| last + 1) {
-        found[order[rank]].significant = true;
+    let p_values: Vec<f64> = found.iter().map(|location| location.p_value).collect();
+    for location in found {
+        location.significant = false_discovery_rate(location.p_value, &p_values) <= FALSE_DISCOVERIES;
     }
 }
 

@@ -16,7 +16,8 @@ use super::separable::Separable;
 use super::structure::Structure;
 use super::verdict::LEFT;
 use super::workflow::{DiagnoseOptions, Progress};
-use super::worth::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, false_discovery_rate, takes_its_part, worthwhile};
+use super::worth::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, takes_its_part, worthwhile};
+use crate::statistics::false_discovery_rate;
 use crate::{FitError, FitOptions, Samples, fit};
 
 /// Most effects that are added.
@@ -109,10 +110,10 @@ impl Search<'_> {
                 return Err(DiagnosisError::TooQuiet { which, over_floor });
             }
             let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
-            let factor = crate::least_squares::dot(&target, &predicted)
-                / crate::least_squares::dot(&predicted, &predicted).max(f64::MIN_POSITIVE);
+            let predicted_square = crate::least_squares::dot(&predicted, &predicted);
+            let factor = crate::least_squares::dot(&target, &predicted) / predicted_square.max(f64::MIN_POSITIVE);
             // A model that lacks gravity may well predict the opposite; only a good prediction shows a wrong unit.
-            let predicts = crate::least_squares::dot(&predicted, &predicted) * factor.powi(2) > WELL_PREDICTED * square;
+            let predicts = predicted_square * factor.powi(2) > WELL_PREDICTED * square;
             if which == "held-out" && predicts && !(0.1..10.0).contains(&factor) {
                 return Err(DiagnosisError::DifferentUnits { factor });
             }

@@ -67,13 +67,3 @@ pub(crate) fn takes_its_part(before: &Judged, after: &Judged) -> bool {
         && takes(before.train_rms_mnm, after.train_rms_mnm, train)
         && takes(before.heldout_rms_mnm, after.heldout_rms_mnm, heldout)
 }
-
-/// The share of false discoveries among `p_values` up to and including one of them (Benjamini and Hochberg 1995).
-#[allow(clippy::cast_precision_loss, reason = "a number of effects")]
-pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
-    let rate = |p_value: f64| {
-        let rank = p_values.iter().filter(|other| **other <= p_value).count().max(1);
-        p_value * p_values.len() as f64 / rank as f64
-    };
-    p_values.iter().filter(|other| **other >= p_value).map(|other| rate(*other)).fold(1.0, f64::min)
-}
