@@ -1,6 +1,6 @@
 //! What an effect is: a kind, known to the whole program, and its parameter values on one knob.
 
-use crate::{Bristles, Coupling, Hypothesis, Motion, Role, TorqueTable};
+use crate::{Bristles, Coupling, Curve, Hypothesis, Motion, Role, TorqueTable};
 
 /// Most parameters that one effect has.
 pub const MAX_PARAMETERS: usize = 24;
@@ -157,8 +157,10 @@ pub enum Part {
     Inertia(fn(&[f64]) -> f64),
     /// A torque that depends on angle, velocity and time but not on the direction of sliding, mNm.
     Torque(fn(&[f64], &Motion) -> f64),
-    /// A torque of the angle, rad, that a drawn table holds, mNm.
-    TorqueTable(fn(&TorqueTable, &[f64], f64) -> f64),
+    /// A torque that a table over the angle holds, times the first value.
+    TorqueTable(TableUse),
+    /// Friction that a table holds, over the angle or over the speed, times the first value.
+    FrictionTable(TableUse),
     /// The torque of friction while sliding in the given direction, mNm: positive when sliding positively.
     Friction(fn(&[f64], &Motion, Direction) -> f64),
     /// What holds the knob at rest.
@@ -177,6 +179,30 @@ pub enum Part {
     ReadingDelay(fn(&[f64]) -> f64),
 }
 
+/// What an effect makes of its table.
+#[derive(Clone, Copy, Debug)]
+pub struct TableUse {
+    /// What lies between the points.
+    pub curve: Curve,
+    /// What the points lie over: the angle, or the magnitude of the velocity.
+    pub over: Coordinate,
+    /// Whether a table without a period keeps its ends' torques beyond them; otherwise its last point repeats the first.
+    pub holds: bool,
+}
+
+impl TableUse {
+    /// Name of the points' coordinate in model files.
+    #[must_use]
+    pub fn coordinate_name(&self) -> &'static str {
+        if self.over == Coordinate::Velocity { "speed_rad_s" } else { "angle_rad" }
+    }
+
+    /// Torque of a table at a motion, mNm; for friction its magnitude.
+    fn torque_mnm(&self, table: &TorqueTable, motion: &Motion) -> f64 {
+        table.torque_mnm(if self.over == Coordinate::Velocity { motion.velocity_rad_s.abs() } else { motion.angle_rad })
+    }
+}
+
 /// An effect's columns in a fit: torque = Σ coefficient · column.
 ///
 /// The coefficients are linear; parameters on which the columns themselves depend are searched.
@@ -186,12 +212,23 @@ pub struct Regressors {
     pub columns: usize,
     /// Indices of the parameters that must be searched because columns depend on them.
     pub searched: &'static [usize],
-    /// Writes the columns for one motion, given the effect's values (only the searched ones are read).
-    pub fill: fn(&[f64], &Motion, &mut [f64]),
+    /// Writes the columns for one motion, given the effect (of its values only the searched ones are read).
+    pub fill: fn(&Effect, &Motion, &mut [f64]),
     /// Writes the effect's values from the fitted coefficients; the searched ones are already in place.
     pub values: fn(&[f64], &mut [f64]),
     /// Columns whose coefficient cannot be negative, besides those whose parameter says so.
     pub nonnegative: &'static [usize],
+}
+
+impl Regressors {
+    /// Of an effect whose only parameter is the scale of its table.
+    pub(crate) const OF_TABLE: Self = Self {
+        columns: 1,
+        searched: &[],
+        fill: Effect::table_column,
+        values: |coefficients, values| values[0] = coefficients[0],
+        nonnegative: &[],
+    };
 }
 
 /// An effect with its values on one knob.
@@ -224,7 +261,7 @@ impl Effect {
         Self { kind, values: stored, table: None, origin: None }
     }
 
-    /// The same effect with a drawn table, for a kind whose part is [`Part::TorqueTable`].
+    /// The same effect with a table, for a kind whose part is [`Part::TorqueTable`] or [`Part::FrictionTable`].
     #[must_use]
     pub fn with_table(self, table: &'static TorqueTable) -> Self {
         Self { table: Some(table), ..self }
@@ -281,8 +318,28 @@ impl Effect {
     pub fn free_torque_mnm(&self, motion: &Motion) -> f64 {
         match (self.kind.part, self.table) {
             (Part::Torque(torque), _) => torque(self.values(), motion),
-            (Part::TorqueTable(torque), Some(table)) => torque(table, self.values(), motion.angle_rad),
+            (Part::TorqueTable(of), Some(table)) => self.values[0] * of.torque_mnm(table, motion),
             _ => 0.0,
         }
+    }
+
+    /// Its friction while sliding in `direction`, mNm; zero where it has none.
+    #[must_use]
+    pub fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
+        match (self.kind.part, self.table) {
+            (Part::Friction(friction), _) => friction(self.values(), motion, direction),
+            (Part::FrictionTable(of), Some(table)) => direction.sign() * self.values[0] * of.torque_mnm(table, motion),
+            _ => 0.0,
+        }
+    }
+
+    /// Writes the column of an effect whose table's scale is fitted: its torque while turning as given, at scale 1.
+    pub(crate) fn table_column(&self, motion: &Motion, row: &mut [f64]) {
+        let unscaled = Self { values: [1.0; MAX_PARAMETERS], ..*self };
+        row[0] = match self.kind.part {
+            Part::FrictionTable(_) if motion.velocity_rad_s == 0.0 => 0.0,
+            Part::FrictionTable(_) => unscaled.friction_mnm(motion, Direction::of(motion.velocity_rad_s)),
+            _ => unscaled.free_torque_mnm(motion),
+        };
     }
 }

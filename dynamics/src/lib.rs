@@ -51,6 +51,7 @@ pub use coupling::Coupling;
 pub(crate) use effect::spaced_unit;
 pub use effect::{
     Coordinate, Direction, Effect, EffectKind, MAX_PARAMETERS, Minimum, ParameterKind, Part, Regressors, StickLimits,
+    TableUse,
 };
 pub use excitation::{Drive, Excitation, Setpoint};
 pub use hypothesis::{Hypothesis, Scene, Search};
@@ -60,4 +61,4 @@ pub use motion::Motion;
 pub use role::Role;
 pub use shift::shifted;
 pub use toml_file::ModelError;
-pub use torque_table::{TorqueTable, TorqueTableError};
+pub use torque_table::{Curve, TorqueTable, TorqueTableError};

@@ -78,13 +78,8 @@ impl Model {
     /// Torque of friction while sliding in `direction`, mNm.
     #[must_use]
     pub fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
-        let sliding_at = |motion: &Motion| -> f64 {
-            let each = self.effects.iter().map(|effect| match effect.kind().part {
-                Part::Friction(torque) => torque(effect.values(), motion, direction),
-                _ => 0.0,
-            });
-            each.sum()
-        };
+        let sliding_at =
+            |motion: &Motion| -> f64 { self.effects.iter().map(|effect| effect.friction_mnm(motion, direction)).sum() };
         let (mut factor, mut coulomb_factor) = (0.0, 0.0);
         for effect in &self.effects {
             match effect.kind().part {

@@ -95,6 +95,12 @@ impl Frame {
         spread
     }
 
+    /// What the rows amount to in fully weighted ones.
+    #[allow(clippy::cast_precision_loss, reason = "a decimation")]
+    pub(crate) fn weight(&self) -> f64 {
+        vector::dot(&self.mask, &self.mask) / self.step as f64
+    }
+
     /// Number of samples that are not masked.
     pub(crate) fn sliding(&self) -> usize {
         self.mask.iter().filter(|mask| **mask > 0.0).count()
@@ -166,9 +172,8 @@ pub(crate) fn fill(effect: &Effect, motion: &KnobMotion, range: Range<usize>, co
         _ => {}
     }
     let mut row = vec![0.0; regressors.columns];
-    let values = effect.values();
     for (place, index) in range.enumerate() {
-        (regressors.fill)(values, &motion.at(index), &mut row);
+        (regressors.fill)(effect, &motion.at(index), &mut row);
         columns.iter_mut().zip(&row).for_each(|(column, value)| column[place] = *value);
     }
 }

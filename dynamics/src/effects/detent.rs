@@ -40,8 +40,8 @@ pub static KIND: EffectKind = EffectKind {
         columns: 2,
         searched: &[1],
         // A·sin(θ/P + S) = A·cos S·sin(θ/P) + A·sin S·cos(θ/P)
-        fill: |values, motion, row| {
-            let (sine, cosine) = (motion.angle_rad / values[1]).sin_cos();
+        fill: |effect, motion, row| {
+            let (sine, cosine) = (motion.angle_rad / effect.values()[1]).sin_cos();
             row[0] = sine;
             row[1] = cosine;
         },

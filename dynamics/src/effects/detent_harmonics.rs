@@ -69,7 +69,7 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: COLUMNS,
         searched: &[0],
-        fill: columns_at,
+        fill: |effect, motion, row| columns_at(effect.values(), motion, row),
         values: |coefficients, values| values[1..=COLUMNS].copy_from_slice(&coefficients[..COLUMNS]),
         nonnegative: &[],
     }),

@@ -39,7 +39,7 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: 1,
         searched: &[1, 2],
-        fill: |values, motion, row| row[0] = wave(motion.angle_rad / values[1] + values[2]),
+        fill: |effect, motion, row| row[0] = wave(motion.angle_rad / effect.values()[1] + effect.values()[2]),
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[],
     }),

@@ -30,7 +30,7 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: 1,
         searched: &[1],
-        fill: |values, motion, row| row[0] = drag_per_damping(values, motion),
+        fill: |effect, motion, row| row[0] = drag_per_damping(effect.values(), motion),
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],
     }),

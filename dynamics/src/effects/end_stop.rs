@@ -59,7 +59,7 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: 3,
         searched: &[0, 1],
-        fill: columns_at,
+        fill: |effect, motion, row| columns_at(effect.values(), motion, row),
         values: |coefficients, values| values[2..5].copy_from_slice(&coefficients[..3]),
         nonnegative: &[0, 1, 2],
     }),

@@ -30,7 +30,7 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: 1,
         searched: &[1],
-        fill: |values, motion, row| row[0] = (-motion.time_s / values[1]).exp(),
+        fill: |effect, motion, row| row[0] = (-motion.time_s / effect.values()[1]).exp(),
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[],
     }),

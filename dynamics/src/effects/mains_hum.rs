@@ -39,7 +39,7 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: 2,
         searched: &[1],
-        fill: |values, motion, row| (row[0], row[1]) = (TAU * values[1] * motion.time_s).sin_cos(),
+        fill: |effect, motion, row| (row[0], row[1]) = (TAU * effect.values()[1] * motion.time_s).sin_cos(),
         values: |coefficients, values| {
             values[0] = coefficients[0].hypot(coefficients[1]);
             values[2] = coefficients[1].atan2(coefficients[0]);

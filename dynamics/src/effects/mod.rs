@@ -1,5 +1,6 @@
 //! The effects that the instrument knows: one file each, and the list of them.
 
+pub mod angle_characteristic;
 pub mod backlash;
 pub mod cogging;
 pub mod detent;
@@ -9,6 +10,7 @@ pub mod detent_triangle;
 pub mod eddy_current_damping;
 pub mod end_stop;
 pub mod friction;
+pub mod friction_characteristic;
 pub mod friction_drift;
 pub mod friction_eccentricity;
 pub mod inertia;
@@ -20,16 +22,18 @@ pub mod quadratic_drag;
 pub mod return_spring;
 pub mod sensor_delay;
 pub mod shaft_compliance;
+pub mod speed_characteristic;
 pub mod stribeck;
 pub mod torque_offset;
 pub mod torque_ramp;
 pub mod torque_table;
+pub mod unequal_detents;
 pub mod velocity_strengthening;
 
 use crate::EffectKind;
 
 /// Every effect, in the order in which a model lists them: first those that every fit looks for.
-pub static ALL: [&EffectKind; 25] = [
+pub static ALL: [&EffectKind; 29] = [
     &inertia::KIND,
     &friction::KIND,
     &karnopp_stick::KIND,
@@ -38,6 +42,7 @@ pub static ALL: [&EffectKind; 25] = [
     &detent_triangle::KIND,
     &detent_sawtooth::KIND,
     &torque_table::KIND,
+    &unequal_detents::KIND,
     &cogging::KIND,
     &mass_imbalance::KIND,
     &return_spring::KIND,
@@ -55,6 +60,9 @@ pub static ALL: [&EffectKind; 25] = [
     &torque_offset::KIND,
     &mains_hum::KIND,
     &sensor_delay::KIND,
+    &angle_characteristic::KIND,
+    &friction_characteristic::KIND,
+    &speed_characteristic::KIND,
 ];
 
 /// The effect with the standard name `name`.

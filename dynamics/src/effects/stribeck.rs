@@ -37,9 +37,9 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: 1,
         searched: &[1, 2],
-        fill: |values, motion, row| {
+        fill: |effect, motion, row| {
             let velocity = motion.velocity_rad_s;
-            row[0] = if velocity == 0.0 { 0.0 } else { velocity.signum() * decay(values, motion) };
+            row[0] = if velocity == 0.0 { 0.0 } else { velocity.signum() * decay(effect.values(), motion) };
         },
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],

@@ -37,7 +37,7 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: 1,
         searched: &[1, 2],
-        fill: |values, motion, row| row[0] = risen(values, motion),
+        fill: |effect, motion, row| row[0] = risen(effect.values(), motion),
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[],
     }),

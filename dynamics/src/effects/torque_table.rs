@@ -1,6 +1,6 @@
 //! A torque drawn as a table over the angle.
 
-use crate::{Coordinate, EffectKind, Minimum, ParameterKind, Part, Role, TorqueTable};
+use crate::{Coordinate, Curve, EffectKind, Minimum, ParameterKind, Part, Regressors, Role, TableUse, TorqueTable};
 
 /// `torque-table`: τ = k·table(θ), the table repeating along the angle ([`TorqueTable`]).
 ///
@@ -19,11 +19,10 @@ pub static KIND: EffectKind = EffectKind {
         description: "factor on the drawn torque",
         minimum: Minimum::None,
     }],
-    part: Part::TorqueTable(|table, values, angle_rad| values[0] * table.torque_mnm(angle_rad)),
+    part: Part::TorqueTable(TableUse { curve: Curve::Cubic, over: Coordinate::Angle, holds: false }),
     steepest_mnm_rad: Some(|effect| {
         effect.values()[0].abs() * effect.table().map_or(0.0, TorqueTable::steepest_mnm_rad)
     }),
-    // A fit's columns are told parameters only, and what is drawn is not to be found.
-    regressors: None,
+    regressors: Some(Regressors::OF_TABLE),
     hypothesis: None,
 };

@@ -30,9 +30,9 @@ pub static KIND: EffectKind = EffectKind {
     regressors: Some(Regressors {
         columns: 1,
         searched: &[1],
-        fill: |values, motion, row| {
+        fill: |effect, motion, row| {
             let velocity = motion.velocity_rad_s;
-            row[0] = if velocity == 0.0 { 0.0 } else { velocity.signum() * risen(values, motion) };
+            row[0] = if velocity == 0.0 { 0.0 } else { velocity.signum() * risen(effect.values(), motion) };
         },
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],

@@ -3,14 +3,12 @@
 use std::fmt::Write as _;
 
 use super::ModelError;
-use crate::{Effect, EffectKind, Part, TorqueTable, effects};
+use crate::{Effect, EffectKind, Part, TableUse, TorqueTable, effects};
 
 const NAME: &str = "effect";
 const ORIGIN: &str = "origin";
-const ANGLES: &str = "angle_rad";
 const TORQUES: &str = "torque_mnm";
 const PERIOD: &str = "period_rad";
-const TABLE: [&str; 3] = [ANGLES, TORQUES, PERIOD];
 
 /// Appends the effect, with a comment on every parameter.
 pub(super) fn write(effect: &Effect, text: &mut String) {
@@ -27,12 +25,14 @@ pub(super) fn write(effect: &Effect, text: &mut String) {
             parameter.name, parameter.symbol, parameter.unit, parameter.description
         );
     }
-    if let Some(table) = effect.table() {
-        let period = toml::Value::from(table.period_rad());
-        let _ = writeln!(text, "{PERIOD} = {period}  # rad: angle after which the table repeats");
+    if let (Some(of), Some(table)) = (table_use(effect.kind()), effect.table()) {
+        if let Some(period) = table.period_rad() {
+            let period = toml::Value::from(period);
+            let _ = writeln!(text, "{PERIOD} = {period}  # rad: angle after which the table repeats");
+        }
         for (name, values, meaning) in [
-            (ANGLES, table.angle_rad(), "rad: angles of the points, rising"),
-            (TORQUES, table.points_mnm(), "mNm: torque drawn at each of them"),
+            (of.coordinate_name(), table.points(), "the table's points, rising"),
+            (TORQUES, table.points_mnm(), "mNm: torque at each of them"),
         ] {
             let _ = writeln!(text, "# {meaning}\n{name} = {}", toml::Value::from(values.to_vec()));
         }
@@ -50,14 +50,14 @@ pub(super) fn parse(entry: &toml::Table, origin: &str) -> Result<Effect, ModelEr
         name: name.to_owned(),
         known: names(effects::ALL.iter().map(|kind| kind.name)),
     })?;
-    let drawn = matches!(kind.part, Part::TorqueTable(_));
+    let drawn = table_use(kind);
     let reader = Entry { kind, drawn, entry, origin };
     reader.check_keys()?;
     let mut effect = Effect::new(kind, &[]);
     for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
         let value = match entry.get(parameter.name) {
             // A table is as drawn unless the file says otherwise.
-            None if drawn => 1.0,
+            None if drawn.is_some() => 1.0,
             None => return Err(reader.wrong(format!("lacks '{}'", parameter.name))),
             Some(value) => number(value).ok_or_else(|| reader.wrong(not_a_number(parameter.name)))?,
         };
@@ -72,8 +72,8 @@ pub(super) fn parse(entry: &toml::Table, origin: &str) -> Result<Effect, ModelEr
         }
         *slot = value;
     }
-    if drawn {
-        effect = effect.with_table(reader.table()?);
+    if let Some(of) = drawn {
+        effect = effect.with_table(reader.table(of)?);
     }
     match entry.get(ORIGIN) {
         None => Ok(effect),
@@ -82,10 +82,17 @@ pub(super) fn parse(entry: &toml::Table, origin: &str) -> Result<Effect, ModelEr
     }
 }
 
+fn table_use(kind: &EffectKind) -> Option<TableUse> {
+    match kind.part {
+        Part::TorqueTable(of) | Part::FrictionTable(of) => Some(of),
+        _ => None,
+    }
+}
+
 struct Entry<'file> {
     kind: &'static EffectKind,
-    /// Whether a drawn table belongs to it.
-    drawn: bool,
+    /// What it makes of a table, if one belongs to it.
+    drawn: Option<TableUse>,
     entry: &'file toml::Table,
     origin: &'file str,
 }
@@ -94,7 +101,7 @@ impl Entry<'_> {
     fn check_keys(&self) -> Result<(), ModelError> {
         let known = |key: &str| {
             [NAME, ORIGIN].contains(&key)
-                || self.drawn && TABLE.contains(&key)
+                || self.table_keys().any(|table_key| table_key == key)
                 || self.kind.parameters.iter().any(|parameter| parameter.name == key)
         };
         match self.entry.keys().find(|key| !known(key)) {
@@ -103,12 +110,16 @@ impl Entry<'_> {
         }
     }
 
-    fn table(&self) -> Result<&'static TorqueTable, ModelError> {
+    fn table_keys(&self) -> impl Iterator<Item = &'static str> {
+        self.drawn.into_iter().flat_map(|of| [of.coordinate_name(), TORQUES, PERIOD])
+    }
+
+    fn table(&self, of: TableUse) -> Result<&'static TorqueTable, ModelError> {
         let period_rad = match self.entry.get(PERIOD) {
             None => None,
             Some(value) => Some(number(value).ok_or_else(|| self.wrong(not_a_number(PERIOD)))?),
         };
-        TorqueTable::kept(&self.column(ANGLES)?, &self.column(TORQUES)?, period_rad)
+        TorqueTable::kept_for(of, &self.column(of.coordinate_name())?, &self.column(TORQUES)?, period_rad)
             .map_err(|reason| ModelError::Table { origin: self.origin.to_owned(), reason })
     }
 
@@ -119,12 +130,11 @@ impl Entry<'_> {
     }
 
     fn wrong(&self, problem: String) -> ModelError {
-        let table: &[&str] = if self.drawn { &TABLE } else { &[] };
         ModelError::WrongParameters {
             origin: self.origin.to_owned(),
             effect: self.kind.name,
             problem,
-            known: names(self.kind.parameters.iter().map(|parameter| parameter.name).chain(table.iter().copied())),
+            known: names(self.kind.parameters.iter().map(|parameter| parameter.name).chain(self.table_keys())),
         }
     }
 }

@@ -1,9 +1,12 @@
-//! The curve through a table's points: cubics with continuous slope that are monotone where the points are.
+//! The curve through a table's points.
 
-use super::TorqueTable;
+use std::f64::consts::FRAC_PI_2;
 
-/// The cubic between two neighbouring points, as a function of the share t of the way from one to the other.
+use super::{Curve, TorqueTable};
+
+/// The curve between two neighbouring points, as a function of the share t of the way from one to the other.
 struct Piece {
+    curve: Curve,
     width_rad: f64,
     torque_mnm: [f64; 2],
     /// Slopes at both ends times the width, mNm.
@@ -11,9 +14,14 @@ struct Piece {
 }
 
 impl Piece {
-    /// Hermite's cubic.
+    /// A quarter of a sine, or Hermite's cubic.
     fn torque_mnm(&self, t: f64) -> f64 {
         let Self { torque_mnm: [from, to], rise_mnm: [leaving, arriving], .. } = *self;
+        if self.curve == Curve::Sine {
+            let flat_end = from.abs() <= to.abs();
+            let (sine, cosine) = (FRAC_PI_2 * t).sin_cos();
+            return if flat_end { from + (to - from) * sine } else { to + (from - to) * cosine };
+        }
         let difference = to - from;
         let square = leaving - difference;
         let cube = difference - arriving;
@@ -23,7 +31,10 @@ impl Piece {
 
     /// Largest magnitude of the slope, mNm/rad: at an end or where the second derivative vanishes.
     fn steepest_mnm_rad(&self) -> f64 {
-        let Self { width_rad, torque_mnm: [from, to], rise_mnm: [leaving, arriving] } = *self;
+        let Self { width_rad, torque_mnm: [from, to], rise_mnm: [leaving, arriving], .. } = *self;
+        if self.curve == Curve::Sine {
+            return FRAC_PI_2 * (to - from).abs() / width_rad;
+        }
         // slope·width = leaving + 2·b·t + 3·c·t²
         let b = 3.0 * (to - from) - 2.0 * leaving - arriving;
         let c = leaving + arriving - 2.0 * (to - from);
@@ -34,21 +45,21 @@ impl Piece {
 }
 
 impl TorqueTable {
-    /// Torque at an angle, mNm.
+    /// Torque at an angle, or at a speed, mNm.
     #[must_use]
-    pub fn torque_mnm(&self, angle_rad: f64) -> f64 {
-        let first_rad = self.angle_rad[0];
-        let within_rad = first_rad + (angle_rad - first_rad).rem_euclid(self.period_rad);
-        let point = self.angle_rad.partition_point(|angle| *angle <= within_rad).max(1) - 1;
+    pub fn torque_mnm(&self, at: f64) -> f64 {
+        let first = self.points[0];
+        let within = self.period_rad.map_or(at, |period_rad| first + (at - first).rem_euclid(period_rad));
+        let point = self.points.partition_point(|point| *point <= within).clamp(1, self.pieces()) - 1;
         let piece = self.piece(point);
-        // Rounding may leave it a little beyond the period's end.
-        piece.torque_mnm(((within_rad - self.angle_rad[point]) / piece.width_rad).clamp(0.0, 1.0))
+        // Beyond the ends, or where rounding leaves it a little beyond the period's end.
+        piece.torque_mnm(((within - self.points[point]) / piece.width_rad).clamp(0.0, 1.0))
     }
 
     /// Steepest slope |dτ/dθ| of the curve over all angles, mNm/rad.
     #[must_use]
     pub fn steepest_mnm_rad(&self) -> f64 {
-        let each = (0..self.angle_rad.len()).map(|point| self.piece(point).steepest_mnm_rad());
+        let each = (0..self.pieces()).map(|point| self.piece(point).steepest_mnm_rad());
         // What is no number is steeper than anything.
         each.fold(0.0, |most, steepest| if steepest.is_finite() { steepest.max(most) } else { f64::INFINITY })
     }
@@ -56,8 +67,14 @@ impl TorqueTable {
     /// The slope at a point, mNm/rad: zero at an extreme, otherwise the harmonic mean of the secants' on both sides,
     /// the nearer neighbour weighing more.
     pub(super) fn slope_at(&self, point: usize) -> f64 {
-        let before = (point + self.angle_rad.len() - 1) % self.angle_rad.len();
+        if self.period_rad.is_none() && (point == 0 || point == self.pieces()) {
+            return self.secant(point.min(self.pieces() - 1))[1];
+        }
+        let before = (point + self.points.len() - 1) % self.points.len();
         let ([width_before, secant_before], [width, secant]) = (self.secant(before), self.secant(point));
+        if self.curve == Curve::Spline {
+            return (width * secant_before + width_before * secant) / (width + width_before);
+        }
         if secant_before * secant <= 0.0 {
             return 0.0;
         }
@@ -66,9 +83,10 @@ impl TorqueTable {
     }
 
     fn piece(&self, point: usize) -> Piece {
-        let next = (point + 1) % self.angle_rad.len();
+        let next = (point + 1) % self.points.len();
         let width_rad = self.width_rad(point);
         Piece {
+            curve: self.curve,
             width_rad,
             torque_mnm: [self.torque_mnm[point], self.torque_mnm[next]],
             rise_mnm: [self.slope_mnm_rad[point] * width_rad, self.slope_mnm_rad[next] * width_rad],
@@ -77,16 +95,21 @@ impl TorqueTable {
 
     /// Width and slope of the straight line from a point to the next.
     fn secant(&self, point: usize) -> [f64; 2] {
-        let next = (point + 1) % self.angle_rad.len();
+        let next = (point + 1) % self.points.len();
         let width_rad = self.width_rad(point);
         [width_rad, (self.torque_mnm[next] - self.torque_mnm[point]) / width_rad]
     }
 
     /// Angle from a point to the next, across the period's end from the last, rad.
     fn width_rad(&self, point: usize) -> f64 {
-        match self.angle_rad.get(point + 1) {
-            Some(next_rad) => next_rad - self.angle_rad[point],
-            None => self.angle_rad[0] + self.period_rad - self.angle_rad[point],
+        match self.points.get(point + 1) {
+            Some(next_rad) => next_rad - self.points[point],
+            None => self.points[0] + self.period_rad.unwrap_or(f64::INFINITY) - self.points[point],
         }
+    }
+
+    /// Number of curves between points: one more across the period's end.
+    fn pieces(&self) -> usize {
+        self.points.len() - usize::from(self.period_rad.is_none())
     }
 }

@@ -7,7 +7,7 @@ use std::io::Read;
 
 use foreign_files::{Column, Others, read_columns};
 
-use crate::interned;
+use crate::{Coordinate, TableUse, interned};
 
 pub use self::error::TorqueTableError;
 
@@ -21,17 +21,30 @@ const JUMP_SHARE: f64 = 1e-3;
 /// Relative difference up to which a table's length is its period.
 const SAME_PERIOD: f64 = 1e-9;
 
-/// A torque drawn over one period of the angle.
+/// What lies between two neighbouring points of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curve {
+    /// A cubic with continuous slope that is monotone where the points are.
+    Cubic,
+    /// A cubic with continuous slope, whose torque everywhere is a linear function of the points' torques (Catmull and Rom).
+    Spline,
+    /// A quarter of a sine, flat at the point of the larger magnitude: points alternate between zeros and extremes.
+    Sine,
+}
+
+/// A torque drawn over one period of the angle, or over a range beyond whose ends it stays as it is there.
 ///
-/// The curve is a cubic between neighbouring points, with continuous slope, across the period's end too. Where the
+/// Of [`Curve::Cubic`] the curve is a cubic between neighbouring points, with continuous slope, across the period's end too. Where the
 /// points rise it rises, where they fall it falls, and it has its extremes at points: nobody who draws a detent of
 /// 10 mNm expects 11. A periodic cubic spline would be smoother by one derivative, but overshoots at every corner.
 /// Slopes after F. N. Fritsch and J. Butland, *A method for constructing local monotone piecewise cubic
 /// interpolants*, SIAM J. Sci. Stat. Comput. 5 (1984) 300–304.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueTable {
-    period_rad: f64,
-    angle_rad: Vec<f64>,
+    curve: Curve,
+    /// None for a table that stays beyond its ends as it is there.
+    period_rad: Option<f64>,
+    points: Vec<f64>,
     torque_mnm: Vec<f64>,
     /// Slope at every point, mNm/rad.
     slope_mnm_rad: Vec<f64>,
@@ -50,7 +63,21 @@ impl TorqueTable {
         torque_mnm: &[f64],
         period_rad: Option<f64>,
     ) -> Result<&'static Self, TorqueTableError> {
-        Self::through(angle_rad, torque_mnm, period_rad).map(interned::table)
+        let of = TableUse { curve: Curve::Cubic, over: Coordinate::Angle, holds: false };
+        Self::kept_for(of, angle_rad, torque_mnm, period_rad)
+    }
+
+    /// The same as an effect's kind uses it; the points lie over the coordinate of that use.
+    ///
+    /// # Errors
+    /// [`TorqueTableError`] for what is no function of the coordinate.
+    pub fn kept_for(
+        of: TableUse,
+        points: &[f64],
+        torque_mnm: &[f64],
+        period_rad: Option<f64>,
+    ) -> Result<&'static Self, TorqueTableError> {
+        Self::through(of, points, torque_mnm, period_rad).map(interned::table)
     }
 
     /// The same from a text with the columns `angle_rad` and `torque_mnm`, the last point repeating the first.
@@ -63,22 +90,29 @@ impl TorqueTable {
         Self::kept(&angle_rad, &torque_mnm, None)
     }
 
-    fn through(angle_rad: &[f64], torque_mnm: &[f64], period_rad: Option<f64>) -> Result<Self, TorqueTableError> {
-        check_points(angle_rad, torque_mnm)?;
+    fn through(
+        of: TableUse,
+        angle_rad: &[f64],
+        torque_mnm: &[f64],
+        period_rad: Option<f64>,
+    ) -> Result<Self, TorqueTableError> {
+        check_points(of.coordinate_name(), angle_rad, torque_mnm)?;
         let span_rad = angle_rad[angle_rad.len() - 1] - angle_rad[0];
+        let held = of.holds && period_rad.is_none();
         let period_rad = period_rad.unwrap_or(span_rad);
         let within = period_rad.is_finite() && period_rad >= span_rad * (1.0 - SAME_PERIOD);
         if !within {
             return Err(TorqueTableError::Period { period_rad, span_rad });
         }
-        let repeats = (period_rad - span_rad).abs() <= SAME_PERIOD * span_rad;
+        let repeats = !held && (period_rad - span_rad).abs() <= SAME_PERIOD * span_rad;
         if repeats {
             check_jump(torque_mnm)?;
         }
         let points = angle_rad.len() - usize::from(repeats);
         let mut table = Self {
-            period_rad,
-            angle_rad: angle_rad[..points].to_vec(),
+            curve: of.curve,
+            period_rad: (!held).then_some(period_rad),
+            points: angle_rad[..points].to_vec(),
             torque_mnm: torque_mnm[..points].to_vec(),
             slope_mnm_rad: Vec::new(),
         };
@@ -87,16 +121,16 @@ impl TorqueTable {
         if table.steepest_mnm_rad().is_finite() { Ok(table) } else { Err(TorqueTableError::TooSteep) }
     }
 
-    /// Angle after which it repeats, rad.
+    /// Angle after which it repeats, rad; none where it stays beyond its ends as it is there.
     #[must_use]
-    pub fn period_rad(&self) -> f64 {
+    pub fn period_rad(&self) -> Option<f64> {
         self.period_rad
     }
 
-    /// Angles of the points, rad, rising, within one period.
+    /// Where the points lie, rising, within one period: rad, or rad/s over the speed.
     #[must_use]
-    pub fn angle_rad(&self) -> &[f64] {
-        &self.angle_rad
+    pub fn points(&self) -> &[f64] {
+        &self.points
     }
 
     /// Torques of the points, mNm.
@@ -106,7 +140,7 @@ impl TorqueTable {
     }
 }
 
-fn check_points(angle_rad: &[f64], torque_mnm: &[f64]) -> Result<(), TorqueTableError> {
+fn check_points(name: &'static str, angle_rad: &[f64], torque_mnm: &[f64]) -> Result<(), TorqueTableError> {
     let (angles, torques) = (angle_rad.len(), torque_mnm.len());
     if angles != torques {
         return Err(TorqueTableError::Lengths { angles, torques });
@@ -114,7 +148,7 @@ fn check_points(angle_rad: &[f64], torque_mnm: &[f64]) -> Result<(), TorqueTable
     if !(FEWEST_POINTS..=MOST_POINTS).contains(&angles) {
         return Err(TorqueTableError::Points { points: angles, fewest: FEWEST_POINTS, most: MOST_POINTS });
     }
-    for (column, values) in [("angle_rad", angle_rad), ("torque_mnm", torque_mnm)] {
+    for (column, values) in [(name, angle_rad), ("torque_mnm", torque_mnm)] {
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
             return Err(TorqueTableError::NotFinite { column, point: index + 1, value: values[index] });
         }

@@ -122,7 +122,7 @@ fn a_text_of_two_columns_is_a_table() {
     let text = "\u{feff}angle_rad,torque_mnm\r\n0.0, 0.0\r\n0.1,5\r\n\r\n0.2,-5\r\n0.3,0\r\n";
     let table = TorqueTable::kept_from_csv(text.as_bytes()).unwrap();
     assert_eq!(
-        (table.period_rad(), table.angle_rad(), table.points_mnm()),
+        (table.period_rad(), table.points(), table.points_mnm()),
         (0.3, &[0.0, 0.1, 0.2][..], &[0.0, 5.0, -5.0][..])
     );
     for (text, expected) in [

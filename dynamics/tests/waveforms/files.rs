@@ -34,7 +34,7 @@ fn a_table_in_a_model_file_repeats_its_first_point_or_has_a_period() {
     let repeating = format!("{entry}torque_mnm = [0.0, 3.0, -3.0, 0.0]\n");
     let model = Model::from_toml(&repeating, "drawn").unwrap();
     let table = model.effects[0].table().unwrap();
-    assert_eq!((table.period_rad(), table.angle_rad().len(), model.effects[0].values()), (0.4, 3, &[1.0][..]));
+    assert_eq!((table.period_rad(), table.points().len(), model.effects[0].values()), (Some(0.4), 3, &[1.0][..]));
 
     let with_period = format!("{entry}torque_mnm = [0.0, 3.0, -3.0, 1.0]\nperiod_rad = 0.5\ntable_scale = 2\n");
     let model = Model::from_toml(&with_period, "drawn").unwrap();

@@ -119,8 +119,7 @@ impl Capture {
         let passed = frame.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
         let white_mnm = (uniform.torque_density * 0.5 * rate_hz * passed).sqrt();
         let resting_mnm = noise_at_rest(&uniform, &motion, &frame, &torque);
-        #[allow(clippy::cast_precision_loss, reason = "a decimation")]
-        let weight = frame.mask.iter().map(|mask| mask * mask).sum::<f64>() / frame.step as f64;
+        let weight = frame.weight();
         let noise = SensorNoise::of(&frame, &motion, &band);
         let acceleration = frame.rows(&motion.acceleration_rad_s2);
         let mut capture = Self {
@@ -173,6 +172,25 @@ impl Capture {
         };
         capture.scene = capture.measured_scene();
         capture
+    }
+
+    /// The same without the rows beyond the angles of another capture; `None` where nothing or hardly anything is beyond,
+    /// or within.
+    pub(crate) fn within(&self, other: &Self) -> Option<Self> {
+        let range = other.scene.lowest_rad..=other.scene.highest_rad;
+        let mut within = self.clone();
+        within.frame.mask.iter_mut().zip(&self.motion.angle_rad).for_each(|(mask, angle_rad)| {
+            if !range.contains(angle_rad) {
+                *mask = 0.0;
+            }
+        });
+        let (before, after) = (self.frame.sliding(), within.frame.sliding());
+        if after == before || after < crate::FEWEST_SAMPLES / 2 {
+            return None;
+        }
+        within.weight = within.frame.weight();
+        within.scene = within.measured_scene();
+        Some(within)
     }
 
     /// Skew allowed between torque and motion, s: clocks and conversions differ by less.

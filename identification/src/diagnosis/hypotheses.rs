@@ -332,7 +332,7 @@ impl Coarse {
         let mut columns = vec![Vec::with_capacity(self.motions.len()); regressors.columns];
         let mut row = [0.0; dynamics::MAX_PARAMETERS];
         for (index, (motion, mask)) in self.motions.iter().enumerate() {
-            (regressors.fill)(effect.values(), motion, &mut row[..regressors.columns]);
+            (regressors.fill)(effect, motion, &mut row[..regressors.columns]);
             let weight = mask * factor.map_or(1.0, |friction| friction[index]);
             columns.iter_mut().zip(row).for_each(|(column, value)| column.push(weight * value));
         }

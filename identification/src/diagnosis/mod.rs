@@ -20,6 +20,7 @@ mod separable;
 mod sticking;
 mod structure;
 mod twist;
+mod unequal;
 mod verdict;
 mod workflow;
 mod worth;

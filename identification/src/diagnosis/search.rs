@@ -14,6 +14,7 @@ use super::nonlinear::Nonlinear;
 use super::placebo;
 use super::separable::Separable;
 use super::structure::Structure;
+use super::unequal;
 use super::verdict::LEFT;
 use super::workflow::{DiagnoseOptions, Progress};
 use super::worth::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, takes_its_part, worthwhile};
@@ -87,8 +88,16 @@ impl Search<'_> {
         Ok(self.settled(Structure::new(&fitted)))
     }
 
+    /// Whether unequal detents explain most of the training capture's gap beside equal ones.
+    pub(crate) fn detents_are_unequal(&self, base: &Judged) -> bool {
+        let unequal = || unequal::structure(&base.structure, self.train).map(|structure| self.settled(structure));
+        let floor_mnm = base.train_floor_mnm;
+        let gap = |judged: &Judged| judged.train_rms_mnm.powi(2) - floor_mnm.powi(2);
+        base.train_over_floor() > LEFT && unequal().is_some_and(|unequal| gap(&unequal) < 0.5 * gap(base))
+    }
+
     /// A structure fitted from where it stands.
-    fn settled(&self, structure: Structure) -> Judged {
+    pub(crate) fn settled(&self, structure: Structure) -> Judged {
         if structure.is_coupled() {
             let mut fit = Nonlinear::new(structure, self.train);
             fit.refine();
@@ -265,6 +274,7 @@ impl Search<'_> {
             say(kind);
             judged
         });
+        tried.extend(unequal::structure(&current.structure, self.train).map(|structure| self.settled(structure)));
         let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
         let closes =
             |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();

@@ -203,7 +203,11 @@ fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
             let (old, new) = (&before.effects[*index], &after.effects[*index]);
             let of_friction = matches!(
                 new.kind().part,
-                Part::Friction(_) | Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_)
+                Part::Friction(_)
+                    | Part::FrictionTable(_)
+                    | Part::CoulombFactor(_)
+                    | Part::FrictionFactor(_)
+                    | Part::Bristles(_)
             );
             old != new || bristles && of_friction
         })

@@ -143,7 +143,10 @@ impl Structure {
         };
         // One limit for both directions is tried.
         let limits = usize::from(self.is_coupled() && self.sticks());
-        limits + self.effects.iter().zip(self.widths()).map(|(effect, width)| width + searched(effect)).sum::<usize>()
+        // A measured table has its points' torques and no scale of its own.
+        let of_table = |effect: &Effect| effect.table().map_or(0, |table| table.points().len() - 1);
+        let each = |(effect, width): (&Effect, usize)| width + searched(effect) + of_table(effect);
+        limits + self.effects.iter().zip(self.widths()).map(each).sum::<usize>()
     }
 
     /// Writes fitted coefficients into the effects' values.
@@ -213,7 +216,7 @@ impl Structure {
     pub(crate) fn rows(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
         let effect = &self.effects[index];
         let depends_on_others = match effect.kind().part {
-            Part::Friction(_) => self.bristles().is_some(),
+            Part::Friction(_) | Part::FrictionTable(_) => self.bristles().is_some(),
             Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_) => true,
             _ => false,
         };
@@ -239,11 +242,11 @@ impl Structure {
         };
         let all = |motion: &Motion| {
             let mut row = [0.0; dynamics::MAX_PARAMETERS];
-            (regressors.fill)(effect.values(), motion, &mut row[..regressors.columns]);
+            (regressors.fill)(effect, motion, &mut row[..regressors.columns]);
             row
         };
         match effect.kind().part {
-            Part::Friction(_) => {
+            Part::Friction(_) | Part::FrictionTable(_) => {
                 let Some(bristles) = self.bristles() else { return Vec::new() };
                 let deflections = deflections(bristles, capture);
                 each(&|at, row| {
@@ -271,23 +274,15 @@ impl Structure {
     pub(crate) fn friction(&self, capture: &Capture, coulomb_only: bool) -> Vec<f64> {
         let motion = &capture.motion;
         let deflections = self.bristles().map(|bristles| deflections(bristles, capture));
-        let frictions: Vec<(&Effect, FrictionLaw)> = self
-            .effects
-            .iter()
-            .filter_map(|effect| match effect.kind().part {
-                Part::Friction(law) => Some((effect, law)),
-                _ => None,
-            })
-            .collect();
         let at = |index: usize| {
             let now = motion.at(index);
             let still = Motion { velocity_rad_s: 0.0, ..now };
             let side = if now.velocity_rad_s == 0.0 { 0.0 } else { 1.0 };
             let bent = deflections.as_ref().map_or(now.velocity_rad_s.signum() * side, |all| all[index]);
-            let each = frictions.iter().map(|(effect, law)| {
+            let each = self.effects.iter().map(|effect| {
                 let direction = Direction::of(now.velocity_rad_s);
-                let coulomb = bent.abs() * law(effect.values(), &still, Direction::of(bent));
-                let rest = law(effect.values(), &now, direction) - law(effect.values(), &still, direction);
+                let coulomb = bent.abs() * effect.friction_mnm(&still, Direction::of(bent));
+                let rest = effect.friction_mnm(&now, direction) - effect.friction_mnm(&still, direction);
                 if coulomb_only { coulomb } else { coulomb + rest }
             });
             each.sum()
@@ -295,8 +290,6 @@ impl Structure {
         (0..motion.len()).map(at).collect()
     }
 }
-
-type FrictionLaw = fn(&[f64], &Motion, Direction) -> f64;
 
 fn regressors(effect: &Effect) -> Option<Regressors> {
     effect.kind().regressors

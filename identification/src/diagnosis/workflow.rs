@@ -64,12 +64,26 @@ pub fn diagnose(
     options: &DiagnoseOptions<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let captures = prepare(train, heldout, options)?;
-    let search = Search { train: &captures[0], heldout: &captures[1], options };
-    let first = search.base(train)?;
+    let mut search = Search { train: &captures[0], heldout: &captures[1], options };
+    let mut first = search.base(train)?;
+    // Where each detent is different, those that the knob was not turned through are unknown.
+    let within = search.detents_are_unequal(&first).then(|| search.heldout.within(search.train)).flatten();
+    if let Some(within) = &within {
+        search.heldout = within;
+        first = search.settled(first.structure);
+    }
     search.check(&first)?;
     let mut found = search.explain(first);
     search.eliminate(&mut found);
-    Ok(search.report(&found, heldout.is_none()))
+    let mut diagnosis = search.report(&found, heldout.is_none());
+    if within.is_some() {
+        diagnosis.notes.push(
+            "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \
+             left out; capture a whole turn to have every detent"
+                .to_owned(),
+        );
+    }
+    Ok(diagnosis)
 }
 
 fn prepare(

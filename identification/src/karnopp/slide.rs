@@ -167,12 +167,10 @@ impl Slide<'_> {
     fn acceleration_rad_s2(&self, torque_mnm: f64, at: &Motion, direction: Direction) -> f64 {
         let (mut inertia, mut taken_mnm) = (0.0, 0.0);
         for effect in self.effects {
-            match effect.kind().part {
-                Part::Inertia(of) => inertia += of(effect.values()),
-                Part::Torque(torque) => taken_mnm += torque(effect.values(), at),
-                Part::Friction(torque) => taken_mnm += torque(effect.values(), at, direction),
-                _ => {}
+            if let Part::Inertia(of) = effect.kind().part {
+                inertia += of(effect.values());
             }
+            taken_mnm += effect.free_torque_mnm(at) + effect.friction_mnm(at, direction);
         }
         (torque_mnm - taken_mnm) / inertia
     }
@@ -180,11 +178,7 @@ impl Slide<'_> {
     /// Torque of the angle alone (detents), mNm.
     pub(super) fn angle_torque_mnm(&self, angle_rad: f64) -> f64 {
         let at = Motion { angle_rad, ..Motion::default() };
-        let torque = |effect: &Effect| match effect.kind().part {
-            Part::Torque(torque) => torque(effect.values(), &at),
-            _ => 0.0,
-        };
-        self.effects.iter().map(torque).sum()
+        self.effects.iter().map(|effect| effect.free_torque_mnm(&at)).sum()
     }
 }
 

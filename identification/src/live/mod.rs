@@ -195,7 +195,7 @@ impl LiveFit {
         if sliding.mask {
             for effect in base_effects.iter() {
                 if let Some(regressors) = effect.kind().regressors {
-                    (regressors.fill)(effect.values(), &sliding.motion, &mut row[width..width + regressors.columns]);
+                    (regressors.fill)(effect, &sliding.motion, &mut row[width..width + regressors.columns]);
                     width += regressors.columns;
                 }
             }

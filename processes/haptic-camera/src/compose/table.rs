@@ -19,7 +19,7 @@ pub fn parts(composition: &Composition, model: &Model) -> Table {
             name = "";
         }
         if let Some(drawn) = effect.table() {
-            let points = format!("{} over {} rad", drawn.angle_rad().len(), drawn.period_rad());
+            let points = format!("{} over {} rad", drawn.points().len(), drawn.period_rad().unwrap_or_default());
             table.add_row(["", "points", &points, "", ""]);
         }
     }

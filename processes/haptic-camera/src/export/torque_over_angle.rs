@@ -101,7 +101,7 @@ fn period_rad(model: &Model) -> Option<f64> {
 
 fn effect_period_rad(effect: &Effect) -> Option<f64> {
     if let Some(table) = effect.table() {
-        return Some(table.period_rad());
+        return table.period_rad();
     }
     // Detents are written as functions of θ/P.
     effect.parameters().find(|(kind, _)| kind.name.ends_with("_period")).map(|(_, value)| TAU * value)

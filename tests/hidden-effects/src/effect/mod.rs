@@ -31,6 +31,7 @@ mod strange_hum;
 mod stribeck;
 mod torque_drift;
 mod torque_offset;
+mod unequal_detents;
 mod varying_inertia;
 mod velocity_strengthening;
 
@@ -41,11 +42,12 @@ use crate::knob::{Knob, Wish};
 use crate::plant::{Bristle, Link};
 
 /// Every effect: those of the catalogue first.
-static ALL: [&Kind; 30] = [
+static ALL: [&Kind; 31] = [
     &stribeck::KIND,
     &velocity_strengthening::KIND,
     &backlash::KIND,
     &detent_harmonics::KIND,
+    &unequal_detents::KIND,
     &mass_imbalance::KIND,
     &friction_eccentricity::KIND,
     &presliding_hysteresis::KIND,

@@ -77,9 +77,12 @@ fn torques_mnm(model: &Model, name: &str, rows: &[Row]) -> Option<Vec<f64>> {
     };
     let share = |motion: &Motion| match effect.kind().part {
         Part::Reading(reading) => Some(reading(effect.values(), motion)),
-        Part::Torque(_) | Part::Friction(_) | Part::CoulombFactor(_) | Part::FrictionFactor(_) => {
-            Some(model.torque_mnm(motion) - without.torque_mnm(motion))
-        }
+        Part::Torque(_)
+        | Part::TorqueTable(_)
+        | Part::Friction(_)
+        | Part::FrictionTable(_)
+        | Part::CoulombFactor(_)
+        | Part::FrictionFactor(_) => Some(model.torque_mnm(motion) - without.torque_mnm(motion)),
         _ => None,
     };
     let motion = |row: &Row| Motion {

@@ -44,7 +44,14 @@ impl View {
                 motion: |value, _| Motion { acceleration_rad_s2: value, ..Motion::default() },
                 jumps: false,
             }),
-            Part::Friction(_) => Some(Self {
+            Part::FrictionTable(of) if of.over == Coordinate::Angle => Some(Self {
+                axis: ANGLE,
+                caption: "The friction in the positive direction over the angles that were captured.",
+                of: Box::new(|motion| motion.angle_rad),
+                motion: |value, _| Motion { angle_rad: value, velocity_rad_s: f64::MIN_POSITIVE, ..Motion::default() },
+                jumps: false,
+            }),
+            Part::Friction(_) | Part::FrictionTable(_) => Some(Self {
                 axis: VELOCITY,
                 caption: "The step at zero is Coulomb friction, the slopes are viscous friction. Dots that leave the lines \
                           near zero speak of friction that changes with speed.",
@@ -74,7 +81,7 @@ impl View {
                 motion: |value, _| Motion { velocity_rad_s: value, ..Motion::default() },
                 jumps: false,
             }),
-            Part::Torque(_) => Some(Self {
+            Part::Torque(_) | Part::TorqueTable(_) => Some(Self {
                 axis: ANGLE,
                 caption: "The effect's torque over the angles that were captured.",
                 of: Box::new(|motion| motion.angle_rad),
@@ -127,8 +134,8 @@ fn torque_mnm(effect: &Effect, motion: &Motion) -> f64 {
     let values = effect.values();
     match effect.kind().part {
         Part::Inertia(inertia) => inertia(values) * motion.acceleration_rad_s2,
-        Part::Torque(torque) => torque(values, motion),
-        Part::Friction(friction) => friction(values, motion, Direction::of(motion.velocity_rad_s)),
+        Part::Torque(_) | Part::TorqueTable(_) => effect.free_torque_mnm(motion),
+        Part::Friction(_) | Part::FrictionTable(_) => effect.friction_mnm(motion, Direction::of(motion.velocity_rad_s)),
         _ => f64::NAN,
     }
 }

@@ -1,0 +1,209 @@
+//! Detents of which each has its own place and height, fitted in the place of equal ones.
+//!
+//! From one angle at which the detents' torque vanishes to the next it is half a sine of its own width and height. The
+//! heights are linear, the zeros follow by Gauss–Newton from those of equal detents, beside all other columns.
+
+use std::f64::consts::{PI, TAU};
+
+use dynamics::{Coordinate, Curve, Effect, TableUse, TorqueTable, effects};
+
+use super::capture::Capture;
+use super::normal;
+use super::separable::Separable;
+use super::structure::Structure;
+use crate::least_squares::dot;
+
+/// Gauss–Newton steps; each moves a zero by at most this share of the distance between two.
+const STEPS: usize = 12;
+const LARGEST_STEP: f64 = 0.3;
+/// Share of the sum of squares below which a step's gain is the last.
+const SETTLED: f64 = 1e-4;
+/// What holds a lobe that the capture hardly shows at the others' mean height and at its place, as a share of the mean
+/// lobe's square.
+const HELD: f64 = 1e-3;
+/// Distance of the detents in a turn from a whole number up to which they repeat after a turn.
+const WHOLE: f64 = 0.15;
+/// Most lobes: two to a detent, of which hardly a knob has more than a hundred.
+const MOST_LOBES: usize = 200;
+
+/// Detents as lobes: half a sine from each zero to the next, of alternating sign.
+#[derive(Clone)]
+struct Lobes {
+    /// Zeros in rising order, within one period, rad.
+    zeros_rad: Vec<f64>,
+    /// Height of the lobe that begins at each zero, mNm; every other one is a trough.
+    heights_mnm: Vec<f64>,
+    /// Angle after which they repeat, rad.
+    period_rad: f64,
+}
+
+impl Lobes {
+    /// Equal ones in the place of a detent, over the angles of a capture.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "numbers of lobes"
+    )]
+    fn equal(detent: &Effect, lowest_rad: f64, highest_rad: f64) -> Option<Self> {
+        let [amplitude_mnm, period, phase] = *detent.values() else { return None };
+        let in_turn = (1.0 / period).round();
+        let repeats = (1.0 / period - in_turn).abs() < WHOLE;
+        let detents = if repeats { in_turn } else { ((highest_rad - lowest_rad) / (TAU * period)).ceil() + 1.0 };
+        let count = 2 * detents as usize;
+        if !(4..=MOST_LOBES).contains(&count) {
+            return None;
+        }
+        let period_rad = if repeats { TAU } else { detents * TAU * period };
+        let middle_rad = 0.5 * (lowest_rad + highest_rad);
+        // A zero with rising torque half a period below the middle of the travel.
+        let turns = ((middle_rad / period + phase) / TAU).round();
+        let first_rad = period * (TAU * turns - phase) - (0.5 * detents).floor() * period_rad / detents;
+        Some(Self {
+            zeros_rad: (0..count).map(|lobe| first_rad + lobe as f64 * period_rad / count as f64).collect(),
+            heights_mnm: vec![amplitude_mnm; count],
+            period_rad,
+        })
+    }
+
+    fn count(&self) -> usize {
+        self.zeros_rad.len()
+    }
+
+    /// Which lobe an angle lies in, and how far from its first to its second zero, with their distance, rad.
+    fn place(&self, angle_rad: f64) -> (usize, f64, f64) {
+        let first_rad = self.zeros_rad[0];
+        let within_rad = first_rad + (angle_rad - first_rad).rem_euclid(self.period_rad);
+        let lobe = self.zeros_rad.partition_point(|zero| *zero <= within_rad).max(1) - 1;
+        let width_rad = self.next_zero_rad(lobe) - self.zeros_rad[lobe];
+        (lobe, (within_rad - self.zeros_rad[lobe]) / width_rad, width_rad)
+    }
+
+    fn next_zero_rad(&self, lobe: usize) -> f64 {
+        self.zeros_rad.get(lobe + 1).copied().unwrap_or(self.zeros_rad[0] + self.period_rad)
+    }
+
+    /// Columns of the heights, and of the zeros at the present heights.
+    fn columns(&self, capture: &Capture) -> Vec<Vec<f64>> {
+        let count = self.count();
+        capture.frame.rows_of(2 * count, |range, columns| {
+            columns.iter_mut().for_each(|column| column.fill(0.0));
+            for (row, index) in range.enumerate() {
+                let (lobe, share, width_rad) = self.place(capture.motion.angle_rad[index]);
+                let sign = if lobe.is_multiple_of(2) { 1.0 } else { -1.0 };
+                let (sine, cosine) = (PI * share).sin_cos();
+                columns[lobe][row] = sign * sine;
+                // sin(π·(θ − z)/w), w the distance to the next zero: its derivatives by both zeros.
+                let slope = -sign * self.heights_mnm[lobe] * PI * cosine / width_rad;
+                columns[count + lobe][row] += slope * (1.0 - share);
+                columns[count + (lobe + 1) % count][row] += slope * share;
+            }
+        })
+    }
+
+    /// Moved by a step of Gauss and Newton: new heights, and shifts of the zeros, rad.
+    fn moved(&self, heights_mnm: &[f64], shifts_rad: &[f64], share: f64) -> Option<Self> {
+        let most_rad = LARGEST_STEP * self.period_rad / to_f64(self.count());
+        let mut moved = self.clone();
+        for (lobe, height) in heights_mnm.iter().enumerate() {
+            moved.heights_mnm[lobe] += share * (height - moved.heights_mnm[lobe]);
+            moved.zeros_rad[lobe] += share * shifts_rad[lobe].clamp(-most_rad, most_rad);
+        }
+        // Zeros that overtake each other are no detents.
+        (0..self.count()).all(|lobe| moved.next_zero_rad(lobe) > moved.zeros_rad[lobe]).then_some(moved)
+    }
+
+    /// The effect: zeros, and extremes half way between them.
+    fn effect(&self) -> Option<Effect> {
+        let (mut points, mut torque_mnm) = (Vec::new(), Vec::new());
+        for lobe in 0..self.count() {
+            let zero_rad = self.zeros_rad[lobe];
+            let sign = if lobe.is_multiple_of(2) { 1.0 } else { -1.0 };
+            points.extend([zero_rad, 0.5 * (zero_rad + self.next_zero_rad(lobe))]);
+            torque_mnm.extend([0.0, sign * self.heights_mnm[lobe]]);
+        }
+        let of = TableUse { curve: Curve::Sine, over: Coordinate::Angle, holds: false };
+        let table = TorqueTable::kept_for(of, &points, &torque_mnm, Some(self.period_rad)).ok()?;
+        Some(Effect::new(&effects::unequal_detents::KIND, &[1.0]).with_table(table))
+    }
+}
+
+/// The structure with unequal detents in the place of its equal ones, fitted to the capture; `None` if it has none.
+pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<Structure> {
+    let index = base.position(effects::detent::KIND.name)?;
+    let scene = capture.scene_of(base);
+    let mut lobes = Lobes::equal(&base.effects[index], scene.lowest_rad, scene.highest_rad)?;
+    let rest = Separable::new(base.without(index), capture);
+    let rest_columns = rest.columns();
+    let target = capture.target(rest.structure.delay_s());
+    let mut nonnegative = rest.structure.nonnegative();
+    nonnegative.resize(rest_columns.len() + 2 * lobes.count(), false);
+    let mut columns = lobes.columns(capture);
+    let mut left = squares(&lobes, &columns, &rest_columns, &target, &nonnegative);
+    for _ in 0..STEPS {
+        let step = solved(&lobes, &columns, &rest_columns, &target, &nonnegative);
+        let (heights_mnm, shifts_rad) = step[rest_columns.len()..].split_at(lobes.count());
+        let mut share = 1.0;
+        let better = loop {
+            let tried = lobes.moved(heights_mnm, shifts_rad, share).map(|moved| {
+                let columns = moved.columns(capture);
+                (squares(&moved, &columns, &rest_columns, &target, &nonnegative), moved, columns)
+            });
+            match tried {
+                Some(tried) if tried.0 < left => break Some(tried),
+                _ if share < 0.1 => break None,
+                _ => share *= 0.4,
+            }
+        };
+        let Some((now, moved, moved_columns)) = better else { break };
+        let settled = left - now < SETTLED * left;
+        (left, lobes, columns) = (now, moved, moved_columns);
+        if settled {
+            break;
+        }
+    }
+    let heights = solved(&lobes, &columns[..lobes.count()], &rest_columns, &target, &nonnegative);
+    lobes.heights_mnm.copy_from_slice(&heights[rest_columns.len()..]);
+    Some(rest.structure.with(lobes.effect()?, 1))
+}
+
+/// Coefficients of the rest's columns and of the lobes', zeros held at their place and heights at their mean where the
+/// capture does not show them.
+fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], nonnegative: &[bool]) -> Vec<f64> {
+    let count = lobes.count();
+    let mean_square =
+        |columns: &[Vec<f64>]| columns.iter().map(|column| dot(column, column)).sum::<f64>() / to_f64(count);
+    let mean_mnm = lobes.heights_mnm.iter().sum::<f64>() / to_f64(count);
+    let held: Vec<f64> = columns
+        .chunks(count)
+        .flat_map(|of_kind| std::iter::repeat_n((HELD * mean_square(of_kind)).sqrt(), of_kind.len()))
+        .collect();
+    let with_rows = |column: &[f64], place: Option<usize>| {
+        let mut column = column.to_vec();
+        column.extend((0..columns.len()).map(|row| if place == Some(row) { held[row] } else { 0.0 }));
+        column
+    };
+    let all: Vec<Vec<f64>> = rest
+        .iter()
+        .map(|column| with_rows(column, None))
+        .chain(columns.iter().enumerate().map(|(place, column)| with_rows(column, Some(place))))
+        .collect();
+    let mut wanted = target.to_vec();
+    wanted.extend((0..columns.len()).map(|row| if row < count { held[row] * mean_mnm } else { 0.0 }));
+    let slices: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
+    normal::solve(&slices, &wanted, &nonnegative[..slices.len()])
+}
+
+/// Sum of squares that lobes leave, whatever their heights.
+fn squares(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], nonnegative: &[bool]) -> f64 {
+    let heights = &columns[..lobes.count()];
+    let coefficients = solved(lobes, heights, rest, target, nonnegative);
+    let slices: Vec<&[f64]> = rest.iter().copied().chain(heights.iter().map(Vec::as_slice)).collect();
+    let left = normal::residual(&slices, target, &coefficients);
+    dot(&left, &left)
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a number of lobes")]
+fn to_f64(count: usize) -> f64 {
+    count as f64
+}
