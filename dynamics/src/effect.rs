@@ -198,7 +198,8 @@ impl TableUse {
     }
 
     /// Torque of a table at a motion, mNm; for friction its magnitude.
-    fn torque_mnm(&self, table: &TorqueTable, motion: &Motion) -> f64 {
+    #[must_use]
+    pub fn torque_mnm(&self, table: &TorqueTable, motion: &Motion) -> f64 {
         table.torque_mnm(if self.over == Coordinate::Velocity { motion.velocity_rad_s.abs() } else { motion.angle_rad })
     }
 }

@@ -90,7 +90,11 @@ impl TorqueTable {
         Self::kept(&angle_rad, &torque_mnm, None)
     }
 
-    fn through(
+    /// The same, not kept.
+    ///
+    /// # Errors
+    /// [`TorqueTableError`] likewise.
+    pub fn through(
         of: TableUse,
         angle_rad: &[f64],
         torque_mnm: &[f64],

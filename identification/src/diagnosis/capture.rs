@@ -319,6 +319,10 @@ impl Capture {
     }
 
     /// What is known of the capture alone.
+    pub(crate) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
     fn measured_scene(&self) -> Scene {
         let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.frame.mask[*index] > 0.0).collect();
         let angles: Vec<f64> = sliding.iter().map(|index| self.motion.angle_rad[*index]).collect();

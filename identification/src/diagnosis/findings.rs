@@ -52,6 +52,9 @@ pub struct Diagnosis {
     pub forward_from_command: Option<ForwardFromCommand>,
     /// What was added, in this order.
     pub steps: Vec<Step>,
+    /// What has no name and is part of the final model all the same: measured over the coordinate that it goes with.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub characteristics: Vec<Characteristic>,
     /// Effects that explain part of what is outside the catalogue; not names of what is missing.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub partial: Vec<Partial>,
@@ -169,6 +172,42 @@ pub struct Partial {
     pub explains_percent: f64,
 }
 
+/// A torque without a name, measured over one coordinate.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Characteristic {
+    /// The effect of the model that holds it.
+    pub effect: &'static str,
+    /// What it goes with.
+    pub coordinate: &'static str,
+    /// Points of the spline.
+    pub points: Vec<CharacteristicPoint>,
+    /// RMS on the training capture before and after, mNm.
+    pub train_rms_before: f64,
+    /// See [`Characteristic::train_rms_before`].
+    pub train_rms_after: f64,
+    /// RMS on the held-out capture before, mNm.
+    pub heldout_rms_before: f64,
+    /// And after, mNm.
+    pub heldout_rms_after: f64,
+    /// Share of false discoveries among the splines tried that predict stretches of the held-out capture as well.
+    pub false_discovery_rate: f64,
+    /// RMS on the held-out capture with the same spline at the wrong time, mNm.
+    pub placebo_rms: f64,
+    /// The effect of the catalogue that explains most of the same rest, if any explains some.
+    pub nearest: Option<&'static str>,
+}
+
+/// A point of a measured characteristic.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct CharacteristicPoint {
+    /// Where, rad or rad/s.
+    pub at: f64,
+    /// Torque there, mNm.
+    pub torque_mnm: f64,
+    /// Its 95 % interval, the other effects being as they are; none where the capture hardly shows it.
+    pub ci95: Option<[f64; 2]>,
+}
+
 /// A capture on which rivals differ most.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct NextExperiment {
@@ -203,6 +242,16 @@ pub struct Row {
     pub residual_before_mnm: f64,
     /// Measured minus the final model's torque, mNm.
     pub residual_after_mnm: f64,
+}
+
+impl Characteristic {
+    fn in_one_sentence(&self) -> String {
+        let nearest = self.nearest.map_or_else(String::new, |name| format!(", nearest to {name}"));
+        format!(
+            "; as measured over {} it is part of the model ({}{nearest}; {:.3} to {:.3} mNm)",
+            self.coordinate, self.effect, self.heldout_rms_before, self.heldout_rms_after
+        )
+    }
 }
 
 impl Diagnosis {
@@ -242,9 +291,11 @@ impl Diagnosis {
                         self.heldout_rms_after
                     ),
                 };
+                let measured: String = self.characteristics.iter().map(Characteristic::in_one_sentence).collect();
                 format!(
-                    "{named}Something is missing that no known effect explains: {:.3} mNm are left on held-out data, \
+                    "{named}Something is missing that no known effect explains{}: {:.3} mNm are left on held-out data, \
                      {over_floor:.1} times the noise{shape}.",
+                    if measured.is_empty() { "" } else { measured.as_str() },
                     self.heldout_rms_after
                 )
             }

@@ -2,6 +2,7 @@
 
 mod both_cores;
 mod capture;
+mod characteristic;
 mod commanded;
 mod error;
 mod experiment;
@@ -27,7 +28,8 @@ mod worth;
 
 pub use commanded::CommandedTorque;
 pub use error::DiagnosisError;
-pub use findings::{Diagnosis, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
+pub use findings::{
+    Characteristic, CharacteristicPoint, Diagnosis, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value, Verdict};
 pub use locate::Location;
 pub use verdict::FORWARD_WINDOW_S;
 pub use workflow::{DiagnoseOptions, Progress, diagnose};

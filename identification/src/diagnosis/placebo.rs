@@ -16,14 +16,22 @@ const SHIFTS: [f64; 5] = [0.19, 0.31, 0.43, 0.61, 0.77];
 pub(crate) fn rms_mnm(effect: &str, before: &Judged, after: &Structure, train: &Capture, heldout: &Capture) -> f64 {
     let Some(effect) = after.position(effect) else { return before.heldout_rms_mnm };
     let columns = |capture: &Capture| Nonlinear::new(after.clone(), capture).tangents_of(effect);
-    let (train_columns, heldout_columns) = (columns(train), columns(heldout));
+    rms_of_columns([&columns(train), &columns(heldout)], before, heldout)
+}
+
+/// The same with the columns of both captures given.
+pub(crate) fn rms_of_columns(
+    [train_columns, heldout_columns]: [&[Vec<f64>]; 2],
+    before: &Judged,
+    heldout: &Capture,
+) -> f64 {
     let mut left: Vec<f64> = SHIFTS
         .iter()
         .map(|shift| {
-            let turned = turned(&train_columns, *shift);
+            let turned = turned(train_columns, *shift);
             let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
             let coefficients = normal::solve(&slices, &before.train_residual, &vec![false; slices.len()]);
-            let turned = self::turned(&heldout_columns, *shift);
+            let turned = self::turned(heldout_columns, *shift);
             let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
             let residual = normal::residual(&slices, &before.heldout_residual, &coefficients);
             (dot(&residual, &residual) / heldout.weight).sqrt()

@@ -7,7 +7,7 @@ use dynamics::{Coordinate, Effect, EffectKind, Part, effects};
 use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::error::DiagnosisError;
-use super::findings::Partial;
+use super::findings::{Characteristic, Partial};
 use super::hypotheses::{self, Effort};
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
@@ -49,9 +49,21 @@ pub(crate) struct Found {
     pub(crate) in_part: bool,
     /// What explained part of the rest and was not added.
     pub(crate) partial: Vec<Partial>,
+    /// What has no name and was added as measured.
+    pub(crate) characteristics: Vec<(Judged, Characteristic)>,
 }
 
 impl Found {
+    /// The final model.
+    pub(crate) fn last(&self) -> &Judged {
+        self.characteristics.last().map_or(self.named(), |(judged, _)| judged)
+    }
+
+    /// The model with all effects that have a name.
+    pub(crate) fn named(&self) -> &Judged {
+        self.chain.last().unwrap_or(&self.chain[0])
+    }
+
     /// Whether an effect brought nothing beside a smaller model, which need not be tried again at the cost of a coupling.
     fn has_failed(&self, kind: &EffectKind) -> bool {
         let last = self.chain.len().checked_sub(2).zip(self.rivals.last());
@@ -139,6 +151,7 @@ impl Search<'_> {
             false_discovery_rates: Vec::new(),
             in_part: false,
             partial: Vec::new(),
+            characteristics: Vec::new(),
         };
         while found.rivals.len() < MOST_EFFECTS {
             let Some(current) = found.chain.last().cloned() else { break };

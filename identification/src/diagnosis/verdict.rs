@@ -21,25 +21,30 @@ const TIE: f64 = 3.0;
 pub const FORWARD_WINDOW_S: f64 = 0.1;
 
 impl Search<'_> {
-    pub(crate) fn report(&self, found: &Found, heldout_is_own: bool) -> Diagnosis {
-        let (first, last) = (&found.chain[0], found.chain.last().unwrap_or(&found.chain[0]));
+    /// Whether something is missing, and whether all of it has a name.
+    pub(crate) fn verdict(&self, found: &Found) -> Verdict {
+        let (first, last) = (&found.chain[0], found.named());
         // Where nothing was found, one capture that is not explained is enough to say that something is left; where
         // something was, either may contain what the other was too short to teach.
         let each = [last.heldout_over_floor(), last.train_over_floor()];
         let left = if found.added.is_empty() { each[0].max(each[1]) } else { each[0].min(each[1]) };
         let unexplained = (last.excess().max(0.0) / first.excess_beside(last).max(f64::MIN_POSITIVE)).sqrt();
-        let where_after = locate(&last.train_residual, &last.structure, self.train);
+        let locations = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
-        let shaped = where_after.iter().any(|location| location.significant);
+        let shaped = locations.iter().any(|location| location.significant);
         let is_left = unexplained > UNEXPLAINED
             && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
-        let verdict = if is_left || found.in_part {
+        if is_left || found.in_part {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {
             Verdict::None
         } else {
             Verdict::Effects
-        };
+        }
+    }
+
+    pub(crate) fn report(&self, found: &Found, verdict: Verdict, heldout_is_own: bool) -> Diagnosis {
+        let (first, last) = (&found.chain[0], found.last());
         let values = intervals::of(&last.structure, self.train);
         let steps: Vec<Step> = found
             .rivals
@@ -79,8 +84,9 @@ impl Search<'_> {
             heldout_relative_error_percent: [first, last].map(|judged| self.relative_error_percent(judged)),
             steps,
             partial,
+            characteristics: found.characteristics.iter().map(|(_, characteristic)| characteristic.clone()).collect(),
             locations: locate(&first.train_residual, &first.structure, self.train),
-            where_after,
+            where_after: locate(&last.train_residual, &last.structure, self.train),
             next_experiment,
             heldout_is_own,
             band_hz: self.train.band.edge_hz,

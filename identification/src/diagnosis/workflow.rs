@@ -5,7 +5,7 @@ use dynamics::{Calibration, Model};
 use super::capture::{Capture, Stretches};
 use super::commanded::CommandedTorque;
 use super::error::DiagnosisError;
-use super::findings::Diagnosis;
+use super::findings::{Diagnosis, Verdict};
 use super::search::Search;
 use crate::quasi_static::SlowMotion;
 use crate::{FitError, Samples};
@@ -75,7 +75,11 @@ pub fn diagnose(
     search.check(&first)?;
     let mut found = search.explain(first);
     search.eliminate(&mut found);
-    let mut diagnosis = search.report(&found, heldout.is_none());
+    let verdict = search.verdict(&found);
+    if verdict == Verdict::OutsideLibrary {
+        search.measure_the_rest(&mut found);
+    }
+    let mut diagnosis = search.report(&found, verdict, heldout.is_none());
     if within.is_some() {
         diagnosis.notes.push(
             "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \

@@ -1,0 +1,202 @@
+//! What has no name is measured: the rest as a spline over one coordinate, where that predicts stretches of another
+//! capture that it was not made from.
+
+use std::f64::consts::TAU;
+
+use dynamics::{Coordinate, Direction, Effect, EffectKind, Part, TableUse, TorqueTable, effects};
+
+use super::both_cores::on_both_cores;
+use super::capture::Capture;
+use super::findings::{Characteristic, CharacteristicPoint};
+use super::judged::Judged;
+use super::search::{Found, Search};
+use super::separable::Separable;
+use super::verdict::LEFT;
+use super::worth::{FALSE_DISCOVERIES, takes_its_part};
+use super::{normal, placebo};
+use crate::least_squares::{LeastSquares, dot};
+use crate::statistics::{false_discovery_rate, student_95};
+
+/// Points of a spline that are tried: a scratch over a twentieth of the travel needs many.
+const POINTS: [u16; 4] = [8, 16, 32, 64];
+/// Most characteristics of one model.
+const MOST: usize = 2;
+/// What holds a point that the capture hardly shows near zero, as a share of the mean point's square: where the named effects
+/// can do the same, they do it.
+const HELD: f64 = 1e-3;
+/// Travel in turns from which a rest may repeat with every turn.
+const TURNS: f64 = 1.1;
+
+/// A spline through points over one coordinate, before their torques are known.
+struct Spline {
+    kind: &'static EffectKind,
+    of: TableUse,
+    points: Vec<f64>,
+    period_rad: Option<f64>,
+}
+
+impl Spline {
+    /// All that a capture could show.
+    fn all(capture: &Capture) -> Vec<Self> {
+        let scene = capture.scene();
+        let turns = scene.travel_rad() > TURNS * TAU;
+        let over_angle = [effects::angle_characteristic::KIND.name, effects::friction_characteristic::KIND.name];
+        let mut all = Vec::new();
+        for kind in effects::ALL {
+            let (Part::TorqueTable(of) | Part::FrictionTable(of)) = kind.part else { continue };
+            if over_angle.contains(&kind.name) {
+                all.push((kind, of, (scene.lowest_rad, scene.highest_rad), None));
+                all.extend(turns.then_some((kind, of, (0.0, TAU), Some(TAU))));
+            } else if kind.name == effects::speed_characteristic::KIND.name && !capture.is_map {
+                all.push((kind, of, (0.0, scene.highest_speed_rad_s), None));
+            }
+        }
+        let splines = all.into_iter().flat_map(|(kind, of, (from, to), period_rad): (_, _, (f64, f64), _)| {
+            POINTS.map(|count| {
+                let intervals = f64::from(if period_rad.is_some() { count } else { count - 1 });
+                let points = (0..count).map(|point| from + (to - from) * f64::from(point) / intervals).collect();
+                Self { kind, of, points, period_rad }
+            })
+        });
+        splines.collect()
+    }
+
+    /// Name of what it lies over, as locations call it.
+    fn coordinate(&self) -> &'static str {
+        match (self.of.over, self.period_rad) {
+            (Coordinate::Velocity, _) => "velocity",
+            (_, Some(_)) => "angle-within-turn",
+            _ => "angle",
+        }
+    }
+
+    fn effect(&self, torque_mnm: &[f64]) -> Option<Effect> {
+        let table = TorqueTable::kept_for(self.of, &self.points, torque_mnm, self.period_rad).ok()?;
+        Some(Effect::new(self.kind, &[1.0]).with_table(table))
+    }
+
+    /// Rows of the torque of every point alone, 1 mNm high.
+    fn rows(&self, capture: &Capture) -> Vec<Vec<f64>> {
+        let count = self.points.len();
+        let resists = matches!(self.kind.part, Part::FrictionTable(_));
+        let mut unit = vec![0.0; count];
+        let mut of_point = |point: usize| {
+            unit.fill(0.0);
+            unit[point] = 1.0;
+            let table = TorqueTable::through(self.of, &self.points, &unit, self.period_rad).ok();
+            let torque_mnm = |index: usize| {
+                let motion = capture.motion.at(index);
+                let sign = match motion.velocity_rad_s {
+                    _ if !resists => 1.0,
+                    0.0 => 0.0,
+                    velocity => Direction::of(velocity).sign(),
+                };
+                sign * table.as_ref().map_or(0.0, |table| self.of.torque_mnm(table, &motion))
+            };
+            capture.frame.rows(&(0..capture.motion.len()).map(torque_mnm).collect::<Vec<f64>>())
+        };
+        (0..count).map(&mut of_point).collect()
+    }
+}
+
+impl Search<'_> {
+    /// Adds what has no name to the model, characteristic after characteristic, as long as one predicts the held-out capture.
+    pub(crate) fn measure_the_rest(&self, found: &mut Found) {
+        while found.characteristics.len() < MOST {
+            let current = found.last().clone();
+            let over_floor = current.train_over_floor().min(current.heldout_over_floor());
+            if current.structure.is_coupled() || over_floor < LEFT {
+                return;
+            }
+            let Some((judged, characteristic)) = self.best_characteristic(&current, found) else { return };
+            found.characteristics.push((judged, characteristic));
+        }
+    }
+
+    /// The spline that predicts the held-out capture best, if it is better than chance and than its freedom spent on nothing.
+    fn best_characteristic(&self, current: &Judged, found: &Found) -> Option<(Judged, Characteristic)> {
+        let present = Separable::new(current.structure.clone(), self.train);
+        let mut splines = Spline::all(self.train);
+        let name_is_new = |spline: &Spline| current.structure.position(spline.kind.name).is_none();
+        splines.retain(name_is_new);
+        let indices: Vec<usize> = (0..splines.len()).collect();
+        let tried = on_both_cores(&indices, |index| {
+            let spline = &splines[*index];
+            let effect = spline.effect(&torques_mnm(spline, &present, self.train))?;
+            Some((*index, self.settled(current.structure.with(effect, 1))))
+        });
+        let p_values: Vec<f64> = tried.iter().map(|(_, judged)| judged.heldout_p_value(current)).collect();
+        let mut best: Vec<(&(usize, Judged), f64)> = tried
+            .iter()
+            .zip(p_values.iter().map(|p_value| false_discovery_rate(*p_value, &p_values)))
+            .filter(|((_, judged), rate)| *rate <= FALSE_DISCOVERIES && takes_its_part(current, judged))
+            .collect();
+        best.sort_by(|(one, _), (other, _)| other.1.evidence.total_cmp(&one.1.evidence));
+        best.into_iter().find_map(|((index, judged), false_discovery_rate)| {
+            let spline = &splines[*index];
+            let [train, heldout] = [self.train, self.heldout].map(|capture| spline.rows(capture));
+            let placebo_rms = placebo::rms_of_columns([&train, &heldout], current, self.heldout);
+            if judged.heldout_rms_mnm > placebo_rms {
+                return None;
+            }
+            let nearest = found.partial.iter().max_by(|a, b| a.explains_percent.total_cmp(&b.explains_percent));
+            let characteristic = Characteristic {
+                effect: spline.kind.name,
+                coordinate: spline.coordinate(),
+                points: points(spline, judged, &train),
+                train_rms_before: current.train_rms_mnm,
+                train_rms_after: judged.train_rms_mnm,
+                heldout_rms_before: current.heldout_rms_mnm,
+                heldout_rms_after: judged.heldout_rms_mnm,
+                false_discovery_rate,
+                placebo_rms,
+                nearest: nearest.map(|partial| partial.effect),
+            };
+            Some((judged.clone(), characteristic))
+        })
+    }
+}
+
+/// The torques of a spline's points beside all that a fit has already, mNm.
+fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> Vec<f64> {
+    let rows = spline.rows(capture);
+    let squares = rows.iter().map(|row| dot(row, row)).sum::<f64>();
+    #[allow(clippy::cast_precision_loss, reason = "a number of points")]
+    let held = (HELD * squares / rows.len() as f64).sqrt();
+    let base = present.columns();
+    let extended = |column: &[f64], place: Option<usize>| {
+        let mut column = column.to_vec();
+        column.extend((0..rows.len()).map(|row| if place == Some(row) { held } else { 0.0 }));
+        column
+    };
+    let columns: Vec<Vec<f64>> = base
+        .iter()
+        .map(|column| extended(column, None))
+        .chain(rows.iter().enumerate().map(|(place, row)| extended(row, Some(place))))
+        .collect();
+    let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let mut nonnegative = present.structure.nonnegative();
+    nonnegative.resize(slices.len(), false);
+    let target = extended(&capture.target(present.structure.delay_s()), None);
+    normal::solve(&slices, &target, &nonnegative)[base.len()..].to_vec()
+}
+
+/// The points of a fitted spline with their intervals, the other effects being as they are.
+fn points(spline: &Spline, judged: &Judged, rows: &[Vec<f64>]) -> Vec<CharacteristicPoint> {
+    let solved = LeastSquares::solve(rows, &judged.train_residual, &vec![false; rows.len()]);
+    let covariance = solved.robust(rows);
+    let critical = student_95(covariance.degrees_of_freedom);
+    let effect = judged.structure.effects.last();
+    let table = effect.and_then(|effect| Some((effect.values()[0], effect.table()?)));
+    let point = |(index, at): (usize, &f64)| {
+        let torque_mnm = table.map_or(0.0, |(scale, table)| scale * table.points_mnm()[index]);
+        let half = critical * covariance.matrix[(index, index)].sqrt();
+        let known = !solved.collinear[index] && half.is_finite();
+        CharacteristicPoint {
+            at: *at,
+            torque_mnm,
+            ci95: known.then_some([torque_mnm - half, torque_mnm + half]),
+        }
+    };
+    spline.points.iter().enumerate().map(point).collect()
+}
