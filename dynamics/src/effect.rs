@@ -155,6 +155,8 @@ pub struct StickLimits {
 pub enum Part {
     /// Adds to the mass matrix; gives the inertia, mNm·s²/rad.
     Inertia(fn(&[f64]) -> f64),
+    /// Adds to the inertia what depends on the angle; gives that, mNm·s²/rad, and its slope, mNm·s²/rad².
+    VaryingInertia(fn(&[f64], f64) -> [f64; 2]),
     /// A torque that depends on angle, velocity and time but not on the direction of sliding, mNm.
     Torque(fn(&[f64], &Motion) -> f64),
     /// A torque that a table over the angle holds, times the first value.
@@ -163,6 +165,8 @@ pub enum Part {
     FrictionTable(TableUse),
     /// The torque of friction while sliding in the given direction, mNm: positive when sliding positively.
     Friction(fn(&[f64], &Motion, Direction) -> f64),
+    /// Friction over the load: what inertia, detents and springs take.
+    LoadFriction(fn(&[f64]) -> f64),
     /// What holds the knob at rest.
     Stick(fn(&[f64]) -> StickLimits),
     /// Relative change of the Coulomb friction: 0 leaves it as it is.
@@ -320,6 +324,9 @@ impl Effect {
         match (self.kind.part, self.table) {
             (Part::Torque(torque), _) => torque(self.values(), motion),
             (Part::TorqueTable(of), Some(table)) => self.values[0] * of.torque_mnm(table, motion),
+            (Part::VaryingInertia(inertia), _) => {
+                0.5 * inertia(self.values(), motion.angle_rad)[1] * motion.velocity_rad_s.powi(2)
+            }
             _ => 0.0,
         }
     }

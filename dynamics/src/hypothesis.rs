@@ -59,6 +59,8 @@ pub struct Hypothesis {
     pub searched: &'static [Search],
     /// Numbers of leading columns that make a smaller version of the effect, rising; empty if it comes as a whole.
     pub nested: &'static [usize],
+    /// Least travel in which it can be told from a spring, an offset or friction that rises with the angle, rad.
+    pub least_travel_rad: f64,
     /// Whether the coefficients belong to the capture and not to the knob, like the phase of mains hum.
     pub per_capture: bool,
 }

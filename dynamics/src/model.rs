@@ -43,7 +43,33 @@ impl Model {
         } else {
             self.friction_mnm(motion, Direction::of(motion.velocity_rad_s))
         };
-        self.inertia() * motion.acceleration_rad_s2 + self.free_torque_mnm(motion) + friction
+        self.inertia_at(motion.angle_rad) * motion.acceleration_rad_s2 + self.free_torque_mnm(motion) + friction
+    }
+
+    /// Moment of inertia at an angle, mNm·s²/rad: the mean one and what varies.
+    #[must_use]
+    pub fn inertia_at(&self, angle_rad: f64) -> f64 {
+        let varying = self.effects.iter().map(|effect| match effect.kind().part {
+            Part::VaryingInertia(inertia) => inertia(effect.values(), angle_rad)[0],
+            _ => 0.0,
+        });
+        self.inertia() + varying.sum::<f64>()
+    }
+
+    /// Torque that inertia, detents and springs take: the load of what rubs, mNm.
+    #[must_use]
+    pub fn load_mnm(&self, motion: &Motion) -> f64 {
+        self.inertia_at(motion.angle_rad) * motion.acceleration_rad_s2 + self.place_torque_mnm(motion)
+    }
+
+    /// Friction over the load.
+    #[must_use]
+    pub fn load_friction(&self) -> f64 {
+        let each = self.effects.iter().map(|effect| match effect.kind().part {
+            Part::LoadFriction(coefficient) => coefficient(effect.values()),
+            _ => 0.0,
+        });
+        each.sum()
     }
 
     /// Moment of inertia, mNm·s²/rad.
@@ -88,7 +114,9 @@ impl Model {
                 _ => {}
             }
         }
-        let friction_mnm = (1.0 + factor) * sliding_at(motion);
+        let load_friction = self.load_friction();
+        let loaded_mnm = if load_friction == 0.0 { 0.0 } else { load_friction * self.load_mnm(motion).abs() };
+        let friction_mnm = (1.0 + factor) * sliding_at(motion) + direction.sign() * loaded_mnm;
         if coulomb_factor == 0.0 {
             return friction_mnm;
         }

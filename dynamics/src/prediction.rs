@@ -105,7 +105,7 @@ impl Model {
             .map(|motion| {
                 bent = bristles.bent(bent, motion.angle_rad - angle_rad);
                 angle_rad = motion.angle_rad;
-                self.inertia() * motion.acceleration_rad_s2
+                self.inertia_at(motion.angle_rad) * motion.acceleration_rad_s2
                     + self.free_torque_mnm(motion)
                     + self.bristled_friction_mnm(bristles, motion, bent, Direction::of(motion.velocity_rad_s))
             })

@@ -1,6 +1,7 @@
 //! The effects that the instrument knows: one file each, and the list of them.
 
 pub mod angle_characteristic;
+pub mod angle_dependent_inertia;
 pub mod backlash;
 pub mod cogging;
 pub mod detent;
@@ -15,6 +16,7 @@ pub mod friction_drift;
 pub mod friction_eccentricity;
 pub mod inertia;
 pub mod karnopp_stick;
+pub mod load_dependent_friction;
 pub mod mains_hum;
 pub mod mass_imbalance;
 pub mod presliding_hysteresis;
@@ -33,8 +35,9 @@ pub mod velocity_strengthening;
 use crate::EffectKind;
 
 /// Every effect, in the order in which a model lists them: first those that every fit looks for.
-pub static ALL: [&EffectKind; 29] = [
+pub static ALL: [&EffectKind; 31] = [
     &inertia::KIND,
+    &angle_dependent_inertia::KIND,
     &friction::KIND,
     &karnopp_stick::KIND,
     &detent::KIND,
@@ -53,6 +56,7 @@ pub static ALL: [&EffectKind; 29] = [
     &stribeck::KIND,
     &velocity_strengthening::KIND,
     &friction_eccentricity::KIND,
+    &load_dependent_friction::KIND,
     &friction_drift::KIND,
     &presliding_hysteresis::KIND,
     &shaft_compliance::KIND,

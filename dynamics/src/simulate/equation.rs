@@ -86,12 +86,29 @@ impl<'model> Equation<'model> {
         let (velocity, acceleration) = sliding.map_or((0.0, 0.0), |sliding| {
             let motion = Motion { time_s, angle_rad: place[0], velocity_rad_s: place[1], acceleration_rad_s2: 0.0 };
             let resisting = self.model.free_torque_mnm(&motion) + self.friction_mnm(&motion, sliding);
-            (place[1], (driving_mnm - resisting) / self.inertia)
+            let inertia = self.inertia + self.model.inertia_at(place[0]) - self.model.inertia();
+            let net_mnm =
+                driving_mnm - resisting + self.inertial_load_friction_mnm(&motion, sliding, driving_mnm - resisting);
+            (place[1], net_mnm / inertia)
         });
         let cap =
             |cap: &Cap| (place[3], cap.inertia.map_or(torque_mnm, |inertia| (torque_mnm - driving_mnm) / inertia));
         let (cap_velocity, cap_acceleration) = self.cap.as_ref().map_or((0.0, 0.0), cap);
         [velocity, acceleration, cap_velocity, cap_acceleration]
+    }
+
+    /// By how much less the friction of the load resists than that of a load at rest, mNm: the load is inertia's too,
+    /// which the torque that is left over, `net_mnm` with the friction of the load at rest, settles.
+    fn inertial_load_friction_mnm(&self, motion: &Motion, sliding: &Sliding, net_mnm: f64) -> f64 {
+        let coefficient = self.model.load_friction();
+        if coefficient == 0.0 {
+            return 0.0;
+        }
+        let (place_mnm, sign) = (self.model.place_torque_mnm(motion), sliding.direction.sign());
+        // What load and its friction together must balance: load + sign·μ·|load|.
+        let both_mnm = net_mnm + place_mnm + sign * coefficient * place_mnm.abs();
+        let load_mnm = both_mnm / (1.0 + sign * coefficient * both_mnm.signum());
+        sign * coefficient * (place_mnm.abs() - load_mnm.abs())
     }
 
     fn friction_mnm(&self, motion: &Motion, sliding: &Sliding) -> f64 {

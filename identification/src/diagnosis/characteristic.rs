@@ -192,11 +192,7 @@ fn points(spline: &Spline, judged: &Judged, rows: &[Vec<f64>]) -> Vec<Characteri
         let torque_mnm = table.map_or(0.0, |(scale, table)| scale * table.points_mnm()[index]);
         let half = critical * covariance.matrix[(index, index)].sqrt();
         let known = !solved.collinear[index] && half.is_finite();
-        CharacteristicPoint {
-            at: *at,
-            torque_mnm,
-            ci95: known.then_some([torque_mnm - half, torque_mnm + half]),
-        }
+        CharacteristicPoint { at: *at, torque_mnm, ci95: known.then_some([torque_mnm - half, torque_mnm + half]) }
     };
     spline.points.iter().enumerate().map(point).collect()
 }

@@ -2,13 +2,14 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use dynamics::{Coordinate, Effect, EffectKind, Part, effects};
+use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part, effects};
 
 use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::error::DiagnosisError;
-use super::findings::{Characteristic, Partial};
+use super::findings::{Characteristic, Partial, Value};
 use super::hypotheses::{self, Effort};
+use super::intervals;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::placebo;
@@ -160,9 +161,13 @@ impl Search<'_> {
                 break;
             }
             let mut tried = self.try_all(&current, &found);
+            // What overshoots beyond all numbers is no rival.
+            tried.retain(|judged| judged.evidence.is_finite() && judged.heldout_rms_mnm.is_finite());
             tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
             let worth = |rival: &Judged| {
-                self.disqualified(rival).is_none() && worthwhile(&current, rival, &found.chain[0], self.heldout)
+                self.disqualified(rival).is_none()
+                    && worthwhile(&current, rival, &found.chain[0], self.heldout)
+                    && !self.is_nothing(rival)
             };
             let Some(best) = tried.iter().position(worth) else {
                 found.partial = self.partial(&current, &tried);
@@ -200,6 +205,7 @@ impl Search<'_> {
                 && takes_its_part(current, judged)
                 && self.disqualified(judged).is_none()
                 && judged.heldout_rms_mnm < self.placebo_rms_mnm(judged.newest(), current, judged)
+                && !self.is_nothing(judged)
         };
         (0..tried.len())
             .filter(is_discovery)
@@ -247,7 +253,9 @@ impl Search<'_> {
             Some(((*first).clone(), judged))
         });
         both.retain(|(_, judged)| {
-            self.disqualified(judged).is_none() && worthwhile(current, judged, &found.chain[0], self.heldout)
+            self.disqualified(judged).is_none()
+                && worthwhile(current, judged, &found.chain[0], self.heldout)
+                && !self.is_nothing(judged)
         });
         both.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
         let mut both = both.into_iter();
@@ -312,6 +320,30 @@ impl Search<'_> {
             .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
     }
 
+    /// Whether the last effect may as well not be there: the intervals of all that makes its torque hold zero.
+    pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
+        let Some(effect) = judged.structure.effects.last() else { return true };
+        let Some(values) = intervals::of(&judged.structure, self.train).pop() else { return true };
+        let searched = effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
+        let is_strength = |index: usize, unit: &str| {
+            (unit.starts_with("mNm") || unit == "1") && searched.iter().all(|search| search.parameter != index)
+        };
+        let holds_zero = |parameter: &ParameterKind| match values.get(parameter.name) {
+            Some(Value { ci95: Some([low, high]), .. }) => *low <= 0.0 && 0.0 <= *high,
+            Some(Value { value, .. }) => *value == 0.0,
+            None => true,
+        };
+        let parameters = effect.kind().parameters;
+        let linear: Vec<&ParameterKind> = parameters
+            .iter()
+            .enumerate()
+            .filter(|(index, parameter)| effect.kind().regressors.is_some() && is_strength(*index, parameter.unit))
+            .map(|(_, parameter)| parameter)
+            .collect();
+        // What has no torque of its own is told by its first parameter: a gap, a stiffness, a delay.
+        if linear.is_empty() { parameters.first().is_some_and(holds_zero) } else { linear.into_iter().all(holds_zero) }
+    }
+
     /// The same with the last effect taken for detents, if it is a periodic torque and there are none yet.
     fn as_detent(&self, judged: &Judged) -> Option<Judged> {
         let effect = judged.structure.effects.last()?;
@@ -332,7 +364,9 @@ impl Search<'_> {
             !matches!(kind.part, Part::Coupling(_) | Part::Bristles(_) | Part::ReadingDelay(_))
                 && kind.depends_on.iter().all(|coordinate| *coordinate == Coordinate::Angle)
         };
+        let travel_rad = self.train.scene().travel_rad();
         kinds.retain(|kind| !self.train.is_map || is_of_angle(kind));
+        kinds.retain(|kind| kind.hypothesis.is_some_and(|hypothesis| hypothesis.least_travel_rad <= travel_rad));
         kinds
     }
 

@@ -60,7 +60,7 @@ impl<'a> Separable<'a> {
         let factors: Vec<usize> = (0..self.structure.effects.len())
             .filter(|index| {
                 let part = self.structure.effects[*index].kind().part;
-                matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_))
+                matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::LoadFriction(_))
             })
             .collect();
         for round in 0..if factors.is_empty() { 1 } else { FACTOR_ROUNDS + 1 } {

@@ -112,7 +112,7 @@ impl Structure {
 
     fn widths(&self) -> Vec<usize> {
         let width = |(effect, columns): (&Effect, &usize)| match effect.kind().part {
-            Part::Bristles(_) => 1,
+            Part::Bristles(_) | Part::LoadFriction(_) => 1,
             _ => *columns,
         };
         self.effects.iter().zip(&self.columns).map(width).collect()
@@ -124,10 +124,15 @@ impl Structure {
         for (effect, width) in self.effects.iter().zip(self.widths()) {
             let parameters = effect.kind().parameters;
             for column in 0..width {
-                signs.push(regressors(effect).is_some_and(|r| {
-                    let direct = r.searched.is_empty() && r.columns == parameters.len();
-                    r.nonnegative.contains(&column) || direct && parameters[column].minimum != dynamics::Minimum::None
-                }));
+                let is_load = matches!(effect.kind().part, Part::LoadFriction(_));
+                signs.push(
+                    is_load
+                        || regressors(effect).is_some_and(|r| {
+                            let direct = r.searched.is_empty() && r.columns == parameters.len();
+                            r.nonnegative.contains(&column)
+                                || direct && parameters[column].minimum != dynamics::Minimum::None
+                        }),
+                );
             }
         }
         signs
@@ -157,8 +162,12 @@ impl Structure {
                 let mut all = vec![0.0; regressors.columns];
                 all[..range.len()].copy_from_slice(&coefficients[range]);
                 (regressors.values)(&all, effect.values_mut());
-            } else if let (Part::Bristles(_), Some(damping)) = (effect.kind().part, coefficients.get(range.start)) {
-                effect.values_mut()[1] = *damping;
+            } else if let Some(coefficient) = coefficients.get(range.start) {
+                match effect.kind().part {
+                    Part::Bristles(_) => effect.values_mut()[1] = *coefficient,
+                    Part::LoadFriction(_) => effect.values_mut()[0] = *coefficient,
+                    _ => {}
+                }
             }
         }
     }
@@ -217,7 +226,7 @@ impl Structure {
         let effect = &self.effects[index];
         let depends_on_others = match effect.kind().part {
             Part::Friction(_) | Part::FrictionTable(_) => self.bristles().is_some(),
-            Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_) => true,
+            Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_) | Part::LoadFriction(_) => true,
             _ => false,
         };
         if depends_on_others {
@@ -237,6 +246,14 @@ impl Structure {
             if let Part::Bristles(bristles) = effect.kind().part {
                 let deflections = deflections(bristles(effect.values()), capture);
                 return each(&|at, row| row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]));
+            }
+            if let Part::LoadFriction(_) = effect.kind().part {
+                let model = self.model();
+                return each(&|at, row| {
+                    let now = motion.at(at);
+                    let sign = if now.velocity_rad_s == 0.0 { 0.0 } else { now.velocity_rad_s.signum() };
+                    row[0] = sign * model.load_mnm(&now).abs();
+                });
             }
             return Vec::new();
         };

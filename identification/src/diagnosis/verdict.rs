@@ -156,6 +156,8 @@ impl Search<'_> {
             self.disqualified(judged).is_none()
                 && (after.evidence - judged.evidence < TIE || after.steadily_better_than(judged) < 2.0)
                 && (worthwhile(before, judged, before, self.heldout) || takes_its_part(before, judged))
+                && judged.newest() != effect
+                && !self.is_nothing(judged)
         };
         Step {
             effect,

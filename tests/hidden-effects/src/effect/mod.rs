@@ -3,6 +3,7 @@
 //! Each acts on the body that slides, on the link between cap and inner body, or on the sensors, and has one number that is
 //! scaled to reach a strength: its size.
 
+mod angle_dependent_inertia;
 mod backlash;
 mod cogging;
 mod cubic_spring;
@@ -16,7 +17,8 @@ mod friction_dropouts;
 mod friction_eccentricity;
 mod friction_step;
 mod grip_slips;
-mod load_friction;
+
+mod load_dependent_friction;
 mod mains_hum;
 mod mass_imbalance;
 mod presliding_hysteresis;
@@ -32,7 +34,7 @@ mod stribeck;
 mod torque_drift;
 mod torque_offset;
 mod unequal_detents;
-mod varying_inertia;
+
 mod velocity_strengthening;
 
 use serde_json::Value;
@@ -48,6 +50,8 @@ static ALL: [&Kind; 31] = [
     &backlash::KIND,
     &detent_harmonics::KIND,
     &unequal_detents::KIND,
+    &angle_dependent_inertia::KIND,
+    &load_dependent_friction::KIND,
     &mass_imbalance::KIND,
     &friction_eccentricity::KIND,
     &presliding_hysteresis::KIND,
@@ -62,13 +66,11 @@ static ALL: [&Kind; 31] = [
     &sensor_delay::KIND,
     &mains_hum::KIND,
     &sensor_saturation::KIND,
-    &varying_inertia::KIND,
     &cubic_spring::KIND,
     &friction_step::KIND,
     &torque_drift::KIND,
     &strange_hum::KIND,
     &encoder_eccentricity::KIND,
-    &load_friction::KIND,
     &grip_slips::KIND,
     &friction_dropouts::KIND,
     &rate_limited_sensor::KIND,

@@ -5,10 +5,10 @@ use serde_json::{Value, json};
 use super::{Acts, Kind};
 use crate::knob::{Knob, Wish};
 
-/// `varying-inertia`.
+/// `angle-dependent-inertia`.
 pub(super) static KIND: Kind = Kind {
-    name: "varying-inertia",
-    in_catalogue: false,
+    name: "angle-dependent-inertia",
+    in_catalogue: true,
     wish: |_| Wish::default(),
     draw: |_, draw| Box::new(VaryingInertia { phase_rad: draw.phase() }),
 };

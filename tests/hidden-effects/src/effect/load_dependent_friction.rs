@@ -5,9 +5,13 @@ use serde_json::{Value, json};
 use super::{Acts, Kind, State};
 use crate::knob::{Knob, Wish};
 
-/// `load-friction`.
-pub(super) static KIND: Kind =
-    Kind { name: "load-friction", in_catalogue: false, wish: |_| Wish::default(), draw: |_, _| Box::new(LoadFriction) };
+/// `load-dependent-friction`.
+pub(super) static KIND: Kind = Kind {
+    name: "load-dependent-friction",
+    in_catalogue: true,
+    wish: |_| Wish::default(),
+    draw: |_, _| Box::new(LoadFriction),
+};
 
 struct LoadFriction;
 
