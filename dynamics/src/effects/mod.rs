@@ -22,6 +22,7 @@ pub mod mass_imbalance;
 pub mod presliding_hysteresis;
 pub mod quadratic_drag;
 pub mod return_spring;
+pub mod scratch;
 pub mod sensor_delay;
 pub mod shaft_compliance;
 pub mod speed_characteristic;
@@ -35,7 +36,7 @@ pub mod velocity_strengthening;
 use crate::EffectKind;
 
 /// Every effect, in the order in which a model lists them: first those that every fit looks for.
-pub static ALL: [&EffectKind; 31] = [
+pub static ALL: [&EffectKind; 32] = [
     &inertia::KIND,
     &angle_dependent_inertia::KIND,
     &friction::KIND,
@@ -56,6 +57,7 @@ pub static ALL: [&EffectKind; 31] = [
     &stribeck::KIND,
     &velocity_strengthening::KIND,
     &friction_eccentricity::KIND,
+    &scratch::KIND,
     &load_dependent_friction::KIND,
     &friction_drift::KIND,
     &presliding_hysteresis::KIND,

@@ -111,8 +111,11 @@ impl ForwardFromCommand {
 pub struct Step {
     /// Standard name.
     pub effect: &'static str,
-    /// Its parameters in the final model.
+    /// Its parameters in the final model; of unequal detents each has its own below.
     pub parameters: BTreeMap<&'static str, Value>,
+    /// The detents one by one, where they are what differs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub detents: Vec<UnequalDetent>,
     /// RMS on the training capture before and after, mNm.
     pub train_rms_before: f64,
     /// See [`Step::train_rms_before`].
@@ -145,6 +148,19 @@ pub struct Value {
     pub unit: &'static str,
     /// 95 % interval for correlated residuals, from the training capture; none where the data do not bound it.
     pub ci95: Option<[f64; 2]>,
+}
+
+/// One detent of a knob whose detents differ.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct UnequalDetent {
+    /// Angle at which the knob rests.
+    pub rest: Value,
+    /// Angle to the next rest.
+    pub pitch: Value,
+    /// Largest torque on the way to the next rest.
+    pub peak: Value,
+    /// Largest torque on the way to the rest before.
+    pub trough: Value,
 }
 
 /// Another effect in the place of the one that was added.

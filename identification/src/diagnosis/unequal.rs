@@ -6,12 +6,15 @@
 use std::f64::consts::{PI, TAU};
 
 use dynamics::{Coordinate, Curve, Effect, TableUse, TorqueTable, effects};
+use nalgebra::DVector;
 
 use super::capture::Capture;
+use super::findings::{UnequalDetent, Value};
 use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
-use crate::least_squares::dot;
+use crate::least_squares::{LeastSquares, dot};
+use crate::statistics::student_95;
 
 /// Gauss–Newton steps; each moves a zero by at most this share of the distance between two.
 const STEPS: usize = 12;
@@ -63,6 +66,20 @@ impl Lobes {
             zeros_rad: (0..count).map(|lobe| first_rad + lobe as f64 * period_rad / count as f64).collect(),
             heights_mnm: vec![amplitude_mnm; count],
             period_rad,
+        })
+    }
+
+    /// Those of an effect.
+    fn of(effect: &Effect) -> Option<Self> {
+        let (scale, table) = (effect.values()[0], effect.table()?);
+        let every_other =
+            |values: &[f64], first: usize| values.iter().skip(first).step_by(2).copied().collect::<Vec<_>>();
+        let signs = [scale, -scale].into_iter().cycle();
+        let heights = every_other(table.points_mnm(), 1).into_iter().zip(signs);
+        Some(Self {
+            zeros_rad: every_other(table.points(), 0),
+            heights_mnm: heights.map(|(height, sign)| sign * height).collect(),
+            period_rad: table.period_rad()?,
         })
     }
 
@@ -165,6 +182,51 @@ pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<Structure
     let heights = solved(&lobes, &columns[..lobes.count()], &rest_columns, &target, &nonnegative);
     lobes.heights_mnm.copy_from_slice(&heights[rest_columns.len()..]);
     Some(rest.structure.with(lobes.effect()?, 1))
+}
+
+/// The detents of a fitted structure one by one, with their intervals: those that the capture shows whole.
+pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) -> Vec<UnequalDetent> {
+    let index = structure
+        .position(effects::unequal_detents::KIND.name)
+        .filter(|_| effect == effects::unequal_detents::KIND.name);
+    let Some((index, lobes)) = index.and_then(|index| Some((index, Lobes::of(&structure.effects[index])?))) else {
+        return Vec::new();
+    };
+    let rest = Separable::new(structure.without(index), capture);
+    let of_lobes = lobes.columns(capture);
+    let columns: Vec<&[f64]> = of_lobes.iter().map(Vec::as_slice).chain(rest.columns()).collect();
+    // What is left is the same whichever columns say it: the structure is at its best.
+    let left = Separable::new(structure.clone(), capture).residual;
+    let solved = LeastSquares::solve(&columns, &left, &vec![false; columns.len()]);
+    let covariance = solved.robust(&columns);
+    let critical = student_95(covariance.degrees_of_freedom);
+    let count = lobes.count();
+    let value = |value: f64, unit, parts: &[(usize, f64)]| {
+        let mut derivatives = DVector::zeros(columns.len());
+        parts.iter().for_each(|(column, by)| derivatives[*column] = *by);
+        let variance = derivatives.dot(&(&covariance.matrix * &derivatives));
+        let half = critical * variance.sqrt();
+        let known = parts.iter().all(|(column, _)| !solved.collinear[*column]) && half.is_finite();
+        Value { value, unit, ci95: known.then_some([value - half, value + half]) }
+    };
+    let scene = capture.scene_of(structure);
+    let each = (0..count).step_by(2).filter_map(|lobe| {
+        let (before, next) = ((lobe + count - 1) % count, (lobe + 2) % count);
+        let rest_rad = lobes.zeros_rad[lobe];
+        let pitch_rad =
+            lobes.zeros_rad.get(lobe + 2).copied().unwrap_or(lobes.zeros_rad[0] + lobes.period_rad) - rest_rad;
+        let turns = ((scene.lowest_rad - rest_rad + pitch_rad) / lobes.period_rad).ceil().max(0.0);
+        let seen_rad = rest_rad + turns * lobes.period_rad;
+        (seen_rad - 0.5 * pitch_rad >= scene.lowest_rad && seen_rad + pitch_rad <= scene.highest_rad).then(|| {
+            UnequalDetent {
+                rest: value(rest_rad, "rad", &[(count + lobe, 1.0)]),
+                pitch: value(pitch_rad, "rad", &[(count + lobe, -1.0), (count + next, 1.0)]),
+                peak: value(lobes.heights_mnm[lobe], "mNm", &[(lobe, 1.0)]),
+                trough: value(lobes.heights_mnm[before], "mNm", &[(before, 1.0)]),
+            }
+        })
+    });
+    each.collect()
 }
 
 /// Coefficients of the rest's columns and of the lobes', zeros held at their place and heights at their mean where the

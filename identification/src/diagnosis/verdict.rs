@@ -9,7 +9,7 @@ use super::locate::locate;
 use super::search::{Found, Search};
 use super::structure::Structure;
 use super::worth::{MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
-use super::{experiment, intervals, rows};
+use super::{experiment, intervals, rows, unequal};
 
 /// RMS in floors above which something is left, if it goes with something …
 pub(crate) const LEFT: f64 = 1.3;
@@ -159,9 +159,12 @@ impl Search<'_> {
                 && judged.newest() != effect
                 && !self.is_nothing(judged)
         };
+        let detents = unequal::detents(effect, &last.structure, self.train);
+        let parameters = last.structure.position(effect).filter(|_| detents.is_empty());
         Step {
             effect,
-            parameters: last.structure.position(effect).map(|index| values[index].clone()).unwrap_or_default(),
+            parameters: parameters.map(|index| values[index].clone()).unwrap_or_default(),
+            detents,
             train_rms_before: before.train_rms_mnm,
             train_rms_after: after.train_rms_mnm,
             heldout_rms_before: before.heldout_rms_mnm,

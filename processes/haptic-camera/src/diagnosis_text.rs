@@ -2,7 +2,7 @@
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 use dynamics::effects;
-use identification::diagnosis::{Diagnosis, FORWARD_WINDOW_S, Location, Step, Verdict};
+use identification::diagnosis::{Characteristic, Diagnosis, FORWARD_WINDOW_S, Location, Step, Value, Verdict};
 
 /// Width of the text, columns.
 const WIDTH: u16 = 80;
@@ -40,8 +40,10 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         lines.extend(rows(&steps(&found.steps)));
         lines.push(String::new());
         lines.extend(rows(&parameters(&found.steps)));
+        found.steps.iter().filter(|step| !step.detents.is_empty()).for_each(|step| lines.extend(rows(&detents(step))));
         lines.extend(ties(&found.steps));
     }
+    lines.extend(found.characteristics.iter().flat_map(|characteristic| paragraph("", &measured(characteristic))));
     lines.extend(forward(found).iter().flat_map(|text| paragraph("", text)));
     match (found.verdict, goes_with(&found.where_after)) {
         (Verdict::None, _) | (Verdict::Effects, None) => {}
@@ -68,6 +70,24 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     }
     found.notes.iter().for_each(|note| lines.extend(paragraph("- ", note)));
     lines
+}
+
+/// What was measured over a coordinate without having a name.
+fn measured(characteristic: &Characteristic) -> String {
+    let unit = if characteristic.coordinate == "velocity" { "rad/s" } else { "rad" };
+    let ends =
+        [characteristic.points.first(), characteristic.points.last()].map(|point| point.map_or(0.0, |end| end.at));
+    let largest = characteristic.points.iter().max_by(|a, b| a.torque_mnm.abs().total_cmp(&b.torque_mnm.abs()));
+    let largest = largest.map_or_else(String::new, |point| {
+        format!(", largest at {:.3} {unit} with {:.3} mNm", point.at, point.torque_mnm)
+    });
+    format!(
+        "{} is measured at {} points from {:.3} to {:.3} {unit}{largest}; it has no name.",
+        characteristic.effect,
+        characteristic.points.len(),
+        ends[0],
+        ends[1]
+    )
 }
 
 /// How well motion follows from torque, measured and commanded.
@@ -151,6 +171,27 @@ fn parameters(steps: &[Step]) -> Table {
     table
 }
 
+/// Unequal detents one by one.
+fn detents(step: &Step) -> Table {
+    let mut table = table(["rest, °", "pitch, °", "peak, mNm", "trough, mNm"]);
+    let cell = |value: &Value, factor: f64| {
+        let half = value.ci95.map(|[low, high]| 0.5 * factor * (high - low));
+        let digits = decimals(half.unwrap_or(0.01));
+        let interval = half.map_or_else(String::new, |half| format!(" ± {half:.digits$}"));
+        Cell::new(format!("{:.digits$}{interval}", factor * value.value)).set_alignment(CellAlignment::Right)
+    };
+    for detent in &step.detents {
+        let degrees = 1.0_f64.to_degrees();
+        table.add_row([
+            cell(&detent.rest, degrees),
+            cell(&detent.pitch, degrees),
+            cell(&detent.peak, 1.0),
+            cell(&detent.trough, 1.0),
+        ]);
+    }
+    table
+}
+
 /// Decimals that show two or three digits of an interval's width.
 fn decimals(width: f64) -> usize {
     let order = width.abs().max(1e-9).log10().floor();
@@ -160,7 +201,8 @@ fn decimals(width: f64) -> usize {
 fn table<const COLUMNS: usize>(header: [&str; COLUMNS]) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
-    let right = |name: &str| matches!(name, "before" | "after" | "placebo" | "value" | "95 % interval");
+    let right =
+        |name: &str| matches!(name, "before" | "after" | "placebo" | "value" | "95 % interval") || name.contains(", ");
     let cell = |name: &str| {
         Cell::new(name).set_alignment(if right(name) { CellAlignment::Right } else { CellAlignment::Left })
     };

@@ -25,6 +25,7 @@ mod presliding_hysteresis;
 mod quadratic_drag;
 mod rate_limited_sensor;
 mod return_spring;
+mod scratch;
 mod sensor_delay;
 mod sensor_hysteresis;
 mod sensor_saturation;
@@ -44,7 +45,7 @@ use crate::knob::{Knob, Wish};
 use crate::plant::{Bristle, Link};
 
 /// Every effect: those of the catalogue first.
-static ALL: [&Kind; 31] = [
+static ALL: [&Kind; 32] = [
     &stribeck::KIND,
     &velocity_strengthening::KIND,
     &backlash::KIND,
@@ -54,6 +55,7 @@ static ALL: [&Kind; 31] = [
     &load_dependent_friction::KIND,
     &mass_imbalance::KIND,
     &friction_eccentricity::KIND,
+    &scratch::KIND,
     &presliding_hysteresis::KIND,
     &return_spring::KIND,
     &end_stop::KIND,

@@ -23,7 +23,9 @@ pub(super) fn section(found: &Diagnosis, index: usize, heldout: &[Row], numbers:
                 p { (uppercase_first(kind.description)) "." span.source { " " (uppercase_first(kind.source)) "." } }
             }
             p { (why(found, step)) }
-            @if step.parameters.is_empty() {
+            @if !step.detents.is_empty() {
+                (detents(step))
+            } @else if step.parameters.is_empty() {
                 p.note { "Its parameters are not in the final model." }
             } @else {
                 (parameters(step, kind))
@@ -50,6 +52,29 @@ fn why(found: &Diagnosis, step: &Step) -> String {
         two(step.steadiness),
         three(step.false_discovery_rate)
     )
+}
+
+/// Unequal detents one by one.
+fn detents(step: &Step) -> Markup {
+    let cell = |value: &Value, factor: f64| {
+        let half =
+            value.ci95.map_or_else(String::new, |[low, high]| format!(" ± {}", two(0.5 * factor * (high - low))));
+        html! { td.number { (three(factor * value.value)) (half) } }
+    };
+    let degrees = 1.0_f64.to_degrees();
+    html! {
+        table {
+            thead { tr { th { "rest, °" } th { "pitch, °" } th { "peak, mNm" } th { "trough, mNm" } } }
+            tbody {
+                @for detent in &step.detents {
+                    tr {
+                        (cell(&detent.rest, degrees)) (cell(&detent.pitch, degrees)) (cell(&detent.peak, 1.0))
+                        (cell(&detent.trough, 1.0))
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// The effect's parameters in the order of its law.
