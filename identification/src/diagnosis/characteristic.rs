@@ -24,6 +24,8 @@ const MOST: usize = 2;
 /// What holds a point that the capture hardly shows near zero, as a share of the mean point's square: where the named effects
 /// can do the same, they do it.
 const HELD: f64 = 1e-3;
+/// Rounds in which a bend and the detents on it are fitted in turn.
+const BEND_ROUNDS: usize = 3;
 /// Travel in turns from which a rest may repeat with every turn.
 const TURNS: f64 = 1.1;
 
@@ -111,6 +113,26 @@ impl Search<'_> {
             let Some((judged, characteristic)) = self.best_characteristic(&current, found) else { return };
             found.characteristics.push((judged, characteristic));
         }
+    }
+
+    /// The fit with a torque that bends slowly along the angle.
+    pub(crate) fn bent(&self, current: &Judged) -> Option<Judged> {
+        let finest = |spline: &Spline| {
+            spline.kind.name == effects::angle_characteristic::KIND.name && spline.period_rad.is_none()
+        };
+        let spline = Spline::all(self.train).into_iter().rfind(finest)?;
+        let mut best = current.clone();
+        // Without the bend the detents stood elsewhere.
+        for _ in 0..BEND_ROUNDS {
+            let straight = match best.structure.position(spline.kind.name) {
+                Some(index) => best.structure.without(index),
+                None => best.structure,
+            };
+            let bend = Separable::new(straight.clone(), self.train).bend();
+            let torque_mnm: Vec<f64> = spline.points.iter().map(|angle_rad| bend(*angle_rad)).collect();
+            best = self.settled(straight.with(spline.effect(&torque_mnm)?, 1));
+        }
+        Some(best)
     }
 
     /// The spline that predicts the held-out capture best, if it is better than chance and than its freedom spent on nothing.

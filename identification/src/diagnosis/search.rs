@@ -13,7 +13,7 @@ use super::intervals;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::placebo;
-use super::separable::Separable;
+use super::separable::{BEND, Separable};
 use super::structure::Structure;
 use super::unequal;
 use super::verdict::LEFT;
@@ -103,14 +103,32 @@ impl Search<'_> {
 
     /// Whether unequal detents explain most of the training capture's gap beside equal ones.
     pub(crate) fn detents_are_unequal(&self, base: &Judged) -> bool {
-        let unequal = || unequal::structure(&base.structure, self.train).map(|structure| self.settled(structure));
         let floor_mnm = base.train_floor_mnm;
         let gap = |judged: &Judged| judged.train_rms_mnm.powi(2) - floor_mnm.powi(2);
-        base.train_over_floor() > LEFT && unequal().is_some_and(|unequal| gap(&unequal) < 0.5 * gap(base))
+        base.train_over_floor() > LEFT
+            && self.unequal_detents(base).is_some_and(|unequal| gap(&unequal) < 0.5 * gap(base))
+    }
+
+    /// The fit with unequal detents in the place of equal ones; `None` where a torque that varies slowly along the angle
+    /// explains as much.
+    fn unequal_detents(&self, current: &Judged) -> Option<Judged> {
+        let unequal = self.settled(unequal::structure(&current.structure, self.train)?);
+        let bent = self.bent(current)?;
+        let evidence = |squares: f64, freedom: usize| {
+            let weight = self.train.weight;
+            #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
+            let cost = 0.5 * freedom as f64 * weight.ln();
+            -0.5 * weight * squares.max(f64::MIN_POSITIVE).ln() - cost
+        };
+        let squares = |judged: &Judged| crate::least_squares::dot(&judged.train_residual, &judged.train_residual);
+        let freedom = current.structure.freedom() + BEND;
+        (evidence(squares(&unequal), unequal.structure.freedom()) > evidence(squares(&bent), freedom))
+            .then_some(unequal)
     }
 
     /// A structure fitted from where it stands.
     pub(crate) fn settled(&self, structure: Structure) -> Judged {
+        let structure = unequal::refined(&structure, self.train).unwrap_or(structure);
         if structure.is_coupled() {
             let mut fit = Nonlinear::new(structure, self.train);
             fit.refine();
@@ -180,7 +198,11 @@ impl Search<'_> {
                 self.add(&mut found, chosen, tried);
                 continue;
             };
-            let chosen = tried.remove(best);
+            let mut chosen = tried.remove(best);
+            if chosen.structure.position(effects::unequal_detents::KIND.name).is_some() {
+                // Beside an effect more each detent is another.
+                chosen = self.settled(chosen.structure);
+            }
             if let Some(with_detents) = self.as_detent(&chosen) {
                 // The first torque that repeats with the angle is the detents, which the model's base lacked.
                 found.chain.pop();
@@ -295,7 +317,7 @@ impl Search<'_> {
             say(kind);
             judged
         });
-        tried.extend(unequal::structure(&current.structure, self.train).map(|structure| self.settled(structure)));
+        tried.extend(self.unequal_detents(current));
         let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
         let closes =
             |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();

@@ -11,6 +11,8 @@ use crate::least_squares::dot;
 const DIFFERENCE: f64 = 1e-5;
 /// A step that would take off less than this share of the sum of squares is not worth taking.
 const SETTLED: f64 = 1e-6;
+/// Powers of the angle that make a slow bend.
+pub(crate) const BEND: usize = 5;
 /// Rounds in which friction and what modulates it are fitted in turn.
 const FACTOR_ROUNDS: usize = 2;
 
@@ -45,6 +47,29 @@ impl<'a> Separable<'a> {
         let (columns, target) = (self.columns(), self.capture.target(delay_s));
         let left = residual(&columns, &target, &solve(&columns, &target, &self.structure.nonnegative()));
         dot(&left, &left)
+    }
+
+    /// What fits beside all else as a torque that bends slowly along the angle, a polynomial: its torque at an angle, mNm.
+    pub(crate) fn bend(&self) -> impl Fn(f64) -> f64 + use<> {
+        let scene = self.capture.scene();
+        let middle_rad = 0.5 * (scene.lowest_rad + scene.highest_rad);
+        let half_rad = 0.5 * scene.travel_rad().max(f64::MIN_POSITIVE);
+        let share = move |angle_rad: f64| (angle_rad - middle_rad) / half_rad;
+        let bend = self.capture.frame.rows_of(BEND, |range, columns| {
+            for (row, angle_rad) in self.capture.motion.angle_rad[range].iter().enumerate() {
+                let share = share(*angle_rad);
+                columns.iter_mut().fold(share, |power, column| {
+                    column[row] = power;
+                    power * share
+                });
+            }
+        });
+        let columns: Vec<&[f64]> = self.columns().into_iter().chain(bend.iter().map(Vec::as_slice)).collect();
+        let mut nonnegative = self.structure.nonnegative();
+        nonnegative.resize(columns.len(), false);
+        let solved = solve(&columns, &self.target, &nonnegative);
+        let powers = solved[columns.len() - BEND..].to_vec();
+        move |angle_rad| powers.iter().rev().fold(0.0, |sum, power_mnm| (sum + power_mnm) * share(angle_rad))
     }
 
     /// All columns' rows.

@@ -149,8 +149,25 @@ impl Lobes {
 pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<Structure> {
     let index = base.position(effects::detent::KIND.name)?;
     let scene = capture.scene_of(base);
-    let mut lobes = Lobes::equal(&base.effects[index], scene.lowest_rad, scene.highest_rad)?;
-    let rest = Separable::new(base.without(index), capture);
+    let equal = Lobes::equal(&base.effects[index], scene.lowest_rad, scene.highest_rad)?;
+    fitted(equal, base.without(index), capture)
+}
+
+/// A structure with unequal detents that are fitted anew beside its other effects; `None` if it has none.
+pub(crate) fn refined(structure: &Structure, capture: &Capture) -> Option<Structure> {
+    let index = structure.position(effects::unequal_detents::KIND.name)?;
+    let fitted = fitted(Lobes::of(&structure.effects[index])?, structure.without(index), capture)?;
+    // It keeps its place among the effects.
+    let (effect, columns) = (*fitted.effects.last()?, *fitted.columns.last()?);
+    let mut refined = fitted.without(fitted.effects.len() - 1);
+    refined.effects.insert(index, effect);
+    refined.columns.insert(index, columns);
+    Some(refined)
+}
+
+/// The structure with lobes more, fitted from where they are.
+fn fitted(mut lobes: Lobes, structure: Structure, capture: &Capture) -> Option<Structure> {
+    let rest = Separable::new(structure, capture);
     let rest_columns = rest.columns();
     let target = capture.target(rest.structure.delay_s());
     let mut nonnegative = rest.structure.nonnegative();
