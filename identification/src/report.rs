@@ -87,8 +87,8 @@ impl Report<'_> {
     }
 
     /// What a reader should know besides.
-    pub(crate) fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
+    pub(crate) fn notes(&self, parameters: &Parameters) -> Vec<String> {
+        let mut notes: Vec<String> = parameters.0.iter().filter_map(negative_friction).collect();
         if let Some(delay_s) = self.trimmed.refused_delay_s {
             notes.push(format!(
                 "the torque seems to come {:.2} ms {} the motion, more than half a sample: calibrate the delay or diagnose the capture",
@@ -328,6 +328,18 @@ impl Report<'_> {
     fn sliding_rows(&self) -> Vec<usize> {
         (0..self.trimmed.problem.target.len()).filter(|row| self.frame.mask[row * self.frame.step] >= 1.0).collect()
     }
+}
+
+/// What viscous friction may mean that is surely below zero: a knob does not drive itself.
+fn negative_friction(Parameter { name, ci95, .. }: &Parameter) -> Option<String> {
+    let [_, high] = ci95.filter(|_| name.starts_with("viscous"))?;
+    (high < 0.0).then(|| {
+        format!(
+            "{name} is negative, its whole 95 % interval is: friction that falls as the knob turns faster (Stribeck's), a torque \
+             that is late, or a spring or gravity that the model lacks looks like this; diagnose the capture, and calibrate \
+             the delay between torque and motion"
+        )
+    })
 }
 
 /// Standard deviation of the predicted torque, row by row.
