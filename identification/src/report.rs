@@ -10,7 +10,7 @@ use crate::least_squares::{RobustCovariance, dot};
 use crate::misfit::Misfit;
 use crate::motion::{Band, KnobMotion};
 use crate::problem::Column;
-use crate::statistics::{NORMAL_95, rms, student_95};
+use crate::statistics::{NORMAL_95, plus_minus, rms, student_95};
 use crate::vector;
 
 /// A parameter whose interval spans this share of the torque's RMS, times its column, is not told.
@@ -210,7 +210,8 @@ impl Report<'_> {
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(
             "{name} cannot be told apart from {with}: the knob turned at one speed, {speed_rad_s:.4} rad/s, where both together \
-             make {together:.4} ± {half:.4} mNm; vary the speed"
+             make {} mNm; vary the speed",
+            plus_minus(together, half)
         ))
     }
 

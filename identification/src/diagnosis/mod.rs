@@ -3,6 +3,7 @@
 mod both_cores;
 mod capture;
 mod commanded;
+mod encoder_zero;
 mod error;
 mod experiment;
 mod findings;

@@ -4,9 +4,11 @@ use dynamics::{Calibration, Model};
 
 use super::capture::{Capture, Stretches};
 use super::commanded::CommandedTorque;
+use super::encoder_zero::EncoderZero;
 use super::error::DiagnosisError;
 use super::findings::Diagnosis;
-use super::search::Search;
+use super::judged::Judged;
+use super::search::{Found, Search};
 use crate::quasi_static::SlowMotion;
 use crate::{FitError, Samples};
 
@@ -14,6 +16,9 @@ use crate::{FitError, Samples};
 const NOISIEST: f64 = 0.1;
 /// Narrowest band in which captures are compared, Hz.
 const NARROWEST_HZ: f64 = 8.0;
+
+/// Most searches, each with the angle between two zeros of the encoder as the one before left it.
+const MOST_ROUNDS: usize = 3;
 
 /// What a diagnosis may be told; nothing need be.
 #[derive(Default)]
@@ -64,12 +69,37 @@ pub fn diagnose(
     options: &DiagnoseOptions<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let captures = prepare(train, heldout, options)?;
-    let search = Search { train: &captures[0], heldout: &captures[1], options };
-    let first = search.base(train)?;
-    search.check(&first)?;
-    let mut found = search.explain(first);
+    let [train_capture, given] = &captures;
+    let mut base = Some(Search { train: train_capture, heldout: given, options }.base(train)?);
+    let mut zero = base.as_ref().filter(|_| heldout.is_some()).and_then(|base| EncoderZero::of(base, &captures));
+    let mut rounds = 0;
+    loop {
+        let moved = zero.map(|zero| zero.taken_out_of(given));
+        let search = Search { train: train_capture, heldout: moved.as_ref().unwrap_or(given), options };
+        let base = match base.take() {
+            Some(base) if zero.is_none() => base,
+            _ => search.base(train)?,
+        };
+        let found = explained(&search, base)?;
+        // With what was missing, the angle between the zeros is known better.
+        let last = found.chain.last().filter(|_| heldout.is_some());
+        let again = last.and_then(|last| EncoderZero::again(zero, &last.structure, given));
+        rounds += 1;
+        if rounds == MOST_ROUNDS || !EncoderZero::differ(zero, again) {
+            let mut diagnosis = search.report(&found, heldout.is_none());
+            diagnosis.notes.extend(again.map(|zero| zero.note()));
+            return Ok(diagnosis);
+        }
+        zero = again;
+    }
+}
+
+/// What the search finds from a base model on.
+fn explained(search: &Search<'_>, base: Judged) -> Result<Found, DiagnosisError> {
+    search.check(&base)?;
+    let mut found = search.explain(base);
     search.eliminate(&mut found);
-    Ok(search.report(&found, heldout.is_none()))
+    Ok(found)
 }
 
 fn prepare(
