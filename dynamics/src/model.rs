@@ -78,26 +78,25 @@ impl Model {
     /// Torque of friction while sliding in `direction`, mNm.
     #[must_use]
     pub fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
-        let sliding_at = |motion: &Motion| -> f64 {
-            let each = self.effects.iter().map(|effect| match effect.kind().part {
-                Part::Friction(torque) => torque(effect.values(), motion, direction),
-                _ => 0.0,
-            });
-            each.sum()
-        };
-        let (mut factor, mut coulomb_factor) = (0.0, 0.0);
+        let (mut sliding_mnm, mut factor, mut coulomb_factor) = (0.0, 0.0, 0.0);
         for effect in &self.effects {
             match effect.kind().part {
+                Part::Friction(torque) => sliding_mnm += torque(effect.values(), motion, direction),
                 Part::FrictionFactor(change) => factor += change(effect.values(), motion),
                 Part::CoulombFactor(change) => coulomb_factor += change(effect.values(), motion),
                 _ => {}
             }
         }
-        let friction_mnm = (1.0 + factor) * sliding_at(motion);
+        let friction_mnm = (1.0 + factor) * sliding_mnm;
         if coulomb_factor == 0.0 {
             return friction_mnm;
         }
-        friction_mnm + coulomb_factor * sliding_at(&Motion { velocity_rad_s: 0.0, ..*motion })
+        let still = Motion { velocity_rad_s: 0.0, ..*motion };
+        let coulomb = |effect: &Effect| match effect.kind().part {
+            Part::Friction(torque) => torque(effect.values(), &still, direction),
+            _ => 0.0,
+        };
+        friction_mnm + coulomb_factor * self.effects.iter().map(coulomb).sum::<f64>()
     }
 
     /// What a knob at rest bears: Karnopp's limits, but at least the friction with which it begins to slide.

@@ -226,7 +226,7 @@ impl Report<'_> {
         };
         if columns[column].iter().all(|value| *value == 0.0) {
             return Some(if direction.is_empty() {
-                format!("the capture never excites {name}")
+                format!("the capture never excites {name}; sweep faster and wider")
             } else {
                 format!("the knob never slid in the {direction} direction for long enough; sweep both ways")
             });

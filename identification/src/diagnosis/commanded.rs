@@ -32,8 +32,8 @@ pub(crate) fn forward(
     commanded: Option<&CommandedTorque<'_>>,
     known: Option<&Calibration>,
 ) -> Result<ForwardFromCommand, &'static str> {
-    let commanded = commanded.ok_or("a capture has no column of commanded torque")?;
-    let known = known.ok_or("nothing is known of the rig's motor without a calibration")?;
+    let commanded = commanded.ok_or("a capture has no column of commanded torque; captures of a rig have one")?;
+    let known = known.ok_or("nothing is known of the rig's motor without a calibration; lay one beside the capture")?;
     let on_grid = |t_s: &[f64], commanded_mnm: &[f64], capture: &Capture| {
         let mut commands_mnm = on_grid(t_s, commanded_mnm, capture);
         take_off_cogging(&mut commands_mnm, capture.motions(), known);
@@ -41,7 +41,7 @@ pub(crate) fn forward(
     };
     let of_train = on_grid(commanded.train_t_s, commanded.train, train);
     let motor = motor(known.motor_inertia, train, &of_train)
-        .ok_or("the training capture does not tell the motor's friction")?;
+        .ok_or("the training capture does not tell the motor's friction; turn the knob faster, both ways")?;
     let commands = on_grid(commanded.heldout_t_s, commanded.heldout, heldout);
     let mut angle_rms_rad = Vec::new();
     for model in chain {

@@ -144,7 +144,7 @@ fn a_models_relative_error_on_a_capture_is_told_without_writing_anything() {
         number.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("no relative error in {said}"))
     };
     // Friction goes through zero at rest and not from one sample to the next: hence not quite nothing.
-    assert!(error_percent(BASE) < 2.0);
+    assert!(error_percent(BASE) < 3.0);
     let inertia_alone = "name = \"half\"\n[[effects]]\neffect = \"inertia\"\ninertia = 0.05\n";
     let torques = (0..SAMPLES).map(|index| index as f64 * SAMPLE_S);
     let (left, all) = torques.fold((0.0, 0.0), |(left, all), time_s| {
