@@ -24,6 +24,8 @@ const MOST_TRIED: usize = 4_000;
 const ROWS: usize = 2_000;
 /// A smaller angle is taken before a larger one that leaves so much less of the sum of squares.
 const AS_GOOD: f64 = 0.02;
+/// Share of the squares at the rows' middles that another zero must take off to be looked at closely.
+const PROMISING: f64 = 0.05;
 /// Halvings of the distance between two tried angles.
 const HALVINGS: usize = 12;
 /// The zeros are the same unless another one takes off this share of the sum of squares …
@@ -152,7 +154,8 @@ fn phase_rad(structure: &Structure, capture: &Capture) -> Option<f64> {
     finest.reduce(f64::min)
 }
 
-/// The angle, of a grid over a turn, with which the structure explains most of the capture at the rows' middles.
+/// The angle, of a grid over a turn, with which the structure explains most of the capture at the rows' middles; `None` if it
+/// explains hardly more than without.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "a grid")]
 fn coarse(structure: &Structure, capture: &Capture, step_rad: f64) -> Option<f64> {
     let half = ((std::f64::consts::PI / step_rad) as usize).min(MOST_TRIED / 2);
@@ -186,6 +189,9 @@ fn coarse(structure: &Structure, capture: &Capture, step_rad: f64) -> Option<f64
         .map(|(by_rad, _)| (by_rad, squares(by_rad)))
         .collect();
     let best = bottoms.iter().map(|bottom| bottom.1).fold(f64::INFINITY, f64::min);
+    if best > (1.0 - PROMISING) * squares(0.0) {
+        return None;
+    }
     bottoms.retain(|bottom| bottom.1 <= (1.0 + AS_GOOD) * best);
     bottoms.into_iter().map(|bottom| bottom.0).min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
