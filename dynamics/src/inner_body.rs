@@ -100,15 +100,26 @@ impl<'model> InnerBody<'model> {
     /// Detents, springs and levels of friction are taken where the body will be half a sample on, and held meanwhile:
     /// they change over angles and times that are long beside a sample, contact and sticking do not.
     pub fn advance(&mut self, from: &Motion, to: &Motion) {
+        Self::advance_together(std::array::from_mut(self), from, to);
+    }
+
+    /// Moves several bodies on under one motion of their caps.
+    ///
+    /// A substep waits for the one before; those of other bodies do not, and fill the time.
+    pub(crate) fn advance_together<const BODIES: usize>(bodies: &mut [Self; BODIES], from: &Motion, to: &Motion) {
         let sample_s = to.time_s - from.time_s;
-        let held = self.held(sample_s, from, to);
-        let substeps = self.substeps(sample_s);
-        let share = 1.0 / f64::from(substeps);
+        let held = bodies.each_ref().map(|body| body.held(sample_s, from, to));
+        let substeps = bodies.each_ref().map(|body| body.substeps(sample_s));
+        let shares = substeps.map(|substeps| 1.0 / f64::from(substeps));
         let turning = |share: f64| from.velocity_rad_s + share * (to.velocity_rad_s - from.velocity_rad_s);
-        for index in 0..substeps {
-            let passed = f64::from(index) * share;
-            let cap_rad = from.angle_rad + passed * (to.angle_rad - from.angle_rad);
-            self.substep(share * sample_s, cap_rad, turning(passed + 0.5 * share), &held);
+        for index in 0..substeps.into_iter().max().unwrap_or(0) {
+            for (((body, held), substeps), share) in bodies.iter_mut().zip(&held).zip(substeps).zip(shares) {
+                if index < substeps {
+                    let passed = f64::from(index) * share;
+                    let cap_rad = from.angle_rad + passed * (to.angle_rad - from.angle_rad);
+                    body.substep(share * sample_s, cap_rad, turning(passed + 0.5 * share), held);
+                }
+            }
         }
     }
 
@@ -137,6 +148,7 @@ impl<'model> InnerBody<'model> {
         }
     }
 
+    #[inline]
     fn substep(&mut self, step_s: f64, cap_rad: f64, cap_rad_s: f64, held: &Held) {
         let free = self.without_dry_friction(step_s, cap_rad, cap_rad_s, held);
         let end_rad_s = match self.bristles {

@@ -104,23 +104,25 @@ impl Model {
     /// Torque of friction while sliding in `direction`, mNm.
     #[must_use]
     pub fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
-        let sliding_at =
-            |motion: &Motion| -> f64 { self.effects.iter().map(|effect| effect.friction_mnm(motion, direction)).sum() };
-        let (mut factor, mut coulomb_factor) = (0.0, 0.0);
+        let (mut sliding_mnm, mut factor, mut coulomb_factor, mut load_friction) = (0.0, 0.0, 0.0, 0.0);
         for effect in &self.effects {
             match effect.kind().part {
                 Part::FrictionFactor(change) => factor += change(effect.values(), motion),
                 Part::CoulombFactor(change) => coulomb_factor += change(effect.values(), motion),
-                _ => {}
+                Part::LoadFriction(coefficient) => load_friction += coefficient(effect.values()),
+                _ => sliding_mnm += effect.friction_mnm(motion, direction),
             }
         }
-        let load_friction = self.load_friction();
-        let loaded_mnm = if load_friction == 0.0 { 0.0 } else { load_friction * self.load_mnm(motion).abs() };
-        let friction_mnm = (1.0 + factor) * sliding_at(motion) + direction.sign() * loaded_mnm;
+        let mut friction_mnm = (1.0 + factor) * sliding_mnm;
+        if load_friction != 0.0 {
+            friction_mnm += direction.sign() * load_friction * self.load_mnm(motion).abs();
+        }
         if coulomb_factor == 0.0 {
             return friction_mnm;
         }
-        friction_mnm + coulomb_factor * sliding_at(&Motion { velocity_rad_s: 0.0, ..*motion })
+        let still = Motion { velocity_rad_s: 0.0, ..*motion };
+        let coulomb = |effect: &Effect| effect.friction_mnm(&still, direction);
+        friction_mnm + coulomb_factor * self.effects.iter().map(coulomb).sum::<f64>()
     }
 
     /// What a knob at rest bears: Karnopp's limits, but at least the friction with which it begins to slide.

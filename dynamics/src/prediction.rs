@@ -12,13 +12,29 @@ impl Model {
     /// is left out, as in [`Model::torque_mnm`].
     #[must_use]
     pub fn readings_mnm(&self, motions: &[Motion]) -> Vec<f64> {
-        let mut torque_mnm = match (self.coupling(), self.bristles()) {
-            (Some(coupling), _) => self.coupled_mnm(coupling, motions),
-            (None, Some(bristles)) => self.bristled_mnm(bristles, motions),
-            (None, None) => motions.iter().map(|motion| self.torque_mnm(motion)).collect(),
-        };
-        torque_mnm.iter_mut().zip(motions).for_each(|(sum, motion)| *sum += self.misreading_mnm(motion));
+        let [torque_mnm] = Self::readings_of_mnm([self], motions);
         torque_mnm
+    }
+
+    /// [`Model::readings_mnm`] of several models, sooner than of one after the other if they have an inner body.
+    #[must_use]
+    pub fn readings_of_mnm<const MODELS: usize>(models: [&Self; MODELS], motions: &[Motion]) -> [Vec<f64>; MODELS] {
+        let mut torques_mnm = if let Some(couplings) = all(models.map(Self::coupling)) {
+            Self::coupled_mnm(models, couplings, motions)
+        } else {
+            models.map(|model| match (model.coupling(), model.bristles()) {
+                (Some(coupling), _) => {
+                    let [torque_mnm] = Self::coupled_mnm([model], [coupling], motions);
+                    torque_mnm
+                }
+                (None, Some(bristles)) => model.bristled_mnm(bristles, motions),
+                (None, None) => motions.iter().map(|motion| model.torque_mnm(motion)).collect(),
+            })
+        };
+        for (torque_mnm, model) in torques_mnm.iter_mut().zip(models) {
+            torque_mnm.iter_mut().zip(motions).for_each(|(sum, motion)| *sum += model.misreading_mnm(motion));
+        }
+        torques_mnm
     }
 
     /// What the sensor reads besides the torque, mNm.
@@ -80,21 +96,28 @@ impl Model {
         })
     }
 
-    fn coupled_mnm(&self, coupling: Coupling, motions: &[Motion]) -> Vec<f64> {
-        let Some(first) = motions.first() else { return Vec::new() };
-        let outer_inertia = (1.0 - coupling.inner_share) * self.inertia();
-        let mut body = InnerBody::at_rest(self, coupling, first.angle_rad);
-        let mut before = *first;
-        motions
-            .iter()
-            .map(|now| {
-                if now.time_s > before.time_s {
-                    body.advance(&before, now);
-                }
-                before = *now;
-                body.torque_mnm(now) + outer_inertia * now.acceleration_rad_s2
-            })
-            .collect()
+    fn coupled_mnm<const MODELS: usize>(
+        models: [&Self; MODELS],
+        couplings: [Coupling; MODELS],
+        motions: &[Motion],
+    ) -> [Vec<f64>; MODELS] {
+        let mut torques_mnm = [(); MODELS].map(|()| Vec::with_capacity(motions.len()));
+        let Some(first) = motions.first() else { return torques_mnm };
+        let outer_inertias: [f64; MODELS] =
+            std::array::from_fn(|index| (1.0 - couplings[index].inner_share) * models[index].inertia());
+        let mut bodies: [InnerBody<'_>; MODELS] =
+            std::array::from_fn(|index| InnerBody::at_rest(models[index], couplings[index], first.angle_rad));
+        let mut before = first;
+        for now in motions {
+            if now.time_s > before.time_s {
+                InnerBody::advance_together(&mut bodies, before, now);
+            }
+            before = now;
+            for ((torque_mnm, body), outer_inertia) in torques_mnm.iter_mut().zip(&bodies).zip(outer_inertias) {
+                torque_mnm.push(body.torque_mnm(now) + outer_inertia * now.acceleration_rad_s2);
+            }
+        }
+        torques_mnm
     }
 
     fn bristled_mnm(&self, bristles: Bristles, motions: &[Motion]) -> Vec<f64> {
@@ -135,4 +158,13 @@ impl Model {
         bent.abs() * self.friction_mnm(&still, Direction::of(bent)) + self.friction_mnm(motion, direction)
             - self.friction_mnm(&still, direction)
     }
+}
+
+/// All of them, if none is missing.
+fn all<T: Copy, const COUNT: usize>(options: [Option<T>; COUNT]) -> Option<[T; COUNT]> {
+    let mut all = [options.first().copied().flatten()?; COUNT];
+    for (slot, option) in all.iter_mut().zip(options) {
+        *slot = option?;
+    }
+    Some(all)
 }

@@ -2,6 +2,7 @@
 
 use dynamics::{Effect, effects};
 
+use crate::bends::bends;
 use crate::estimate::Harmonic;
 use crate::frame::Frame;
 use crate::held_out;
@@ -28,6 +29,8 @@ const PREDICTS: f64 = 3.0;
 const PLACEBO: f64 = 2.0;
 /// … and this many times where the travel holds few of its periods: then any bend in the torque looks like it.
 const PLACEBO_OF_FEW: f64 = 20.0;
+/// Beside springs and gravity it must still take away this many times what the placebo does there.
+const BESIDE_BENDS: f64 = 10.0;
 /// So many periods are few.
 const FEW_PERIODS: f64 = 3.0;
 /// Margin for harmonics in the residual.
@@ -116,17 +119,28 @@ pub(crate) fn search<'a>(
     let rest = scan.powers(frame, motion, &solution.residual);
     let background = scan.background(&rest, 1.0 / period_rad);
     let clear = left - after > needed * background;
-    let (columns, width) = (&problem.columns, range.start);
-    let predicts = held_out::evidence(columns, width, &problem.target) > PREDICTS;
+    let predicts = held_out::evidence(&problem.columns, range.start, &problem.target) > PREDICTS;
     let periods = 1.0 / (period_rad * resolution);
     let few = periods < FEW_PERIODS;
     let placebo = scan.placebo(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
     if clear && !(predicts && left - after > if few { PLACEBO_OF_FEW } else { PLACEBO } * placebo) {
         return Detents::None(format!(
             "no detents that can be told from other bends in the torque: the best period (P {period_rad:.4} rad, \
-             {periods:.1} of them in the travel) {}takes away {:.1} times what other periods do",
+             {periods:.1} of them in the travel) {}takes away {:.1} times what other periods do; sweep wider, so that the \
+             travel holds more of them",
             if predicts { "" } else { "does not predict stretches that it was not fitted to, and " },
             (left - after) / placebo.max(f64::MIN_POSITIVE)
+        ));
+    }
+    let bends = bends(frame, motion);
+    let bent = unbounded(&[&base.columns, &bends[..]].concat(), &base.target);
+    let both = unbounded(&[&base.columns, &bends, &problem.columns[range]].concat(), &base.target);
+    let beside_bends = dot(&bent, &bent) - dot(&both, &both);
+    if clear && beside_bends < BESIDE_BENDS * scan.placebo(&scan.powers(frame, motion, &both), 1.0 / period_rad, 0.0) {
+        return Detents::None(format!(
+            "no detents that can be told from a spring or from gravity: of the torque that varies with the angle, these leave \
+             nothing that the best period (P {period_rad:.4} rad, {periods:.1} of them in the travel) would explain; diagnose \
+             the capture, or sweep wider, so that the travel holds more periods"
         ));
     }
     let inside = period_rad < 1.2 * longest && period_rad > 0.0 && amplitude_mnm.is_finite();
@@ -153,6 +167,11 @@ pub(crate) fn search<'a>(
     };
     let harmonics = harmonics(&problem, &solution, [period_rad, shortest], background, evident);
     Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
+}
+
+/// What the columns leave of the target, no coefficient bounded.
+fn unbounded(columns: &[Column], target: &[f64]) -> Vec<f64> {
+    LeastSquares::solve(columns, target, &vec![false; columns.len()]).residual
 }
 
 fn no_detents(longest: f64, shortest: f64) -> String {

@@ -223,7 +223,7 @@ impl<'a> Prepared<'a> {
         let (mut parameters, covariance, comparison) = report.parameters(no_detents);
         let mut effects = trimmed.effects();
         Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
-        let mut notes = report.notes();
+        let mut notes = report.notes(&parameters);
         if uniform.lost > 0 {
             notes.push(format!("{} samples are missing from the capture; the fit leaves the gaps out", uniform.lost));
         }

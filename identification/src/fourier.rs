@@ -15,27 +15,26 @@ pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
 }
 
-/// Evenly spaced values through a response, which is given for every line: the line at `index` makes so many cycles over
-/// all values.
+/// Evenly spaced values through a response to a number of cycles from one value to the next; they are nothing beyond their ends.
 #[allow(clippy::cast_precision_loss, reason = "a number of values")]
-pub(crate) fn through(values: &[f64], response: impl Fn(usize) -> Complex<f64>) -> Vec<f64> {
-    let forward = forward(values.len());
-    let back = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(values.len()));
+pub(crate) fn through(values: &[f64], response: impl Fn(f64) -> Complex<f64>) -> Vec<f64> {
+    let length = (values.len() + 1).next_power_of_two();
+    let forward = forward(length);
+    let back = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length));
     let (mut input, mut lines) = (values.to_vec(), forward.make_output_vec());
+    input.resize(length, 0.0);
     let mut output = back.make_output_vec();
-    if forward.process(&mut input, &mut lines).is_err() {
-        return output;
+    if forward.process(&mut input, &mut lines).is_ok() {
+        let scale = 1.0 / length as f64;
+        lines.iter_mut().enumerate().for_each(|(index, line)| *line *= scale * response(index as f64 * scale));
+        // The mean and the last line are real.
+        for end in [0, length / 2] {
+            lines[end].im = 0.0;
+        }
+        if back.process(&mut lines, &mut output).is_err() {
+            output.fill(0.0);
+        }
     }
-    lines.iter_mut().enumerate().for_each(|(index, line)| *line *= response(index));
-    // The mean and, of an even number, the last line are real.
-    if let Some(line) = lines.first_mut() {
-        line.im = 0.0;
-    }
-    if let Some(line) = lines.last_mut().filter(|_| values.len().is_multiple_of(2)) {
-        line.im = 0.0;
-    }
-    if back.process(&mut lines, &mut output).is_ok() {
-        output.iter_mut().for_each(|value| *value /= values.len() as f64);
-    }
+    output.truncate(values.len());
     output
 }

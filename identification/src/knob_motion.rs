@@ -10,7 +10,7 @@ use crate::uniform::Uniform;
 /// The knob's motion at every sample, prepared as [`fit`](crate::fit()) prepares it: encoder without
 /// phase shift, accelerometer where it is quieter, the twist of the torque sensor taken out.
 ///
-/// Gives one [`Motion`] per sample, in rad, rad/s and rad/s².
+/// Gives one [`Motion`] per sample, in rad, rad/s and rad/s², its time in s since the first sample.
 ///
 /// # Errors
 /// [`FitError`] for samples that are not a capture of a motion.
@@ -29,7 +29,8 @@ pub fn knob_motion(samples: &Samples<'_>, calibration: Option<&Calibration>) -> 
             point += 1;
         }
         Motion {
-            time_s,
+            // What changes with time does since the capture began.
+            time_s: time_s - samples.t_s[0],
             angle_rad: motion.angle_rad[point],
             velocity_rad_s: motion.velocity_rad_s[point],
             acceleration_rad_s2: motion.acceleration_rad_s2[point],

@@ -25,6 +25,7 @@
 
 mod angle_spectrum;
 mod average;
+mod bends;
 pub mod calibration;
 mod central_differences;
 pub mod checks;

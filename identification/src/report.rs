@@ -10,7 +10,7 @@ use crate::least_squares::{RobustCovariance, dot};
 use crate::misfit::Misfit;
 use crate::motion::{Band, KnobMotion};
 use crate::problem::Column;
-use crate::statistics::{NORMAL_95, rms, student_95};
+use crate::statistics::{NORMAL_95, plus_minus, rms, student_95};
 use crate::vector;
 
 /// A parameter whose interval spans this share of the torque's RMS, times its column, is not told.
@@ -87,8 +87,8 @@ impl Report<'_> {
     }
 
     /// What a reader should know besides.
-    pub(crate) fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
+    pub(crate) fn notes(&self, parameters: &Parameters) -> Vec<String> {
+        let mut notes: Vec<String> = parameters.0.iter().filter_map(negative_friction).collect();
         if let Some(delay_s) = self.trimmed.refused_delay_s {
             notes.push(format!(
                 "the torque seems to come {:.2} ms {} the motion, more than half a sample: calibrate the delay or diagnose the capture",
@@ -210,7 +210,8 @@ impl Report<'_> {
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(
             "{name} cannot be told apart from {with}: the knob turned at one speed, {speed_rad_s:.4} rad/s, where both together \
-             make {together:.4} ± {half:.4} mNm; vary the speed"
+             make {} mNm; vary the speed",
+            plus_minus(together, half)
         ))
     }
 
@@ -225,7 +226,7 @@ impl Report<'_> {
         };
         if columns[column].iter().all(|value| *value == 0.0) {
             return Some(if direction.is_empty() {
-                format!("the capture never excites {name}")
+                format!("the capture never excites {name}; sweep faster and wider")
             } else {
                 format!("the knob never slid in the {direction} direction for long enough; sweep both ways")
             });
@@ -328,6 +329,18 @@ impl Report<'_> {
     fn sliding_rows(&self) -> Vec<usize> {
         (0..self.trimmed.problem.target.len()).filter(|row| self.frame.mask[row * self.frame.step] >= 1.0).collect()
     }
+}
+
+/// What viscous friction may mean that is surely below zero: a knob does not drive itself.
+fn negative_friction(Parameter { name, ci95, .. }: &Parameter) -> Option<String> {
+    let [_, high] = ci95.filter(|_| name.starts_with("viscous"))?;
+    (high < 0.0).then(|| {
+        format!(
+            "{name} is negative, its whole 95 % interval is: friction that falls as the knob turns faster (Stribeck's), a torque \
+             that is late, or a spring or gravity that the model lacks looks like this; diagnose the capture, and calibrate \
+             the delay between torque and motion"
+        )
+    })
 }
 
 /// Standard deviation of the predicted torque, row by row.

@@ -134,7 +134,7 @@ pub enum FitError {
     },
     /// The knob moved, but never fast enough to be told from rest.
     #[error(
-        "the knob moved faster than {threshold_rad_s} rad/s, where it surely slides, in only {samples} samples; \
+        "the knob moved faster than {threshold_rad_s:.3e} rad/s, where it surely slides, in only {samples} samples; \
          excite it with a faster or longer sweep"
     )]
     HardlyMoving {

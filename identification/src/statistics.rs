@@ -45,6 +45,21 @@ pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
     p_values.iter().filter(|other| **other >= p_value).map(|other| rate(*other)).fold(1.0, f64::min)
 }
 
+/// A value with the half width of its interval, as people read them: with two digits of the half width.
+///
+/// ```
+/// use identification::statistics::plus_minus;
+///
+/// assert_eq!(plus_minus(-0.091_634, 0.000_021), "-0.091634 ± 0.000021");
+/// assert_eq!(plus_minus(1234.5, 67.8), "1235 ± 68");
+/// ```
+#[must_use]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of decimals from 0 to 12")]
+pub fn plus_minus(value: f64, half_width: f64) -> String {
+    let decimals = (1.0 - half_width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$} ± {half_width:.decimals$}")
+}
+
 /// Median of the values, which are reordered; 0 for none.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

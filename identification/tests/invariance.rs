@@ -126,9 +126,7 @@ fn a_scaled_torque_scales_what_is_a_torque() {
     for seed in 0..SEEDS {
         let capture = capture(seed);
         let factor = 10_f64.powf(2.0 * Uniform(seed + 13).next() - 1.0);
-        let mut scaled = capture.clone();
-        scaled.torque_mnm.iter_mut().for_each(|torque| *torque *= factor);
-        let (before, after) = (fitted(&capture), fitted(&scaled));
+        let (before, after) = (fitted(&capture), fitted(&capture.louder(factor)));
         for (index, name) in SLIDING.iter().enumerate() {
             let by = if index < 6 { factor } else { 1.0 };
             let ((expected, half), (found, _)) = (told(&before, name), told(&after, name));
@@ -167,12 +165,13 @@ fn a_further_effect_that_starts_anywhere_ends_at_the_same_answer() {
 fn a_capture_that_begins_later_gives_the_same_answer() {
     for seed in 0..SEEDS {
         let capture = capture(seed);
-        let mut later = capture.clone();
-        later.t_s.iter_mut().for_each(|time| *time += 5.0);
-        let (before, after) = (fitted(&capture), fitted(&later));
-        for name in SLIDING {
-            let ((expected, half), (found, _)) = (told(&before, name), told(&after, name));
-            assert_same(seed, name, found, expected, half);
+        let before = fitted(&capture);
+        for by_s in [5.0, 1e6] {
+            let after = fitted(&capture.later(by_s));
+            for name in SLIDING {
+                let ((expected, half), (found, _)) = (told(&before, name), told(&after, name));
+                assert_same(seed, name, found, expected, half);
+            }
         }
     }
 }
@@ -181,15 +180,7 @@ fn a_capture_that_begins_later_gives_the_same_answer() {
 fn both_axes_turned_round_swap_the_directions() {
     for seed in 0..SEEDS {
         let capture = capture(seed);
-        let mut turned = capture.clone();
-        let columns = [
-            Some(&mut turned.angle_rad),
-            turned.velocity_rad_s.as_mut(),
-            turned.acceleration_rad_s2.as_mut(),
-            Some(&mut turned.torque_mnm),
-        ];
-        columns.into_iter().flatten().flatten().for_each(|value| *value = -*value);
-        let (before, after) = (fitted(&capture), fitted(&turned));
+        let (before, after) = (fitted(&capture), fitted(&capture.turned()));
         // A·sin(−θ/P + S) is −A·sin(θ/P − S): the phase alone changes its sign.
         let swapped = [0, 2, 1, 4, 3, 5, 6];
         for (name, other) in SLIDING.iter().zip(swapped) {

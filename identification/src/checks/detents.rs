@@ -53,7 +53,8 @@ pub enum CountError {
     },
     /// The torque over the angle does not repeat.
     #[error(
-        "no detents to count: the torque over the angle is not the same on the way there and back (correlation {correlation:.2})"
+        "no detents to count: the torque over the angle is not the same on the way there and back (correlation \
+         {correlation:.2}); if the knob has detents, turn it more slowly, with `--sweep slow-turn`"
     )]
     NoneSeen {
         /// Correlation of the two directions' torques over angle.
@@ -61,7 +62,8 @@ pub enum CountError {
     },
     /// The torque repeats, but at uneven distances.
     #[error(
-        "no detents to count: the torque over the angle rises at uneven distances (they scatter by {scatter_percent:.0} %)"
+        "no detents to count: the torque over the angle rises at uneven distances (they scatter by {scatter_percent:.0} %); \
+         turn the knob more slowly, or diagnose the capture, which tells several periods apart"
     )]
     Uneven {
         /// Standard deviation of the distances over their mean, %.

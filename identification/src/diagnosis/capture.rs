@@ -69,6 +69,8 @@ impl Stretches {
 /// A capture ready for diagnosis.
 #[derive(Clone)]
 pub(crate) struct Capture {
+    /// Time of the first sample, s, from which the motion's time counts: what changes with time does since the capture began.
+    pub(crate) start_s: f64,
     pub(crate) rate_hz: f64,
     pub(crate) band: Band,
     pub(crate) motion: KnobMotion,
@@ -100,7 +102,9 @@ impl Capture {
         stretches: Stretches,
     ) -> Result<Self, FitError> {
         samples.check()?;
+        let start_s = samples.t_s[0];
         let mut uniform = Uniform::of(samples, calibration);
+        uniform.time_s.iter_mut().for_each(|time_s| *time_s -= start_s);
         let rate_hz = uniform.rate_hz;
         let exact = KnobMotion::exact(&mut uniform, calibration);
         let band = Band::of(&uniform, exact.is_some(), calibration);
@@ -123,6 +127,7 @@ impl Capture {
         let noise = SensorNoise::of(&frame, &motion, &band);
         let acceleration = frame.rows(&motion.acceleration_rad_s2);
         let mut capture = Self {
+            start_s,
             rate_hz,
             torque_noise_mnm: resting_mnm.map_or(white_mnm, |resting| resting.max(white_mnm)),
             acceleration_noise_rad_s2: (noise.acceleration_squares / weight).sqrt(),
@@ -147,7 +152,9 @@ impl Capture {
         let SlowMotion { time_s, angle_rad, velocity_rad_s, torque_mnm } = map;
         let count = time_s.len();
         let rate_hz = (count - 1) as f64 / (time_s[count - 1] - time_s[0]);
-        let columns = [time_s, angle_rad, velocity_rad_s, vec![0.0; count]];
+        let start_s = time_s[0];
+        let since_start_s = time_s.iter().map(|time_s| time_s - start_s).collect();
+        let columns = [since_start_s, angle_rad, velocity_rad_s, vec![0.0; count]];
         let motion = KnobMotion::as_given(columns, 0.5 * rate_hz);
         let length = count.div_ceil(MAP_STRETCHES).max(1);
         let mask: Vec<f64> = (0..count).map(|row| stretches.weight(row / length)).collect();
@@ -156,6 +163,7 @@ impl Capture {
         let speed_rad_s = motion.velocity_rad_s.first().map_or(0.0, |velocity| velocity.abs());
         let edge_hz = (MAP_PER_TURN * speed_rad_s / TAU).min(0.5 * rate_hz);
         let mut capture = Self {
+            start_s,
             rate_hz,
             band: Band::fixed(edge_hz, torque_noise_mnm),
             torque_noise_mnm,

@@ -32,16 +32,16 @@ pub(crate) fn forward(
     commanded: Option<&CommandedTorque<'_>>,
     known: Option<&Calibration>,
 ) -> Result<ForwardFromCommand, &'static str> {
-    let commanded = commanded.ok_or("a capture has no column of commanded torque")?;
-    let known = known.ok_or("nothing is known of the rig's motor without a calibration")?;
+    let commanded = commanded.ok_or("a capture has no column of commanded torque; captures of a rig have one")?;
+    let known = known.ok_or("nothing is known of the rig's motor without a calibration; lay one beside the capture")?;
     let on_grid = |t_s: &[f64], commanded_mnm: &[f64], capture: &Capture| {
-        let mut commands_mnm = on_grid(t_s, commanded_mnm, capture.motions(), capture.rate_hz);
+        let mut commands_mnm = on_grid(t_s, commanded_mnm, capture);
         take_off_cogging(&mut commands_mnm, capture.motions(), known);
         commands_mnm
     };
     let of_train = on_grid(commanded.train_t_s, commanded.train, train);
     let motor = motor(known.motor_inertia, train, &of_train)
-        .ok_or("the training capture does not tell the motor's friction")?;
+        .ok_or("the training capture does not tell the motor's friction; turn the knob faster, both ways")?;
     let commands = on_grid(commanded.heldout_t_s, commanded.heldout, heldout);
     let mut angle_rms_rad = Vec::new();
     for model in chain {
@@ -65,14 +65,16 @@ fn take_off_cogging(commands_mnm: &mut [f64], motions: &[Motion], known: &Calibr
 }
 
 /// The command that holds at each motion, mNm.
-fn on_grid(t_s: &[f64], commanded_mnm: &[f64], motions: &[Motion], rate_hz: f64) -> Vec<f64> {
+fn on_grid(t_s: &[f64], commanded_mnm: &[f64], capture: &Capture) -> Vec<f64> {
+    let rate_hz = capture.rate_hz;
     let mut index = 0;
-    let each = motions.iter().map(|motion| {
+    let each = capture.motions().iter().map(|motion| {
+        let now_s = capture.start_s + motion.time_s;
         // A grid point may lie a rounding before its sample.
-        while t_s.get(index + 1).is_some_and(|next_s| next_s - motion.time_s < 0.25 / rate_hz) {
+        while t_s.get(index + 1).is_some_and(|next_s| next_s - now_s < 0.25 / rate_hz) {
             index += 1;
         }
-        let is_stale = t_s.get(index).is_none_or(|time_s| (motion.time_s - time_s).abs() > STALE / rate_hz);
+        let is_stale = t_s.get(index).is_none_or(|time_s| (now_s - time_s).abs() > STALE / rate_hz);
         if is_stale { f64::NAN } else { commanded_mnm.get(index).copied().unwrap_or(f64::NAN) }
     });
     each.collect()

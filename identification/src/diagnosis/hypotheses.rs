@@ -163,11 +163,9 @@ fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train:
         _ => None,
     };
     let squares = |effect: &Effect| shaft(effect).map_or(f64::INFINITY, |shaft| twist::squares(base, &shaft, train).0);
-    let start = effects
-        .first()
-        .and_then(shaft)
-        .and(effects.iter().map(|effect| (squares(effect), *effect)).min_by(|a, b| a.0.total_cmp(&b.0)));
-    let (mut least, mut best) = start?;
+    effects.first().and_then(shaft)?;
+    let starts = on_both_cores(effects, |effect| Some((squares(effect), *effect)));
+    let (mut least, mut best) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut ratio = COARSEST;
     while ratio > FINEST {
         let mut moved = false;

@@ -107,13 +107,7 @@ impl Judged {
     /// Probability that an effect of nothing predicts the held-out capture, stretch after stretch, as much better than
     /// `other` as this one does; one where it is felt in too few stretches to say.
     pub(crate) fn heldout_p_value(&self, other: &Self) -> f64 {
-        let mut gains = stretches(&other.heldout_residual, &self.heldout_residual);
-        gains.retain(|gain| gain.abs() > FELT);
-        if gains.len() < FEWEST_FELT {
-            return 1.0;
-        }
-        #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
-        student_above(mean_over_error(&gains), (gains.len() - 1) as f64)
+        p_value(&other.heldout_residual, &self.heldout_residual)
     }
 
     /// By how many standard errors this explains stretch after stretch of both captures better than `other`, among the
@@ -124,6 +118,18 @@ impl Judged {
         gains.retain(|gain| gain.abs() > FELT);
         if gains.len() < FEWEST_FELT { 0.0 } else { mean_over_error(&gains) }
     }
+}
+
+/// Probability that by chance `after` is, stretch after stretch, as much smaller than `before` as it is; one where the two differ
+/// in too few stretches to say.
+pub(crate) fn p_value(before: &[f64], after: &[f64]) -> f64 {
+    let mut gains = stretches(before, after);
+    gains.retain(|gain| gain.abs() > FELT);
+    if gains.len() < FEWEST_FELT {
+        return 1.0;
+    }
+    #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
+    student_above(mean_over_error(&gains), (gains.len() - 1) as f64)
 }
 
 /// Mean in standard errors.

@@ -58,7 +58,7 @@ pub(crate) fn locate(residual: &[f64], structure: &Structure, capture: &Capture)
         ("acceleration", "rad/s2", take(&|index| motion(index).acceleration_rad_s2)),
         ("travel-since-reversal", "rad", take(&|index| travel[index])),
         ("load", "mNm", take(&|index| load[index])),
-        ("time", "s", take(&|index| motion(index).time_s)),
+        ("time", "s", take(&|index| capture.start_s + motion(index).time_s)),
     ];
     if let Some(period_rad) = structure.parameter("detent_period") {
         let phase = structure.parameter("detent_phase").unwrap_or(0.0);

@@ -4,6 +4,7 @@ mod both_cores;
 mod capture;
 mod characteristic;
 mod commanded;
+mod encoder_zero;
 mod error;
 mod experiment;
 mod findings;

@@ -4,7 +4,7 @@
 //! Every value is searched, by Levenberg and Marquardt, first on slow motion and then on wider bands: on the whole band
 //! at once the search stops in the first of many valleys.
 
-use dynamics::{Minimum, Part};
+use dynamics::{Minimum, Model, Part};
 use nalgebra::{DMatrix, DVector};
 
 use super::capture::Capture;
@@ -22,12 +22,16 @@ const ROUNDS: usize = 14;
 const FIRST_ROUNDS: usize = UPDATES + 1;
 /// Relative change of a value for its derivative.
 const DIFFERENCE: f64 = 1e-4;
-/// An improvement of the sum of squares below this share ends a band.
+/// An improvement of the sum of squares below this share ends the whole band, …
 const SETTLED: f64 = 1e-4;
+/// … and one below this share a band of slow motion, which only has to lead into the right valley.
+const SLOW_SETTLED: f64 = 3e-3;
 /// How far from a bound a fit is tried that stands on it, as a share of the range or, for ratios, of the value.
 const NEAR: f64 = 0.05;
 /// Steps for which derivatives are updated before they are taken anew.
 const UPDATES: usize = 2;
+/// Structures that are simulated together.
+const TOGETHER: usize = 3;
 /// First damping, as a share of the diagonal.
 const DAMPING: f64 = 1e-3;
 
@@ -130,6 +134,7 @@ impl<'a> Nonlinear<'a> {
 
     fn refine_in(&mut self, share: f64, rounds: usize) {
         let slow = |rows: &[f64]| narrowed(rows, share, self.capture);
+        let settled = if share < 1.0 { SLOW_SETTLED } else { SETTLED };
         let mut damping = DAMPING;
         let mut left = slow(&self.residual);
         let mut tangents = Tangents::default();
@@ -167,7 +172,7 @@ impl<'a> Nonlinear<'a> {
             let fresh = tangents.updates <= usize::from(accepted);
             if !accepted && !fresh {
                 tangents = Tangents::default();
-            } else if !accepted || before - dot(&left, &left) < SETTLED * before {
+            } else if !accepted || before - dot(&left, &left) < settled * before {
                 break;
             }
         }
@@ -201,10 +206,9 @@ impl<'a> Nonlinear<'a> {
 
     /// Rows of the derivatives by one effect's values.
     pub(crate) fn tangents_of(&self, effect: usize) -> Vec<Vec<f64>> {
-        (0..self.values.len())
-            .filter(|index| self.values[*index].searched.is_of(effect))
-            .map(|index| self.tangent(index, 1.0))
-            .collect()
+        let values: Vec<usize> =
+            (0..self.values.len()).filter(|index| self.values[*index].searched.is_of(effect)).collect();
+        self.tangents_by(&values, 1.0)
     }
 
     /// A value of the last effect that would go beyond the bound of its search if it could: the fit stands on the bound,
@@ -241,11 +245,11 @@ impl<'a> Nonlinear<'a> {
 
     /// Rows of the residual's derivatives with the sign turned, one per value, half of them on another core.
     pub(crate) fn tangents(&self, share: f64) -> Vec<Vec<f64>> {
-        let tangent = |index: usize| self.tangent(index, share);
-        let half = self.values.len() / 2;
+        let all: Vec<usize> = (0..self.values.len()).collect();
+        let (left, right) = all.split_at(all.len() / 2);
         std::thread::scope(|scope| {
-            let other = scope.spawn(|| (half..self.values.len()).map(tangent).collect::<Vec<_>>());
-            let mut all: Vec<Vec<f64>> = (0..half).map(tangent).collect();
+            let other = scope.spawn(|| self.tangents_by(right, share));
+            let mut all = self.tangents_by(left, share);
             match other.join() {
                 Ok(rest) => all.extend(rest),
                 Err(panic) => std::panic::resume_unwind(panic),
@@ -254,7 +258,20 @@ impl<'a> Nonlinear<'a> {
         })
     }
 
-    fn tangent(&self, index: usize, share: f64) -> Vec<f64> {
+    /// Rows of the derivatives by some of the values.
+    fn tangents_by(&self, values: &[usize], share: f64) -> Vec<Vec<f64>> {
+        let moved: Vec<(f64, Structure)> = values.iter().map(|index| self.moved_alone(*index)).collect();
+        let structures: Vec<&Structure> = moved.iter().map(|(_, structure)| structure).collect();
+        let there = residuals(&structures, self.capture);
+        let tangent = |(there, (step, _)): (&Vec<f64>, &(f64, Structure))| {
+            let rows: Vec<f64> = self.residual.iter().zip(there).map(|(here, there)| (here - there) / step).collect();
+            narrowed(&rows, share, self.capture)
+        };
+        there.iter().zip(&moved).map(tangent).collect()
+    }
+
+    /// The structure with one value moved for its derivative, and the step.
+    fn moved_alone(&self, index: usize) -> (f64, Structure) {
         let mut step = vec![0.0; self.values.len()];
         step[index] = DIFFERENCE;
         let mut moved = self.moved(&step);
@@ -263,16 +280,29 @@ impl<'a> Nonlinear<'a> {
             step[index] = -DIFFERENCE;
             moved = self.moved(&step);
         }
-        let there = residual(&moved, self.capture);
-        let rows: Vec<f64> =
-            self.residual.iter().zip(&there).map(|(here, there)| (here - there) / step[index]).collect();
-        narrowed(&rows, share, self.capture)
+        (step[index], moved)
     }
 }
 
 /// Measured minus simulated torque, in rows.
 pub(crate) fn residual(structure: &Structure, capture: &Capture) -> Vec<f64> {
-    let simulated = capture.frame.rows(&structure.model().readings_mnm(capture.motions()));
+    left_by(structure, &structure.model().readings_mnm(capture.motions()), capture)
+}
+
+/// The same of several structures.
+fn residuals(structures: &[&Structure], capture: &Capture) -> Vec<Vec<f64>> {
+    let models: Vec<Model> = structures.iter().map(|structure| structure.model()).collect();
+    let readings_mnm = models.chunks(TOGETHER).flat_map(|models| match models {
+        [first, second, third] => Model::readings_of_mnm([first, second, third], capture.motions()).to_vec(),
+        [first, second] => Model::readings_of_mnm([first, second], capture.motions()).to_vec(),
+        others => others.iter().map(|model| model.readings_mnm(capture.motions())).collect(),
+    });
+    structures.iter().zip(readings_mnm).map(|(structure, readings)| left_by(structure, &readings, capture)).collect()
+}
+
+/// What a structure that makes given readings leaves of a capture, in rows.
+fn left_by(structure: &Structure, readings_mnm: &[f64], capture: &Capture) -> Vec<f64> {
+    let simulated = capture.frame.rows(readings_mnm);
     capture.target(structure.delay_s()).iter().zip(&simulated).map(|(target, torque)| target - torque).collect()
 }
 

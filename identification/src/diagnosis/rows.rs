@@ -13,7 +13,7 @@ pub(crate) fn of(first: &Judged, last: &Judged, captures: [&Capture; 2]) -> [Vec
         let sliding = motions.iter().enumerate().filter(|(_, (_, mask))| *mask > 0.9);
         sliding
             .map(|(index, (motion, _))| Row {
-                t_s: motion.time_s,
+                t_s: capture.start_s + motion.time_s,
                 angle_rad: motion.angle_rad,
                 velocity_rad_s: motion.velocity_rad_s,
                 torque_mnm: torque[index],

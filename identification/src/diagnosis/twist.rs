@@ -52,11 +52,11 @@ fn motion(shaft: &Coupling, capture: &Capture) -> KnobMotion {
 }
 
 /// Rows through the response of an inertia on the shaft: torque at the sensor over torque on the inertia.
-#[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
+#[allow(clippy::cast_precision_loss, reason = "a decimation")]
 fn turned_down(rows: &[f64], inertia: f64, shaft: &Coupling, capture: &Capture) -> Vec<f64> {
     let rate_hz = capture.rate_hz / capture.frame.step as f64;
-    let response = |index: usize| {
-        let turning = TAU * index as f64 * rate_hz / rows.len() as f64;
+    let response = |cycles: f64| {
+        let turning = TAU * cycles * rate_hz;
         let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
         spring / (spring - inertia * turning * turning)
     };

@@ -4,9 +4,11 @@ use dynamics::{Calibration, Model};
 
 use super::capture::{Capture, Stretches};
 use super::commanded::CommandedTorque;
+use super::encoder_zero::EncoderZero;
 use super::error::DiagnosisError;
 use super::findings::{Diagnosis, Verdict};
-use super::search::Search;
+use super::judged::Judged;
+use super::search::{Found, Search};
 use crate::quasi_static::SlowMotion;
 use crate::{FitError, Samples};
 
@@ -14,6 +16,9 @@ use crate::{FitError, Samples};
 const NOISIEST: f64 = 0.1;
 /// Narrowest band in which captures are compared, Hz.
 const NARROWEST_HZ: f64 = 8.0;
+
+/// Most searches, each with the angle between two zeros of the encoder as the one before left it.
+const MOST_ROUNDS: usize = 3;
 
 /// What a diagnosis may be told; nothing need be.
 #[derive(Default)]
@@ -64,30 +69,52 @@ pub fn diagnose(
     options: &DiagnoseOptions<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let captures = prepare(train, heldout, options)?;
-    let mut search = Search { train: &captures[0], heldout: &captures[1], options };
-    let mut first = search.base(train)?;
-    // Where each detent is different, those that the knob was not turned through are unknown.
-    let within = search.detents_are_unequal(&first).then(|| search.heldout.within(search.train)).flatten();
-    if let Some(within) = &within {
-        search.heldout = within;
-        first = search.settled(first.structure);
+    let [train_capture, given] = &captures;
+    let mut base = Some(Search { train: train_capture, heldout: given, options }.base(train)?);
+    let mut zero = base.as_ref().filter(|_| heldout.is_some()).and_then(|base| EncoderZero::of(base, &captures));
+    let mut rounds = 0;
+    loop {
+        let moved = zero.map(|zero| zero.taken_out_of(given));
+        let mut search = Search { train: train_capture, heldout: moved.as_ref().unwrap_or(given), options };
+        let mut base = match base.take() {
+            Some(base) if zero.is_none() => base,
+            _ => search.base(train)?,
+        };
+        // Where each detent is different, those that the knob was not turned through are unknown.
+        let within = search.detents_are_unequal(&base).then(|| search.heldout.within(search.train)).flatten();
+        if let Some(within) = &within {
+            search.heldout = within;
+            base = search.settled(base.structure);
+        }
+        let (found, verdict) = explained(&search, base)?;
+        // With what was missing, the angle between the zeros is known better.
+        let named = heldout.map(|_| found.named());
+        let again = named.and_then(|named| EncoderZero::again(zero, &named.structure, given));
+        rounds += 1;
+        if rounds == MOST_ROUNDS || !EncoderZero::differ(zero, again) {
+            let mut diagnosis = search.report(&found, verdict, heldout.is_none());
+            diagnosis.notes.extend(again.map(|zero| zero.note()));
+            diagnosis.notes.extend(within.map(|_| BEYOND.to_owned()));
+            return Ok(diagnosis);
+        }
+        zero = again;
     }
-    search.check(&first)?;
-    let mut found = search.explain(first);
+}
+
+/// What is said where the held-out capture shows detents that the training capture does not.
+const BEYOND: &str = "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \
+                      left out; capture a whole turn to have every detent";
+
+/// What the search finds from a base model on; what has no name is measured.
+fn explained(search: &Search<'_>, base: Judged) -> Result<(Found, Verdict), DiagnosisError> {
+    search.check(&base)?;
+    let mut found = search.explain(base);
     search.eliminate(&mut found);
     let verdict = search.verdict(&found);
     if verdict == Verdict::OutsideLibrary {
         search.measure_the_rest(&mut found);
     }
-    let mut diagnosis = search.report(&found, verdict, heldout.is_none());
-    if within.is_some() {
-        diagnosis.notes.push(
-            "the detents are unequal: where the held-out capture goes beyond the angles of the training capture it is \
-             left out; capture a whole turn to have every detent"
-                .to_owned(),
-        );
-    }
-    Ok(diagnosis)
+    Ok((found, verdict))
 }
 
 fn prepare(

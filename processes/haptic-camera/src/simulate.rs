@@ -4,6 +4,7 @@ use anyhow::Context as _;
 use archive::{Capture, whole_file};
 use dynamics::simulate::ForwardSimulation;
 use dynamics::{Calibration, Direction, Model, Motion, shifted};
+use identification::statistics::rms;
 use loaded_capture::LoadedCapture;
 
 use crate::command_line::{SimulateOptions, SimulationDrive};
@@ -14,7 +15,7 @@ use crate::outputs::Kind;
 /// Speed below which a model without stick of its own counts as resting, rad/s.
 const RESTING_RAD_S: f64 = 0.02;
 
-/// Simulates the model and writes a capture of the same length and rate.
+/// Simulates the model, says how far it is from the capture, and writes one of the same length and rate if asked to.
 ///
 /// # Errors
 /// One sentence on what is wrong with the model, the capture or the output.
@@ -27,22 +28,32 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         SimulationDrive::Motion => along_motion(&model, gripper_inertia, &motions),
         SimulationDrive::Torque => along_torque(&model, gripper_inertia, &motions, &torque_at_knob(&like))?,
     };
-    let difference = match options.drive {
+    let captured: Vec<f64> = match options.drive {
+        SimulationDrive::Motion => torque_at_knob(&like),
+        SimulationDrive::Torque => motions.iter().map(|motion| motion.angle_rad).collect(),
+    };
+    say(match options.drive {
         SimulationDrive::Motion => {
-            format!("torque differs by {:.3} mNm RMS", rms_difference(&simulated.torque_mnm, &torque_at_knob(&like)))
+            let [left, all] = [rms_difference(&captured, &simulated.torque_mnm), rms(&captured)];
+            format!(
+                "the model's torque differs by {left:.3} of {all:.3} mNm RMS from the capture's: relative error {:.2} %",
+                100.0 * left / all
+            )
         }
         SimulationDrive::Torque => {
-            let captured: Vec<f64> = motions.iter().map(|motion| motion.angle_rad).collect();
-            format!("angle differs by {:.4} rad RMS", rms_difference(&simulated.angle_rad, &captured))
+            let left = rms_difference(&captured, &simulated.angle_rad);
+            format!("the model's angle differs by {left:.4} rad RMS from the capture's")
         }
-    };
-    let capture = described(simulated, &like, &model);
-    if options.writes_table() {
-        capture.write_csv(&options.out)?;
-    } else {
-        whole_file::write_whole(&options.out, Kind::Simulation.replaces(), |place| capture.write_mcap_to(place))?;
+    });
+    if let Some(out) = &options.out {
+        let capture = described(simulated, &like, &model);
+        if options.writes_table() {
+            capture.write_csv(out)?;
+        } else {
+            whole_file::write_whole(out, Kind::Simulation.replaces(), |place| capture.write_mcap_to(place))?;
+        }
+        say(format!("{}: {} samples", out.display(), capture.len()));
     }
-    say(format!("{}: {} samples; {difference} from the capture", options.out.display(), capture.len()));
     Ok(Outcome::Done)
 }
 
@@ -151,8 +162,6 @@ fn described(simulated: Simulated, like: &LoadedCapture, model: &Model) -> Captu
     capture.of_knob()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn rms_difference(left: &[f64], right: &[f64]) -> f64 {
-    let sum: f64 = left.iter().zip(right).map(|(left, right)| (left - right).powi(2)).sum();
-    (sum / left.len().max(1) as f64).sqrt()
+    rms(&left.iter().zip(right).map(|(left, right)| left - right).collect::<Vec<_>>())
 }

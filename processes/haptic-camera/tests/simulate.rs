@@ -20,8 +20,8 @@ fn motion(time_s: f64) -> (f64, f64, f64) {
     (-0.8 * cosine, 0.8 * omega * sine, 0.8 * omega * omega * cosine)
 }
 
-/// The torque column that `simulate` writes for the model along [`motion`].
-fn simulated_mnm(folder: &Path, model: &str) -> Vec<f64> {
+/// Simulates the model along a capture of [`motion`] and [`rigid_mnm`]; gives what is said on standard output.
+fn simulated(folder: &Path, model: &str, more: &[&str]) -> String {
     let mut like = "t_s,angle_rad,velocity_rad_s,acceleration_rad_s2,torque_mnm\n".to_owned();
     for index in 0..SAMPLES {
         let time_s = index as f64 * SAMPLE_S;
@@ -31,10 +31,16 @@ fn simulated_mnm(folder: &Path, model: &str) -> Vec<f64> {
     }
     std::fs::write(folder.join("like.csv"), like).unwrap();
     std::fs::write(folder.join("model.toml"), model).unwrap();
-    let arguments = ["simulate", "model.toml", "--like", "like.csv", "--out", "out.csv"];
+    let arguments = ["simulate", "model.toml", "--like", "like.csv"].iter().chain(more);
     let output =
         Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(arguments).current_dir(folder).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The torque column that `simulate` writes for the model along [`motion`].
+fn simulated_mnm(folder: &Path, model: &str) -> Vec<f64> {
+    simulated(folder, model, &["--out", "out.csv"]);
     let table = std::fs::read_to_string(folder.join("out.csv")).unwrap();
     let mut lines = table.lines();
     let column = lines.next().unwrap().split(',').position(|name| name == "torque_mnm").unwrap();
@@ -127,4 +133,26 @@ fn a_knob_behind_a_shaft_is_simulated_with_its_own_motion() {
     let late = |index: usize| index as f64 * SAMPLE_S;
     let worst = (2_000..SAMPLES - 50).map(|index| (written[index] - steady(late(index))).abs()).fold(0.0, f64::max);
     assert!(worst < 0.01, "{worst}");
+}
+
+#[test]
+fn a_models_relative_error_on_a_capture_is_told_without_writing_anything() {
+    let folder = tempfile::tempdir().unwrap();
+    let error_percent = |model: &str| -> f64 {
+        let said = simulated(folder.path(), model, &[]);
+        let number = said.split("relative error ").nth(1).and_then(|rest| rest.split(' ').next());
+        number.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("no relative error in {said}"))
+    };
+    // Friction goes through zero at rest and not from one sample to the next: hence not quite nothing.
+    assert!(error_percent(BASE) < 3.0);
+    let inertia_alone = "name = \"half\"\n[[effects]]\neffect = \"inertia\"\ninertia = 0.05\n";
+    let torques = (0..SAMPLES).map(|index| index as f64 * SAMPLE_S);
+    let (left, all) = torques.fold((0.0, 0.0), |(left, all), time_s| {
+        let (torque, friction) = (rigid_mnm(time_s), rigid_mnm(time_s) - 0.05 * motion(time_s).2);
+        (left + friction * friction, all + torque * torque)
+    });
+    let expected: f64 = 100.0 * f64::sqrt(left / all);
+    let found = error_percent(inertia_alone);
+    assert!((found - expected).abs() < 0.05, "{found} % for {expected} %");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }

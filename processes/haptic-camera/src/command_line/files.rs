@@ -50,7 +50,7 @@ impl Command {
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page),
             Self::Simulate(options) => {
-                files.reading([&options.model, &options.like]).writing(Some(&options.out), options.kind())
+                files.reading([&options.model, &options.like]).writing(options.out.as_ref(), options.kind())
             }
             Self::Export(options) => files.reading([&options.source]).writing(Some(&options.out), options.kind()),
             Self::List(options) => files.writing(options.json.as_ref(), Kind::Json),
@@ -77,7 +77,7 @@ impl SimulateOptions {
     /// Whether the simulated capture is written as a table.
     #[must_use]
     pub fn writes_table(&self) -> bool {
-        self.out.extension().is_some_and(|extension| extension == "csv")
+        self.out.as_ref().is_some_and(|out| out.extension().is_some_and(|extension| extension == "csv"))
     }
 
     fn kind(&self) -> Kind {

@@ -111,8 +111,10 @@ pub enum Command {
     /// Compare captures and models in one table and page, as the paper's Tables 4 to 6 compare knobs
     #[command(after_help = "Example:\n  haptic-camera compare captures/*.mcap mix.toml 3 --report knobs.html")]
     Compare(CompareOptions),
-    /// Simulate a model along a capture's motion or torque
-    #[command(after_help = "Example:\n  haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
+    /// Simulate a model along a capture's motion or torque, and tell its relative error on that capture
+    #[command(after_help = "Examples:\n  \
+        haptic-camera simulate model.toml --like capture.mcap\n  \
+        haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
     Simulate(SimulateOptions),
     /// Compose a model of one knob's inertia, another's friction and a third one's detents
     #[command(after_help = "Examples:\n  \

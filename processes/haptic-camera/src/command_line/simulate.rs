@@ -13,9 +13,9 @@ pub struct SimulateOptions {
     /// The capture whose motion or torque is followed
     #[arg(long, value_name = "CAPTURE")]
     pub like: PathBuf,
-    /// Where the simulated capture goes: an archive, or CSV if the name ends in .csv
+    /// Where the simulated capture goes, if it is to be kept: an archive, or CSV if the name ends in .csv
     #[arg(long, value_name = "CAPTURE")]
-    pub out: PathBuf,
+    pub out: Option<PathBuf>,
     /// What is taken from the capture: its motion, giving the torque, or its torque, giving the motion
     #[arg(long, value_enum, default_value = "motion")]
     pub drive: SimulationDrive,

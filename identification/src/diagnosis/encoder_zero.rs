@@ -1,0 +1,220 @@
+//! The encoder's zero, which may lie elsewhere in the held-out capture: an incremental encoder counts from where it was
+//! switched on.
+//!
+//! Detents, cogging and gravity of the training capture are then predicted at the wrong angle. The angle between both zeros is
+//! no property of the knob: it is estimated from the held-out capture and taken out of it.
+
+use dynamics::{Coordinate, EffectKind, Model, Motion, effects};
+
+use super::capture::Capture;
+use super::hypotheses;
+use super::judged::{Judged, p_value};
+use super::nonlinear::residual;
+use super::separable::Separable;
+use super::structure::Structure;
+use crate::least_squares::dot;
+use crate::motion::KnobMotion;
+use crate::statistics::{NORMAL_95, plus_minus};
+
+/// Angles between two zeros that are tried per radian of the finest torque's phase.
+const PER_PHASE: f64 = 3.0;
+/// Most angles that are tried.
+const MOST_TRIED: usize = 4_000;
+/// Rows by which they are compared, at most twice as many.
+const ROWS: usize = 2_000;
+/// A smaller angle is taken before a larger one that leaves so much less of the sum of squares.
+const AS_GOOD: f64 = 0.02;
+/// Share of the squares at the rows' middles that another zero must take off to be looked at closely.
+const PROMISING: f64 = 0.05;
+/// Halvings of the distance between two tried angles.
+const HALVINGS: usize = 12;
+/// The zeros are the same unless another one takes off this share of the sum of squares …
+const WORTHWHILE: f64 = 0.2;
+/// … and, stretch after stretch, more than chance would with this probability.
+const CHANCE: f64 = 1e-4;
+/// Share of its interval by which the angle may change when it is estimated again.
+const SETTLED: f64 = 0.5;
+/// An effect of the angle that the model lacks shows the zeros if it leaves less than this share of the training capture's squares.
+const SHOWS: f64 = 0.5;
+
+/// The angle between the zeros of two captures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EncoderZero {
+    /// What must be added to the held-out capture's angle, rad.
+    by_rad: f64,
+    /// Half its 95 % interval, rad.
+    half_rad: f64,
+    /// RMS that the model leaves of the held-out capture without and with it, mNm.
+    left_mnm: [f64; 2],
+}
+
+impl EncoderZero {
+    /// Where the held-out capture's zero lies elsewhere, by the torques of the angle that the model has or obviously lacks;
+    /// `None` where it does not.
+    pub(crate) fn of(base: &Judged, [train, heldout]: &[Capture; 2]) -> Option<Self> {
+        let structure = &base.structure;
+        let by_base = Self::by(structure, heldout);
+        if structure.is_coupled() || by_base.is_none() && !of_angle(structure).is_empty() {
+            return by_base;
+        }
+        // Detents tell the angle but for whole periods: what else goes with the angle tells these.
+        let fit = Separable::new(structure.clone(), train);
+        let more = hypotheses::candidates(structure).into_iter().filter(|kind| is_of_angle(kind));
+        let with = more.filter_map(|kind| hypotheses::separable(kind, &fit, heldout));
+        let best = with.min_by(|a, b| a.train_rms_mnm.total_cmp(&b.train_rms_mnm));
+        let shows = best.filter(|best| best.train_rms_mnm.powi(2) < SHOWS * base.train_rms_mnm.powi(2));
+        shows.and_then(|best| Self::by(&best.structure, heldout)).or(by_base)
+    }
+
+    /// The same by the torques of the angle in one structure.
+    fn by(structure: &Structure, heldout: &Capture) -> Option<Self> {
+        if structure.is_coupled() {
+            return None;
+        }
+        let step_rad = phase_rad(structure, heldout)? / PER_PHASE;
+        let from_rad = coarse(structure, heldout, step_rad)?;
+        let (found, [here, there]) = Self::near(from_rad, step_rad, structure, heldout)?;
+        let worthwhile = dot(&there, &there) < (1.0 - WORTHWHILE) * dot(&here, &here);
+        (worthwhile && p_value(&here, &there) < CHANCE).then_some(found)
+    }
+
+    /// The same by a structure that lacks less than the one before.
+    pub(crate) fn again(before: Option<Self>, structure: &Structure, heldout: &Capture) -> Option<Self> {
+        let Some(before) = before else { return Self::by(structure, heldout) };
+        let step_rad = phase_rad(structure, heldout).map_or(before.half_rad, |phase_rad| phase_rad / PER_PHASE);
+        Some(Self::near(before.by_rad, step_rad, structure, heldout).map_or(before, |(found, _)| found))
+    }
+
+    /// Whether two angles differ, as far as they are known.
+    pub(crate) fn differ(before: Option<Self>, after: Option<Self>) -> bool {
+        match (before, after) {
+            (Some(before), Some(after)) => (after.by_rad - before.by_rad).abs() > SETTLED * after.half_rad,
+            _ => before != after,
+        }
+    }
+
+    /// The best angle near one, and what is left of the held-out capture without and with it.
+    fn near(from_rad: f64, step_rad: f64, structure: &Structure, heldout: &Capture) -> Option<(Self, [Vec<f64>; 2])> {
+        let left = |by_rad: f64| residual(structure, &moved(heldout, by_rad));
+        let squares = |by_rad: f64| {
+            let left = left(by_rad);
+            dot(&left, &left)
+        };
+        let (by_rad, curvature) = refined(from_rad, step_rad, squares)?;
+        let both = [0.0, by_rad].map(left);
+        let left_mnm = both.each_ref().map(|left| (dot(left, left) / heldout.weight).sqrt());
+        Some((Self { by_rad, half_rad: NORMAL_95 * left_mnm[1] / curvature.sqrt(), left_mnm }, both))
+    }
+
+    /// The held-out capture as it would be with the training capture's zero.
+    pub(crate) fn taken_out_of(&self, heldout: &Capture) -> Capture {
+        moved(heldout, self.by_rad)
+    }
+
+    /// What was found, in a sentence.
+    pub(crate) fn note(&self) -> String {
+        let Self { by_rad, half_rad, left_mnm: [before, after] } = self;
+        format!(
+            "the held-out capture's angle counts from another zero than the training capture's: {} rad were added to it (where \
+             all torque of the angle repeats, any number of periods more would do), with which the final model leaves \
+             {after:.3} mNm RMS, without {before:.3}",
+            plus_minus(*by_rad, *half_rad)
+        )
+    }
+}
+
+/// A capture whose angle is larger by so much.
+fn moved(capture: &Capture, by_rad: f64) -> Capture {
+    let motion = &capture.motion;
+    let angle_rad = motion.angle_rad.iter().map(|angle| angle + by_rad).collect();
+    capture.beside(KnobMotion { angle_rad, ..motion.clone() })
+}
+
+/// Whether an effect is a torque of the angle. A spring counts as none: another zero of it is an offset.
+fn is_of_angle(kind: &EffectKind) -> bool {
+    kind.steepest_mnm_rad.is_some()
+        && kind.depends_on.first() == Some(&Coordinate::Angle)
+        && kind.name != effects::return_spring::KIND.name
+}
+
+/// Those of a structure's effects that are torques of the angle.
+fn of_angle(structure: &Structure) -> Vec<usize> {
+    (0..structure.effects.len()).filter(|index| is_of_angle(structure.effects[*index].kind())).collect()
+}
+
+/// Angle over which the finest torque of the angle changes by a radian of phase, rad; `None` where there is no such torque.
+fn phase_rad(structure: &Structure, capture: &Capture) -> Option<f64> {
+    let finest = of_angle(structure).into_iter().filter_map(|index| {
+        let effect = &structure.effects[index];
+        let torque_mnm = |motion: &Motion| effect.free_torque_mnm(motion).abs();
+        let largest_mnm = capture.row_motions().iter().map(|(motion, _)| torque_mnm(motion)).fold(0.0, f64::max);
+        let steepest_mnm_rad = effect.kind().steepest_mnm_rad?(effect);
+        (steepest_mnm_rad > 0.0 && largest_mnm > 0.0).then(|| largest_mnm / steepest_mnm_rad)
+    });
+    finest.reduce(f64::min)
+}
+
+/// The angle, of a grid over a turn, with which the structure explains most of the capture at the rows' middles; `None` if it
+/// explains hardly more than without.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "a grid")]
+fn coarse(structure: &Structure, capture: &Capture, step_rad: f64) -> Option<f64> {
+    let half = ((std::f64::consts::PI / step_rad) as usize).min(MOST_TRIED / 2);
+    let places = of_angle(structure);
+    let rest = places.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
+    let torques: Vec<_> = places.iter().map(|index| structure.effects[*index]).collect();
+    let of_angle = Model { name: String::new(), description: String::new(), effects: torques };
+    let target = residual(&rest, capture);
+    let rows: Vec<(f64, f64, f64)> = capture
+        .row_motions()
+        .iter()
+        .zip(&target)
+        .filter(|((_, mask), _)| *mask > 0.0)
+        .step_by((target.len() / ROWS).max(1))
+        .map(|((motion, mask), target)| (motion.angle_rad, *mask, *target))
+        .collect();
+    let squares = |by_rad: f64| -> f64 {
+        let left = |(angle, mask, target): &(f64, f64, f64)| {
+            let there = Motion { angle_rad: angle + by_rad, ..Motion::default() };
+            (target - mask * of_angle.free_torque_mnm(&there)).powi(2)
+        };
+        rows.iter().map(left).sum()
+    };
+    let tried: Vec<(f64, f64)> = (0..=2 * half)
+        .map(|place| (place as f64 - half as f64) * step_rad)
+        .map(|by_rad| (by_rad, squares(by_rad)))
+        .collect();
+    let valleys = tried.windows(3).filter(|three| three[1].1 <= three[0].1.min(three[2].1));
+    let mut bottoms: Vec<(f64, f64)> = valleys
+        .filter_map(|three| refined(three[1].0, step_rad, squares))
+        .map(|(by_rad, _)| (by_rad, squares(by_rad)))
+        .collect();
+    let best = bottoms.iter().map(|bottom| bottom.1).fold(f64::INFINITY, f64::min);
+    if best > (1.0 - PROMISING) * squares(0.0) {
+        return None;
+    }
+    bottoms.retain(|bottom| bottom.1 <= (1.0 + AS_GOOD) * best);
+    bottoms.into_iter().map(|bottom| bottom.0).min_by(|a, b| a.abs().total_cmp(&b.abs()))
+}
+
+/// The minimum within `step` of a start, and the function's curvature there: half its second derivative.
+fn refined(start: f64, step: f64, of: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+    let (mut at, mut least, mut step) = (start, of(start), step);
+    let mut curvature = 0.0;
+    for _ in 0..HALVINGS {
+        let [below, above] = [of(at - step), of(at + step)];
+        let bend = 0.5 * (below + above) - least;
+        if bend > 0.0 {
+            curvature = bend / step.powi(2);
+        }
+        let moved = if bend > 0.0 { (0.25 * (below - above) / bend).clamp(-1.0, 1.0) * step } else { 0.0 };
+        let there = of(at + moved);
+        if there < least {
+            (at, least) = (at + moved, there);
+        }
+        if moved.abs() < 0.05 * step && bend < 0.01 * least {
+            break;
+        }
+        step *= 0.5;
+    }
+    (curvature > 0.0).then_some((at, curvature))
+}
