@@ -29,6 +29,7 @@ mod repeatability;
 mod replay;
 mod rig_run;
 mod rig_test;
+mod sheet;
 mod simulate;
 mod supervision;
 mod terminal;
@@ -59,6 +60,7 @@ fn main() -> ExitCode {
         Command::RigTest(options) => rig_test::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Compare(options) => compare::run(&options),
+        Command::Sheet(options) => sheet::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Compose(options) => compose::run(&options),
         Command::Export(options) => export::run(&options),

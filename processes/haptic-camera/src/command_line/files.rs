@@ -49,6 +49,11 @@ impl Command {
                 .reading(&options.subjects)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page),
+            Self::Sheet(options) => files
+                .reading(&options.captures)
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.csv.as_ref(), Kind::Figures)
+                .writing(options.report.as_ref(), Kind::Page),
             Self::Simulate(options) => {
                 files.reading([&options.model, &options.like]).writing(Some(&options.out), options.kind())
             }

@@ -17,6 +17,7 @@ mod replay;
 mod rig;
 mod rig_test;
 mod run;
+mod sheet;
 mod simulate;
 mod tune;
 mod view;
@@ -37,6 +38,7 @@ pub use replay::ReplayOptions;
 pub use rig::RigOptions;
 pub use rig_test::RigTestOptions;
 pub use run::RunOptions;
+pub use sheet::SheetOptions;
 pub use simulate::{SimulateOptions, SimulationDrive};
 pub use tune::TuneOptions;
 pub use view::ViewOptions;
@@ -111,6 +113,13 @@ pub enum Command {
     /// Compare captures and models in one table and page, as the paper's Tables 4 to 6 compare knobs
     #[command(after_help = "Example:\n  haptic-camera compare captures/*.mcap mix.toml 3 --report knobs.html")]
     Compare(CompareOptions),
+    /// Read the figures of a data sheet off a slow turn or a press: pitch, peak and friction, or collapse, valley and snap
+    #[command(
+        after_help = "Examples:\n  haptic-camera sheet captures/20261121-101500-knob-3.mcap --report sheet.html\n  \
+        haptic-camera sheet dome/ --json sheet.json\n  \
+        haptic-camera sheet bench.csv --columns angle=Winkel,torque=M --units angle=deg,torque=Ncm"
+    )]
+    Sheet(SheetOptions),
     /// Simulate a model along a capture's motion or torque
     #[command(after_help = "Example:\n  haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
     Simulate(SimulateOptions),

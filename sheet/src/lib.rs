@@ -1,0 +1,23 @@
+//! The data sheet of a control: from a curve of load over position to the figures in which the trade speaks of it.
+//!
+//! A [`Curve`](archive::testers::Curve) is torque over angle or force over travel, turned or pressed slowly enough for speed to
+//! have no part in it. [`Sheet::of`] takes one curve, or several of one part, to
+//!
+//! - *branches*: the load over the position, one a direction, with intervals;
+//! - *figures*: collapse, valley and snap of what is pressed; pitch, peak, trough, stiffness, energy and backlash of detents, and
+//!   the friction between the branches.
+//!
+//! Every figure has a [`FigureKind`], which defines it in a sentence and says whose definition that is, and a 95 % interval. Of
+//! one curve the interval comes from the noise about the smoothed curve; of several it is that which holds the figure of
+//! one more of them. A [`Specification`] sets limits on figures and curve; [`Specification::judge`] says pass, fail or undecided.
+//! [`Capability`] and [`Gauge`] tell of many parts, operators and repeats.
+
+mod branch;
+mod figure;
+mod noise;
+mod pressed;
+mod repeats;
+
+pub use branch::Branch;
+pub use figure::{Figure, FigureKind, kinds};
+pub use repeats::{Sheet, SheetError};
