@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::pressed;
+use crate::{pressed, rotary};
 
 /// A figure of the sheet, as it is defined.
 #[derive(Debug, PartialEq, Serialize)]
@@ -18,9 +18,9 @@ pub struct FigureKind {
     pub source: &'static str,
 }
 
-/// Every figure that there is, pressed controls first.
+/// Every figure that there is, in the order of the sheet: pressed controls first, then turned ones.
 pub fn kinds() -> impl Iterator<Item = &'static FigureKind> {
-    pressed::KINDS.iter().copied()
+    pressed::KINDS.iter().chain(rotary::KINDS).copied()
 }
 
 /// A figure of a part.

@@ -17,7 +17,8 @@ mod figure;
 mod noise;
 mod pressed;
 mod repeats;
+mod rotary;
 
 pub use branch::Branch;
-pub use figure::{Figure, FigureKind, kinds};
-pub use repeats::{Sheet, SheetError};
+pub use figure::{Figure, FigureKind, Spread, kinds};
+pub use repeats::{CurveError, Detent, DetentFigure, Sheet, SheetError};

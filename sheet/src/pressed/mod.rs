@@ -15,7 +15,7 @@ use identification::statistics::{NORMAL_95, rms};
 use crate::branch::Branch;
 use crate::figure::{Estimate, FigureKind};
 use crate::noise::{DRAWS, Signs, mean_and_deviation};
-use crate::repeats::SheetError;
+use crate::repeats::CurveError;
 use features::features;
 use stroke::{STEP_MM, smoothed};
 
@@ -33,11 +33,11 @@ pub(crate) struct Pressed {
 /// Reads the figures off a press, with the errors that the curve's noise makes.
 ///
 /// # Errors
-/// [`SheetError::NoPress`] where there is next to no travel to press over.
-pub(crate) fn read(curve: &Curve) -> Result<Pressed, SheetError> {
+/// [`CurveError::NoPress`] where there is next to no travel to press over.
+pub(crate) fn read(curve: &Curve) -> Result<Pressed, CurveError> {
     let mut stroke = Stroke::of(curve);
     if stroke.press.len() < FEWEST_STEPS {
-        return Err(SheetError::NoPress);
+        return Err(CurveError::NoPress);
     }
     let values = features(&stroke);
     let deviations = deviations(&stroke, &values);

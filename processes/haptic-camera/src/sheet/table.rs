@@ -26,7 +26,7 @@ pub fn figures(sheet: &Sheet) -> Table {
     table.load_preset(presets::NOTHING);
     table.set_header(["figure", "value", "95 % interval", "unit"]);
     for kind in sheet::kinds() {
-        let Some(figure) = sheet.figures.get(kind.name) else { continue };
+        let Some(figure) = sheet.figure(kind) else { continue };
         if let Some([value, interval]) = cells(figure) {
             table.add_row([kind.name.to_owned(), value, interval, kind.unit.to_owned()]);
         }
@@ -50,7 +50,7 @@ fn cells(figure: &Figure) -> Option<[String; 2]> {
 pub fn untold(sheet: &Sheet) -> Vec<String> {
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for kind in sheet::kinds() {
-        let Some(reason) = sheet.figures.get(kind.name).and_then(|figure| figure.reason.as_deref()) else { continue };
+        let Some(reason) = sheet.figure(kind).and_then(|figure| figure.reason.as_deref()) else { continue };
         match reasons.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, names)) => names.push(kind.name),
             None => reasons.push((reason, vec![kind.name])),
