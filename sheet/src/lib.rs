@@ -16,9 +16,14 @@ mod branch;
 mod figure;
 mod noise;
 mod pressed;
+mod quantiles;
 mod repeats;
 mod rotary;
+mod specification;
+mod verdict;
 
 pub use branch::Branch;
 pub use figure::{Figure, FigureKind, Spread, kinds};
 pub use repeats::{CurveError, Detent, DetentFigure, Sheet, SheetError};
+pub use specification::{Limits, Specification, SpecificationError};
+pub use verdict::{EnvelopeVerdict, FigureVerdict, Judgement, Verdict};

@@ -49,6 +49,11 @@ impl Command {
                 .reading(&options.subjects)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page),
+            Self::Judge(options) => files
+                .reading(&options.captures)
+                .reading([&options.spec])
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.report.as_ref(), Kind::Page),
             Self::Sheet(options) => files
                 .reading(&options.captures)
                 .writing(options.json.as_ref(), Kind::Json)
