@@ -13,9 +13,12 @@
 //! [`Capability`] and [`Gauge`] tell of many parts, operators and repeats.
 
 mod branch;
+mod capability;
 mod figure;
+mod gauge;
 mod noise;
 mod pressed;
+mod qdas;
 mod quantiles;
 mod repeats;
 mod rotary;
@@ -23,7 +26,10 @@ mod specification;
 mod verdict;
 
 pub use branch::Branch;
+pub use capability::{Capability, CapabilityError, Index};
 pub use figure::{Figure, FigureKind, Spread, kinds};
+pub use gauge::{Design, Gauge, GaugeError};
+pub use qdas::{QDAS_REMARK, QdasRow, qdas};
 pub use repeats::{CurveError, Detent, DetentFigure, Sheet, SheetError};
 pub use specification::{Limits, Specification, SpecificationError};
 pub use verdict::{EnvelopeVerdict, FigureVerdict, Judgement, Verdict};

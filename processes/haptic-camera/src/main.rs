@@ -32,6 +32,7 @@ mod rig_run;
 mod rig_test;
 mod sheet;
 mod simulate;
+mod studies;
 mod supervision;
 mod terminal;
 mod tune;
@@ -61,6 +62,8 @@ fn main() -> ExitCode {
         Command::RigTest(options) => rig_test::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Compare(options) => compare::run(&options),
+        Command::Capability(options) => studies::run_capability(&options),
+        Command::Gauge(options) => studies::run_gauge(&options),
         Command::Judge(options) => judge::run(&options),
         Command::Sheet(options) => sheet::run(&options),
         Command::Simulate(options) => simulate::run(&options),

@@ -18,6 +18,8 @@ pub enum Kind {
     Page,
     /// The figures of a data sheet as a table.
     Figures,
+    /// Figures of many units as a Q-DAS file.
+    Qdas,
     /// A model that was fitted.
     FittedModel,
     /// A model with what a diagnosis found.
@@ -45,6 +47,7 @@ impl Kind {
             Self::Json => Replace::Marked("\"made_by\": \"haptic-camera\""),
             Self::Page => Replace::Marked("<meta name=\"generator\" content=\"haptic-camera\">"),
             Self::Figures => Replace::Marked(FIGURES_HEADER),
+            Self::Qdas => Replace::Marked(sheet::QDAS_REMARK),
             Self::FittedModel => Replace::Marked(" samples: residual "),
             Self::DiagnosedModel => Replace::Marked("\ndescription = \"diagnosed from "),
             Self::ComposedModel => Replace::Marked("\norigin = "),

@@ -54,6 +54,17 @@ impl Command {
                 .reading([&options.spec])
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page),
+            Self::Capability(options) => files
+                .reading(&options.study.captures)
+                .reading(&options.study.values)
+                .reading([&options.spec])
+                .writing(options.study.json.as_ref(), Kind::Json)
+                .writing(options.dfq.as_ref(), Kind::Qdas),
+            Self::Gauge(options) => files
+                .reading(&options.study.captures)
+                .reading(&options.study.values)
+                .reading(&options.spec)
+                .writing(options.study.json.as_ref(), Kind::Json),
             Self::Sheet(options) => files
                 .reading(&options.captures)
                 .writing(options.json.as_ref(), Kind::Json)

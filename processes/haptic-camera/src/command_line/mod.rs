@@ -20,6 +20,7 @@ mod rig_test;
 mod run;
 mod sheet;
 mod simulate;
+mod studies;
 mod tune;
 mod view;
 
@@ -42,6 +43,7 @@ pub use rig_test::RigTestOptions;
 pub use run::RunOptions;
 pub use sheet::SheetOptions;
 pub use simulate::{SimulateOptions, SimulationDrive};
+pub use studies::{CapabilityOptions, GaugeOptions, StudyOptions};
 pub use tune::TuneOptions;
 pub use view::ViewOptions;
 
@@ -121,6 +123,13 @@ pub enum Command {
     #[command(after_help = "Example:\n  haptic-camera judge unit-*.mcap --spec spec.toml\n\n\
         Exit status: 0 all pass, 4 one fails, 5 one is undecided and none fails.")]
     Judge(JudgeOptions),
+    /// Say whether a process keeps its units within their limits: Cp and Cpk, Pp and Ppk, with intervals
+    #[command(after_help = "Example:\n  haptic-camera capability batch/*.csv --spec spec.toml --dfq batch.dfq")]
+    Capability(CapabilityOptions),
+    /// Say whether a tester is good enough: repeatability and reproducibility by analysis of variance, %GRR, ndc
+    #[command(after_help = "Examples:\n  haptic-camera gauge study/*/*/*.mcap --spec spec.toml\n  \
+        haptic-camera gauge --values study.csv --figure collapse_force")]
+    Gauge(GaugeOptions),
     /// Read the figures of a data sheet off a slow turn or a press: pitch, peak and friction, or collapse, valley and snap
     #[command(
         after_help = "Examples:\n  haptic-camera sheet captures/20261121-101500-knob-3.mcap --report sheet.html\n  \
