@@ -109,8 +109,7 @@ impl Specification {
     /// The verdict on a part.
     #[must_use]
     pub fn judge(&self, sheet: &Sheet) -> Judgement {
-        let points: usize = self.envelopes.iter().map(|envelope| rows(envelope, sheet).len()).sum();
-        let guard = Guard { risk: self.risk, limits: (self.limits().len() + points).max(1) };
+        let guard = Guard { risk: self.risk, limits: (self.limits().len() + self.envelopes.len()).max(1) };
         let mut reasons = Vec::new();
         let figures: Vec<FigureVerdict> = self
             .limits()
@@ -185,6 +184,8 @@ fn rows(envelope: &Envelope, sheet: &Sheet) -> Vec<[f64; 5]> {
 #[allow(clippy::cast_precision_loss, reason = "a number of runs")]
 fn of_branch(guard: Guard, envelope: &Envelope, sheet: &Sheet) -> (EnvelopeVerdict, Option<String>) {
     let rows = rows(envelope, sheet);
+    // A branch has its share of the risk for all of its rows.
+    let guard = Guard { limits: guard.limits * rows.len().max(1), ..guard };
     let freedom = if sheet.runs > 1 { sheet.runs as f64 - 1.0 } else { f64::INFINITY };
     let width_95 = identification::statistics::student_95(freedom);
     let judged = rows.iter().map(|[position, load, half, low, high]| {

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use anyhow::Context as _;
+use report::{JudgedUnit, VerdictsPage};
 use serde::Serialize;
 use sheet::{Judgement, Sheet, Specification, Verdict};
 
 use crate::command_line::JudgeOptions;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{to_output, write_json};
+use crate::outputs::{Kind, to_output, write, write_json};
 use crate::sheet::{curves, files_of};
 
 /// The verdict on one unit.
@@ -46,6 +47,17 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
         units.push(judged);
     }
     let verdict = units.iter().map(|unit| unit.judgement.verdict).max().unwrap_or(Verdict::Pass);
+    if let Some(path) = &options.report {
+        let judged =
+            units.iter().map(|judged| JudgedUnit { unit: judged.unit.clone(), judgement: judged.judgement.clone() });
+        let page = VerdictsPage {
+            name: operator::one_line(&specification.name),
+            risk: specification.risk,
+            units: judged.collect(),
+            software_version: env!("CARGO_PKG_VERSION").to_owned(),
+        };
+        write(path, Kind::Page, &report::verdicts_page(&page))?;
+    }
     write_json(options.json.as_deref(), &Judgements { verdict, risk: specification.risk, units })?;
     Ok(match verdict {
         Verdict::Pass => Outcome::Done,

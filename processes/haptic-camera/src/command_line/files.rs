@@ -69,6 +69,7 @@ impl Command {
                 .reading(&options.captures)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.csv.as_ref(), Kind::Figures)
+                .writing(options.wall.as_ref(), Kind::Page)
                 .writing(options.report.as_ref(), Kind::Page),
             Self::Simulate(options) => {
                 files.reading([&options.model, &options.like]).writing(Some(&options.out), options.kind())

@@ -11,7 +11,7 @@ use crate::outputs::UsageError;
 #[derive(Debug, Args)]
 pub struct SheetOptions {
     /// Captures or testers' files of one part, or a folder of them; several are averaged
-    #[arg(required = true, value_name = "CAPTURE")]
+    #[arg(required_unless_present = "wall", value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
     /// What the columns are
     #[command(flatten)]
@@ -23,8 +23,11 @@ pub struct SheetOptions {
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(long, requires = "captures", value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    /// Write the paper's five knobs beside SmartKnob's default ones as one page, for the wall
+    #[arg(long, value_name = "FILE.html")]
+    pub wall: Option<PathBuf>,
 }
 
 /// What the columns of a table are that is none of the known ones.
