@@ -8,8 +8,6 @@ use super::spline::{Spline, SplineFit};
 use crate::branch::Branch;
 use crate::noise::Signs;
 
-/// Cells between two knots: rows in a cell count as their mean.
-const CELLS: f64 = 8.0;
 /// Neighbouring cells whose noise may go together.
 const CORRELATED: usize = 4;
 
@@ -28,14 +26,13 @@ pub(super) struct SplineBranch {
 }
 
 impl SplineBranch {
-    /// Of the rows in one direction, with knots every `knot` rad; `None` of too few.
+    /// Of the rows in one direction, those in cells of `cell` rad as their mean, with knots every `knot` rad; `None` of too few.
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a number of cells")]
-    pub(super) fn of(curve: &Curve, directions: &[i8], direction: i8, knot: f64) -> Option<Self> {
-        let width = knot / CELLS;
+    pub(super) fn of(curve: &Curve, directions: &[i8], direction: i8, knot: f64, cell: f64) -> Option<Self> {
         let mut cells: std::collections::BTreeMap<i64, [f64; 3]> = std::collections::BTreeMap::new();
         let rows = curve.position.iter().zip(&curve.load).zip(directions);
         for ((angle, load), _) in rows.filter(|(_, of)| **of == direction) {
-            let [sum, loads, count] = cells.entry((angle / width).floor() as i64).or_default();
+            let [sum, loads, count] = cells.entry((angle / cell).floor() as i64).or_default();
             (*sum, *loads, *count) = (*sum + angle, *loads + load, *count + 1.0);
         }
         let column = |take: fn(&[f64; 3]) -> f64| cells.values().map(take).collect::<Vec<f64>>();
@@ -48,8 +45,7 @@ impl SplineBranch {
         let mut left: Vec<f64> = loads.iter().zip(&smooth).map(|(load, smooth)| load - smooth).collect();
         let free = left.len().saturating_sub(fit.width()).max(1) as f64;
         let squares: f64 = left.iter().zip(&rows).map(|(left, count)| count * left * left).sum();
-        let all: f64 = rows.iter().sum();
-        let cross_validation = squares / all / (1.0 - fit.width() as f64 / left.len() as f64).powi(2);
+        let cross_validation = squares / (1.0 - fit.width() as f64 / left.len() as f64).powi(2);
         let factor = (left.len() as f64 / free).sqrt() * together(&left);
         left.iter_mut().for_each(|left| *left *= factor);
         let ends = [*angles.first()?, *angles.last()?];

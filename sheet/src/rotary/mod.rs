@@ -27,14 +27,19 @@ use figures::{
 use spline::Spline;
 
 /// Knots from one detent to the next, among which cross-validation chooses. A cubic spline with the fewest of them follows a sine to
-/// 0.1 %.
-const KNOTS_PER_DETENT: [f64; 4] = [8.0, 12.0, 18.0, 27.0];
+/// 0.02 %.
+const KNOTS_PER_DETENT: [f64; 4] = [12.0, 18.0, 27.0, 40.0];
+/// Cells in a detent: rows in a cell count as their mean.
+const CELLS_PER_DETENT: f64 = 240.0;
+/// Times the knots that predict best: where a branch bends, its own noise is then larger than what the spline makes of the bend,
+/// and only noise is in the intervals.
+const UNDERSMOOTHED: f64 = 1.5;
 /// Detents in a turn that stand for those of a control without any.
 const DETENTS_OF_NONE: f64 = 6.0;
 /// Time by which the ends of free travel are told, s.
 const FREE_TRAVEL_BIN_S: f64 = 0.005;
 /// Rows of the curve from one knot to the next.
-const ROWS_PER_KNOT: f64 = 2.0;
+const ROWS_PER_KNOT: f64 = 4.0;
 /// Part of the travel, from each end, in which an end stop may lie.
 const OUTER: f64 = 0.2;
 /// Times the torque within that an end stop takes.
@@ -136,14 +141,17 @@ fn is_stop(kind: &FigureKind) -> bool {
     kind == &END_STOP_LOW || kind == &END_STOP_HIGH
 }
 
-/// The branches with as many knots as predict what they were not fitted to best; `None` if one of them has too few rows.
+/// The branches with more knots than predict best what they were not fitted to; `None` if one of them has too few rows.
 fn branches(curve: &Curve, directions: &[i8], pitch: f64) -> Option<[SplineBranch; 2]> {
-    let candidates = KNOTS_PER_DETENT.iter().filter_map(|knots| {
-        let branch = |direction| SplineBranch::of(curve, directions, direction, pitch / knots);
+    let with = |knots: f64| {
+        let branch =
+            |direction| SplineBranch::of(curve, directions, direction, pitch / knots, pitch / CELLS_PER_DETENT);
         Some([branch(-1)?, branch(1)?])
-    });
+    };
+    let candidates = KNOTS_PER_DETENT.iter().filter_map(|knots| Some((*knots, with(*knots)?)));
     let score = |pair: &[SplineBranch; 2]| pair[0].cross_validation + pair[1].cross_validation;
-    candidates.min_by(|a, b| score(a).total_cmp(&score(b)))
+    let (knots, best) = candidates.min_by(|a, b| score(&a.1).total_cmp(&score(&b.1)))?;
+    with(UNDERSMOOTHED * knots).or(Some(best))
 }
 
 fn samples<'a>(curve: &'a Curve, t_s: &'a [f64]) -> Samples<'a> {

@@ -80,7 +80,7 @@ fn slow_turn(model: &Model) -> Curve {
         })
     };
     let back: Vec<_> = turn(Direction::Negative).collect();
-    let rows = turn(Direction::Positive).chain(back.into_iter().rev());
+    let rows = turn(Direction::Positive).chain(back.into_iter().rev().skip(1));
     let (position, load) = rows
         .map(|(angle_rad, motion, direction)| {
             (angle_rad, model.place_torque_mnm(&motion) + model.friction_mnm(&motion, direction))

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 use shared_types::Axis;
 use sheet::{Branch, Sheet};
 
-use crate::figures::{Figure, HALF, Mark, WIDE};
+use crate::figures::{Figure, Mark, WIDE};
 use crate::ink::Ink;
 use crate::plot::{Axis as PlotAxis, Layer, Plot};
 
@@ -61,7 +61,7 @@ fn figure(sheet: &Sheet, range: Option<[f64; 2]>, title: &str) -> Figure {
         .iter()
         .map(|((_, line, ..), rows)| Layer::Line(*line, rows.iter().map(|[at, load, _]| (*at, *load)).collect()));
     let plot = Plot {
-        size: if range.is_some() { HALF } else { WIDE },
+        size: WIDE,
         x: PlotAxis::around(x, all().map(|[at, ..]| *at)),
         y: PlotAxis::around(y, all().flat_map(|[_, load, half]| [load - half, load + half]).chain([0.0])),
         layers: [Layer::Level(Ink::Zero, 0.0)]

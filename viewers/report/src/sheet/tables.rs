@@ -76,7 +76,7 @@ pub(super) fn figures(sheet: &Sheet) -> Markup {
                                 }
                             }
                             td.words {
-                                (kind.definition) " " span.faint { "After " (kind.source) "." }
+                                (kind.definition) " " span.faint { "Source: " (kind.source) "." }
                                 @if let Some(reason) = &figure.reason { span.untold { "Not told: " (reason) "." } }
                             }
                         }
