@@ -89,9 +89,9 @@ fn bridged(values: &[Option<f64>]) -> Vec<f64> {
     for (index, value) in values.iter().enumerate() {
         let Some(value) = *value else { continue };
         let (from, start) = before.unwrap_or((index, value));
-        for at in from..=index {
-            let share = if index > from { (at - from) as f64 / (index - from) as f64 } else { 0.0 };
-            filled[at] = start + share * (value - start);
+        for (step, filled) in filled[from..=index].iter_mut().enumerate() {
+            let share = if index > from { step as f64 / (index - from) as f64 } else { 0.0 };
+            *filled = start + share * (value - start);
         }
         before = Some((index, value));
     }

@@ -78,7 +78,7 @@ impl Capability {
     #[allow(clippy::cast_precision_loss, reason = "a number of values")]
     pub fn of(values: &[f64], subgroup: usize, limits: Limits) -> Result<Self, CapabilityError> {
         let number = values.len();
-        if subgroup == 0 || number % subgroup != 0 {
+        if subgroup == 0 || !number.is_multiple_of(subgroup) {
             return Err(CapabilityError::Uneven { number, subgroup });
         }
         if number < 2 * subgroup.max(2) {

@@ -21,7 +21,7 @@ impl Signs {
     pub(crate) fn redraw(&mut self, smooth: &[f64], residual: &[f64]) -> Vec<f64> {
         let mut bits = 0;
         let mut sign = |index: usize| {
-            if index % 64 == 0 {
+            if index.is_multiple_of(64) {
                 bits = self.0.next_u64();
             }
             if bits >> (index % 64) & 1 == 1 { 1.0 } else { -1.0 }

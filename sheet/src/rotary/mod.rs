@@ -123,8 +123,11 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     Ok(Turned { figures, detents, branches })
 }
 
+/// A figure of a detent, and how it is taken.
+type PerDetent = (&'static FigureKind, fn(&Detent) -> f64);
+
 /// The figures that each detent has, in the order of the sheet.
-static PER_DETENT: [(&FigureKind, fn(&Detent) -> f64); 6] = [
+static PER_DETENT: [PerDetent; 6] = [
     (&DETENT_PITCH, |detent| detent.pitch),
     (&PEAK_TORQUE, |detent| detent.peak),
     (&TROUGH_TORQUE, |detent| detent.trough),

@@ -34,6 +34,9 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
         say(table::heading(&sheet, &files));
         say(table::figures(&sheet));
         table::untold(&sheet).iter().for_each(say);
+        if !sheet.detents.is_empty() {
+            say(format!("\n{}", table::detents(&sheet)));
+        }
     }
     write_json(options.json.as_deref(), &sheet)?;
     if let Some(path) = &options.csv {

@@ -39,6 +39,41 @@ pub fn figures(sheet: &Sheet) -> Table {
     table
 }
 
+/// What each detent takes in each direction, in degrees, mNm and mJ; its intervals are in the JSON and on the page.
+pub fn detents(sheet: &Sheet) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["at °", "turning", "pitch °", "peak", "trough", "ratio", "stiffness", "energy"]);
+    for detent in &sheet.detents {
+        let cell = |name: &str, unit: f64| {
+            let figure = detent.figures.get(name);
+            figure.map_or_else(String::new, |figure| {
+                let digits = digits((figure.ci95[1] - figure.ci95[0]) / unit);
+                format!("{:.digits$}", figure.value / unit)
+            })
+        };
+        let degree = 1_f64.to_radians();
+        let width = detent.angle_rad_ci95[1] - detent.angle_rad_ci95[0];
+        let digits = digits(width / degree);
+        table.add_row([
+            format!("{:.digits$}", detent.angle_rad / degree),
+            detent.direction.to_owned(),
+            cell("detent_pitch", degree),
+            cell("peak_torque", 1.0),
+            cell("trough_torque", 1.0),
+            cell("torque_ratio", 1.0),
+            cell("detent_stiffness", 1.0),
+            cell("detent_energy", 1.0),
+        ]);
+    }
+    for column in [0, 2, 3, 4, 5, 6, 7] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
 /// Value and interval with the digits that the interval supports.
 fn cells(figure: &Figure) -> Option<[String; 2]> {
     let (value, [low, high]) = (figure.value?, figure.ci95?);
