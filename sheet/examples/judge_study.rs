@@ -24,7 +24,7 @@ const REACH_MNM: f64 = 0.08;
 const DETENTS: f64 = 4.0;
 /// Rows of one way in the shortest capture.
 const ROWS: u32 = 1500;
-const LENGTHS: [u32; 4] = [1, 4, 16, 64];
+const LENGTHS: [u32; 3] = [1, 4, 16];
 
 struct Random(Xoshiro256PlusPlus);
 
