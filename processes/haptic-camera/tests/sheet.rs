@@ -78,7 +78,7 @@ fn verdicts_are_exit_statuses_and_one_line_a_unit() {
     let (status, printed) = judge(&["good.csv", "weak.csv"], "spec.toml");
     assert_eq!((status, printed.lines().count()), (4, 2), "{printed}");
     assert!(
-        printed.contains("fail       weak.csv: collapse_force 0.46")
+        printed.contains("fail       weak.csv: collapse_force 0.44243 N (")
             && printed.contains("is outside 0.5394 to 0.7355 N")
     );
     let output = run(&["sheet", "good.csv", "--json", "-"], folder.path());
