@@ -68,6 +68,14 @@ impl Capture {
         Ok(capture)
     }
 
+    /// Whether a file is an archive, or a table with the columns of a capture and a time.
+    ///
+    /// # Errors
+    /// [`ArchiveError`] for a file that cannot be read.
+    pub fn is_one(path: &Path) -> Result<bool, ArchiveError> {
+        Ok(is_mcap(path)? || csv_file::has_header(path)?)
+    }
+
     /// A capture of evenly spaced samples from tick 0 on.
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
@@ -248,7 +256,7 @@ fn media_type(name: &str) -> &'static str {
 }
 
 /// Refuses a file for which the machine has not enough memory.
-fn refuse_too_large(path: &Path) -> Result<(), ArchiveError> {
+pub(crate) fn refuse_too_large(path: &Path) -> Result<(), ArchiveError> {
     #[allow(clippy::cast_precision_loss, reason = "a number of bytes for display")]
     let length = std::fs::metadata(path).map_err(|error| ArchiveError::file(path, error))?.len() as f64;
     match memory::available() {

@@ -1,6 +1,6 @@
 //! Captures as CSV tables.
 
-use std::io::Write;
+use std::io::{Read as _, Write};
 use std::path::Path;
 
 use foreign_files::{Column, Others, read_columns};
@@ -27,6 +27,21 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
     capture.seq = (0..capture.t_s.len() as u64).collect();
     capture.tick = ticks(&capture.t_s, capture.rate_hz);
     Ok(capture)
+}
+
+/// Bytes among which the names of all columns are.
+const HEADER: u64 = 4096;
+
+/// Whether the first line that is no comment names every column that a capture must have.
+pub(crate) fn has_header(path: &Path) -> Result<bool, ArchiveError> {
+    let mut head = Vec::new();
+    foreign_files::open(path)
+        .and_then(|file| file.take(HEADER).read_to_end(&mut head))
+        .map_err(|error| ArchiveError::file(path, error))?;
+    let head = String::from_utf8_lossy(&head);
+    let names = head.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
+    let is_there = |name: &str| names.split(',').any(|cell| cell.trim_matches([' ', '"', '\u{feff}']) == name);
+    Ok(MEASURED.iter().filter(|column| column.required).all(|column| is_there(column.name)))
 }
 
 /// The rate of a table, Hz: ticks over the whole span, where the median interval says what a tick is.

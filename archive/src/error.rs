@@ -93,6 +93,26 @@ pub enum ArchiveError {
         /// What is wrong with it, and in which line.
         error: TableError,
     },
+    /// The table of somebody's tester, which is none that is known.
+    #[error(
+        "{} is no table that is known: it has {columns}; say what they are, as with --columns travel=NAME,force=NAME --units \
+         travel=mm,force=gf",
+        path.display()
+    )]
+    UnknownTable {
+        /// The file.
+        path: PathBuf,
+        /// The columns that it has, in words.
+        columns: String,
+    },
+    /// The file of somebody's tester cannot be read.
+    #[error("{}: {reason}", path.display())]
+    Tester {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A value is NaN or infinite.
     #[error("{}, row {row}: {column} is {value}; a capture holds finite numbers only", path.display())]
     NotFinite {

@@ -25,6 +25,7 @@
 //! | [`recover`](mod@recover) | a whole file from a broken one, saying what was lost |
 //! | [`merge`](mod@merge) | one file from the parts that a restarted recorder leaves |
 //! | [`parts`], [`claim`] | the names of files while a run is recorded, and where they lie |
+//! | [`testers`] | [`Curve`](testers::Curve): load over position, as other people's testers measured it |
 //! | [`whole_file`] | every output: whole or not at all, and in nothing else's place |
 //! | [`sequence`] | which samples are there and which are missing |
 //!
@@ -64,6 +65,7 @@ pub mod recover;
 pub mod schema;
 pub mod sequence;
 mod source;
+pub mod testers;
 pub mod whole_file;
 pub mod write;
 

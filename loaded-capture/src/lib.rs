@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use archive::testers::{ColumnChoice, Curve};
 use archive::{ArchiveError, Capture, attachment};
 use dynamics::{Calibration, CalibrationError, Model, ModelError};
 use identification::Samples;
+use shared_types::Axis;
 
 /// A capture with what is known of the rig that made it.
 #[derive(Clone, Debug)]
@@ -88,11 +90,39 @@ impl LoadedCapture {
         }
     }
 
+    /// Torque over angle, without the torque sensor's zero and delay.
+    #[must_use]
+    pub fn curve(&self) -> Curve {
+        let Capture { t_s, angle_rad, torque_mnm, source, .. } = &self.capture;
+        let zero_mnm = self.calibration.as_ref().map_or(0.0, |known| known.torque_zero_mnm);
+        let delay_s = self.calibration.as_ref().map_or(0.0, |known| known.torque_delay_s);
+        Curve {
+            source: source.clone(),
+            axis: Axis::Rotary,
+            t_s: Some(t_s.clone()),
+            position: earlier(t_s, angle_rad, delay_s),
+            load: torque_mnm.iter().map(|torque_mnm| torque_mnm - zero_mnm).collect(),
+            closed: None,
+        }
+    }
+
     /// Torque commanded from the motor, mNm; `None` for a table or a simulation without it.
     #[must_use]
     pub fn commanded_torque_mnm(&self) -> Option<&[f64]> {
         self.capture.commanded_torque_mnm.as_deref()
     }
+}
+
+/// Load over position: of a capture of ours, or of a file of somebody's tester with its columns as chosen or as its format has
+/// them.
+///
+/// # Errors
+/// [`LoadError`], one sentence on what is wrong with a file.
+pub fn load_curve(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Curve, LoadError> {
+    if chosen.is_none() && Capture::is_one(path)? {
+        return Ok(LoadedCapture::load(path)?.curve());
+    }
+    Ok(Curve::load(path, chosen)?)
 }
 
 /// The place of an exported table's calibration.
@@ -108,4 +138,20 @@ fn existing_calibration_beside(table: &Path) -> Result<Option<PathBuf>, LoadErro
         Ok(exists) => Ok(exists.then_some(path)),
         Err(error) => Err(LoadError::Beside { path, error }),
     }
+}
+
+/// The values as they were `delay_s` before each time, along straight lines.
+fn earlier(t_s: &[f64], values: &[f64], delay_s: f64) -> Vec<f64> {
+    let mut below = 0;
+    let at = |time_s: &f64| {
+        let wanted_s = time_s - delay_s;
+        while below + 2 < t_s.len() && t_s[below + 1] <= wanted_s {
+            below += 1;
+        }
+        let (from, to) = (below, (below + 1).min(t_s.len() - 1));
+        let step_s = t_s[to] - t_s[from];
+        let share = if step_s > 0.0 { ((wanted_s - t_s[from]) / step_s).clamp(0.0, 1.0) } else { 0.0 };
+        values[from] + share * (values[to] - values[from])
+    };
+    t_s.iter().map(at).collect()
 }

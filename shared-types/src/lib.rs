@@ -9,6 +9,7 @@
 //!   refused with [`ServiceError::OtherLayout`](services::ServiceError) and never reads garbage.
 //! - **[`RunDescription`]** is what a consumer must know about a run besides its samples, and
 //!   **[`ModelChange`]** tells of each model that a replay begins to render.
+//! - **[`Axis`]** says whether a control turns or travels, and **[`Quantity`]** in which units.
 //! - **[`rig`]** says where a rig's lock lives, so that rigs do not meet.
 //! - **[`shared_memory`]** reserves what a run can come to need of it.
 //! - **[`lease`]** ends a process with the one that started it.
@@ -27,6 +28,7 @@
 #[macro_use]
 pub mod wire;
 
+mod axis;
 #[cfg(feature = "services")]
 pub mod clean_up;
 mod command;
@@ -48,6 +50,7 @@ pub mod shared_memory;
 mod shared_memory_dir;
 mod status;
 
+pub use axis::{Axis, Quantity};
 pub use command::{CommandKind, ControlRequest, ControlResponse};
 pub use description::{ClockMapping, DescriptionError, RunDescription};
 pub use fit_update::{Convergence, Estimate, FitUpdate, Verdict};

@@ -70,8 +70,12 @@ pub fn diagnose(
 ) -> Result<Diagnosis, DiagnosisError> {
     let captures = prepare(train, heldout, options)?;
     let [train_capture, given] = &captures;
-    let mut base = Some(Search { train: train_capture, heldout: given, options }.base(train)?);
-    let mut zero = base.as_ref().filter(|_| heldout.is_some()).and_then(|base| EncoderZero::of(base, &captures));
+    let search = Search { train: train_capture, heldout: given, options };
+    let base = search.base(train)?;
+    // Detents that differ from the model's seem to be elsewhere.
+    let may_be_moved = heldout.is_some() && !search.detents_are_unequal(&base);
+    let mut zero = if may_be_moved { EncoderZero::of(&base, &captures) } else { None };
+    let mut base = Some(base);
     let mut rounds = 0;
     loop {
         let moved = zero.map(|zero| zero.taken_out_of(given));

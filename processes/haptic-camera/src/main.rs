@@ -1,6 +1,6 @@
 //! The operator's program: `haptic-camera`.
 //!
-//! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.
+//! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost; of `judge`, 4 a unit fails and 5 one is undecided.
 
 mod calibrate;
 mod capture;
@@ -14,6 +14,7 @@ mod doctor;
 mod export;
 mod fit;
 mod harmonic_table;
+mod judge;
 mod large_job;
 mod list;
 mod load;
@@ -29,7 +30,9 @@ mod repeatability;
 mod replay;
 mod rig_run;
 mod rig_test;
+mod sheet;
 mod simulate;
+mod studies;
 mod supervision;
 mod terminal;
 mod tune;
@@ -59,6 +62,10 @@ fn main() -> ExitCode {
         Command::RigTest(options) => rig_test::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Compare(options) => compare::run(&options),
+        Command::Capability(options) => studies::run_capability(&options),
+        Command::Gauge(options) => studies::run_gauge(&options),
+        Command::Judge(options) => judge::run(&options),
+        Command::Sheet(options) => sheet::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Compose(options) => compose::run(&options),
         Command::Export(options) => export::run(&options),

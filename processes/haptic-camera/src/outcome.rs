@@ -25,6 +25,10 @@ pub enum Outcome {
     WrongUsage,
     /// Done, but data was lost; how much was told.
     DataLost,
+    /// Done: a unit is not as its specification says.
+    OutOfSpecification,
+    /// Done, but of a unit it cannot be told whether it is as its specification says.
+    Undecided,
 }
 
 impl Outcome {
@@ -56,6 +60,8 @@ impl From<Outcome> for ExitCode {
             Outcome::Failed => 1,
             Outcome::WrongUsage => 2,
             Outcome::DataLost => 3,
+            Outcome::OutOfSpecification => 4,
+            Outcome::Undecided => 5,
         })
     }
 }

@@ -16,6 +16,10 @@ pub enum Kind {
     Json,
     /// A report page.
     Page,
+    /// The figures of a data sheet as a table.
+    Figures,
+    /// Figures of many units as a Q-DAS file.
+    Qdas,
     /// A model that was fitted.
     FittedModel,
     /// A model with what a diagnosis found.
@@ -42,6 +46,8 @@ impl Kind {
         match self {
             Self::Json => Replace::Marked("\"made_by\": \"haptic-camera\""),
             Self::Page => Replace::Marked("<meta name=\"generator\" content=\"haptic-camera\">"),
+            Self::Figures => Replace::Marked(FIGURES_HEADER),
+            Self::Qdas => Replace::Marked(sheet::QDAS_REMARK),
             Self::FittedModel => Replace::Marked(" samples: residual "),
             Self::DiagnosedModel => Replace::Marked("\ndescription = \"diagnosed from "),
             Self::ComposedModel => Replace::Marked("\norigin = "),
@@ -58,6 +64,9 @@ impl Kind {
 
 /// The first line of a calibration's file.
 pub const CALIBRATION_MARK: &str = "## made by haptic-camera\n";
+
+/// The first line of a table of figures.
+pub const FIGURES_HEADER: &str = "figure,angle_rad,direction,value,unit,ci95_low,ci95_high,definition\n";
 
 /// The files that a call names.
 #[derive(Debug, Default)]
@@ -112,6 +121,9 @@ pub enum UsageError {
     /// An output is an input.
     #[error("{} is read by this call too; name another file to write to", .0.display())]
     Input(PathBuf),
+    /// The columns of a table are not told so that they can be found.
+    #[error("--columns and --units: {0}")]
+    Columns(String),
     /// Two outputs are one.
     #[error("{} would be written twice; name another file for each output", .0.display())]
     TwoOutputs(PathBuf),

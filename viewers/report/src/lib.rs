@@ -1,5 +1,5 @@
 //! The report page of a fit, of several captures and their mean, of several knobs beside each other, of a diagnosis, of a
-//! rendering beside its model, or of a rig without a knob: one HTML file that a person reads, prints and keeps.
+//! rendering beside its model, of a rig without a knob, of a data sheet, or of units against a specification: one HTML file that a person reads, prints and keeps.
 //!
 //! The page carries its plots as inline SVG and its style in its head: it needs no script, fetches
 //! nothing, follows the reader's light or dark scheme on screen and is light on paper.
@@ -21,6 +21,7 @@ mod plot;
 mod preparation;
 mod rendering;
 mod rig_test;
+mod sheet;
 mod shown;
 mod themed_svg;
 mod verdict;
@@ -34,6 +35,7 @@ use identification::diagnosis::Diagnosis;
 use identification::{Average, Fit};
 pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
 pub use rig_test::{ChannelDifference, ChannelLag, ChannelTrace, RigTest};
+pub use sheet::{JudgedUnit, SheetPage, VerdictsPage, WallKnob, WallPage};
 pub use shown::{DiagnosisNumbers, FigureNumbers, FitNumbers, ModelValue};
 
 /// What is known of a capture besides its samples.
@@ -164,4 +166,24 @@ pub fn comparison_page(compared: &Comparison) -> String {
 #[must_use]
 pub fn rig_test_page(test: &RigTest) -> String {
     rig_test::rig_test_page(test).into_string()
+}
+
+/// The page of a data sheet as HTML, complete from doctype to end: the curve, its figures with their definitions, and each detent.
+///
+/// Numbers are written as on [`fit_page`].
+#[must_use]
+pub fn sheet_page(page: &SheetPage<'_>) -> String {
+    sheet::sheet_page(page).into_string()
+}
+
+/// The page of units against a specification as HTML, complete from doctype to end: one line a unit, with reasons.
+#[must_use]
+pub fn verdicts_page(page: &VerdictsPage) -> String {
+    sheet::verdicts_page(page).into_string()
+}
+
+/// The page of knobs side by side as HTML, complete from doctype to end: a small curve and a few figures each.
+#[must_use]
+pub fn wall_page(page: &WallPage) -> String {
+    sheet::wall_page(page).into_string()
 }

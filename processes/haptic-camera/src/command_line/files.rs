@@ -49,6 +49,28 @@ impl Command {
                 .reading(&options.subjects)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page),
+            Self::Judge(options) => files
+                .reading(&options.captures)
+                .reading([&options.spec])
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.report.as_ref(), Kind::Page),
+            Self::Capability(options) => files
+                .reading(&options.study.captures)
+                .reading(&options.study.values)
+                .reading([&options.spec])
+                .writing(options.study.json.as_ref(), Kind::Json)
+                .writing(options.dfq.as_ref(), Kind::Qdas),
+            Self::Gauge(options) => files
+                .reading(&options.study.captures)
+                .reading(&options.study.values)
+                .reading(&options.spec)
+                .writing(options.study.json.as_ref(), Kind::Json),
+            Self::Sheet(options) => files
+                .reading(&options.captures)
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.csv.as_ref(), Kind::Figures)
+                .writing(options.wall.as_ref(), Kind::Page)
+                .writing(options.report.as_ref(), Kind::Page),
             Self::Simulate(options) => {
                 files.reading([&options.model, &options.like]).writing(options.out.as_ref(), options.kind())
             }

@@ -9,6 +9,7 @@ mod diagnose;
 mod export;
 mod files;
 mod fit;
+mod judge;
 mod list;
 mod manual;
 mod recompute;
@@ -17,7 +18,9 @@ mod replay;
 mod rig;
 mod rig_test;
 mod run;
+mod sheet;
 mod simulate;
+mod studies;
 mod tune;
 mod view;
 
@@ -29,6 +32,7 @@ pub use compose::ComposeOptions;
 pub use diagnose::DiagnoseOptions;
 pub use export::{ExportOptions, TableSpan};
 pub use fit::FitOptions;
+pub use judge::JudgeOptions;
 pub use list::ListOptions;
 pub use manual::{CompletionsOptions, ManOptions};
 pub use recompute::RecomputeOptions;
@@ -37,7 +41,9 @@ pub use replay::ReplayOptions;
 pub use rig::RigOptions;
 pub use rig_test::RigTestOptions;
 pub use run::RunOptions;
+pub use sheet::SheetOptions;
 pub use simulate::{SimulateOptions, SimulationDrive};
+pub use studies::{CapabilityOptions, GaugeOptions, StudyOptions};
 pub use tune::TuneOptions;
 pub use view::ViewOptions;
 
@@ -46,7 +52,8 @@ use clap::{Parser, Subcommand};
 /// Captures how a mechanical knob feels, as numbers.
 #[derive(Debug, Parser)]
 #[command(name = "haptic-camera", version, propagate_version = true)]
-#[command(after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost.\n\n\
+#[command(
+    after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost,\n4 a judged unit fails, 5 one is undecided.\n\n\
     Environment:\n  \
     RUST_LOG     what the programs log to standard error, as info or recorder=debug\n  \
     NO_COLOR     no colours in the log; where it is no terminal there are none\n  \
@@ -56,7 +63,8 @@ use clap::{Parser, Subcommand};
     First steps:\n  \
     haptic-camera doctor\n  \
     haptic-camera capture --knob 3 --duration-s 10\n  \
-    haptic-camera list")]
+    haptic-camera list"
+)]
 pub struct CommandLine {
     /// What to do.
     #[command(subcommand)]
@@ -111,6 +119,24 @@ pub enum Command {
     /// Compare captures and models in one table and page, as the paper's Tables 4 to 6 compare knobs
     #[command(after_help = "Example:\n  haptic-camera compare captures/*.mcap mix.toml 3 --report knobs.html")]
     Compare(CompareOptions),
+    /// Say of each unit whether it is as its specification says: pass, fail, or undecided where an interval straddles a limit
+    #[command(after_help = "Example:\n  haptic-camera judge unit-*.mcap --spec spec.toml\n\n\
+        Exit status: 0 all pass, 4 one fails, 5 one is undecided and none fails.")]
+    Judge(JudgeOptions),
+    /// Say whether a process keeps its units within their limits: Cp and Cpk, Pp and Ppk, with intervals
+    #[command(after_help = "Example:\n  haptic-camera capability batch/*.csv --spec spec.toml --dfq batch.dfq")]
+    Capability(CapabilityOptions),
+    /// Say whether a tester is good enough: repeatability and reproducibility by analysis of variance, %GRR, ndc
+    #[command(after_help = "Examples:\n  haptic-camera gauge study/*/*/*.mcap --spec spec.toml\n  \
+        haptic-camera gauge --values study.csv --figure collapse_force")]
+    Gauge(GaugeOptions),
+    /// Read the figures of a data sheet off a slow turn or a press: pitch, peak and friction, or collapse, valley and snap
+    #[command(
+        after_help = "Examples:\n  haptic-camera sheet captures/20261121-101500-knob-3.mcap --report sheet.html\n  \
+        haptic-camera sheet dome/ --json sheet.json\n  \
+        haptic-camera sheet bench.csv --columns angle=Winkel,torque=M --units angle=deg,torque=Ncm"
+    )]
+    Sheet(SheetOptions),
     /// Simulate a model along a capture's motion or torque, and tell its relative error on that capture
     #[command(after_help = "Examples:\n  \
         haptic-camera simulate model.toml --like capture.mcap\n  \

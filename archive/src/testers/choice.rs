@@ -1,0 +1,128 @@
+//! Which column of a table is what, and in which unit, as its owner says.
+
+use std::str::FromStr;
+
+use shared_types::{Axis, Quantity};
+
+use super::layout::{Contact, Layout, Source, Time};
+
+/// The columns of a table of any format, as in `angle=Winkel,torque=M` with units as in `angle=deg,torque=Ncm`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ColumnChoice {
+    columns: Assignments,
+    units: Assignments,
+}
+
+/// Words with a value each, as in `angle=deg,torque=Ncm`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Assignments(Vec<(String, String)>);
+
+/// What is wrong with a choice of columns.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ChoiceError {
+    /// Not of the form `word=value,word=value`.
+    #[error("`{0}` does not say what is what; write it as angle=NAME,torque=NAME")]
+    Form(String),
+    /// A word that means nothing here.
+    #[error("`{0}` is none of angle, torque, travel, force, time and contact")]
+    Word(String),
+    /// A position without a load, or neither.
+    #[error("name the columns of an angle and a torque, or of a travel and a force")]
+    Incomplete,
+    /// The table has no such column.
+    #[error("it has no column `{name}`; it has the columns {columns}")]
+    Missing {
+        /// The column that was asked for.
+        name: String,
+        /// The columns that are there.
+        columns: String,
+    },
+    /// A unit that is none of the quantity.
+    #[error("`{unit}` is no unit of {quantity}; known are {known}")]
+    Unit {
+        /// The unit.
+        unit: String,
+        /// The quantity.
+        quantity: &'static str,
+        /// The units of that quantity.
+        known: String,
+    },
+}
+
+impl FromStr for Assignments {
+    type Err = ChoiceError;
+
+    fn from_str(text: &str) -> Result<Self, ChoiceError> {
+        let pair = |part: &str| {
+            let (word, value) = part.split_once('=').ok_or_else(|| ChoiceError::Form(text.to_owned()))?;
+            let known = ["angle", "torque", "travel", "force", "time", "contact"];
+            let word = word.trim();
+            if !known.contains(&word) {
+                return Err(ChoiceError::Word(word.to_owned()));
+            }
+            Ok((word.to_owned(), value.trim().to_owned()))
+        };
+        text.split(',').map(pair).collect::<Result<_, _>>().map(Self)
+    }
+}
+
+impl Assignments {
+    fn get(&self, word: &str) -> Option<&str> {
+        self.0.iter().find(|(known, _)| known == word).map(|(_, value)| value.as_str())
+    }
+}
+
+impl ColumnChoice {
+    /// Columns with their units; a unit that is not given is the instrument's.
+    ///
+    /// # Errors
+    /// [`ChoiceError::Incomplete`] without a position and its load, [`ChoiceError::Unit`] for a unit that is none.
+    pub fn new(columns: Assignments, units: Assignments) -> Result<Self, ChoiceError> {
+        let choice = Self { columns, units };
+        let axis = choice.axis().ok_or(ChoiceError::Incomplete)?;
+        for quantity in [axis.position(), axis.load(), Quantity::Time] {
+            choice.factor(quantity)?;
+        }
+        Ok(choice)
+    }
+
+    fn axis(&self) -> Option<Axis> {
+        let has = |quantity: Quantity| self.columns.get(quantity.name()).is_some();
+        [Axis::Rotary, Axis::Linear].into_iter().find(|axis| has(axis.position()) && has(axis.load()))
+    }
+
+    fn factor(&self, quantity: Quantity) -> Result<f64, ChoiceError> {
+        let Some(unit) = self.units.get(quantity.name()) else { return Ok(1.0) };
+        quantity.factor(unit).ok_or_else(|| ChoiceError::Unit {
+            unit: unit.to_owned(),
+            quantity: quantity.name(),
+            known: quantity.units().iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// Where the chosen columns lie under that header; a column without a name is chosen by its number, from 1.
+    ///
+    /// # Errors
+    /// [`ChoiceError::Missing`] for a column that is not there.
+    pub(super) fn layout(&self, header: &[String]) -> Result<Layout, ChoiceError> {
+        let axis = self.axis().ok_or(ChoiceError::Incomplete)?;
+        let place = |name: &str| {
+            let by_name = header.iter().position(|found| found.trim() == name);
+            let by_number = || name.parse::<usize>().ok()?.checked_sub(1);
+            let missing = || ChoiceError::Missing { name: name.to_owned(), columns: header.join(", ") };
+            by_name.or_else(by_number).ok_or_else(missing)
+        };
+        let source = |quantity: Quantity| {
+            let Some(name) = self.columns.get(quantity.name()) else { return Ok(None) };
+            Ok(Some(Source { column: place(name)?, factor: self.factor(quantity)? }))
+        };
+        let required = |quantity| source(quantity)?.ok_or(ChoiceError::Incomplete);
+        Ok(Layout {
+            axis,
+            position: required(axis.position())?,
+            load: required(axis.load())?,
+            time: source(Quantity::Time)?.map_or(Time::None, Time::Column),
+            contact: self.columns.get("contact").map(place).transpose()?.map(Contact::Voltage),
+        })
+    }
+}

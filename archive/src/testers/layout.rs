@@ -1,0 +1,123 @@
+//! In which columns and units everything of a table lies.
+
+use shared_types::Axis;
+
+use super::Curve;
+use super::table::RawTable;
+
+/// Most of the voltage's span that its scatter may fill before it tells nothing of the contact.
+const CLEAR: f64 = 0.5;
+/// Seconds in an hour, after which clocks begin anew.
+const HOUR_S: f64 = 3600.0;
+
+/// A column with the size of its unit in ours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Source {
+    pub(super) column: usize,
+    pub(super) factor: f64,
+}
+
+/// How a table tells the time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Time {
+    /// Not at all: the curve is quasi-static.
+    None,
+    /// In a column.
+    Column(Source),
+    /// In a column of minutes, seconds and fractions, with points between them.
+    Clock(usize),
+    /// By the interval from row to row, s.
+    EachRow(f64),
+}
+
+/// How a table tells whether the contact is closed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Contact {
+    /// By a voltage over it, which falls as it closes.
+    Voltage(usize),
+    /// By a flag.
+    Flag(usize),
+}
+
+/// Where everything is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub(super) axis: Axis,
+    pub(super) position: Source,
+    pub(super) load: Source,
+    pub(super) time: Time,
+    pub(super) contact: Option<Contact>,
+}
+
+impl Layout {
+    /// Takes the columns out of the table.
+    ///
+    /// # Errors
+    /// A sentence about the cell that is no number, or the time that does not rise.
+    pub(super) fn read(&self, table: &RawTable) -> Result<Curve, String> {
+        let of = |source: Source| table.column(source.column, source.factor);
+        let t_s = match self.time {
+            Time::None => None,
+            Time::Column(source) => Some(of(source)?),
+            Time::Clock(column) => {
+                Some(unwrapped(table.cells(column, clock_s, "a time as minutes.seconds.fraction")?))
+            }
+            #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+            Time::EachRow(interval_s) => Some((0..table.rows.len()).map(|row| row as f64 * interval_s).collect()),
+        };
+        if let Some(row) = t_s.as_ref().and_then(|t_s| t_s.windows(2).position(|pair| pair[1] < pair[0])) {
+            return Err(format!("row {}: its time lies before that of the row above", row + 2));
+        }
+        let closed = match self.contact {
+            Some(Contact::Voltage(column)) => below_middle(&table.column(column, 1.0)?),
+            Some(Contact::Flag(column)) => {
+                let closed = table.column(column, 1.0)?.into_iter().map(|flag| flag != 0.0).collect::<Vec<_>>();
+                closed.contains(&true).then_some(closed)
+            }
+            None => None,
+        };
+        Ok(Curve {
+            axis: self.axis,
+            t_s,
+            position: of(self.position)?,
+            load: of(self.load)?,
+            closed,
+            ..Curve::default()
+        })
+    }
+}
+
+/// Minutes, seconds and fractions of a second as s.
+fn clock_s(text: &str) -> Option<f64> {
+    let (minutes, seconds) = text.split_once('.')?;
+    Some(60.0 * minutes.trim().parse::<f64>().ok()? + seconds.trim().parse::<f64>().ok()?)
+}
+
+/// Times from zero on, where the clock begins anew each hour.
+fn unwrapped(clock_s: Vec<f64>) -> Vec<f64> {
+    let first = clock_s.first().copied().unwrap_or_default();
+    let mut hours = 0.0;
+    let mut before = first;
+    let onwards = clock_s.into_iter().map(|now| {
+        if now < before - 0.5 * HOUR_S {
+            hours += 1.0;
+        }
+        before = now;
+        now - first + hours * HOUR_S
+    });
+    onwards.collect()
+}
+
+/// Where a voltage with two levels is at the lower one; `None` where it has no two levels.
+fn below_middle(voltage: &[f64]) -> Option<Vec<bool>> {
+    let (low, high) =
+        voltage.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
+    let middle = 0.5 * (low + high);
+    let mean = |keep: &dyn Fn(f64) -> bool| {
+        let kept = voltage.iter().copied().filter(|v| keep(*v));
+        let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
+        sum / count
+    };
+    let levels_apart = mean(&|v| v >= middle) - mean(&|v| v < middle);
+    (levels_apart > CLEAR * (high - low)).then(|| voltage.iter().map(|v| *v < middle).collect())
+}

@@ -1,0 +1,98 @@
+//! Curves that other people's testers measured: load over position, turned or pressed.
+//!
+//! Known are the files of the Open-Switch-Curve-Meter, IMADA's Force Recorder (both of its exports), automotive button benches,
+//! tables with the two columns `force` and `displacement`, JSON with `down_x`, `down_y`, `up_x` and `up_y`, and tables with our
+//! own column names but without a time. A [`ColumnChoice`] says what any other table holds.
+//!
+//! A format is one entry of `FORMATS`: it looks at a table and says in which columns and units everything lies.
+
+mod choice;
+mod formats;
+mod json;
+mod layout;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use shared_types::Axis;
+
+pub use choice::{Assignments, ChoiceError, ColumnChoice};
+
+use crate::capture::{is_mcap, refuse_too_large};
+use crate::error::ArchiveError;
+use table::RawTable;
+
+/// Fewest rows that make a curve.
+const FEWEST_ROWS: usize = 16;
+
+/// Load over position, row by row as it was measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// Where it was read from.
+    pub source: PathBuf,
+    /// Whether the control was turned or pressed, and so the units of the columns.
+    pub axis: Axis,
+    /// Time, s; `None` of a quasi-static curve, in which time has no part.
+    pub t_s: Option<Vec<f64>>,
+    /// Angle in rad, or travel in mm.
+    pub position: Vec<f64>,
+    /// Torque in mNm, or force in N, that the control takes from whoever moves it.
+    pub load: Vec<f64>,
+    /// Whether the contact was closed; `None` where it was not watched, or never closed.
+    pub closed: Option<Vec<bool>>,
+}
+
+impl Curve {
+    /// Reads a tester's file, with the columns as chosen or as its format has them.
+    ///
+    /// # Errors
+    /// [`ArchiveError`]: one sentence, which says what columns the file has if it is none of the known ones.
+    pub fn load(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, ArchiveError> {
+        refuse_too_large(path)?;
+        if is_mcap(path)? {
+            return Err(wrong(path, "it is an MCAP archive, in which the columns have names of their own".to_owned()));
+        }
+        let mut curve = if json::is_json(path)? {
+            json::read(path)?
+        } else {
+            let table = RawTable::read(path)?;
+            let layout = match chosen {
+                Some(chosen) => chosen.layout(&table.header).map_err(|error| wrong(path, error.to_string()))?,
+                None => formats::recognise(&table)
+                    .ok_or_else(|| ArchiveError::UnknownTable { path: path.to_owned(), columns: table.columns() })?,
+            };
+            layout.read(&table).map_err(|reason| wrong(path, reason))?
+        };
+        curve.source = path.to_owned();
+        curve.check()
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// True without any row; a curve that was loaded never is.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    fn check(self) -> Result<Self, ArchiveError> {
+        let rows = self.len();
+        if rows < FEWEST_ROWS {
+            return Err(wrong(&self.source, format!("it has {rows} rows; a curve needs at least {FEWEST_ROWS}")));
+        }
+        let first = self.position[0];
+        if self.position.iter().all(|position| (position - first).abs() < f64::EPSILON) {
+            let what = self.axis.position().name();
+            return Err(wrong(&self.source, format!("its {what} never changes, so there is no curve over it")));
+        }
+        Ok(self)
+    }
+}
+
+fn wrong(path: &Path, reason: String) -> ArchiveError {
+    ArchiveError::Tester { path: path.to_owned(), reason }
+}

@@ -1,0 +1,131 @@
+//! A table as text: what stands above its columns, their names, and its rows.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use crate::error::ArchiveError;
+
+/// Bytes at the beginning of a file by which its separator is told.
+const HEAD: usize = 4096;
+/// Most columns, and letters of each, that an error quotes.
+const QUOTED: (usize, usize) = (20, 40);
+
+/// The cells of a table.
+#[derive(Debug, Default)]
+pub(super) struct RawTable {
+    /// Lines above the names of the columns.
+    pub(super) preamble: Vec<csv::StringRecord>,
+    /// The names of the columns; empty where there are none.
+    pub(super) header: Vec<String>,
+    /// The rows of numbers.
+    pub(super) rows: Vec<csv::StringRecord>,
+    /// Line of the first row, counted from 1, without empty ones.
+    first_line: usize,
+    /// Whether numbers are written with a decimal comma.
+    decimal_comma: bool,
+}
+
+impl RawTable {
+    pub(super) fn read(path: &Path) -> Result<Self, ArchiveError> {
+        let mut bytes = Vec::new();
+        foreign_files::open(path)
+            .and_then(|mut file| file.read_to_end(&mut bytes))
+            .map_err(|error| ArchiveError::file(path, error))?;
+        // Testers write units such as µm in whatever encoding their machine has.
+        let text = String::from_utf8_lossy(&bytes);
+        let text = text.trim_start_matches('\u{feff}');
+        let separator = separator(text);
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .delimiter(separator)
+            .from_reader(text.as_bytes());
+        let mut records = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(|error| super::wrong(path, error.to_string()))?;
+            if record.iter().any(|cell| !cell.is_empty()) && !record[0].starts_with('#') {
+                records.push(record);
+            }
+        }
+        let mut table = Self { decimal_comma: separator == b';', ..Self::default() };
+        let first = records
+            .iter()
+            .position(|record| record.iter().filter(|cell| table.number(cell).is_some()).count() > 1)
+            .unwrap_or(records.len());
+        table.rows = records.split_off(first);
+        table.first_line = first + 1;
+        if records.last().is_some_and(|record| record.len() > 1 && !record.iter().any(|cell| cell.contains('=')))
+            && let Some(header) = records.pop()
+        {
+            table.header = header.iter().map(str::to_owned).collect();
+            while table.header.last().is_some_and(String::is_empty) {
+                table.header.pop();
+            }
+        }
+        table.preamble = records;
+        Ok(table)
+    }
+
+    /// A number as the table writes it; `None` for what is none.
+    pub(super) fn number(&self, cell: &str) -> Option<f64> {
+        let value = if self.decimal_comma { cell.replace(',', ".").parse() } else { cell.parse() };
+        value.ok().filter(|value: &f64| value.is_finite())
+    }
+
+    /// The numbers of a column, each times `factor`.
+    pub(super) fn column(&self, index: usize, factor: f64) -> Result<Vec<f64>, String> {
+        self.cells(index, |cell| self.number(cell).map(|value| value * factor), "a number")
+    }
+
+    /// The cells of a column, each as `parse` takes it.
+    pub(super) fn cells<T>(
+        &self,
+        index: usize,
+        parse: impl Fn(&str) -> Option<T>,
+        what: &str,
+    ) -> Result<Vec<T>, String> {
+        let cell = |(row, record): (usize, &csv::StringRecord)| {
+            let text = record.get(index).unwrap_or_default();
+            parse(text).ok_or_else(|| {
+                let shown: String = text.chars().take(QUOTED.1).collect();
+                let name = self.header.get(index).cloned().unwrap_or_else(|| (index + 1).to_string());
+                format!("line {}: `{shown}` in the column {name} is not {what}", self.first_line + row)
+            })
+        };
+        self.rows.iter().enumerate().map(cell).collect()
+    }
+
+    /// Place of a column by its name, whatever its case.
+    pub(super) fn place(&self, name: &str) -> Option<usize> {
+        self.header.iter().position(|found| found.eq_ignore_ascii_case(name))
+    }
+
+    /// The columns in words.
+    pub(super) fn columns(&self) -> String {
+        if self.header.is_empty() {
+            return match self.rows.first() {
+                Some(row) => format!("{} columns of numbers without names", row.len()),
+                None => "no columns of numbers".to_owned(),
+            };
+        }
+        let shown = self.header.iter().take(QUOTED.0).map(|name| {
+            let name: String = name.chars().filter(|letter| !letter.is_control()).take(QUOTED.1).collect();
+            format!("`{name}`")
+        });
+        let more = if self.header.len() > QUOTED.0 { " and more" } else { "" };
+        format!("the columns {}{more}", shown.collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// What stands between cells: whichever of comma, semicolon and tabulator is most frequent at the beginning.
+fn separator(text: &str) -> u8 {
+    let head = text.as_bytes().get(..HEAD).unwrap_or(text.as_bytes());
+    let count = |separator: u8| head.iter().filter(|byte| **byte == separator).count();
+    // Where cells stand between semicolons, commas are decimal ones.
+    match (count(b','), count(b';'), count(b'\t')) {
+        (_, semicolons, tabulators) if semicolons > 0 && semicolons >= tabulators => b';',
+        (commas, _, tabulators) if tabulators > commas => b'\t',
+        _ => b',',
+    }
+}

@@ -1,0 +1,156 @@
+//! Files of other people's testers: read, or refused in one sentence.
+#![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use archive::testers::{ColumnChoice, Curve};
+use shared_types::Axis;
+
+/// Gram-force, N.
+const GF: f64 = 9.806_65e-3;
+
+fn read(name: &str, text: &str, choice: Option<&ColumnChoice>) -> Result<Curve, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    let curve = Curve::load(&path, choice).map_err(|error| error.to_string().replace(path.to_str().unwrap(), "FILE"));
+    curve.inspect_err(|error| assert_eq!(error.lines().count(), 1, "{error}"))
+}
+
+/// Twenty rows below a header, made of their number.
+fn table(header: &str, row: impl Fn(f64) -> String) -> String {
+    (0..20).fold(header.to_owned(), |mut text, number| {
+        writeln!(text, "{}", row(f64::from(number))).unwrap();
+        text
+    })
+}
+
+#[test]
+fn an_open_switch_curve_meter_is_read_in_newtons_and_seconds() {
+    let text = table("Millis,Steps,Travel (mm),Scale raw,Scale (grams)\r\n", |n| {
+        format!("{},{},{:.4},1.00,{n}.0\r", 1000.0 + 34.0 * n, 8.0 * n, 0.005 * n)
+    });
+    let curve = read("DataLog_1.csv", &text, None).unwrap();
+    assert_eq!((curve.axis, curve.len(), curve.closed), (Axis::Linear, 20, None));
+    assert!((curve.position[3] - 0.015).abs() < 1e-12 && (curve.load[3] - 3.0 * GF).abs() < 1e-12);
+    assert!((curve.t_s.unwrap()[3] - 1.102).abs() < 1e-9);
+}
+
+#[test]
+fn both_exports_of_a_force_recorder_are_read() {
+    let head = "MAX FORCE = 199.5,4.320\nMIN FORCE = -0.3,-0.010\nAVERAGE FORCE = 57.64,\nUNIT = gf,mm\n\
+                DATA COUNT = 20,\nRECORDING RATE = 0.0005,\nCOMMENT = ,\n1ST PEAK FORCE = ---,---\n";
+    let curve = read("a_HighResolutionRaw.csv", &table(head, |n| format!("{n}.5,{}", 0.1 * n)), None).unwrap();
+    assert!((curve.load[2] - 2.5 * GF).abs() < 1e-12 && (curve.position[2] - 0.2).abs() < 1e-12);
+    assert!((curve.t_s.unwrap()[2] - 0.001).abs() < 1e-12);
+    let head = "Maximum,194.3,@,No.1124,,,,,,\nMinimum,-0.2,@,No.4,,,,,,\nData Quantity,20,,,,,,,,\n\
+                No.,Force,Unit,Displacement,Unit,Judge,Position,Time,Date,\n";
+    let rows = table(head, |n| format!("{n},{n},gf,{},mm,OK,--,11:04:40 AM,3/2/2025,", 0.1 * n));
+    let curve = read("a Raw Data CSV.csv", &rows, None).unwrap();
+    assert!((curve.load[2] - 2.0 * GF).abs() < 1e-12 && (curve.position[2] - 0.2).abs() < 1e-12);
+    assert_eq!(curve.t_s, None);
+}
+
+#[test]
+fn a_button_bench_tells_time_by_its_clock_and_the_contact_by_its_voltage() {
+    let text = table("Date Time , Index ,Force (N),Voltage (V),Linear (mm)\n", |n| {
+        let (minute, second) = if n < 10.0 { (59, 59.99 + 0.001 * n) } else { (0, 0.001 * (n - 10.0)) };
+        format!("{minute}.{second:07.4},{n},{n},{},{}", if (8.0..15.0).contains(&n) { 1.97 } else { 8.4 }, 0.1 * n)
+    });
+    let curve = read("bench.csv", &text, None).unwrap();
+    assert_eq!(curve.load[4], 4.0);
+    let closed: Vec<usize> = (0..20).filter(|row| curve.closed.as_ref().unwrap()[*row]).collect();
+    assert_eq!(closed, (8..15).collect::<Vec<_>>());
+    assert!((curve.t_s.unwrap()[19] - 0.019).abs() < 1e-6);
+}
+
+#[test]
+fn two_columns_and_json_are_read_as_quasi_static() {
+    let text = table("force,displacement,judge,name\n", |n| format!("{n},{},0,Some Switch", 0.1 * n));
+    let curve = read("switch.csv", &text, None).unwrap();
+    assert_eq!((curve.t_s, curve.closed), (None, None));
+    assert!((curve.load[5] - 5.0 * GF).abs() < 1e-12);
+    let list = |factor: f64| (0..20).map(|n| (factor * f64::from(n)).to_string()).collect::<Vec<_>>().join(",");
+    let json = format!(
+        r#"{{"name": "k", "down_x": [{x}], "down_y": [{y}], "up_x": [{x}], "up_y": [{y}]}}"#,
+        x = list(0.1),
+        y = list(2.0)
+    );
+    let curve = read("key.json", &json, None).unwrap();
+    assert_eq!(curve.len(), 40);
+    // The return is listed from the top on, and comes from the bottom.
+    assert!((curve.position[20] - 1.9).abs() < 1e-12 && (curve.load[20] - 38.0 * GF).abs() < 1e-12);
+}
+
+#[test]
+fn any_other_table_is_read_by_the_columns_that_its_owner_names() {
+    let choice = |columns: &str, units: &str| {
+        ColumnChoice::new(
+            columns.parse().unwrap(),
+            if units.is_empty() { Default::default() } else { units.parse().unwrap() },
+        )
+    };
+    let text = table("Zeit;Winkel;M\n", |n| format!("{n},5;{n},0;0,25"));
+    let chosen = choice("angle=Winkel,torque=M,time=Zeit", "angle=deg,torque=Ncm,time=ms").unwrap();
+    let curve = read("bench.csv", &text, Some(&chosen)).unwrap();
+    assert_eq!((curve.axis, curve.load[0]), (Axis::Rotary, 2.5));
+    assert!((curve.position[18] - 18_f64.to_radians()).abs() < 1e-12 && (curve.t_s.unwrap()[1] - 1.5e-3).abs() < 1e-12);
+    let numbers = table("", |n| format!("{n}\t{}", 2.0 * n));
+    let curve = read("plain.txt", &numbers, Some(&choice("travel=1,force=2", "force=mN").unwrap())).unwrap();
+    assert!((curve.load[3] - 0.006).abs() < 1e-12);
+
+    let error = read("bench.csv", &text, Some(&choice("angle=Angle,torque=M", "").unwrap())).unwrap_err();
+    assert_eq!(error, "FILE: it has no column `Angle`; it has the columns Zeit, Winkel, M");
+    assert_eq!(
+        choice("angle=W,torque=M", "torque=mm").unwrap_err().to_string(),
+        "`mm` is no unit of torque; known are mNm, Nm, cNm, Ncm, Nmm, gfcm, gcm, ozin"
+    );
+    assert_eq!(
+        choice("angle=W", "").unwrap_err().to_string(),
+        "name the columns of an angle and a torque, or of a travel and a force"
+    );
+}
+
+#[test]
+fn a_table_of_none_of_these_says_which_columns_it_has_and_what_to_do() {
+    let error = read("other.csv", &table("Weg,Kraft\n", |n| format!("{n},{n}")), None).unwrap_err();
+    assert_eq!(
+        error,
+        "FILE is no table that is known: it has the columns `Weg`, `Kraft`; say what they are, as with \
+         --columns travel=NAME,force=NAME --units travel=mm,force=gf"
+    );
+    let text = table("force,displacement\n", |n| if n == 7.0 { "x,1".to_owned() } else { format!("{n},{n}") });
+    assert_eq!(read("switch.csv", &text, None).unwrap_err(), "FILE: line 9: `x` in the column force is not a number");
+    assert_eq!(
+        read("still.csv", &table("force,displacement\n", |n| format!("{n},1")), None).unwrap_err(),
+        "FILE: its travel never changes, so there is no curve over it"
+    );
+    assert!(read("key.json", "{\"down_x\": [1]", None).unwrap_err().contains("down_x, down_y, up_x and up_y"));
+    assert!(read("words.txt", "some words\nand more\n", None).unwrap_err().contains("no columns of numbers"));
+}
+
+#[test]
+#[allow(clippy::print_stderr, reason = "a test that skips says so")]
+fn every_measured_force_curve_is_read() {
+    let data = std::env::var_os("HAPTIC_CAMERA_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
+    let Ok(sets) = std::fs::read_dir(data.join("force-curves")) else {
+        eprintln!("skipped: there are no force curves in {}; HAPTIC_CAMERA_DATA may name the folder", data.display());
+        return;
+    };
+    let mut read = 0;
+    let mut folders: Vec<PathBuf> = sets.map(|set| set.unwrap().path()).filter(|path| path.is_dir()).collect();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if entry.is_dir() {
+                folders.push(entry);
+            } else {
+                let curve = Curve::load(&entry, None).unwrap();
+                assert_eq!(curve.axis, Axis::Linear);
+                read += 1;
+            }
+        }
+    }
+    assert!(read >= 33, "{read} files");
+}

@@ -1,0 +1,27 @@
+//! The options of `judge`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::sheet::TableOptions;
+
+/// Options of `judge`.
+#[derive(Debug, Args)]
+pub struct JudgeOptions {
+    /// Units: a capture or tester's file each, or a folder of the repeated captures of one
+    #[arg(required = true, value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// Limits on the figures and an envelope for the curve
+    #[arg(long, value_name = "SPEC.toml")]
+    pub spec: PathBuf,
+    /// What the columns are
+    #[command(flatten)]
+    pub table: TableOptions,
+    /// Write the verdicts as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}

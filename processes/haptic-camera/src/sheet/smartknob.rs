@@ -1,0 +1,124 @@
+//! SmartKnob's default knobs, as its firmware renders them at rest.
+//!
+//! Facts from github scottbez1/smartknob: the list of configurations in `firmware/src/interface_task.cpp`, and the control law in
+//! `firmware/src/motor_task.cpp`: 4 · strength volt per radian off the middle of the position, without the first fifth of its
+//! width or the first degree, whichever is less; the next position's middle from `snap_point` widths on; at the ends
+//! the strength of the end stop; at most the supply of 5 V. What its motor makes of a volt the firmware does not say.
+
+use std::collections::BTreeMap;
+
+use shared_types::Axis;
+use sheet::{Branch, Sheet};
+
+/// Volt per radian and unit of strength.
+const V_PER_RAD: f64 = 4.0;
+/// Share of a position's width that is without torque …
+const DEAD_SHARE: f64 = 0.2;
+/// … but at most this angle, rad.
+const DEAD_RAD: f64 = std::f64::consts::PI / 180.0;
+/// Largest voltage, V.
+const SUPPLY_V: f64 = 5.0;
+/// Steps from one position to the next.
+const STEPS: u32 = 60;
+
+/// A configuration of the firmware.
+pub struct SmartKnob {
+    /// Its text.
+    pub name: &'static str,
+    /// Number of positions; 0 for no bounds.
+    pub positions: u32,
+    /// Width of a position, degrees.
+    pub width_deg: f64,
+    /// Strength of the detents.
+    pub detent_strength: f64,
+    /// Strength of the end stops.
+    pub endstop_strength: f64,
+    /// Widths from the middle at which the position changes.
+    pub snap_point: f64,
+}
+
+const fn knob(
+    name: &'static str,
+    positions: u32,
+    width_deg: f64,
+    [detent_strength, endstop_strength]: [f64; 2],
+    snap_point: f64,
+) -> SmartKnob {
+    SmartKnob { name, positions, width_deg, detent_strength, endstop_strength, snap_point }
+}
+
+/// The configurations that the firmware ships. The last has detents at 4 of its 32 positions only; one of these is shown.
+pub const ALL: [SmartKnob; 10] = [
+    knob("Unbounded, no detents", 0, 10.0, [0.0, 1.0], 1.1),
+    knob("Bounded 0–10, no detents", 11, 10.0, [0.0, 1.0], 1.1),
+    knob("Multi-rev, no detents", 73, 10.0, [0.0, 1.0], 1.1),
+    knob("On/off, strong detent", 2, 60.0, [1.0, 1.0], 0.55),
+    knob("Return to centre", 1, 60.0, [0.01, 0.6], 1.1),
+    knob("Fine values, no detents", 256, 1.0, [0.0, 1.0], 1.1),
+    knob("Fine values, with detents", 256, 1.0, [1.0, 1.0], 1.1),
+    knob("Coarse values, strong detents", 32, 8.225_806_452, [2.0, 1.0], 1.1),
+    knob("Coarse values, weak detents", 32, 8.225_806_452, [0.2, 1.0], 1.1),
+    knob("Coarse values, magnetic detents", 32, 7.0, [2.5, 1.0], 0.7),
+];
+
+impl SmartKnob {
+    /// Width of a position, rad.
+    pub fn width_rad(&self) -> f64 {
+        self.width_deg.to_radians()
+    }
+
+    /// The position farthest from the lower end that is shown.
+    fn last(&self) -> u32 {
+        if self.positions == 0 { 3 } else { (self.positions - 1).min(3) }
+    }
+
+    /// Angle over which it is shown, rad.
+    pub fn reach_rad(&self) -> f64 {
+        (f64::from(self.last()) + 1.6) * self.width_rad()
+    }
+
+    /// Largest voltage against leaving a position, V.
+    pub fn peak_v(&self) -> f64 {
+        self.volts(self.snap_point * self.width_rad(), self.detent_strength)
+    }
+
+    fn volts(&self, off_rad: f64, strength: f64) -> f64 {
+        let dead = (DEAD_SHARE * self.width_rad()).min(DEAD_RAD);
+        (V_PER_RAD * strength * (off_rad - off_rad.clamp(-dead, dead))).clamp(-SUPPLY_V, SUPPLY_V)
+    }
+
+    /// The volts that a slow hand feels against it, there and back from below the first position.
+    pub fn sheet(&self) -> Sheet {
+        let width = self.width_rad();
+        let step = width / f64::from(STEPS);
+        let steps = (0..).take_while(|index| f64::from(*index) * step <= self.reach_rad()).count();
+        let first = -0.8 * width;
+        #[allow(clippy::cast_precision_loss, reason = "some hundred steps")]
+        let angles: Vec<f64> = (0..steps).map(|index| first + index as f64 * step).collect();
+        let mut position = 0_u32;
+        let mut felt = |angle: f64| {
+            let off = |position: u32| angle - f64::from(position) * width;
+            let bounded = self.positions > 0;
+            if off(position) > self.snap_point * width && !(bounded && position + 1 == self.positions) {
+                position += 1;
+            } else if off(position) < -self.snap_point * width && position > 0 {
+                position -= 1;
+            }
+            let below = bounded && position == 0 && off(position) < 0.0;
+            let above = bounded && position + 1 == self.positions && off(position) > 0.0;
+            self.volts(off(position), if below || above { self.endstop_strength } else { self.detent_strength })
+        };
+        let there: Vec<f64> = angles.iter().map(|angle| felt(*angle)).collect();
+        let mut back: Vec<f64> = angles.iter().rev().map(|angle| felt(*angle)).collect();
+        back.reverse();
+        let branch = |load: Vec<f64>| Branch {
+            axis: Axis::Rotary,
+            first,
+            step,
+            load_ci95_half_width: vec![0.0; load.len()],
+            load,
+        };
+        let curve = BTreeMap::from([("positive", branch(there)), ("negative", branch(back))]);
+        Sheet { axis: Axis::Rotary, runs: 1, figures: BTreeMap::new(), detents: Vec::new(), curve }
+    }
+}

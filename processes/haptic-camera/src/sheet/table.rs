@@ -1,0 +1,95 @@
+//! The sheet for a terminal.
+
+use std::path::PathBuf;
+
+use comfy_table::{CellAlignment, Table, presets};
+use sheet::{Figure, Sheet};
+
+use crate::repeatability::digits;
+
+/// What the sheet is of.
+pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    match files {
+        [only] => format!("{}, 95 % intervals from the noise of one curve", operator::one_line(&name(only))),
+        several => {
+            let folder = several[0].parent().and_then(|folder| folder.file_name());
+            let of = folder.map_or_else(String::new, |folder| format!(" of {}", folder.to_string_lossy()));
+            operator::one_line(&format!("mean of {} curves{of}, 95 % intervals of one more of them", sheet.runs))
+        }
+    }
+}
+
+/// The figures that are told.
+pub fn figures(sheet: &Sheet) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["figure", "value", "95 % interval", "unit"]);
+    for kind in sheet::kinds() {
+        let Some(figure) = sheet.figure(kind) else { continue };
+        if let Some([value, interval]) = cells(figure) {
+            table.add_row([kind.name.to_owned(), value, interval, kind.unit.to_owned()]);
+        }
+    }
+    for column in [1, 2] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+/// What each detent takes in each direction, in degrees, mNm and mJ; its intervals are in the JSON and on the page.
+pub fn detents(sheet: &Sheet) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["at °", "turning", "pitch °", "peak", "trough", "ratio", "stiffness", "energy"]);
+    for detent in &sheet.detents {
+        let cell = |name: &str, unit: f64| {
+            let figure = detent.figures.get(name);
+            figure.map_or_else(String::new, |figure| {
+                let digits = digits((figure.ci95[1] - figure.ci95[0]) / unit);
+                format!("{:.digits$}", figure.value / unit)
+            })
+        };
+        let degree = 1_f64.to_radians();
+        let width = detent.angle_rad_ci95[1] - detent.angle_rad_ci95[0];
+        let digits = digits(width / degree);
+        table.add_row([
+            format!("{:.digits$}", detent.angle_rad / degree),
+            detent.direction.to_owned(),
+            cell("detent_pitch", degree),
+            cell("peak_torque", 1.0),
+            cell("trough_torque", 1.0),
+            cell("torque_ratio", 1.0),
+            cell("detent_stiffness", 1.0),
+            cell("detent_energy", 1.0),
+        ]);
+    }
+    for column in [0, 2, 3, 4, 5, 6, 7] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+/// Value and interval with the digits that the interval supports.
+fn cells(figure: &Figure) -> Option<[String; 2]> {
+    let (value, [low, high]) = (figure.value?, figure.ci95?);
+    let digits = digits(high - low);
+    Some([format!("{value:.digits$}"), format!("{low:.digits$} to {high:.digits$}")])
+}
+
+/// Why figures are missing, each reason once.
+pub fn untold(sheet: &Sheet) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for kind in sheet::kinds() {
+        let Some(reason) = sheet.figure(kind).and_then(|figure| figure.reason.as_deref()) else { continue };
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, names)) => names.push(kind.name),
+            None => reasons.push((reason, vec![kind.name])),
+        }
+    }
+    reasons.iter().map(|(reason, names)| format!("- {}: {reason}", names.join(", "))).collect()
+}

@@ -1,0 +1,120 @@
+//! The paper's five knobs beside SmartKnob's default ones.
+
+use std::f64::consts::TAU;
+
+use archive::testers::Curve;
+use dynamics::{Direction, Model, Motion, knobs};
+use report::{WallKnob, WallPage};
+use shared_types::Axis;
+use sheet::Sheet;
+
+use super::smartknob;
+
+/// Speed at which a model is turned, rad/s: viscous friction is next to nothing.
+const SLOW_RAD_S: f64 = 0.01;
+/// Steps of a turn.
+const STEPS: u32 = 7200;
+/// Detents that are shown of each knob.
+const DETENTS: f64 = 4.0;
+
+/// The page that a designer pins to the wall.
+///
+/// # Errors
+/// If a shipped knob is none.
+pub fn page() -> anyhow::Result<WallPage> {
+    let papers = (1..=5).map(of_paper).collect::<anyhow::Result<Vec<WallKnob>>>()?;
+    let smart: Vec<WallKnob> = smartknob::ALL.iter().map(of_smartknob).collect();
+    Ok(WallPage {
+        title: "Five mechanical knobs and ten of SmartKnob’s".to_owned(),
+        groups: vec![
+            (
+                "The paper’s knobs".to_owned(),
+                "Torque of a slow turn, four detents of each (a turn of those without): what a hand feels turning positively and \
+                 negatively. Swindells and MacLean 2007, Tables 4 to 6; each plot has a scale of its own."
+                    .to_owned(),
+                papers,
+            ),
+            (
+                "SmartKnob’s default knobs".to_owned(),
+                "Voltage against the hand, there and back from the lower end stop over some positions, without the motor’s own friction; the \
+                 damping term of the firmware is left out. github scottbez1/smartknob, firmware/src."
+                    .to_owned(),
+                smart,
+            ),
+        ],
+        software_version: env!("CARGO_PKG_VERSION").to_owned(),
+    })
+}
+
+fn of_paper(number: u32) -> anyhow::Result<WallKnob> {
+    let model = knobs::paper_knob(number)?;
+    let sheet = Sheet::of(&[slow_turn(&model)])?;
+    let figure = |name: &str| sheet.figures.get(name).and_then(|figure| figure.value);
+    let pitch = figure("detent_pitch");
+    let facts = [
+        ("detents in a turn", figure("detent_count").map(|count| format!("{count:.1}"))),
+        ("pitch", pitch.map(|pitch| format!("{:.1}°", pitch.to_degrees()))),
+        ("peak", figure("peak_torque").map(|peak| format!("{} mNm", short(peak)))),
+        ("trough", figure("trough_torque").map(|trough| format!("{} mNm", short(trough)))),
+        ("energy", figure("detent_energy").map(|energy| format!("{} mJ", short(energy)))),
+        ("stiffness", figure("detent_stiffness").map(|slope| format!("{} mNm/rad", short(slope)))),
+        ("running friction", figure("running_friction").map(|friction| format!("{} mNm", short(friction)))),
+    ];
+    Ok(WallKnob {
+        name: format!("Knob {number}"),
+        description: model.description.clone(),
+        reach_rad: pitch.map_or(TAU, |pitch| DETENTS * pitch),
+        torque: "torque (mNm)".to_owned(),
+        facts: facts.into_iter().filter_map(|(word, number)| Some((word.to_owned(), number?))).collect(),
+        sheet,
+    })
+}
+
+/// What a slow turn there and back shows of a model.
+fn slow_turn(model: &Model) -> Curve {
+    let turn = |direction: Direction| {
+        (0..=STEPS).map(move |step| {
+            let angle_rad = TAU * f64::from(step) / f64::from(STEPS);
+            let motion = Motion { angle_rad, velocity_rad_s: direction.sign() * SLOW_RAD_S, ..Motion::default() };
+            (angle_rad, motion, direction)
+        })
+    };
+    let back: Vec<_> = turn(Direction::Negative).collect();
+    let rows = turn(Direction::Positive).chain(back.into_iter().rev().skip(1));
+    let (position, load) = rows
+        .map(|(angle_rad, motion, direction)| {
+            (angle_rad, model.place_torque_mnm(&motion) + model.friction_mnm(&motion, direction))
+        })
+        .unzip();
+    Curve { axis: Axis::Rotary, position, load, ..Curve::default() }
+}
+
+fn of_smartknob(knob: &smartknob::SmartKnob) -> WallKnob {
+    let positions = if knob.positions == 0 { "any number".to_owned() } else { knob.positions.to_string() };
+    let facts = [
+        ("positions", positions),
+        ("width", format!("{}°", short(knob.width_deg))),
+        ("detent strength", short(knob.detent_strength)),
+        ("end stop strength", short(knob.endstop_strength)),
+        ("snap point", short(knob.snap_point)),
+        ("peak", format!("{} V", short(knob.peak_v()))),
+    ];
+    WallKnob {
+        name: knob.name.to_owned(),
+        description: String::new(),
+        sheet: knob.sheet(),
+        reach_rad: knob.reach_rad(),
+        torque: "against the hand (V)".to_owned(),
+        facts: facts.into_iter().map(|(word, number)| (word.to_owned(), number)).collect(),
+    }
+}
+
+/// A number with three digits.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful of decimals")]
+fn short(value: f64) -> String {
+    let order = value.abs().max(1e-9).log10().floor();
+    let decimals = (2.0 - order).clamp(0.0, 4.0) as usize;
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    text.replace('-', "−")
+}

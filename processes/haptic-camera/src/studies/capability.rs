@@ -1,0 +1,67 @@
+//! `capability`: whether a process keeps its units within their limits.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Context as _;
+use comfy_table::{CellAlignment, Table, presets};
+use sheet::{Capability, Index, QdasRow};
+
+use super::values::{Unit, column, studied, units};
+use crate::command_line::CapabilityOptions;
+use crate::judge::load;
+use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, to_output, write, write_json};
+
+/// Studies each limited figure and writes what was asked for.
+///
+/// # Errors
+/// One sentence on what is wrong with a file, or with the number of units.
+pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
+    let specification = load(&options.spec)?;
+    let studied = studied(&options.study, Some(&specification))?;
+    let units = units(&options.study, &studied)?;
+    let mut told: BTreeMap<&'static str, Capability> = BTreeMap::new();
+    for (index, (kind, limits)) in studied.iter().enumerate() {
+        let values = column(&units, index, &studied)?;
+        told.insert(kind.name, Capability::of(&values, options.subgroup, *limits).context(kind.name)?);
+    }
+    if !to_output(options.study.json.as_deref()) {
+        say(table(&told));
+    }
+    write_json(options.study.json.as_deref(), &told)?;
+    if let Some(path) = &options.dfq {
+        let rows: Vec<QdasRow> = units.iter().map(row).collect();
+        write(path, Kind::Qdas, &sheet::qdas(&specification.name, &studied, &rows))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn row(unit: &Unit) -> QdasRow {
+    QdasRow { measured_at: measured_at(unit.file.as_deref()), values: unit.values.clone() }
+}
+
+/// When a file was written, else now.
+fn measured_at(file: Option<&Path>) -> String {
+    let written = file.and_then(|file| file.metadata().ok()?.modified().ok());
+    let at = written.and_then(|at| jiff::Timestamp::try_from(at).ok()).unwrap_or_else(jiff::Timestamp::now);
+    at.to_zoned(jiff::tz::TimeZone::system()).strftime("%d.%m.%Y/%H:%M:%S").to_string()
+}
+
+fn table(told: &BTreeMap<&'static str, Capability>) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING);
+    table.set_header(["figure", "units", "Cp", "Cpk", "Pp", "Ppk"]);
+    let index = |index: &Index| format!("{:.2} ({:.2} to {:.2})", index.value, index.ci95[0], index.ci95[1]);
+    for (name, Capability { number, cp, cpk, pp, ppk, .. }) in told {
+        let or_dash = |of: &Option<Index>| of.as_ref().map_or_else(|| "–".to_owned(), index);
+        table.add_row([(*name).to_owned(), number.to_string(), or_dash(cp), index(cpk), or_dash(pp), index(ppk)]);
+    }
+    for column in 1..6 {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.set_width(80);
+    table
+}

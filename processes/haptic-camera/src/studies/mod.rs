@@ -1,0 +1,8 @@
+//! `capability` and `gauge`: what many units, operators and repeats tell.
+
+mod capability;
+mod gauge;
+mod values;
+
+pub use capability::run as run_capability;
+pub use gauge::run as run_gauge;

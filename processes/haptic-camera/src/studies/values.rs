@@ -1,0 +1,105 @@
+//! The figures of many units, from captures or from a table.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use foreign_files::{Column, Others, read_columns};
+use sheet::{FigureKind, Limits, Sheet, Specification, kinds};
+
+use crate::command_line::StudyOptions;
+use crate::sheet::{curves, files_of};
+
+/// A figure that is studied, with its limits.
+pub type Studied = (&'static FigureKind, Limits);
+
+/// One unit as one operator measured it once.
+pub struct Unit {
+    /// The part's folder, or its number.
+    pub part: String,
+    /// The operator's.
+    pub operator: String,
+    /// The file; `None` for a row of a table.
+    pub file: Option<PathBuf>,
+    /// The studied figures, in their order.
+    pub values: Vec<Option<f64>>,
+}
+
+/// The figures that are studied.
+///
+/// # Errors
+/// For a figure that there is not, and where none is named.
+pub fn studied(options: &StudyOptions, specification: Option<&Specification>) -> anyhow::Result<Vec<Studied>> {
+    let limited = specification.map(Specification::limits).unwrap_or_default();
+    let Some(name) = &options.figure else {
+        if limited.is_empty() {
+            bail!(
+                "nothing says which figure is studied; name it as with --figure collapse_force, or limit some with --spec"
+            );
+        }
+        return Ok(limited.to_vec());
+    };
+    if let Some(known) = limited.iter().find(|(kind, _)| kind.name == *name) {
+        return Ok(vec![*known]);
+    }
+    let kind = kinds().find(|kind| kind.name == *name).with_context(|| {
+        let known: Vec<&str> = kinds().map(|kind| kind.name).collect();
+        format!("`{name}` is no figure; there are {}", known.join(", "))
+    })?;
+    Ok(vec![(kind, Limits::default())])
+}
+
+/// Every unit with its figures.
+///
+/// # Errors
+/// One sentence on what is wrong with a file.
+pub fn units(options: &StudyOptions, studied: &[Studied]) -> anyhow::Result<Vec<Unit>> {
+    if let Some(table) = &options.values {
+        return of_table(table);
+    }
+    let choice = options.table.choice()?;
+    let unit = |file: PathBuf| {
+        let sheet = Sheet::of(&curves(std::slice::from_ref(&file), choice.as_ref())?)?;
+        let values = studied.iter().map(|(kind, _)| sheet.figure(kind).and_then(|figure| figure.value)).collect();
+        let [operator, part] = [1, 2].map(|above| folder(&file, above));
+        Ok(Unit { part, operator, file: Some(file), values })
+    };
+    files_of(&options.captures)?.into_iter().map(unit).collect()
+}
+
+/// Name of the folder so many above the file.
+fn folder(file: &Path, above: usize) -> String {
+    let name = file.ancestors().nth(above).and_then(Path::file_name);
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+fn of_table(table: &Path) -> anyhow::Result<Vec<Unit>> {
+    let file = foreign_files::open(table).with_context(|| format!("{} cannot be read", table.display()))?;
+    let wanted = [Column::required("value"), Column::optional("part"), Column::optional("operator")];
+    let [values, parts, operators] =
+        read_columns(file, wanted, Others::PassedOver).with_context(|| table.display().to_string())?;
+    let values = values.unwrap_or_default();
+    let label = |column: &Option<Vec<f64>>, row: usize| {
+        column.as_ref().and_then(|column| column.get(row)).map(f64::to_string).unwrap_or_default()
+    };
+    let unit = |(row, value): (usize, &f64)| Unit {
+        part: label(&parts, row),
+        operator: label(&operators, row),
+        file: None,
+        values: vec![Some(*value)],
+    };
+    Ok(values.iter().enumerate().map(unit).collect())
+}
+
+/// The values of one studied figure.
+///
+/// # Errors
+/// For a unit whose curve does not tell it.
+pub fn column(units: &[Unit], index: usize, studied: &[Studied]) -> anyhow::Result<Vec<f64>> {
+    let value = |unit: &Unit| {
+        unit.values[index].with_context(|| {
+            let file = unit.file.as_ref().map(|file| file.display().to_string()).unwrap_or_default();
+            format!("{file} does not tell {}; `haptic-camera sheet` says why", studied[index].0.name)
+        })
+    };
+    units.iter().map(value).collect()
+}

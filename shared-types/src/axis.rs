@@ -1,0 +1,157 @@
+//! What a control moves along, and in which units.
+
+use serde::{Deserialize, Serialize};
+
+/// Acceleration of free fall by which a gram-force is defined, m/s² (BIPM, The International System of Units, 3rd CGPM 1901).
+const STANDARD_GRAVITY: f64 = 9.806_65;
+/// An inch, mm.
+const INCH_MM: f64 = 25.4;
+/// A pound, g (International Yard and Pound Agreement, 1959).
+const POUND_G: f64 = 453.592_37;
+
+/// Whether a control is turned, or pressed and slid.
+///
+/// Position and load are one quantity each in the mathematics; only their names and units differ.
+///
+/// ```
+/// use shared_types::Axis;
+///
+/// assert_eq!((Axis::Rotary.position_unit(), Axis::Rotary.load_unit()), ("rad", "mNm"));
+/// assert_eq!((Axis::Linear.position_unit(), Axis::Linear.load_unit()), ("mm", "N"));
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Axis {
+    /// Turned: angle in rad, torque in mNm.
+    #[default]
+    Rotary,
+    /// Pressed or slid: travel in mm, force in N.
+    Linear,
+}
+
+impl Axis {
+    /// What its position is.
+    #[must_use]
+    pub fn position(self) -> Quantity {
+        match self {
+            Self::Rotary => Quantity::Angle,
+            Self::Linear => Quantity::Travel,
+        }
+    }
+
+    /// What resists its motion.
+    #[must_use]
+    pub fn load(self) -> Quantity {
+        match self {
+            Self::Rotary => Quantity::Torque,
+            Self::Linear => Quantity::Force,
+        }
+    }
+
+    /// Unit of the position.
+    #[must_use]
+    pub fn position_unit(self) -> &'static str {
+        self.position().unit()
+    }
+
+    /// Unit of the load.
+    #[must_use]
+    pub fn load_unit(self) -> &'static str {
+        self.load().unit()
+    }
+}
+
+/// A measured quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Angle, in rad.
+    Angle,
+    /// Torque, in mNm.
+    Torque,
+    /// Travel, in mm.
+    Travel,
+    /// Force, in N.
+    Force,
+    /// Time, in s.
+    Time,
+    /// Energy, in mJ, which is mNm rad and N mm.
+    Energy,
+    /// A share or a count.
+    Number,
+}
+
+impl Quantity {
+    /// What it is called.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Angle => "angle",
+            Self::Torque => "torque",
+            Self::Travel => "travel",
+            Self::Force => "force",
+            Self::Time => "time",
+            Self::Energy => "energy",
+            Self::Number => "number",
+        }
+    }
+
+    /// The unit that the instrument works in.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        self.units()[0].0
+    }
+
+    /// Every unit that is understood, the instrument's first, each with its size in that one.
+    #[must_use]
+    pub fn units(self) -> &'static [(&'static str, f64)] {
+        const GRAM_FORCE_N: f64 = STANDARD_GRAVITY * 1e-3;
+        const POUND_FORCE_N: f64 = POUND_G * GRAM_FORCE_N;
+        const OUNCE_FORCE_N: f64 = POUND_FORCE_N / 16.0;
+        match self {
+            Self::Angle => &[
+                ("rad", 1.0),
+                ("mrad", 1e-3),
+                ("deg", std::f64::consts::PI / 180.0),
+                ("°", std::f64::consts::PI / 180.0),
+                ("turn", std::f64::consts::TAU),
+            ],
+            Self::Torque => &[
+                ("mNm", 1.0),
+                ("Nm", 1e3),
+                ("cNm", 10.0),
+                ("Ncm", 10.0),
+                ("Nmm", 1.0),
+                ("gfcm", 10.0 * GRAM_FORCE_N),
+                ("gcm", 10.0 * GRAM_FORCE_N),
+                ("ozin", OUNCE_FORCE_N * INCH_MM),
+            ],
+            Self::Travel => &[("mm", 1.0), ("um", 1e-3), ("µm", 1e-3), ("cm", 10.0), ("m", 1e3), ("in", INCH_MM)],
+            Self::Force => &[
+                ("N", 1.0),
+                ("mN", 1e-3),
+                ("cN", 1e-2),
+                ("gf", GRAM_FORCE_N),
+                ("g", GRAM_FORCE_N),
+                ("kgf", 1e3 * GRAM_FORCE_N),
+                ("lbf", POUND_FORCE_N),
+                ("ozf", OUNCE_FORCE_N),
+            ],
+            Self::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), ("min", 60.0)],
+            Self::Energy => &[("mJ", 1.0), ("N mm", 1.0), ("J", 1e3), ("gf mm", GRAM_FORCE_N)],
+            Self::Number => &[("", 1.0), ("share", 1.0), ("%", 0.01)],
+        }
+    }
+
+    /// The size of a unit in the instrument's; `None` for a unit that is not one of this quantity.
+    ///
+    /// ```
+    /// use shared_types::Quantity;
+    ///
+    /// assert_eq!(Quantity::Torque.factor("Ncm"), Some(10.0));
+    /// assert_eq!(Quantity::Torque.factor("mm"), None);
+    /// ```
+    #[must_use]
+    pub fn factor(self, unit: &str) -> Option<f64> {
+        self.units().iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor)
+    }
+}

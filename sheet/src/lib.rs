@@ -1,0 +1,35 @@
+//! The data sheet of a control: from a curve of load over position to the figures in which the trade speaks of it.
+//!
+//! A [`Curve`](archive::testers::Curve) is torque over angle or force over travel, turned or pressed slowly enough for speed to
+//! have no part in it. [`Sheet::of`] takes one curve, or several of one part, to
+//!
+//! - *branches*: the load over the position, one a direction, with intervals;
+//! - *figures*: collapse, valley and snap of what is pressed; pitch, peak, trough, stiffness, energy and backlash of detents, and
+//!   the friction between the branches.
+//!
+//! Every figure has a [`FigureKind`], which defines it in a sentence and says whose definition that is, and a 95 % interval. Of
+//! one curve the interval comes from the noise about the smoothed curve; of several it is that which holds the figure of
+//! one more of them. A [`Specification`] sets limits on figures and curve; [`Specification::judge`] says pass, fail or undecided.
+//! [`Capability`] and [`Gauge`] tell of many parts, operators and repeats.
+
+mod branch;
+mod capability;
+mod figure;
+mod gauge;
+mod noise;
+mod pressed;
+mod qdas;
+mod quantiles;
+mod repeats;
+mod rotary;
+mod specification;
+mod verdict;
+
+pub use branch::Branch;
+pub use capability::{Capability, CapabilityError, Index};
+pub use figure::{Figure, FigureKind, Spread, kinds};
+pub use gauge::{Design, Gauge, GaugeError};
+pub use qdas::{QDAS_REMARK, QdasRow, qdas};
+pub use repeats::{CurveError, Detent, DetentFigure, Sheet, SheetError};
+pub use specification::{Limits, Specification, SpecificationError};
+pub use verdict::{EnvelopeVerdict, FigureVerdict, Judgement, Verdict};

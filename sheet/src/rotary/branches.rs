@@ -1,0 +1,95 @@
+//! The two branches of a turned control, as splines, and the noise about them.
+
+use archive::testers::Curve;
+use identification::statistics::{NORMAL_95, rms};
+use shared_types::Axis;
+
+use super::spline::{Spline, SplineFit};
+use crate::branch::Branch;
+use crate::noise::Signs;
+
+/// Neighbouring cells whose noise may go together.
+const CORRELATED: usize = 4;
+
+/// Torque over angle in one direction.
+#[derive(Debug)]
+pub(super) struct SplineBranch {
+    fit: SplineFit,
+    smooth: Vec<f64>,
+    /// What the spline leaves, by as much larger as the spline takes along and as neighbours go together.
+    left: Vec<f64>,
+    /// First and last angle, rad.
+    pub(super) ends: [f64; 2],
+    pub(super) spline: Spline,
+    /// Mean square error of prediction (generalised cross-validation; P. Craven, G. Wahba, Numer. Math. 31, 1979, 377–403).
+    pub(super) cross_validation: f64,
+}
+
+impl SplineBranch {
+    /// Of the rows in one direction, those in cells of `cell` rad as their mean, with knots every `knot` rad; `None` of too few.
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a number of cells")]
+    pub(super) fn of(curve: &Curve, directions: &[i8], direction: i8, knot: f64, cell: f64) -> Option<Self> {
+        let mut cells: std::collections::BTreeMap<i64, [f64; 3]> = std::collections::BTreeMap::new();
+        let rows = curve.position.iter().zip(&curve.load).zip(directions);
+        for ((angle, load), _) in rows.filter(|(_, of)| **of == direction) {
+            let [sum, loads, count] = cells.entry((angle / cell).floor() as i64).or_default();
+            (*sum, *loads, *count) = (*sum + angle, *loads + load, *count + 1.0);
+        }
+        let column = |take: fn(&[f64; 3]) -> f64| cells.values().map(take).collect::<Vec<f64>>();
+        let angles = column(|[sum, _, count]| sum / count);
+        let loads = column(|[_, loads, count]| loads / count);
+        let rows = column(|[.., count]| *count);
+        let fit = SplineFit::new(&angles, &rows, knot)?;
+        let spline = fit.solve(&loads);
+        let smooth: Vec<f64> = angles.iter().map(|angle| spline.value(*angle)).collect();
+        let mut left: Vec<f64> = loads.iter().zip(&smooth).map(|(load, smooth)| load - smooth).collect();
+        let free = left.len().saturating_sub(fit.width()).max(1) as f64;
+        let squares: f64 = left.iter().zip(&rows).map(|(left, count)| count * left * left).sum();
+        let cross_validation = squares / (1.0 - fit.width() as f64 / left.len() as f64).powi(2);
+        let factor = (left.len() as f64 / free).sqrt() * together(&left);
+        left.iter_mut().for_each(|left| *left *= factor);
+        let ends = [*angles.first()?, *angles.last()?];
+        Some(Self { fit, smooth, left, ends, spline, cross_validation })
+    }
+
+    /// From one knot to the next, rad.
+    pub(super) fn knot(&self) -> f64 {
+        self.fit.knot
+    }
+
+    /// The branch as it might have come out with other noise.
+    pub(super) fn redrawn(&self, signs: &mut Signs) -> Spline {
+        self.fit.solve(&signs.redraw(&self.smooth, &self.left))
+    }
+
+    /// As rows of a table, `step` apart, with the deviations of redrawn branches.
+    pub(super) fn rows(&self, step: f64, redrawn: &[Spline]) -> Branch {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousand rows")]
+        let count = ((self.ends[1] - self.ends[0]) / step).floor() as usize + 1;
+        let mut branch = Branch {
+            axis: Axis::Rotary,
+            first: self.ends[0],
+            step,
+            load: vec![0.0; count],
+            load_ci95_half_width: vec![0.0; count],
+        };
+        for index in 0..count {
+            let angle = branch.position(index);
+            branch.load[index] = self.spline.value(angle);
+            let deviations: Vec<f64> = redrawn.iter().map(|spline| spline.value(angle) - branch.load[index]).collect();
+            branch.load_ci95_half_width[index] = NORMAL_95 * rms(&deviations);
+        }
+        branch
+    }
+}
+
+/// How many times the noise of a mean is larger than that of independent values, as neighbours go together.
+fn together(left: &[f64]) -> f64 {
+    let product = |lag: usize| left.iter().zip(&left[lag.min(left.len())..]).map(|(a, b)| a * b).sum::<f64>();
+    let variance = product(0);
+    if variance <= 0.0 {
+        return 1.0;
+    }
+    let correlations: f64 = (1..=CORRELATED).map(|lag| product(lag) / variance).sum();
+    (1.0 + 2.0 * correlations).max(1.0).sqrt()
+}

@@ -1,0 +1,123 @@
+//! The figures as tables.
+
+use maud::{Markup, html};
+use shared_types::Axis;
+use sheet::{Figure, Sheet, kinds};
+
+use crate::numbers::{Digits, three};
+
+/// A figure as value and half width.
+pub(super) fn value_words(figure: &Figure) -> Option<String> {
+    let (value, [low, high]) = (figure.value?, figure.ci95?);
+    let half = 0.5 * (high - low);
+    Some(Digits::of_interval(value, half).plus_minus(value, half))
+}
+
+fn with_unit(figure: Option<&Figure>) -> Option<String> {
+    let figure = figure?;
+    let value = figure.value?;
+    let unit = figure.kind.unit;
+    Some(match unit {
+        "share" => format!("{}\u{a0}%", three(100.0 * value)),
+        "rad" => format!("{}°", three(value.to_degrees())),
+        "" => three(value),
+        _ => format!("{}\u{a0}{}", three(value), unit.replace(' ', "\u{a0}")),
+    })
+}
+
+/// What one says first of a control.
+pub(super) fn headline(sheet: &Sheet) -> String {
+    let told = |name: &str| with_unit(sheet.figures.get(name));
+    let words = match sheet.axis {
+        Axis::Rotary => [
+            told("detent_count").map(|count| format!("{count} detents in a turn")),
+            told("detent_pitch").map(|pitch| format!("{pitch} apart")),
+            told("peak_torque").map(|peak| format!("peak {peak}")),
+            told("running_friction").map(|friction| format!("running friction {friction}")),
+        ],
+        Axis::Linear => [
+            told("collapse_force").map(|force| format!("collapse at {force}")),
+            told("collapse_travel").map(|travel| format!("after {travel}")),
+            told("snap").map(|snap| format!("snap {snap}")),
+            told("travel").map(|travel| format!("bottom-out after {travel}")),
+        ],
+    };
+    let words: Vec<String> = words.into_iter().flatten().collect();
+    if words.is_empty() { "no figure could be told.".to_owned() } else { format!("{}.", words.join(", ")) }
+}
+
+/// Every figure with its definition.
+pub(super) fn figures(sheet: &Sheet) -> Markup {
+    let told = || kinds().filter_map(|kind| Some((kind, sheet.figure(kind)?)));
+    let any_spread = told().any(|(_, figure)| figure.over.is_some());
+    html! {
+        div.scroll {
+            table.compared {
+                thead {
+                    tr {
+                        th { "figure" }
+                        th.number { "value, ± half its 95 % interval" }
+                        th { "unit" }
+                        @if any_spread { th.number { "from detent to detent" span.faint { "spread; worst; number" } } }
+                        th { "definition" }
+                    }
+                }
+                tbody {
+                    @for (kind, figure) in told() {
+                        tr {
+                            th scope="row" { code { (kind.name) } }
+                            td.number.value {
+                                @if let Some(words) = value_words(figure) { (words) } @else { "–" }
+                            }
+                            td.unit { (kind.unit) }
+                            @if any_spread {
+                                td.number {
+                                    @if let Some(over) = figure.over { (three(over.spread)) "; " (three(over.worst)) "; " (over.number) }
+                                }
+                            }
+                            td.words {
+                                (kind.definition) " " span.faint { "Source: " (kind.source) "." }
+                                @if let Some(reason) = &figure.reason { span.untold { "Not told: " (reason) "." } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Each detent in each direction.
+pub(super) fn detents(sheet: &Sheet) -> Markup {
+    let names: Vec<&str> =
+        sheet.detents.first().map(|detent| detent.figures.keys().copied().collect()).unwrap_or_default();
+    let cell = |value: f64, [low, high]: [f64; 2]| {
+        let half = 0.5 * (high - low);
+        Digits::of_interval(value, half).plus_minus(value, half)
+    };
+    html! {
+        div.scroll {
+            table.compared {
+                thead {
+                    tr {
+                        th { "direction" }
+                        th.number { "angle_rad" }
+                        @for name in &names { th.number { (name) } }
+                    }
+                }
+                tbody.plain {
+                    @for detent in &sheet.detents {
+                        tr {
+                            th scope="row" { (detent.direction) }
+                            td.number { (cell(detent.angle_rad, detent.angle_rad_ci95)) }
+                            @for name in &names {
+                                td.number { @if let Some(figure) = detent.figures.get(name) { (cell(figure.value, figure.ci95)) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        p.note { "Where each detent rests, and what it takes to leave it in that direction; ± half the 95 % interval." }
+    }
+}
