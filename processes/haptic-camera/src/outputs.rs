@@ -141,14 +141,8 @@ pub fn to_output(json: Option<&Path>) -> bool {
 /// # Errors
 /// When the file cannot be written.
 pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
-    #[derive(Serialize)]
-    struct Marked<'a, Content> {
-        made_by: &'static str,
-        #[serde(flatten)]
-        content: &'a Content,
-    }
     let Some(path) = path else { return Ok(()) };
-    let text = serde_json::to_string_pretty(&Marked { made_by: "haptic-camera", content: result })? + "\n";
+    let text = analysis::to_json(result)? + "\n";
     if to_output(Some(path)) {
         say(text.trim_end());
         return Ok(());
