@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use analysis::{ToldAverage, ToldFit, common_truth, titles};
 use anyhow::Context as _;
+use archive::whole_file::Replace;
 use dynamics::Model;
 use identification::{Fit, PreparationMethod};
 use loaded_capture::LoadedCapture;
@@ -13,7 +14,7 @@ use crate::command_line;
 use crate::harmonic_table::harmonic_table;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outputs::{Kind, replace, to_output, write, write_json};
 use crate::parameter_table::{parameter_table, reasons};
 use crate::repeatability::{agreement_line, repeatability_table};
 
@@ -40,6 +41,7 @@ fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result
     if let Some(path) = &options.out {
         write(path, Kind::FittedModel, &fit.model(&analysis::title(&loaded)).to_toml())?;
     }
+    write_into(options, &fit.model(&analysis::title(&loaded)))?;
     if let Some(path) = &options.report {
         write(path, Kind::Page, &page)?;
     }
@@ -66,6 +68,7 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
     if let Some(path) = &options.out {
         write(path, Kind::FittedModel, &average.model(&titles(&each)).to_toml())?;
     }
+    write_into(options, &average.model(&titles(&each)))?;
     if let Some(path) = &options.report {
         let captures = loaded.iter().map(analysis::facts).collect();
         write(
@@ -75,6 +78,20 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
         )?;
     }
     Ok(Outcome::Done)
+}
+
+/// Writes the model into a joint of a MuJoCo file, if that was asked for.
+fn write_into(options: &command_line::FitOptions, model: &Model) -> anyhow::Result<()> {
+    let Some(path) = &options.into else { return Ok(()) };
+    let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
+    let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)
+        .with_context(|| format!("{} cannot be given what was identified", path.display()))?;
+    replace(path, Replace::Anything, &changed)?;
+    say(format!(
+        "{}: armature, damping, frictionloss and detents; the armature is all of the inertia, so the body needs next to none",
+        path.display()
+    ));
+    Ok(())
 }
 
 /// Writes every number of a fit as JSON to a file, or to standard output for `-`; `figures` are those in a page's captions.

@@ -26,6 +26,8 @@ pub enum Kind {
     Calibration,
     /// A model for firmware.
     Header,
+    /// A model for a simulator.
+    Simulator,
     /// A capture that was simulated.
     Simulation,
     /// A manual page.
@@ -47,6 +49,7 @@ impl Kind {
             Self::ComposedModel => Replace::Marked("\norigin = "),
             Self::Calibration => Replace::Marked(CALIBRATION_MARK),
             Self::Header => Replace::Marked(" as numbers, made by haptic-camera "),
+            Self::Simulator => Replace::Marked(", made by haptic-camera "),
             Self::Simulation => Replace::Marked("\"apparatus\": \"simulation\""),
             Self::ManualPage => Replace::Marked(".TH haptic-camera"),
             // The application's name, which rerun writes first.
