@@ -33,7 +33,10 @@ pub fn mjcf(model: &Model) -> Export {
     let mean_mnm = Joint::mean(joint.coulomb_mnm);
     let coulomb_mnm = if joint.bristles.is_some() { [mean_mnm; 2] } else { joint.coulomb_mnm };
     let said = said(model, &of_mjcf(), coulomb_mnm, viscous);
-    let left_out = left_out(model, &said, &joint);
+    let mut left_out = left_out(model, &said, &joint);
+    if joint.coupling.is_some_and(|coupling| coupling.half_gap_rad > 0.0) {
+        left_out.push("how stiff the ends of the backlash are".to_owned());
+    }
     let mut text = String::new();
     let _ = write!(
         text,
@@ -67,13 +70,8 @@ fn bodies(joint: &Joint, viscous: f64, text: &mut String) {
     own.push('"');
     let friction_mnm = Joint::mean(joint.coulomb_mnm);
     if joint.bristles.is_none() && friction_mnm > 0.0 {
-        // As stiff as the step permits: the friction of a sliding knob is then its Coulomb friction.
-        let _ = write!(
-            own,
-            " frictionloss=\"{}\" solreffriction=\"{} 1\" solimpfriction=\"0.9999 0.9999 0.001\"",
-            si(friction_mnm),
-            2.0 * TIMESTEP_S
-        );
+        // The friction of a sliding knob is then its Coulomb friction.
+        let _ = write!(own, " frictionloss=\"{}\" {}", si(friction_mnm), stiff("friction"));
     }
     if let Some([stiffness, centre_rad]) = joint.spring {
         let _ = write!(own, " stiffness=\"{}\" springref=\"{centre_rad}\"", si(stiffness));
@@ -86,6 +84,11 @@ fn bodies(joint: &Joint, viscous: f64, text: &mut String) {
             body("inner", coupling.inner_share * joint.inertia, &format!("{own}{range}"), text);
         }
     }
+}
+
+/// A constraint as stiff as the step permits.
+fn stiff(constraint: &str) -> String {
+    format!("solref{constraint}=\"{} 1\" solimp{constraint}=\"0.9999 0.9999 0.001\"", 2.0 * TIMESTEP_S)
 }
 
 fn body(name: &str, inertia: f64, attributes: &str, text: &mut String) {
@@ -101,7 +104,7 @@ fn body(name: &str, inertia: f64, attributes: &str, text: &mut String) {
 fn tendon(joint: &Joint, text: &mut String) {
     let Some(coupling) = joint.coupling else { return };
     let way = if coupling.half_gap_rad > 0.0 {
-        format!("range=\"{} {}\"", -coupling.half_gap_rad, coupling.half_gap_rad)
+        format!("range=\"{} {}\" {}", -coupling.half_gap_rad, coupling.half_gap_rad, stiff("limit"))
     } else {
         format!(
             "stiffness=\"{}\" damping=\"{}\" springlength=\"0\"",
