@@ -8,6 +8,7 @@ mod error;
 mod facts;
 mod fit;
 mod result;
+mod row;
 mod simulation;
 
 pub use diagnosis::{ToldDiagnosis, diagnose, diagnosed_model, refuse_drawn};
@@ -15,4 +16,5 @@ pub use error::AnalysisError;
 pub use facts::{facts, fit_page, title};
 pub use fit::{ToldAverage, ToldFit, common_truth, fit, titles};
 pub use result::{MADE_BY, to_json};
+pub use row::{Cell, Row};
 pub use simulation::{Drive, Simulation, along_motion, simulate, torque_at_knob};

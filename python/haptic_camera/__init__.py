@@ -17,6 +17,7 @@ from haptic_camera._native import (
     fit,
     read,
     simulate,
+    table_row,
 )
 
 __all__ = [
@@ -32,4 +33,5 @@ __all__ = [
     "fit",
     "read",
     "simulate",
+    "table_row",
 ]

@@ -17,6 +17,7 @@ __all__ = [
     "Parameter",
     "fit",
     "Model",
+    "table_row",
     "simulate",
 ]
 
@@ -205,3 +206,4 @@ def diagnose(
 def simulate(
     model: _ModelOrName, motion: _CaptureOrPath, *, drive: Literal["motion", "torque"] = "motion"
 ) -> Capture: ...
+def table_row(path: str | PathLike[str]) -> dict[str, str | int | float | None]: ...

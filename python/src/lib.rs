@@ -11,6 +11,7 @@ mod diagnosis;
 mod error;
 mod fit;
 mod model;
+mod row;
 mod simulation;
 
 use pyo3::pymodule;
@@ -27,6 +28,8 @@ mod _native {
     use crate::fit::{Fit, Parameter, fit};
     #[pymodule_export]
     use crate::model::Model;
+    #[pymodule_export]
+    use crate::row::table_row;
     #[pymodule_export]
     use crate::simulation::simulate;
 }

@@ -38,9 +38,9 @@ pub fn mjcf(model: &Model) -> Export {
         left_out.push("how stiff the ends of the backlash are".to_owned());
     }
     let mut text = String::new();
-    let _ = write!(
+    let _ = writeln!(
         text,
-        "<!-- {}, made by haptic-camera {}. SI units: N m, rad, s.\n",
+        "<!-- {}, made by haptic-camera {}. SI units: N m, rad, s.",
         comment(&model.name),
         env!("CARGO_PKG_VERSION")
     );

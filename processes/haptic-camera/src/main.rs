@@ -31,6 +31,7 @@ mod rig_run;
 mod rig_test;
 mod simulate;
 mod supervision;
+mod table;
 mod terminal;
 mod tune;
 mod until_ci;
@@ -64,6 +65,7 @@ fn main() -> ExitCode {
         Command::Export(options) => export::run(&options),
         Command::Completions(options) => manual::completions(&options),
         Command::Man(options) => manual::pages(&options),
+        Command::Table(options) => table::run(&options),
         Command::List(options) => list::run(&options),
         Command::View(options) => view::run(&options),
         Command::Recompute(options) => recompute::run(&options),

@@ -61,6 +61,7 @@ impl Command {
                 .reading(&options.along)
                 .writing(Some(&options.out), options.kind())
                 .writing(options.isaac_lab().as_ref(), Kind::Json),
+            Self::Table(options) => files.writing(Some(&options.out), Kind::Data),
             Self::List(options) => files.writing(options.json.as_ref(), Kind::Json),
             Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), Kind::Json),
             Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), Kind::Data),

@@ -18,6 +18,7 @@ mod rig;
 mod rig_test;
 mod run;
 mod simulate;
+mod table;
 mod tune;
 mod view;
 
@@ -38,6 +39,7 @@ pub use rig::RigOptions;
 pub use rig_test::RigTestOptions;
 pub use run::RunOptions;
 pub use simulate::{SimulateOptions, SimulationDrive};
+pub use table::TableOptions;
 pub use tune::TuneOptions;
 pub use view::ViewOptions;
 
@@ -124,6 +126,11 @@ pub enum Command {
     /// List the captures of a folder by time: knob, length, how good the fit is, whether the archive is whole
     #[command(after_help = "Examples:\n  haptic-camera list\n  haptic-camera list captures --json")]
     List(ListOptions),
+    /// Fit every capture of whole folders on all cores: one row a capture, in a Parquet file
+    #[command(after_help = "Example:\n  haptic-camera table captures --out captures.parquet\n\n\
+        A call that was killed goes on where it was when it is made again. A file that cannot be read or fitted is a row that \
+        says why.")]
+    Table(TableOptions),
     /// Open the live view of the running capture, or look at a finished one
     #[command(
         after_help = "Examples:\n  haptic-camera view\n  haptic-camera view captures/20261121-101500-knob-3.mcap --native"
