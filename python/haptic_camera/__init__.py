@@ -17,6 +17,7 @@ from haptic_camera._native import (
     fit,
     read,
     simulate,
+    table_columns,
     table_row,
 )
 
@@ -33,5 +34,6 @@ __all__ = [
     "fit",
     "read",
     "simulate",
+    "table_columns",
     "table_row",
 ]

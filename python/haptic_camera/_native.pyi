@@ -17,6 +17,7 @@ __all__ = [
     "Parameter",
     "fit",
     "Model",
+    "table_columns",
     "table_row",
     "simulate",
 ]
@@ -207,3 +208,4 @@ def simulate(
     model: _ModelOrName, motion: _CaptureOrPath, *, drive: Literal["motion", "torque"] = "motion"
 ) -> Capture: ...
 def table_row(path: str | PathLike[str]) -> dict[str, str | int | float | None]: ...
+def table_columns() -> dict[str, type[str] | type[int] | type[float]]: ...

@@ -29,7 +29,7 @@ mod _native {
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::row::table_row;
+    use crate::row::{table_columns, table_row};
     #[pymodule_export]
     use crate::simulation::simulate;
 }
