@@ -80,7 +80,7 @@ def by_ray(folder: Path, out: Path, kill: bool) -> tuple[float, float, int]:
 
     ray_table.parquet.ParquetWriter.write_table = counted
     # The first tasks of a cluster wait for their workers to start, which is no part of a long run.
-    ray.get([ray_table.rows.remote([]) for _ in range(4)])
+    ray.get([ray_table.remote_rows.remote([]) for _ in range(4)])
     start = time.monotonic()
     rows = ray_table.table(folder, out)
     seconds = time.monotonic() - start

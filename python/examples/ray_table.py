@@ -23,18 +23,20 @@ ARROW = {str: pyarrow.string(), int: pyarrow.int64(), float: pyarrow.float64()}
 SCHEMA = pyarrow.schema([(name, ARROW[kind]) for name, kind in hc.table_columns().items()])
 
 
-# A machine that dies is no fault of the task: it is done again however often that happens.
-@ray.remote(num_cpus=1, max_retries=-1)
 def rows(files: list[str]) -> pyarrow.Table:
     """The rows of some captures; a file that cannot be read or fitted is a row that says why."""
     return pyarrow.Table.from_pylist([hc.table_row(file) for file in files], schema=SCHEMA)
+
+
+# A machine that dies is no fault of the task: it is done again however often that happens.
+remote_rows = ray.remote(num_cpus=1, max_retries=-1)(rows)
 
 
 def table(folder: Path, out: Path) -> int:
     """Write the table of a folder; gives the number of its rows."""
     files = sorted(str(file) for file in folder.rglob("*") if file.suffix in (".mcap", ".csv"))
     chunks = [files[first : first + CAPTURES_A_TASK] for first in range(0, len(files), CAPTURES_A_TASK)]
-    made = [rows.remote(chunk) for chunk in chunks]
+    made = [remote_rows.remote(chunk) for chunk in chunks]
     with parquet.ParquetWriter(out, SCHEMA) as writer:
         while made:
             writer.write_table(ray.get(made.pop(0)))

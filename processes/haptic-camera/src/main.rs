@@ -33,6 +33,7 @@ mod simulate;
 mod supervision;
 mod table;
 mod terminal;
+mod trend;
 mod tune;
 mod until_ci;
 mod verify;
@@ -66,6 +67,7 @@ fn main() -> ExitCode {
         Command::Completions(options) => manual::completions(&options),
         Command::Man(options) => manual::pages(&options),
         Command::Table(options) => table::run(&options),
+        Command::Trend(options) => trend::run(&options),
         Command::List(options) => list::run(&options),
         Command::View(options) => view::run(&options),
         Command::Recompute(options) => recompute::run(&options),

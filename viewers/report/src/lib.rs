@@ -23,6 +23,7 @@ mod rendering;
 mod rig_test;
 mod shown;
 mod themed_svg;
+mod trend;
 mod verdict;
 
 pub use comparison::{
@@ -35,6 +36,7 @@ use identification::{Average, Fit};
 pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
 pub use rig_test::{ChannelDifference, ChannelLag, ChannelTrace, RigTest};
 pub use shown::{DiagnosisNumbers, FigureNumbers, FitNumbers, ModelValue};
+pub use trend::{Drift, Trend, TrendGroup, TrendParameter, TrendPoint};
 
 /// What is known of a capture besides its samples.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -164,4 +166,12 @@ pub fn comparison_page(compared: &Comparison) -> String {
 #[must_use]
 pub fn rig_test_page(test: &RigTest) -> String {
     rig_test::rig_test_page(test).into_string()
+}
+
+/// The page of a trend as HTML, complete from doctype to end: each parameter over time, group beside group, and how it drifts.
+///
+/// Numbers are written as on [`fit_page`].
+#[must_use]
+pub fn trend_page(trend: &Trend) -> String {
+    trend::trend_page(trend).into_string()
 }

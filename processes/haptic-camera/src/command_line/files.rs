@@ -62,6 +62,10 @@ impl Command {
                 .writing(Some(&options.out), options.kind())
                 .writing(options.isaac_lab().as_ref(), Kind::Json),
             Self::Table(options) => files.writing(Some(&options.out), Kind::Data),
+            Self::Trend(options) => files
+                .reading([&options.table])
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.report.as_ref(), Kind::Page),
             Self::List(options) => files.writing(options.json.as_ref(), Kind::Json),
             Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), Kind::Json),
             Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), Kind::Data),

@@ -19,6 +19,7 @@ mod rig_test;
 mod run;
 mod simulate;
 mod table;
+mod trend;
 mod tune;
 mod view;
 
@@ -40,6 +41,7 @@ pub use rig_test::RigTestOptions;
 pub use run::RunOptions;
 pub use simulate::{SimulateOptions, SimulationDrive};
 pub use table::TableOptions;
+pub use trend::{TrendGroups, TrendOptions};
 pub use tune::TuneOptions;
 pub use view::ViewOptions;
 
@@ -131,6 +133,9 @@ pub enum Command {
         A call that was killed goes on where it was when it is made again. A file that cannot be read or fitted is a row that \
         says why.")]
     Table(TableOptions),
+    /// Tell how the parameters of a table's captures change over time: drift of a rig, wear of a knob
+    #[command(after_help = "Example:\n  haptic-camera trend captures.parquet --by rig --report trend.html")]
+    Trend(TrendOptions),
     /// Open the live view of the running capture, or look at a finished one
     #[command(
         after_help = "Examples:\n  haptic-camera view\n  haptic-camera view captures/20261121-101500-knob-3.mcap --native"
