@@ -49,7 +49,7 @@ impl Kind {
             Self::ComposedModel => Replace::Marked("\norigin = "),
             Self::Calibration => Replace::Marked(CALIBRATION_MARK),
             Self::Header => Replace::Marked(" as numbers, made by haptic-camera "),
-            Self::Simulator => Replace::Marked(", made by haptic-camera "),
+            Self::Simulator => Replace::Marked(". SI units: N m, rad, s.\n"),
             Self::Simulation => Replace::Marked("\"apparatus\": \"simulation\""),
             Self::ManualPage => Replace::Marked(".TH haptic-camera"),
             // The application's name, which rerun writes first.

@@ -15,7 +15,7 @@ use crate::plot::{Axis, Layer, Plot};
 
 /// Most groups that are drawn beside each other; the table has all.
 const MOST_DRAWN: usize = 6;
-/// Half the width of a capture's interval in a plot, as a share of the axis.
+/// Half the width of a capture's interval in a plot, and its least half height, as shares of the axes: it is seen however small.
 const BAR: f64 = 0.006;
 
 pub(crate) fn trend_page(trend: &Trend) -> Markup {
@@ -119,7 +119,7 @@ fn of_name<'a>(groups: &'a [TrendGroup], name: &'a str) -> impl Iterator<Item = 
 }
 
 fn row(group: &TrendGroup, one: &TrendParameter) -> Markup {
-    let width = one.sd.or(one.mean_ci95_half_width).unwrap_or(0.0);
+    let width = one.sd.unwrap_or(0.0).max(one.mean_ci95_half_width.unwrap_or(0.0));
     let two =
         |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| Digits::significant(value, 2).show(value));
     html! {
@@ -149,18 +149,20 @@ fn figures(groups: &[TrendGroup], name: &str) -> Vec<Figure> {
     let days = points().map(|point| point.days).fold(0.0, f64::max);
     let ends = || points().flat_map(|point| point.ci95.unwrap_or([point.value; 2]));
     let bar = BAR * days.max(f64::MIN_POSITIVE);
+    let (lowest, highest) =
+        ends().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| (low.min(end), high.max(end)));
+    let least = 2.0 * BAR * (highest - lowest);
     let draw = |(group, one): (&TrendGroup, &TrendParameter)| {
         let interval = |point: &TrendPoint| {
-            let [low, high] = point.ci95?;
-            Some(Layer::Band(Ink::Measured, vec![(point.days - bar, low, high), (point.days + bar, low, high)]))
+            let [low, high] = point.ci95.unwrap_or([point.value; 2]);
+            let (low, high) = (low.min(point.value - least), high.max(point.value + least));
+            Layer::Band(Ink::Measured, vec![(point.days - bar, low, high), (point.days + bar, low, high)])
         };
-        let dots = one.points.iter().map(|point| (point.days, point.value)).collect();
         let line = one.drift.map(|drift| {
             let at = |days: f64| (days, drift.at_start + drift.per_day * days);
             Layer::Line(Ink::Model, (0..=2).map(|half| at(0.5 * days * real(half))).collect())
         });
-        let mut layers: Vec<Layer> = one.points.iter().filter_map(interval).collect();
-        layers.push(Layer::Clouds(vec![(Ink::Measured, dots)]));
+        let mut layers: Vec<Layer> = one.points.iter().map(interval).collect();
         layers.extend(line);
         let plot = Plot {
             size: THIRD,
@@ -170,7 +172,7 @@ fn figures(groups: &[TrendGroup], name: &str) -> Vec<Figure> {
         };
         Figure {
             title: format!("{name}, {}", group.name),
-            legend: vec![(Mark::Dots, Ink::Measured, "captures with 95 %"), (Mark::Line, Ink::Model, "drift")],
+            legend: vec![(Mark::Band, Ink::Measured, "captures, 95 %"), (Mark::Line, Ink::Model, "drift")],
             plot: plot.svg(&format!("{name} over time, {}", group.name)),
             caption: String::new(),
         }
