@@ -3,6 +3,7 @@
 Started by scripts/study-ray. Prints rows that differ, throughput, overhead and memory, and what a million captures cost.
 """
 
+import resource
 import subprocess
 import sys
 import tempfile
@@ -46,11 +47,12 @@ def make(folder: Path, count: int) -> None:
     (knobs / "foreign.csv").write_text("a,b\n1,2\n")
 
 
-def by_table(folder: Path, out: Path) -> float:
-    """Seconds that the single machine's table took."""
-    start = time.monotonic()
+def by_table(folder: Path, out: Path) -> tuple[float, float]:
+    """Seconds that the single machine's table took, and those that its processors worked on it."""
+    start, used = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([PROGRAM, "table", folder, "--out", out], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    return time.monotonic() - start
+    seconds, now = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return seconds, now.ru_utime + now.ru_stime - used.ru_utime - used.ru_stime
 
 
 def kill_when(condition: threading.Event, cluster: Cluster, node: object) -> None:
@@ -106,10 +108,11 @@ def main(count: int) -> None:
         knobs = folder / "knobs"
         size = sum(file.stat().st_size for file in knobs.iterdir())
         # Before and after Ray's, since a machine is seldom equally busy for long.
-        before_s = by_table(knobs, folder / "ours.parquet")
+        before_s, worked_s = by_table(knobs, folder / "ours.parquet")
         undisturbed_s, memory, rows = by_ray(knobs, folder / "ray.parquet", kill=False)
         killed_s, _, _ = by_ray(knobs, folder / "killed.parquet", kill=True)
-        ours_s = (before_s + by_table(knobs, folder / "again.parquet")) / 2
+        after_s, _ = by_table(knobs, folder / "again.parquet")
+        ours_s = (before_s + after_s) / 2
         ours = parquet.read_table(folder / "ours.parquet")
         for name in ("again.parquet", "ray.parquet", "killed.parquet"):
             theirs = parquet.read_table(folder / name)
@@ -121,12 +124,12 @@ def main(count: int) -> None:
         for name, seconds in (("table", ours_s), ("Ray", undisturbed_s), ("Ray, a node killed", killed_s)):
             print(f"{name}: {seconds:.1f} s, {rows / seconds:.1f} captures a second")
         print(f"overhead of Ray: {100 * (undisturbed_s / ours_s - 1):.0f} %; head: {memory:.0f} MiB")
-        cores = psutil.cpu_count()
         row_bytes = (folder / "ours.parquet").stat().st_size / rows
+        print(f"processors at work: {1e3 * worked_s / rows:.0f} ms a capture")
         print(
             f"a million such captures, from these figures: {size / rows * MILLION / 1e9:.0f} GB read, "
-            f"{cores * ours_s / rows * MILLION / 3600:.0f} core hours by table, "
-            f"{cores * undisturbed_s / rows * MILLION / 3600:.0f} by Ray, a table of {row_bytes * MILLION / 1e6:.0f} MB"
+            f"{worked_s / rows * MILLION / 3600:.1f} core hours, a table of {row_bytes * MILLION / 1e6:.0f} MB; "
+            f"{MILLION / ray_table.CAPTURES_A_TASK:.0f} tasks of Ray's"
         )
 
 
