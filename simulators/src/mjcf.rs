@@ -4,7 +4,7 @@
 //! |---|---|
 //! | inertia | `armature` of the hinge: the knob's body has as good as no mass |
 //! | Coulomb friction | `frictionloss`, half of the sum; half of the difference is a constant torque, at rest too, which is the same |
-//! | viscous friction, drag | `damping`, a polynomial b₀ + b₁·|v| since MuJoCo 3.12; the mean of both directions |
+//! | viscous friction, drag | `damping`, a polynomial b₀ + b₁·|v|; the mean of both directions |
 //! | sinusoids of the angle | passive motors `dcmotor input="none"` with `cogging`, each amplitude·sin(n·θ + phase) |
 //! | bristles | a passive motor with `lugre` in place of `frictionloss`: σ₀ = C/z₀ |
 //! | spring, end stops | `stiffness` and `springref`, `range` |
