@@ -85,6 +85,16 @@ impl Capture {
         Self { rate_hz, seq: tick.clone(), tick, t_s, angle_rad, torque_mnm, ..Self::default() }
     }
 
+    /// A capture of measured columns alone, as a table holds them: rate and ticks follow from the times.
+    ///
+    /// # Errors
+    /// What [`validate`](Self::validate) reports.
+    pub fn from_measured(mut measured: Self) -> Result<Self, ArchiveError> {
+        csv_file::count(&mut measured);
+        measured.validate()?;
+        Ok(measured)
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -23,10 +23,15 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
             (column.store)(&mut capture, Values::Reals(values.into()));
         }
     }
+    count(&mut capture);
+    Ok(capture)
+}
+
+/// Rate and ticks as the times of the rows tell them.
+pub(crate) fn count(capture: &mut Capture) {
     capture.rate_hz = rate_hz(&capture.t_s);
     capture.seq = (0..capture.t_s.len() as u64).collect();
     capture.tick = ticks(&capture.t_s, capture.rate_hz);
-    Ok(capture)
 }
 
 /// Bytes among which the names of all columns are.

@@ -6,6 +6,8 @@
 
 mod file;
 mod table;
+mod text;
 
 pub use file::{open, read_text};
 pub use table::{Column, Others, TableError, read_columns};
+pub use text::{one_line, visible};

@@ -2,18 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
+use analysis::{ToldAverage, ToldFit, common_truth, titles};
 use anyhow::Context as _;
+use archive::whole_file::Replace;
 use dynamics::Model;
-use identification::{Average, Fit, FitOptions, PreparationMethod};
+use identification::{Fit, PreparationMethod};
 use loaded_capture::LoadedCapture;
-use report::{AveragePage, CaptureFacts, FigureNumbers, FitNumbers};
-use serde::Serialize;
+use report::{AveragePage, FigureNumbers};
 
 use crate::command_line;
 use crate::harmonic_table::harmonic_table;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outputs::{Kind, replace, to_output, write, write_json};
 use crate::parameter_table::{parameter_table, reasons};
 use crate::repeatability::{agreement_line, repeatability_table};
 
@@ -30,16 +31,17 @@ pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
 
 fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
     let loaded = load::load(capture)?;
-    let fit = fit_prepared(&loaded, options.preparation.into())?;
+    let fit = analysis::fit(&loaded, options.preparation.into())?;
     if !to_output(options.json.as_deref()) {
         show(&loaded, &fit);
     }
-    let page = options.report.as_ref().map(|_| load::report_page(&loaded, &fit));
+    let page = options.report.as_ref().map(|_| analysis::fit_page(&loaded, &fit));
     let (page, figures) = page.unwrap_or_default();
     write_numbers(options.json.as_deref(), &loaded, &fit, figures)?;
     if let Some(path) = &options.out {
-        write(path, Kind::FittedModel, &fit.model(&load::title(&loaded)).to_toml())?;
+        write(path, Kind::FittedModel, &fit.model(&analysis::title(&loaded)).to_toml())?;
     }
+    write_into(options, &fit.model(&analysis::title(&loaded)))?;
     if let Some(path) = &options.report {
         write(path, Kind::Page, &page)?;
     }
@@ -49,11 +51,11 @@ fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result
 /// One model of several captures of the same knob.
 fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
     let loaded = captures.iter().map(|path| load::load(path)).collect::<anyhow::Result<Vec<_>>>()?;
-    let prepared = |one| fit_prepared(one, options.preparation.into());
-    let fits = loaded.iter().map(prepared).collect::<anyhow::Result<Vec<Fit>>>()?;
+    let prepared = |one| analysis::fit(one, options.preparation.into());
+    let fits = loaded.iter().map(prepared).collect::<Result<Vec<Fit>, _>>()?;
     let average = identification::average(&fits).context("there is no capture to fit")?;
-    let first = loaded.first().and_then(|one| one.truth.as_ref());
-    let truth = first.filter(|_| loaded.iter().all(|one| one.truth.as_ref() == first));
+    let each: Vec<&LoadedCapture> = loaded.iter().collect();
+    let truth = common_truth(&each);
     if !to_output(options.json.as_deref()) {
         show_fit(truth, &average.fit);
         if let Some(agreement) = average.agreement {
@@ -62,15 +64,13 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
         say("");
         say(repeatability_table(&average));
     }
-    let told = loaded.iter().zip(&fits).map(|(one, fit)| Told::of(one, fit)).collect();
-    let numbers = FitNumbers::of(&average.fit, truth);
-    write_json(options.json.as_deref(), &ToldTogether { average: &average, numbers, fits: told })?;
+    write_json(options.json.as_deref(), &ToldAverage::of(&average, &each, &fits))?;
     if let Some(path) = &options.out {
-        let titles: Vec<String> = loaded.iter().map(load::title).collect();
-        write(path, Kind::FittedModel, &average.model(&titles.join(" and ")).to_toml())?;
+        write(path, Kind::FittedModel, &average.model(&titles(&each)).to_toml())?;
     }
+    write_into(options, &average.model(&titles(&each)))?;
     if let Some(path) = &options.report {
-        let captures = loaded.iter().map(load::facts).collect();
+        let captures = loaded.iter().map(analysis::facts).collect();
         write(
             path,
             Kind::Page,
@@ -78,6 +78,20 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
         )?;
     }
     Ok(Outcome::Done)
+}
+
+/// Writes the model into a joint of a MuJoCo file, if that was asked for.
+fn write_into(options: &command_line::FitOptions, model: &Model) -> anyhow::Result<()> {
+    let Some(path) = &options.into else { return Ok(()) };
+    let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
+    let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)
+        .with_context(|| format!("{} cannot be given what was identified", path.display()))?;
+    replace(path, Replace::Anything, &changed)?;
+    say(format!(
+        "{}: armature, damping, frictionloss and detents; the armature is all of the inertia, so the body needs next to none",
+        path.display()
+    ));
+    Ok(())
 }
 
 /// Writes every number of a fit as JSON to a file, or to standard output for `-`; `figures` are those in a page's captions.
@@ -90,38 +104,7 @@ pub fn write_numbers(
     fit: &Fit,
     figures: FigureNumbers,
 ) -> anyhow::Result<()> {
-    write_json(path, &Told { figures, ..Told::of(loaded, fit) })
-}
-
-/// What `fit --json` tells of one capture.
-#[derive(Serialize)]
-struct Told<'a> {
-    #[serde(flatten)]
-    fit: &'a Fit,
-    #[serde(flatten)]
-    numbers: FitNumbers,
-    /// The capture that was fitted.
-    capture: CaptureFacts,
-    /// The numbers in the captions of the page's figures, where a page was asked for.
-    #[serde(skip_serializing_if = "FigureNumbers::is_empty")]
-    figures: FigureNumbers,
-}
-
-impl<'a> Told<'a> {
-    fn of(loaded: &LoadedCapture, fit: &'a Fit) -> Self {
-        let numbers = FitNumbers::of(fit, loaded.truth.as_ref());
-        Self { fit, numbers, capture: load::facts(loaded), figures: FigureNumbers::new() }
-    }
-}
-
-/// What it tells of several: their mean, then each by itself.
-#[derive(Serialize)]
-struct ToldTogether<'a> {
-    #[serde(flatten)]
-    average: &'a Average,
-    #[serde(flatten)]
-    numbers: FitNumbers,
-    fits: Vec<Told<'a>>,
+    write_json(path, &ToldFit::of(loaded, fit, figures))
 }
 
 /// Fits a capture with all that is known of its rig.
@@ -129,14 +112,7 @@ struct ToldTogether<'a> {
 /// # Errors
 /// One sentence on why nothing can be told from it.
 pub fn fit_capture(loaded: &LoadedCapture) -> anyhow::Result<Fit> {
-    fit_prepared(loaded, PreparationMethod::default())
-}
-
-/// The same with a preparation of one's choice.
-fn fit_prepared(loaded: &LoadedCapture, preparation: PreparationMethod) -> anyhow::Result<Fit> {
-    let options = FitOptions { calibration: loaded.calibration.clone(), preparation, ..FitOptions::default() };
-    identification::fit(&loaded.samples(), &options)
-        .with_context(|| format!("{} cannot be fitted", loaded.capture.source.display()))
+    Ok(analysis::fit(loaded, PreparationMethod::default())?)
 }
 
 /// Prints the fit for people.

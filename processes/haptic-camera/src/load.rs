@@ -1,10 +1,8 @@
-//! Captures as commands load them, and what tables and pages say of them.
+//! Captures as commands load them.
 
 use std::path::Path;
 
-use identification::Fit;
 use loaded_capture::LoadedCapture;
-use report::{CaptureFacts, FigureNumbers, FitPage};
 
 use crate::outcome::remark;
 
@@ -18,57 +16,4 @@ pub fn load(path: &Path) -> anyhow::Result<LoadedCapture> {
         remark(format!("the rig's calibration is that of {}", file.display()));
     }
     Ok(loaded)
-}
-
-/// What to call it in tables and on pages.
-pub fn title(loaded: &LoadedCapture) -> String {
-    let file = loaded.capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let title = match &loaded.capture.description {
-        Some(description) => format!("Knob {} ({file})", description.knob),
-        None => file,
-    };
-    // Either may hold anything of any length.
-    operator::one_line(&title)
-}
-
-/// The report page of a fit of this capture, with the numbers in its captions.
-pub fn report_page(loaded: &LoadedCapture, fit: &Fit) -> (String, FigureNumbers) {
-    report::fit_page_with_numbers(&FitPage { fit, capture: facts(loaded), truth: loaded.truth.as_ref() })
-}
-
-/// What a report page says of the capture besides the fit.
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-pub fn facts(loaded: &LoadedCapture) -> CaptureFacts {
-    let capture = &loaded.capture;
-    let file = capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let facts = CaptureFacts {
-        title: title(loaded),
-        source: file,
-        rate_hz: capture.rate_hz,
-        duration_s: capture.tick.last().map_or(0.0, |tick| (tick + 1) as f64 / capture.rate_hz),
-        samples: capture.len() as u64,
-        software_version: env!("CARGO_PKG_VERSION").to_owned(),
-        ..CaptureFacts::default()
-    };
-    let Some(run) = &capture.description else { return facts };
-    let first_tick = capture.tick.first().copied().unwrap_or(0);
-    let lost: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
-    CaptureFacts {
-        knob: run.knob.clone(),
-        rig: run.apparatus.clone(),
-        captured_at: captured_at(run.clock.wall_clock_time_ns),
-        missed_ticks: Some((capture.ticks_without_sample() + first_tick).saturating_sub(lost)),
-        gaps: Some(lost),
-        real_time: Some(run.realtime & shared_types::realtime::FULL == shared_types::realtime::FULL),
-        ..facts
-    }
-}
-
-/// Date and time of a capture in the reader's time zone.
-fn captured_at(wall_clock_time_ns: u64) -> String {
-    let second = i64::try_from(wall_clock_time_ns / 1_000_000_000).unwrap_or(0);
-    jiff::Timestamp::from_second(second).map_or_else(
-        |_| String::new(),
-        |time| time.to_zoned(jiff::tz::TimeZone::system()).strftime("%Y-%m-%d %H:%M:%S %Z").to_string(),
-    )
 }

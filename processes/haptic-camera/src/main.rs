@@ -34,7 +34,9 @@ mod sheet;
 mod simulate;
 mod studies;
 mod supervision;
+mod table;
 mod terminal;
+mod trend;
 mod tune;
 mod until_ci;
 mod verify;
@@ -71,6 +73,8 @@ fn main() -> ExitCode {
         Command::Export(options) => export::run(&options),
         Command::Completions(options) => manual::completions(&options),
         Command::Man(options) => manual::pages(&options),
+        Command::Table(options) => table::run(&options),
+        Command::Trend(options) => trend::run(&options),
         Command::List(options) => list::run(&options),
         Command::View(options) => view::run(&options),
         Command::Recompute(options) => recompute::run(&options),

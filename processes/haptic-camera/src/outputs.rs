@@ -30,6 +30,8 @@ pub enum Kind {
     Calibration,
     /// A model for firmware.
     Header,
+    /// A model for a simulator.
+    Simulator,
     /// A capture that was simulated.
     Simulation,
     /// A manual page.
@@ -53,6 +55,7 @@ impl Kind {
             Self::ComposedModel => Replace::Marked("\norigin = "),
             Self::Calibration => Replace::Marked(CALIBRATION_MARK),
             Self::Header => Replace::Marked(" as numbers, made by haptic-camera "),
+            Self::Simulator => Replace::Marked(". SI units: N m, rad, s.\n"),
             Self::Simulation => Replace::Marked("\"apparatus\": \"simulation\""),
             Self::ManualPage => Replace::Marked(".TH haptic-camera"),
             // The application's name, which rerun writes first.
@@ -153,14 +156,8 @@ pub fn to_output(json: Option<&Path>) -> bool {
 /// # Errors
 /// When the file cannot be written.
 pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
-    #[derive(Serialize)]
-    struct Marked<'a, Content> {
-        made_by: &'static str,
-        #[serde(flatten)]
-        content: &'a Content,
-    }
     let Some(path) = path else { return Ok(()) };
-    let text = serde_json::to_string_pretty(&Marked { made_by: "haptic-camera", content: result })? + "\n";
+    let text = analysis::to_json(result)? + "\n";
     if to_output(Some(path)) {
         say(text.trim_end());
         return Ok(());

@@ -65,7 +65,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 
 /// Every option that names an output; `OUT` is the output, and the other files are inputs. What lies at the end of a line may
 /// be replaced by it.
-const OUTPUTS: [(&str, &[&str]); 25] = [
+const OUTPUTS: [(&str, &[&str]); 26] = [
     ("fit one.mcap two.mcap --json OUT", &["fit.json"]),
     ("fit one.mcap --json OUT", &["fit.json"]),
     ("fit one.mcap --out OUT", &["fitted.toml"]),
@@ -88,6 +88,7 @@ const OUTPUTS: [(&str, &[&str]); 25] = [
     ("compose --inertia 3 --friction fitted.toml --out OUT", &["mix.toml"]),
     ("export one.mcap --out OUT", &[]),
     ("export fitted.toml --out OUT", &["knob.h"]),
+    ("table . --out OUT", &[]),
     ("list . --json OUT", &["fit.json"]),
     ("recompute one.mcap --json OUT", &["fit.json"]),
     ("recover one.mcap --out OUT", &[]),

@@ -24,6 +24,7 @@ mod rig_test;
 mod sheet;
 mod shown;
 mod themed_svg;
+mod trend;
 mod verdict;
 
 pub use comparison::{
@@ -37,6 +38,7 @@ pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPag
 pub use rig_test::{ChannelDifference, ChannelLag, ChannelTrace, RigTest};
 pub use sheet::{JudgedUnit, SheetPage, VerdictsPage, WallKnob, WallPage};
 pub use shown::{DiagnosisNumbers, FigureNumbers, FitNumbers, ModelValue};
+pub use trend::{Drift, Trend, TrendGroup, TrendParameter, TrendPoint};
 
 /// What is known of a capture besides its samples.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
@@ -186,4 +188,12 @@ pub fn verdicts_page(page: &VerdictsPage) -> String {
 #[must_use]
 pub fn wall_page(page: &WallPage) -> String {
     sheet::wall_page(page).into_string()
+}
+
+/// The page of a trend as HTML, complete from doctype to end: each parameter over time, group beside group, and how it drifts.
+///
+/// Numbers are written as on [`fit_page`].
+#[must_use]
+pub fn trend_page(trend: &Trend) -> String {
+    trend::trend_page(trend).into_string()
 }

@@ -64,9 +64,9 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
     let beside = |extension| named(number, extension);
     let (model, report) = (beside("toml"), beside("html"));
-    write(&model, Kind::FittedModel, &fitted.model(&load::title(loaded)).to_toml())?;
+    write(&model, Kind::FittedModel, &fitted.model(&analysis::title(loaded)).to_toml())?;
     say(format!("model    {}", model.display()));
-    let (page, figures) = load::report_page(loaded, fitted);
+    let (page, figures) = analysis::fit_page(loaded, fitted);
     write(&report, Kind::Page, &page)?;
     say(format!("report   {}", report.display()));
     // For `list`, and for whoever computes with the intervals.

@@ -16,7 +16,6 @@ use super::{finish, supervised};
 use crate::command_line::CaptureOptions;
 use crate::diagnose;
 use crate::diagnosis_text;
-use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{Kind, to_output, write};
 use crate::recording;
@@ -162,18 +161,22 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     };
     let files: Vec<String> = taken.iter().map(|one| one.path.display().to_string()).collect();
     let model = Model {
-        name: load::title(&first.loaded),
+        name: analysis::title(&first.loaded),
         description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
         effects: found.model.effects.clone(),
     };
     write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
-    let page = DiagnosisPage { found, train: load::facts(&first.loaded), heldout: Some(load::facts(&held_out.loaded)) };
+    let page = DiagnosisPage {
+        found,
+        train: analysis::facts(&first.loaded),
+        heldout: Some(analysis::facts(&held_out.loaded)),
+    };
     let report = options.report.clone().unwrap_or_else(|| beside("html"));
     diagnose::tell(&page, options.json.as_deref(), Some(&report))?;
     say(format!("report   {}", report.display()));
     if let Some(path) = &options.recording {
-        recording::write(path, found, &load::title(&first.loaded), Some(&load::title(&held_out.loaded)))?;
+        recording::write(path, found, &analysis::title(&first.loaded), Some(&analysis::title(&held_out.loaded)))?;
         say(format!("recording  {}", path.display()));
     }
     Ok(())

@@ -87,7 +87,7 @@ fn look(loaded: &LoadedCapture, model: Option<&Model>) -> anyhow::Result<Shown> 
     let seen = breakaways(&samples, loaded.calibration.as_ref())?;
     let [static_negative, static_positive] = Threshold::of(&seen, model);
     let free_travel = free_travel(&samples, loaded.calibration.as_ref())?;
-    let capture = load::title(loaded);
+    let capture = analysis::title(loaded);
     Ok(Shown { capture, detents, no_detents, static_negative, static_positive, free_travel, no_static: None })
 }
 

@@ -10,7 +10,8 @@ pub struct ExportOptions {
     /// What is exported: a capture, or a model as file or as 1 to 5 for the paper's knobs
     #[arg(value_name = "CAPTURE|MODEL.toml|1…5")]
     pub source: String,
-    /// Where it goes; the ending says as what: a capture as .csv or .parquet, a model's torque over the angle as .csv or .h
+    /// Where it goes; the ending says as what: a capture as .csv or .parquet, a model's torque over the angle
+    /// as .csv or .h, a model for simulators as .xml (MuJoCo) or .urdf (with Isaac Lab's fields beside it)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Points of a model's table
@@ -19,6 +20,9 @@ pub struct ExportOptions {
     /// Angle that a model's table goes over [default: one period of the detents, a turn without detents]
     #[arg(long, value_enum, value_name = "SPAN")]
     pub over: Option<TableSpan>,
+    /// The capture along whose motion the torque is told that a simulator's format leaves out [default: the sweep linear-chirp]
+    #[arg(long, value_name = "CAPTURE")]
+    pub along: Option<PathBuf>,
 }
 
 /// The angle that a table goes over.

@@ -1,5 +1,7 @@
 //! The files that each command reads and writes, as its options name them.
 
+use std::path::PathBuf;
+
 use archive::whole_file::Replace;
 
 use super::{CalibrateOptions, Command, ExportOptions, SimulateOptions};
@@ -25,7 +27,9 @@ impl Command {
                 .reading(&options.captures)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.out.as_ref(), Kind::FittedModel)
-                .writing(options.report.as_ref(), Kind::Page),
+                .writing(options.report.as_ref(), Kind::Page)
+                // A joint of somebody's file is what is to be changed.
+                .replacing(options.into.as_ref(), Replace::Anything),
             Self::Diagnose(options) => files
                 .reading([&options.train])
                 .reading(&options.heldout)
@@ -74,7 +78,16 @@ impl Command {
             Self::Simulate(options) => {
                 files.reading([&options.model, &options.like]).writing(options.out.as_ref(), options.kind())
             }
-            Self::Export(options) => files.reading([&options.source]).writing(Some(&options.out), options.kind()),
+            Self::Export(options) => files
+                .reading([&options.source])
+                .reading(&options.along)
+                .writing(Some(&options.out), options.kind())
+                .writing(options.isaac_lab().as_ref(), Kind::Json),
+            Self::Table(options) => files.writing(Some(&options.out), Kind::Data),
+            Self::Trend(options) => files
+                .reading([&options.table])
+                .writing(options.json.as_ref(), Kind::Json)
+                .writing(options.report.as_ref(), Kind::Page),
             Self::List(options) => files.writing(options.json.as_ref(), Kind::Json),
             Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), Kind::Json),
             Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), Kind::Data),
@@ -108,8 +121,19 @@ impl SimulateOptions {
 }
 
 impl ExportOptions {
+    /// Where Isaac Lab's fields go, beside a URDF file.
+    #[must_use]
+    pub fn isaac_lab(&self) -> Option<PathBuf> {
+        let is_urdf = self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"));
+        is_urdf.then(|| self.out.with_extension("isaac.json"))
+    }
+
     fn kind(&self) -> Kind {
-        let is_header = self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("h"));
-        if is_header { Kind::Header } else { Kind::Data }
+        let ending = self.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        match ending.as_deref() {
+            Some("h") => Kind::Header,
+            Some("xml" | "urdf") => Kind::Simulator,
+            _ => Kind::Data,
+        }
     }
 }

@@ -19,6 +19,12 @@ pub struct FitOptions {
     /// Write the report page
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
+    /// Write what was identified into a joint of a MuJoCo model, whose file is changed: armature, damping, frictionloss, detents
+    #[arg(long, value_name = "MUJOCO.xml")]
+    pub into: Option<PathBuf>,
+    /// The joint's name [default: the only one]
+    #[arg(long, requires = "into", value_name = "NAME")]
+    pub joint: Option<String>,
     /// How the capture is filtered before the fit
     #[arg(long, value_enum, default_value = "automatic")]
     pub preparation: Preparation,

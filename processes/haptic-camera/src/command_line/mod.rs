@@ -21,6 +21,8 @@ mod run;
 mod sheet;
 mod simulate;
 mod studies;
+mod table;
+mod trend;
 mod tune;
 mod view;
 
@@ -44,6 +46,8 @@ pub use run::RunOptions;
 pub use sheet::SheetOptions;
 pub use simulate::{SimulateOptions, SimulationDrive};
 pub use studies::{CapabilityOptions, GaugeOptions, StudyOptions};
+pub use table::TableOptions;
+pub use trend::{TrendGroups, TrendOptions};
 pub use tune::TuneOptions;
 pub use view::ViewOptions;
 
@@ -152,6 +156,14 @@ pub enum Command {
     /// List the captures of a folder by time: knob, length, how good the fit is, whether the archive is whole
     #[command(after_help = "Examples:\n  haptic-camera list\n  haptic-camera list captures --json")]
     List(ListOptions),
+    /// Fit every capture of whole folders on all cores: one row a capture, in a Parquet file
+    #[command(after_help = "Example:\n  haptic-camera table captures --out captures.parquet\n\n\
+        A call that was killed goes on where it was when it is made again. A file that cannot be read or fitted is a row that \
+        says why.")]
+    Table(TableOptions),
+    /// Tell how the parameters of a table's captures change over time: drift of a rig, wear of a knob
+    #[command(after_help = "Example:\n  haptic-camera trend captures.parquet --by rig --report trend.html")]
+    Trend(TrendOptions),
     /// Open the live view of the running capture, or look at a finished one
     #[command(
         after_help = "Examples:\n  haptic-camera view\n  haptic-camera view captures/20261121-101500-knob-3.mcap --native"

@@ -149,7 +149,7 @@ fn of_captures(group: Option<&Group>, fitted: &[(LoadedCapture, Fit)]) -> anyhow
         .iter()
         .map(|(loaded, fit)| ComparedCapture {
             number: 0,
-            facts: load::facts(loaded),
+            facts: analysis::facts(loaded),
             parameters: values(&fit.parameters),
             quality: quality(fit),
         })

@@ -97,7 +97,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
 
 /// A run of the rig under the name `title`.
 fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
-    CaptureFacts { title: title.to_owned(), ..load::facts(loaded) }
+    CaptureFacts { title: title.to_owned(), ..analysis::facts(loaded) }
 }
 
 /// What the rig was told to do.

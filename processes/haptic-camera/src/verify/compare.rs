@@ -5,7 +5,7 @@ use identification::Fit;
 use loaded_capture::LoadedCapture;
 use serde::Serialize;
 
-use crate::simulate::{along_motion, torque_at_knob};
+use analysis::{along_motion, torque_at_knob};
 
 use super::{LARGEST_DIFFERENCE_PERCENT, LARGEST_STATIC_DIFFERENCE_PERCENT};
 use crate::check::Threshold;

@@ -18,7 +18,6 @@ use rt_loop::request::HandRequest;
 use serde::Serialize;
 
 use crate::command_line::ReplayOptions;
-use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 use crate::supervision::{Shown, SupervisedRun, archive_stem};
@@ -189,7 +188,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     if !to_output(options.json.as_deref()) {
         table::lines(verification).iter().for_each(say);
     }
-    write_json(options.json.as_deref(), &Told { verification, capture: load::facts(&captured.train) })?;
+    write_json(options.json.as_deref(), &Told { verification, capture: analysis::facts(&captured.train) })?;
     if let Some(path) = &options.report {
         write(path, Kind::Page, &page::page(&model, &captured))?;
         if !to_output(options.json.as_deref()) {

@@ -7,7 +7,6 @@ use super::captures::Captured;
 use super::compare::Verified;
 use super::table::lost_motion_in_words;
 use super::{Added, HeldStill, Verification};
-use crate::load;
 
 /// The page as HTML.
 pub(super) fn page(model: &Model, captured: &Captured) -> String {
@@ -32,7 +31,7 @@ pub(super) fn page(model: &Model, captured: &Captured) -> String {
     report::rendering_page(&RenderingPage {
         intended: model,
         fit: &captured.fit,
-        capture: CaptureFacts { title: model.name.clone(), ..load::facts(&captured.train) },
+        capture: CaptureFacts { title: model.name.clone(), ..analysis::facts(&captured.train) },
         sources: captures.iter().map(file_name).collect(),
         rate_hz: *rate_hz,
         parameters: parameters.iter().map(shown).collect(),

@@ -1,0 +1,77 @@
+//! Diagnoses, and what `diagnose --json` tells of them.
+
+use dynamics::Model;
+use identification::diagnosis::{self, CommandedTorque, DiagnoseOptions, Diagnosis, Progress};
+use loaded_capture::LoadedCapture;
+use report::{CaptureFacts, DiagnosisNumbers, DiagnosisPage, FigureNumbers};
+use serde::Serialize;
+
+use crate::{AnalysisError, title};
+
+/// Finds what a model lacks, with all that is known of the rig; without a model that of inertia, friction and detents.
+///
+/// # Errors
+/// [`AnalysisError`], one sentence on why no verdict would be worth anything.
+pub fn diagnose(
+    train: &LoadedCapture,
+    heldout: Option<&LoadedCapture>,
+    model: Option<Model>,
+    progress: Option<&(dyn Fn(Progress) + Sync)>,
+) -> Result<Diagnosis, AnalysisError> {
+    let judge = heldout.unwrap_or(train);
+    let commanded = train.commanded_torque_mnm().zip(judge.commanded_torque_mnm());
+    let commanded = commanded.map(|(of_train, of_judge)| CommandedTorque {
+        train: of_train,
+        train_t_s: &train.capture.t_s,
+        heldout: of_judge,
+        heldout_t_s: &judge.capture.t_s,
+    });
+    let calibration = train.calibration.clone();
+    let asked = DiagnoseOptions { calibration, model, commanded, progress, reach_rad: None };
+    let samples = heldout.map(LoadedCapture::samples);
+    Ok(diagnosis::diagnose(&train.samples(), samples.as_ref(), &asked)?)
+}
+
+/// Refuses a model that a diagnosis cannot start from, under the name that its owner knows it by.
+///
+/// # Errors
+/// [`AnalysisError::Drawn`].
+pub fn refuse_drawn(model: &Model, called: &str) -> Result<(), AnalysisError> {
+    let drawn = model.effects.iter().find(|effect| effect.table().is_some());
+    drawn.map_or(Ok(()), |drawn| Err(AnalysisError::Drawn { model: called.to_owned(), effect: drawn.kind().name }))
+}
+
+/// The model that a diagnosis came to.
+#[must_use]
+pub fn diagnosed_model(found: &Diagnosis, train: &LoadedCapture) -> Model {
+    Model {
+        name: title(train),
+        description: format!("diagnosed from {}: {}", train.capture.source.display(), found.summary),
+        effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
+    }
+}
+
+/// What is told of a diagnosis.
+#[derive(Serialize)]
+pub struct ToldDiagnosis<'a> {
+    #[serde(flatten)]
+    found: &'a Diagnosis,
+    #[serde(flatten)]
+    numbers: DiagnosisNumbers,
+    /// The capture that models were fitted to.
+    train: &'a CaptureFacts,
+    /// The capture that they were judged by, if it is another.
+    heldout: Option<&'a CaptureFacts>,
+    /// The numbers in the captions of the page's figures, where a page was asked for.
+    #[serde(skip_serializing_if = "FigureNumbers::is_empty")]
+    figures: FigureNumbers,
+}
+
+impl<'a> ToldDiagnosis<'a> {
+    /// Of what a page tells, and of its figures.
+    #[must_use]
+    pub fn of(page: &'a DiagnosisPage<'a>, figures: FigureNumbers) -> Self {
+        let DiagnosisPage { found, train, heldout } = page;
+        Self { found, numbers: DiagnosisNumbers::of(found), train, heldout: heldout.as_ref(), figures }
+    }
+}

@@ -1,0 +1,39 @@
+//! Why a capture gives no result.
+
+use std::path::PathBuf;
+
+use dynamics::simulate::SimulationError;
+use identification::FitError;
+use identification::diagnosis::DiagnosisError;
+
+/// Why a capture gives no result.
+#[derive(Debug, thiserror::Error)]
+pub enum AnalysisError {
+    /// A capture from which nothing can be told.
+    #[error("{} cannot be fitted: {reason}", capture.display())]
+    Fit {
+        /// The capture.
+        capture: PathBuf,
+        /// What is wrong with it.
+        reason: FitError,
+    },
+    /// A diagnosis whose verdict would be worth nothing.
+    #[error(transparent)]
+    Diagnosis(#[from] DiagnosisError),
+    /// A model to start from that cannot be fitted.
+    #[error(
+        "{model} has a {effect}, which is drawn and cannot be fitted; take it out, its shape will show in what is left"
+    )]
+    Drawn {
+        /// What the model is called.
+        model: String,
+        /// The effect.
+        effect: &'static str,
+    },
+    /// A capture whose motion cannot be told.
+    #[error(transparent)]
+    Motion(#[from] FitError),
+    /// A model that cannot be moved by the torque.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+}

@@ -1,0 +1,20 @@
+//! What is made of loaded captures: fits, diagnoses, simulations, and all that is told of them.
+//!
+//! The command line and the Python package are two ways to the same numbers. Whatever either tells as JSON or as a page is made
+//! here, once; how it reaches its reader is theirs.
+
+mod diagnosis;
+mod error;
+mod facts;
+mod fit;
+mod result;
+mod row;
+mod simulation;
+
+pub use diagnosis::{ToldDiagnosis, diagnose, diagnosed_model, refuse_drawn};
+pub use error::AnalysisError;
+pub use facts::{facts, fit_page, title};
+pub use fit::{ToldAverage, ToldFit, common_truth, fit, titles};
+pub use result::{MADE_BY, to_json};
+pub use row::{Cell, Row};
+pub use simulation::{Drive, Simulation, along_motion, simulate, torque_at_knob};

@@ -1,0 +1,20 @@
+//! The options of `table`.
+
+use std::num::NonZero;
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Options of `table`.
+#[derive(Debug, Args)]
+pub struct TableOptions {
+    /// Folders of captures; folders in them are looked into too
+    #[arg(required = true, value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Where the table goes
+    #[arg(long, value_name = "FILE.parquet")]
+    pub out: PathBuf,
+    /// Captures that are fitted at once [default: one a core]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZero<usize>>,
+}

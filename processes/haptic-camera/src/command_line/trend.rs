@@ -1,0 +1,31 @@
+//! The options of `trend`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Options of `trend`.
+#[derive(Debug, Args)]
+pub struct TrendOptions {
+    /// A table that `table` made
+    #[arg(value_name = "TABLE.parquet")]
+    pub table: PathBuf,
+    /// What captures are grouped by
+    #[arg(long, value_enum, default_value = "knob")]
+    pub by: TrendGroups,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
+
+/// What belongs together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TrendGroups {
+    /// Captures of a knob: its wear, and batches side by side.
+    Knob,
+    /// Captures by a rig: its drift.
+    Rig,
+}

@@ -1,0 +1,53 @@
+//! Models for simulators, and how much torque they leave out.
+
+use dynamics::excitation::{Drive, Excitation};
+use dynamics::{Motion, knobs};
+use simulators::{Export, isaac_lab, left_out_mnm};
+
+use crate::command_line::ExportOptions;
+use crate::load;
+use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, write};
+
+/// Length and rate of the sweep along which left-out torque is told where no capture is named, s and Hz.
+const SWEEP_S: f64 = 6.0;
+const SWEEP_HZ: f64 = 2_000.0;
+
+/// Writes the file and tells what it leaves out.
+pub(super) fn write_export(options: &ExportOptions, export: &Export) -> anyhow::Result<Outcome> {
+    let model = knobs::named(&options.source)?;
+    let (motions, motion) = motion(options)?;
+    write(&options.out, Kind::Simulator, &export.text)?;
+    let left_out_mnm = left_out_mnm(&model, &export.said, &motions);
+    say(format!("{}: leaves out {left_out_mnm:.6} mNm RMS along {motion}", options.out.display()));
+    export.left_out.iter().for_each(|words| say(format!("- {words}")));
+    Ok(Outcome::Done)
+}
+
+/// The URDF, and beside it the fields of Isaac Lab's actuators, for which URDF has no place.
+pub(super) fn urdf(options: &ExportOptions) -> anyhow::Result<Outcome> {
+    let model = knobs::named(&options.source)?;
+    let done = write_export(options, &simulators::urdf(&model))?;
+    let Some(beside) = options.isaac_lab() else { return Ok(done) };
+    write(&beside, Kind::Json, &isaac_lab(&model))?;
+    say(format!("{}: armature and friction as Isaac Lab's ImplicitActuatorCfg takes them", beside.display()));
+    Ok(done)
+}
+
+/// The motion along which torques are compared, and what it is called.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand samples")]
+fn motion(options: &ExportOptions) -> anyhow::Result<(Vec<Motion>, String)> {
+    if let Some(capture) = &options.along {
+        let loaded = load::load(capture)?;
+        let motions = identification::knob_motion(&loaded.samples(), loaded.calibration.as_ref())?;
+        return Ok((motions, format!("the motion of {}", capture.display())));
+    }
+    let sweep = Excitation::named("linear-chirp", Drive::Position)?;
+    let samples = 0..(SWEEP_S * SWEEP_HZ) as u32;
+    let motions = samples.map(|sample| {
+        let time_s = f64::from(sample) / SWEEP_HZ;
+        let asked = sweep.at(time_s);
+        Motion { time_s, angle_rad: asked.value, velocity_rad_s: asked.rate, acceleration_rad_s2: asked.acceleration }
+    });
+    Ok((motions.collect(), format!("{SWEEP_S} s of the sweep linear-chirp")))
+}

@@ -1,0 +1,94 @@
+//! `table`: one row a capture of whole folders, fitted on all cores.
+//!
+//! Each core holds one capture at a time; rows go into a journal beside the table as they are made, so that a call which is
+//! killed goes on where it was when it is made again. The journal becomes the table, sorted by file.
+
+mod files;
+mod journal;
+mod parquet_file;
+
+use std::num::NonZero;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::sync_channel;
+
+use analysis::Row;
+use anyhow::ensure;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::command_line::TableOptions;
+use crate::outcome::{Outcome, remark, say};
+use files::{Seen, captures};
+use journal::Journal;
+
+/// Makes the table.
+///
+/// # Errors
+/// When a folder cannot be read or the table not be written; a capture that cannot is a row.
+pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
+    let files = captures(&options.folders)?;
+    ensure!(!files.is_empty(), "there is no .mcap or .csv file in the folders; name folders of captures");
+    let (mut journal, done) = Journal::open(&options.out)?;
+    let left: Vec<&Seen> = files.iter().filter(|file| !done.contains(*file)).collect();
+    if left.len() < files.len() {
+        remark(format!(
+            "{} of {} captures are in {} already",
+            files.len() - left.len(),
+            files.len(),
+            journal.place().display()
+        ));
+    }
+    let bar = progress_bar(files.len(), files.len() - left.len());
+    let added = add_rows(&left, jobs(options.jobs), &mut journal, &bar);
+    bar.finish_and_clear();
+    added?;
+    let wrong = journal.into_table(&files)?;
+    say(format!("{}: {} captures, {wrong} of them with an error", options.out.display(), files.len()));
+    Ok(Outcome::Done)
+}
+
+fn jobs(asked: Option<NonZero<usize>>) -> usize {
+    asked.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get)
+}
+
+/// Fits the captures on so many threads and keeps each row as it comes.
+fn add_rows(left: &[&Seen], jobs: usize, journal: &mut Journal, bar: &ProgressBar) -> anyhow::Result<()> {
+    let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    // A thread waits while the journal is slower than it.
+    let (sender, receiver) = sync_channel(jobs);
+    std::thread::scope(|scope| {
+        for _ in 0..jobs {
+            let sender = sender.clone();
+            let (next, stopped) = (&next, &stopped);
+            scope.spawn(move || {
+                while !stopped.load(Ordering::Relaxed)
+                    && let Some(file) = left.get(next.fetch_add(1, Ordering::Relaxed))
+                {
+                    if sender.send((*file, Row::of(&file.path))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for (file, row) in receiver {
+            if let Err(error) = journal.add(file, &row) {
+                stopped.store(true, Ordering::Relaxed);
+                return Err(error);
+            }
+            bar.inc(1);
+        }
+        Ok(())
+    })
+}
+
+fn progress_bar(captures: usize, done: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:24} {pos}/{len} captures, {per_sec}, {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(captures as u64).with_style(style).with_position(done as u64)
+}
+
+/// The place of a table's journal.
+pub fn journal_beside(table: &std::path::Path) -> PathBuf {
+    archive::whole_file::beside(table, ".incomplete")
+}

@@ -1,0 +1,117 @@
+//! `trend`: how parameters change over a table's captures.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use analysis::{Cell, Row};
+use anyhow::{Context as _, ensure};
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::record::Field;
+use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
+
+use crate::command_line::{TrendGroups, TrendOptions};
+use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, to_output, write, write_json};
+
+/// Nanoseconds of a day.
+const DAY_NS: f64 = 86_400e9;
+/// How the ends of a parameter's interval are called after it.
+const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
+
+/// A parameter in a capture: when it was captured, ns since 1970, and value with both ends of its interval.
+type Told = (f64, [Option<f64>; 3]);
+
+/// Reads a table and tells what changes.
+///
+/// # Errors
+/// One sentence on what is wrong with the table or an output.
+pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
+    let by = match options.by {
+        TrendGroups::Knob => "knob",
+        TrendGroups::Rig => "rig",
+    };
+    let trend = read(&options.table, by)?;
+    if !to_output(options.json.as_deref()) {
+        for group in &trend.groups {
+            let drifting = group.parameters.iter().filter(|one| one.drift.is_some_and(|drift| drift.is_told()));
+            let names: Vec<&str> = drifting.map(|one| one.name.as_str()).collect();
+            let captures = group.parameters.iter().map(|one| one.captures).max().unwrap_or(0);
+            let words =
+                if names.is_empty() { "no drift told".to_owned() } else { format!("drift of {}", names.join(", ")) };
+            say(format!("{by} {}: {captures} captures; {words}", group.name));
+        }
+    }
+    write_json(options.json.as_deref(), &trend)?;
+    options.report.as_ref().map_or(Ok(()), |path| write(path, Kind::Page, &report::trend_page(&trend)))?;
+    Ok(Outcome::Done)
+}
+
+fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
+    let foreign = || format!("{} is no table of captures; make one with `haptic-camera table`", table.display());
+    let file = foreign_files::open(table).with_context(foreign)?;
+    let rows = SerializedFileReader::new(file).with_context(foreign)?;
+    let columns: Vec<String> = Row::columns().into_iter().map(|(name, _)| name).collect();
+    let known = rows.metadata().file_metadata().schema_descr().columns().iter().map(|column| column.name().to_owned());
+    ensure!(known.collect::<Vec<_>>() == columns, foreign());
+    let mut trend = Trend {
+        source: table.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        by,
+        software_version: env!("CARGO_PKG_VERSION").to_owned(),
+        ..Trend::default()
+    };
+    let parameters: Vec<&String> =
+        columns.iter().filter(|name| columns.contains(&format!("{name}{}", ENDS[0]))).collect();
+    let mut groups: BTreeMap<String, Vec<Vec<Told>>> = BTreeMap::new();
+    for row in rows.get_row_iter(None).with_context(foreign)? {
+        let row = row.with_context(foreign)?;
+        let cells: BTreeMap<&str, Cell> =
+            row.get_column_iter().map(|(name, field)| (name.as_str(), cell(field))).collect();
+        if cells.get("error").is_some_and(|error| *error != Cell::Text(None)) {
+            trend.with_error += 1;
+            continue;
+        }
+        let name = if let Some(Cell::Text(Some(name))) = cells.get(by) { name.clone() } else { "not known".to_owned() };
+        let captured_at_ns = real(cells.get("captured_at_ns")).unwrap_or(0.0);
+        let group = groups.entry(name).or_insert_with(|| vec![Vec::new(); parameters.len()]);
+        for (told, name) in group.iter_mut().zip(&parameters) {
+            let [low, high] = ENDS.map(|end| real(cells.get(format!("{name}{end}").as_str())));
+            told.push((captured_at_ns, [real(cells.get(name.as_str())), low, high]));
+        }
+    }
+    let times = groups.values().flatten().flatten().map(|(captured_at_ns, _)| *captured_at_ns);
+    let first_ns = times.fold(f64::INFINITY, f64::min);
+    let point = |(captured_at_ns, [value, low, high]): &Told| {
+        let ci95 = low.zip(*high).map(|(low, high)| [low, high]);
+        Some(TrendPoint { days: (captured_at_ns - first_ns) / DAY_NS, value: (*value)?, ci95 })
+    };
+    trend.groups = groups
+        .into_iter()
+        .map(|(name, told)| {
+            let parameter = |(name, told): (&&String, &Vec<_>)| {
+                let points: Vec<TrendPoint> = told.iter().filter_map(point).collect();
+                let unit = Row::unit_of(name).unwrap_or_default();
+                (!points.is_empty()).then(|| TrendParameter::of(name, unit, points))
+            };
+            TrendGroup { name, parameters: parameters.iter().zip(&told).filter_map(parameter).collect() }
+        })
+        .collect();
+    Ok(trend)
+}
+
+fn cell(field: &Field) -> Cell {
+    match field {
+        Field::Str(text) => Cell::Text(Some(text.clone())),
+        Field::Long(count) => Cell::Count(u64::try_from(*count).ok()),
+        Field::Double(real) => Cell::Real(Some(*real)),
+        _ => Cell::Text(None),
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a time of which microseconds matter at most")]
+fn real(cell: Option<&Cell>) -> Option<f64> {
+    match cell {
+        Some(Cell::Real(real)) => *real,
+        Some(Cell::Count(count)) => count.map(|count| count as f64),
+        _ => None,
+    }
+}

@@ -1,0 +1,39 @@
+"""How a mechanical knob feels, as numbers.
+
+Captures are columns, models are lists of effects, and results are those of the command line ``haptic-camera``, key by key.
+Units are those of the names: rad, rad/s, rad/s², mNm, s. Positive torque turns the knob towards positive angle.
+"""
+
+from haptic_camera._capture import capture
+from haptic_camera._native import (
+    Capture,
+    Diagnosis,
+    Error,
+    Fit,
+    Model,
+    Parameter,
+    Progress,
+    diagnose,
+    fit,
+    read,
+    simulate,
+    table_columns,
+    table_row,
+)
+
+__all__ = [
+    "Capture",
+    "Diagnosis",
+    "Error",
+    "Fit",
+    "Model",
+    "Parameter",
+    "Progress",
+    "capture",
+    "diagnose",
+    "fit",
+    "read",
+    "simulate",
+    "table_columns",
+    "table_row",
+]

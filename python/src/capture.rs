@@ -1,0 +1,287 @@
+//! A capture: its columns as arrays, and what is known of it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use archive::whole_file::{Replace, write_whole};
+use loaded_capture::LoadedCapture;
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::{PyCapsule, PyDict};
+
+use crate::arrow::{self, ArrayCapsules};
+use crate::columns::view;
+use crate::convert::{json, to_dict};
+use crate::error::{Error, raised};
+use crate::model::Model;
+
+/// A capture in memory: one read-only NumPy array a column, all of one length, in the order of time.
+///
+/// Arrays look at the capture's own memory, nothing is copied; they keep it alive. pandas, polars and pyarrow take a capture
+/// through Arrow's C interface, as in ``polars.DataFrame(capture)`` and ``pyarrow.table(capture)``.
+#[pyclass(frozen, module = "haptic_camera")]
+pub(crate) struct Capture {
+    pub(crate) loaded: Arc<LoadedCapture>,
+}
+
+/// Read a capture.
+///
+/// Parameters
+/// ----------
+/// path : str or os.PathLike
+///     An archive (MCAP) of this instrument, or a CSV file with the header
+///     ``t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm``. A table's calibration is taken from
+///     ``NAME.calibration.toml`` beside it, if there is one.
+///
+/// Returns
+/// -------
+/// Capture
+///
+/// Raises
+/// ------
+/// Error
+///     If the file cannot be read or is no capture; the sentence says what to do.
+#[pyfunction]
+pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<Capture> {
+    let loaded = py.detach(|| LoadedCapture::load(&path)).map_err(raised)?;
+    Ok(Capture { loaded: Arc::new(loaded) })
+}
+
+/// A getter of a column that every capture has, and of one that may be absent.
+macro_rules! column {
+    ($slf:ident, $name:ident) => {{
+        // SAFETY: the class is frozen and keeps its capture.
+        #[allow(unsafe_code, reason = "the array looks at the capture's memory")]
+        unsafe {
+            view($slf.as_any(), &$slf.get().loaded.capture.$name)
+        }
+    }};
+    ($slf:ident, $name:ident, optional) => {{
+        let values = $slf.get().loaded.capture.$name.as_deref();
+        // SAFETY: the class is frozen and keeps its capture.
+        #[allow(unsafe_code, reason = "the array looks at the capture's memory")]
+        values.map(|values| unsafe { view($slf.as_any(), values) }).transpose()
+    }};
+}
+
+type Reals<'py> = Bound<'py, PyArray1<f64>>;
+type Counts<'py> = Bound<'py, PyArray1<u64>>;
+type Codes<'py> = Bound<'py, PyArray1<u32>>;
+
+#[pymethods]
+impl Capture {
+    /// A capture of columns of your own; they are copied once.
+    ///
+    /// Parameters
+    /// ----------
+    /// t_s : ndarray of float64, shape (n,)
+    ///     Time, s, rising.
+    /// angle_rad : ndarray of float64, shape (n,)
+    ///     Angle, rad.
+    /// torque_mnm : ndarray of float64, shape (n,)
+    ///     Torque that the knob takes, mNm; positive torque turns it towards positive angle.
+    /// velocity_rad_s, acceleration_rad_s2 : ndarray of float64, shape (n,), optional
+    ///     Velocity, rad/s, and acceleration, rad/s², where they were measured.
+    /// name : str, optional
+    ///     What tables, pages and error messages call it.
+    ///
+    /// Returns
+    /// -------
+    /// Capture
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     If columns differ in length, a value is not finite, time does not rise, or there are fewer than three rows.
+    #[staticmethod]
+    #[pyo3(signature = (t_s, angle_rad, torque_mnm, *, velocity_rad_s=None, acceleration_rad_s2=None, name="columns"))]
+    fn from_columns(
+        t_s: PyReadonlyArray1<'_, f64>,
+        angle_rad: PyReadonlyArray1<'_, f64>,
+        torque_mnm: PyReadonlyArray1<'_, f64>,
+        velocity_rad_s: Option<PyReadonlyArray1<'_, f64>>,
+        acceleration_rad_s2: Option<PyReadonlyArray1<'_, f64>>,
+        name: &str,
+    ) -> PyResult<Self> {
+        let copied = |column: &PyReadonlyArray1<'_, f64>| column.as_array().to_vec();
+        let capture = archive::Capture::from_measured(archive::Capture {
+            source: PathBuf::from(name),
+            t_s: copied(&t_s),
+            angle_rad: copied(&angle_rad),
+            velocity_rad_s: velocity_rad_s.as_ref().map(copied),
+            acceleration_rad_s2: acceleration_rad_s2.as_ref().map(copied),
+            torque_mnm: copied(&torque_mnm),
+            ..archive::Capture::default()
+        })
+        .map_err(raised)?;
+        Ok(Self::of(capture))
+    }
+
+    /// Time since the start of the run, s.
+    #[getter]
+    fn t_s<'py>(slf: &Bound<'py, Self>) -> PyResult<Reals<'py>> {
+        column!(slf, t_s)
+    }
+
+    /// Encoder angle, rad.
+    #[getter]
+    fn angle_rad<'py>(slf: &Bound<'py, Self>) -> PyResult<Reals<'py>> {
+        column!(slf, angle_rad)
+    }
+
+    /// Angular velocity, rad/s, if the capture has it.
+    #[getter]
+    fn velocity_rad_s<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Reals<'py>>> {
+        column!(slf, velocity_rad_s, optional)
+    }
+
+    /// Angular acceleration, rad/s², if the capture has it.
+    #[getter]
+    fn acceleration_rad_s2<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Reals<'py>>> {
+        column!(slf, acceleration_rad_s2, optional)
+    }
+
+    /// Torque that the knob takes from the rig, mNm.
+    #[getter]
+    fn torque_mnm<'py>(slf: &Bound<'py, Self>) -> PyResult<Reals<'py>> {
+        column!(slf, torque_mnm)
+    }
+
+    /// Angle that the excitation asked for, rad; NaN where it asked for none. None from a table.
+    #[getter]
+    fn commanded_angle_rad<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Reals<'py>>> {
+        column!(slf, commanded_angle_rad, optional)
+    }
+
+    /// Torque commanded from the motor, mNm; NaN where it is unknown. None from a table.
+    #[getter]
+    fn commanded_torque_mnm<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Reals<'py>>> {
+        column!(slf, commanded_torque_mnm, optional)
+    }
+
+    /// Number of each sample in its run.
+    #[getter]
+    fn seq<'py>(slf: &Bound<'py, Self>) -> PyResult<Counts<'py>> {
+        column!(slf, seq)
+    }
+
+    /// Scheduled tick of each sample; jumps where ticks were missed or samples lost.
+    #[getter]
+    fn tick<'py>(slf: &Bound<'py, Self>) -> PyResult<Counts<'py>> {
+        column!(slf, tick)
+    }
+
+    /// State of the control loop at each sample; None from a table.
+    #[getter]
+    fn state<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Codes<'py>>> {
+        column!(slf, state, optional)
+    }
+
+    /// Ticks that the loop missed directly before each sample; None from a table.
+    #[getter]
+    fn missed_ticks<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Codes<'py>>> {
+        column!(slf, missed_ticks, optional)
+    }
+
+    /// Flags of each sample, bit by bit; None from a table.
+    #[getter]
+    fn flags<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Codes<'py>>> {
+        column!(slf, flags, optional)
+    }
+
+    /// Names of the columns that the capture has.
+    #[getter]
+    fn columns(&self) -> Vec<&'static str> {
+        archive::columns::of(&self.loaded.capture).map(|(name, _)| name).collect()
+    }
+
+    /// Sample rate, Hz.
+    #[getter]
+    fn rate_hz(&self) -> f64 {
+        self.loaded.capture.rate_hz
+    }
+
+    /// The file that it was read from, or the name that it was given.
+    #[getter]
+    fn source(&self) -> String {
+        self.loaded.capture.source.display().to_string()
+    }
+
+    /// The model of the knob that a simulated rig turned; None for a real one or a table.
+    #[getter]
+    fn truth(&self) -> Option<Model> {
+        self.loaded.truth.clone().map(Model::from)
+    }
+
+    /// What is known of the capture besides its samples: knob, rig, time, rate, missed ticks, gaps.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        to_dict(py, json(&analysis::facts(&self.loaded))?)
+    }
+
+    /// Write the capture where there is no file yet: an archive, or a table if the name ends in ``.csv``.
+    ///
+    /// Raises
+    /// ------
+    /// Error
+    ///     If there is a file already, or the folder cannot be written to.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let capture = &self.loaded.capture;
+        py.detach(|| {
+            if path.extension().is_some_and(|ending| ending == "csv") {
+                capture.write_csv(&path)
+            } else {
+                write_whole(&path, Replace::Nothing, |place| capture.write_mcap_to(place))
+            }
+        })
+        .map_err(raised)
+    }
+
+    fn __len__(&self) -> usize {
+        self.loaded.capture.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let capture = &self.loaded.capture;
+        format!("<Capture {}: {} samples at {} Hz>", analysis::title(&self.loaded), capture.len(), capture.rate_hz)
+    }
+
+    /// Arrow's C interface: the types of the columns, with their units.
+    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
+        arrow::schema(py, &self.loaded)
+    }
+
+    /// Arrow's C interface: the columns as one struct array.
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_array__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<ArrayCapsules<'py>> {
+        // The interface permits a producer to keep its types.
+        drop(requested_schema);
+        arrow::array(py, &self.loaded)
+    }
+
+    /// Arrow's C interface: the columns as a stream of one batch.
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        drop(requested_schema);
+        arrow::stream(py, &self.loaded)
+    }
+
+    /// Captures are read from their files where they are needed: pickle the path instead.
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(Error::new_err("a capture is not pickled; pass its path on and read it there"))
+    }
+}
+
+impl Capture {
+    /// A capture made in memory.
+    pub(crate) fn of(capture: archive::Capture) -> Self {
+        Self { loaded: Arc::new(LoadedCapture { capture, calibration: None, calibration_file: None, truth: None }) }
+    }
+}

@@ -1,0 +1,253 @@
+//! Fits of one capture, and of several of one knob.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use analysis::{ToldAverage, ToldFit};
+use archive::whole_file::{Replace, write_bytes};
+use identification::{Average, PreparationMethod};
+use loaded_capture::LoadedCapture;
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use report::{AveragePage, FigureNumbers};
+
+use crate::columns::field_view;
+use crate::convert::{Captures, framed, json, to_dict};
+use crate::error::{Error, raised};
+use crate::model::Model;
+
+/// A fitted parameter, or the reason why the data cannot tell it.
+#[pyclass(frozen, get_all, module = "haptic_camera")]
+pub(crate) struct Parameter {
+    /// Standard name, as in model files.
+    name: &'static str,
+    /// Fitted value; None if the data cannot tell it.
+    value: Option<f64>,
+    /// Unit of value and interval.
+    unit: &'static str,
+    /// 95 % interval (low, high), for residuals that are correlated and of varying size.
+    ci95: Option<(f64, f64)>,
+    /// Why there is no value, in a sentence.
+    reason: Option<String>,
+}
+
+#[pymethods]
+impl Parameter {
+    fn __repr__(&self) -> String {
+        let Self { name, unit, .. } = self;
+        match (self.value, self.ci95, &self.reason) {
+            (Some(value), Some((low, high)), _) => {
+                format!("<Parameter {name}: {value:.6} {unit}, 95 % {low:.6} to {high:.6}>")
+            }
+            (Some(value), ..) => format!("<Parameter {name}: {value:.6} {unit}>"),
+            (None, _, reason) => format!("<Parameter {name}: {}>", reason.as_deref().unwrap_or("not told")),
+        }
+    }
+}
+
+/// A fitted model with its uncertainty; of several captures of one knob, their mean.
+///
+/// The torque is M·θ̈ + [θ̇<0]·(−C₋ + B₋·θ̇) + [θ̇>0]·(C₊ + B₊·θ̇) + A·sin(θ/P + S) (Swindells and MacLean, World Haptics
+/// 2007, equation 1). Results do not change; `to_dict` gives what ``haptic-camera fit --json`` writes.
+#[pyclass(frozen, module = "haptic_camera")]
+pub(crate) struct Fit {
+    captures: Vec<Arc<LoadedCapture>>,
+    each: Vec<identification::Fit>,
+    /// The mean of several.
+    average: Option<Average>,
+}
+
+/// Fit a model to a capture, or one model to several captures of the same knob.
+///
+/// Parameters
+/// ----------
+/// captures : Capture, str, os.PathLike, or a sequence of them
+///     What is fitted, with all that is known of its rig.
+/// preparation : {"automatic", "paper", "central-differences"}
+///     How the captures are filtered before the fit.
+///
+/// Returns
+/// -------
+/// Fit
+///
+/// Raises
+/// ------
+/// Error
+///     If nothing can be told; what only some parameters lack is their ``reason``.
+#[pyfunction]
+#[pyo3(signature = (captures, *, preparation="automatic"))]
+pub(crate) fn fit(py: Python<'_>, captures: Captures, preparation: &str) -> PyResult<Fit> {
+    let methods = [PreparationMethod::Automatic, PreparationMethod::Paper, PreparationMethod::CentralDifferences];
+    let method = methods.into_iter().find(|method| method.name() == preparation).ok_or_else(|| {
+        let known = methods.map(PreparationMethod::name).join(", ");
+        Error::new_err(format!("there is no preparation '{preparation}'; give one of {known}"))
+    })?;
+    let captures = captures.loaded(py)?;
+    if captures.is_empty() {
+        return Err(Error::new_err("there is no capture to fit; give at least one"));
+    }
+    let mut each = Vec::with_capacity(captures.len());
+    for capture in &captures {
+        each.push(py.detach(|| analysis::fit(capture, method)).map_err(raised)?);
+        py.check_signals()?;
+    }
+    let average = if each.len() > 1 { py.detach(|| identification::average(&each)) } else { None };
+    Ok(Fit { captures, each, average })
+}
+
+impl Fit {
+    fn told(&self) -> &identification::Fit {
+        self.average.as_ref().map_or(&self.each[0], |average| &average.fit)
+    }
+
+    fn loaded(&self) -> Vec<&LoadedCapture> {
+        self.captures.iter().map(Arc::as_ref).collect()
+    }
+}
+
+#[pymethods]
+impl Fit {
+    /// The parameters by name.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let parameters = PyDict::new(py);
+        for told in &self.told().parameters.0 {
+            let identification::Parameter { name, value, unit, ci95, reason, .. } = told.clone();
+            let ci95 = ci95.map(|[low, high]| (low, high));
+            parameters.set_item(name, Bound::new(py, Parameter { name, value, unit, ci95, reason })?)?;
+        }
+        Ok(parameters)
+    }
+
+    /// Covariance of the parameters named in `covariance_order`, shape (k, k), in the products of their units.
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        PyArray2::from_vec2(py, &self.told().covariance.rows).map_err(raised)
+    }
+
+    /// Names of the parameters in the order of the covariance's rows and columns.
+    #[getter]
+    fn covariance_order(&self) -> Vec<&'static str> {
+        self.told().covariance.order.clone()
+    }
+
+    /// RMS of measured minus model torque, mNm.
+    #[getter]
+    fn residual_rms_mnm(&self) -> f64 {
+        self.told().residual_rms_mnm
+    }
+
+    /// 100 · ‖measured − model‖ / ‖measured‖.
+    #[getter]
+    fn relative_error_percent(&self) -> f64 {
+        self.told().relative_error_percent
+    }
+
+    /// Mean half width of the 95 % interval of the model's torque, mNm.
+    #[getter]
+    fn mean_ci95_mnm(&self) -> f64 {
+        self.told().mean_ci95_mnm
+    }
+
+    /// Samples that were fitted.
+    #[getter]
+    fn samples(&self) -> usize {
+        self.told().samples
+    }
+
+    /// What a reader of the numbers should know.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.told().notes.clone()
+    }
+
+    /// Each capture's own fit.
+    #[getter]
+    fn fits(&self) -> Vec<Self> {
+        let each = self.captures.iter().zip(&self.each);
+        each.map(|(capture, fit)| Self { captures: vec![Arc::clone(capture)], each: vec![fit.clone()], average: None })
+            .collect()
+    }
+
+    /// Measured and model torque row by row, filtered to the fit's band: arrays of shape (rows,) by name, without a copy.
+    #[getter]
+    fn points<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        type Field = fn(&identification::Point) -> &f64;
+        let fields: [(&str, Field); 8] = [
+            ("t_s", |point| &point.t_s),
+            ("angle_rad", |point| &point.angle_rad),
+            ("velocity_rad_s", |point| &point.velocity_rad_s),
+            ("acceleration_rad_s2", |point| &point.acceleration_rad_s2),
+            ("torque_mnm", |point| &point.torque_mnm),
+            ("torque_model_mnm", |point| &point.torque_model_mnm),
+            ("torque_model_ci95_mnm", |point| &point.torque_model_ci95_mnm),
+            ("residual_mnm", |point| &point.residual_mnm),
+        ];
+        let columns = PyDict::new(slf.py());
+        for (name, field) in fields {
+            // SAFETY: the class is frozen and keeps its points.
+            #[allow(unsafe_code, reason = "the array looks at the fit's memory")]
+            let column: Bound<'py, PyArray1<f64>> =
+                unsafe { field_view(slf.as_any(), &slf.get().told().points, field) }?;
+            columns.set_item(name, column)?;
+        }
+        Ok(columns)
+    }
+
+    /// The fitted model.
+    fn model(&self) -> Model {
+        let titles = analysis::titles(&self.loaded());
+        let model = self.average.as_ref().map_or_else(|| self.told().model(&titles), |average| average.model(&titles));
+        Model::from(model)
+    }
+
+    /// Everything that ``haptic-camera fit --json`` writes, under its keys.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        to_dict(py, self.to_json()?)
+    }
+
+    /// The same as text.
+    fn to_json(&self) -> PyResult<String> {
+        match &self.average {
+            Some(average) => json(&ToldAverage::of(average, &self.loaded(), &self.each)),
+            None => json(&ToldFit::of(&self.captures[0], &self.each[0], FigureNumbers::new())),
+        }
+    }
+
+    /// The report page, one HTML file that fetches nothing.
+    fn to_html(&self) -> String {
+        match &self.average {
+            Some(average) => report::average_page(&AveragePage {
+                average,
+                fits: &self.each,
+                captures: self.captures.iter().map(|capture| analysis::facts(capture)).collect(),
+                truth: analysis::common_truth(&self.loaded()),
+            }),
+            None => analysis::fit_page(&self.captures[0], &self.each[0]).0,
+        }
+    }
+
+    /// Write the report page.
+    #[pyo3(signature = (path, *, overwrite=false))]
+    fn save_report(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
+        let page = py.detach(|| self.to_html());
+        let replaced = if overwrite { Replace::Anything } else { Replace::Nothing };
+        write_bytes(&path, replaced, page.as_bytes()).map_err(raised)
+    }
+
+    /// The report page in a notebook.
+    fn _repr_html_(&self, py: Python<'_>) -> String {
+        framed(&py.detach(|| self.to_html()))
+    }
+
+    fn __repr__(&self) -> String {
+        let fit = self.told();
+        format!(
+            "<Fit of {}: residual {:.3} mNm, {:.2} % of the torque>",
+            analysis::titles(&self.loaded()),
+            fit.residual_rms_mnm,
+            fit.relative_error_percent
+        )
+    }
+}

@@ -1,0 +1,26 @@
+//! Models in the formats of other simulators, in SI units, and what those cannot say, as a number.
+//!
+//! A format says some effects exactly and lacks others. What it says is again a [`dynamics::Model`], [`Export::said`], so that what
+//! is left out can be put as torque along any motion: [`left_out_mnm`].
+//!
+//! | format | function | says |
+//! |---|---|---|
+//! | MuJoCo's MJCF | [`mjcf()`] | inertia, friction, sinusoidal torques of the angle, springs, drag, bristles, backlash, a soft shaft |
+//! | URDF | [`urdf()`] | inertia, friction that is the same in both directions, end stops |
+//! | Isaac Lab's actuators | [`isaac_lab`] | the same, and what breaks the joint away |
+//!
+//! [`into_mjcf`] goes the other way: it writes what was identified into a joint of somebody's own MJCF.
+
+mod into_mjcf;
+mod isaac;
+mod joint;
+mod mjcf;
+mod said;
+mod urdf;
+mod xml;
+
+pub use into_mjcf::{IntoMjcfError, into_mjcf};
+pub use isaac::isaac_lab;
+pub use mjcf::mjcf;
+pub use said::{Export, left_out_mnm};
+pub use urdf::urdf;

@@ -1,0 +1,74 @@
+//! What a format says of a model, and what it leaves out.
+
+use dynamics::effects::{end_stop, friction, karnopp_stick};
+use dynamics::{Model, Motion, Part};
+
+use crate::joint::Joint;
+
+/// A model in the format of a simulator.
+#[derive(Clone, Debug)]
+pub struct Export {
+    /// The file's text.
+    pub text: String,
+    /// What the format says of the model, exactly.
+    pub said: Model,
+    /// What it leaves out or says less exactly, in words; empty if nothing.
+    pub left_out: Vec<String>,
+}
+
+/// RMS of the torque that the format leaves out along a motion that begins at rest, mNm.
+///
+/// What a sensor misreads is no part of the knob and does not count; at rest friction is whatever holds the knob, in both.
+#[must_use]
+pub fn left_out_mnm(model: &Model, said: &Model, motions: &[Motion]) -> f64 {
+    let knob = Model {
+        effects: model.effects.iter().filter(|one| !is_misreading(one.kind().part)).copied().collect(),
+        ..model.clone()
+    };
+    let (all, some) = (knob.readings_mnm(motions), said.readings_mnm(motions));
+    let squares: f64 = all.iter().zip(&some).map(|(all, some)| (all - some).powi(2)).sum();
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    let count = motions.len().max(1) as f64;
+    (squares / count).sqrt()
+}
+
+fn is_misreading(part: Part) -> bool {
+    matches!(part, Part::Reading(_) | Part::ReadingDelay(_))
+}
+
+/// What a format says that has the effects `known`, with a friction of its own.
+pub(crate) fn said(model: &Model, known: &[&str], coulomb_mnm: [f64; 2], viscous: f64) -> Model {
+    let mut effects: Vec<_> =
+        model.effects.iter().filter(|effect| known.contains(&effect.kind().name)).copied().collect();
+    for effect in &mut effects {
+        if effect.kind().name == friction::KIND.name {
+            effect.values_mut().copy_from_slice(&[coulomb_mnm[0], coulomb_mnm[1], viscous, viscous]);
+        }
+    }
+    Model { effects, ..model.clone() }
+}
+
+/// What the effects `known` leave out, in words.
+pub(crate) fn left_out(model: &Model, said: &Model, joint: &Joint) -> Vec<String> {
+    let mut words = Vec::new();
+    if joint.viscous[0] != joint.viscous[1] {
+        words.push("viscous friction that differs by direction".to_owned());
+    }
+    let friction =
+        |model: &Model| model.effect(friction::KIND.name).map(|friction| [friction.values()[0], friction.values()[1]]);
+    if friction(model) != friction(said) {
+        words.push("Coulomb friction that differs by direction".to_owned());
+    }
+    for effect in model.effects.iter().filter(|effect| said.effect(effect.kind().name).is_none()) {
+        let name = effect.kind().name;
+        words.push(match name {
+            name if name == karnopp_stick::KIND.name => {
+                "the torque beyond sliding friction up to which a resting knob holds".to_owned()
+            }
+            name if name == end_stop::KIND.name => "how stiff the end stops are".to_owned(),
+            name if is_misreading(effect.kind().part) => format!("{name}, which is the sensor's"),
+            name => name.to_owned(),
+        });
+    }
+    words
+}
