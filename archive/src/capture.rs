@@ -46,8 +46,9 @@ pub struct Capture {
     pub commanded_torque_mnm: Option<Vec<f64>>,
     /// How long after its tick was due each sample was read, s; `None` where all were read when they were due.
     pub measured_after_s: Option<Vec<f64>>,
-    /// Samples in the archive for which the sensors brought nothing new; they are left out here.
-    pub stale_samples: u64,
+    /// Samples in the archive without a measurement of their own, since the sensors brought nothing new or failed; they are left
+    /// out here.
+    pub unmeasured_samples: u64,
     /// Samples that were taken and are not in the archive.
     pub gaps: Vec<Gap>,
     /// The models that a replay rendered, in the order in which they began to be felt; empty for a capture of a knob.

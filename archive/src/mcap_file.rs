@@ -239,11 +239,13 @@ impl Rows {
         let measured = |name| last(name).is_none_or(f64::is_finite);
         if at_fault && !(measured("angle_rad") && measured("torque_mnm")) {
             self.0.iter_mut().for_each(Values::pop);
+            capture.unmeasured_samples += 1;
         }
         if let Some(Values::Codes(flags)) = self.named("flags") {
             let kept: Vec<bool> = flags.iter().map(|flags| flags & Sample::STALE == 0).collect();
-            capture.stale_samples = kept.iter().filter(|kept| !**kept).count() as u64;
-            if capture.stale_samples > 0 {
+            let stale = kept.iter().filter(|kept| !**kept).count() as u64;
+            if stale > 0 {
+                capture.unmeasured_samples += stale;
                 self.0.iter_mut().for_each(|values| values.keep(&kept));
             }
         }

@@ -239,6 +239,12 @@ impl Wiring {
         }
     }
 
+    /// Whether the torque is the one that was commanded, since nothing measures it.
+    #[must_use]
+    pub fn is_commanded(&self) -> bool {
+        self.torque.is_none()
+    }
+
     /// What the device is given so that the motor makes a torque, mNm.
     #[must_use]
     pub fn of_motor(&self, torque_mnm: f64) -> f64 {

@@ -30,7 +30,8 @@ static const haptic_rig_code codes[] = {
 
 typedef struct plant {
     /* What it is made of: mNm, rad, s. */
-    double rotor_inertia, knob_inertia, coulomb_mnm, viscous, detent_mnm, detents_per_turn, torque_noise_mnm;
+    double rotor_inertia, knob_inertia, coulomb_mnm, viscous, detent_mnm, detents_per_turn;
+    double torque_noise_mnm, acceleration_noise;
     double counts_per_turn, torque_constant_mnm_a, rate_hz, watchdog_s;
     double motor_sign, encoder_sign;
     /* How it dates what it measures: shares of a period, parts per million. */
@@ -45,7 +46,7 @@ typedef struct plant {
     double time_s;            /* of the plant, from when it was switched on */
     uint64_t begun_ns, commanded_ns, tick;
     uint64_t random;
-    int is_on;
+    int is_on, has_stalled;
 } plant;
 
 static double uniform(plant *p)
@@ -104,13 +105,13 @@ int32_t haptic_rig_open(const haptic_rig_setting *settings, uint32_t count, void
     if (!p)
         return 1;
     *p = (plant){.rotor_inertia = 0.02, .knob_inertia = 0.06, .coulomb_mnm = 3.0, .viscous = 0.25, .detent_mnm = 4.0,
-                 .detents_per_turn = 24.0, .torque_noise_mnm = 0.05, .counts_per_turn = 640000.0,
+                 .detents_per_turn = 24.0, .torque_noise_mnm = 0.25, .acceleration_noise = 1.0, .counts_per_turn = 640000.0,
                  .torque_constant_mnm_a = 16.4, .rate_hz = 10000.0, .watchdog_s = 0.1, .motor_sign = 1.0,
                  .encoder_sign = 1.0, .random = 1};
     struct { const char *key; double *value; } numbers[] = {
         {"rotor_inertia", &p->rotor_inertia}, {"knob_inertia", &p->knob_inertia}, {"coulomb_mnm", &p->coulomb_mnm},
         {"viscous", &p->viscous}, {"detent_mnm", &p->detent_mnm}, {"detents_per_turn", &p->detents_per_turn},
-        {"torque_noise_mnm", &p->torque_noise_mnm}, {"counts_per_turn", &p->counts_per_turn},
+        {"torque_noise_mnm", &p->torque_noise_mnm}, {"acceleration_noise", &p->acceleration_noise}, {"counts_per_turn", &p->counts_per_turn},
         {"torque_constant_mnm_a", &p->torque_constant_mnm_a}, {"rate_hz", &p->rate_hz},
         {"watchdog_s", &p->watchdog_s}, {"motor_sign", &p->motor_sign}, {"encoder_sign", &p->encoder_sign},
         {"late", &p->late}, {"jitter", &p->jitter}, {"drift_ppm", &p->drift_ppm}, {"stale_every", &p->stale_every},
@@ -186,6 +187,8 @@ int32_t haptic_rig_exchange(void *rig, uint64_t due_ns, double torque, haptic_ri
         return UNPLUGGED;
     if (fails(p, "blocks"))
         sleep(15);
+    if (fails(p, "stalls") && !p->has_stalled++)
+        sleep(1);
     if (fails(p, "crashes"))
         *(volatile int *)0 = 0;
     /* Its clock was set to CLOCK_MONOTONIC at the first exchange and runs at its own pace since. */
@@ -196,8 +199,9 @@ int32_t haptic_rig_exchange(void *rig, uint64_t due_ns, double torque, haptic_ri
     measurement->valid = is_stale || p->time_s == before_s ? 0u : (1u << CHANNELS) - 1u;
     measurement->value[ANGLE] = p->encoder_sign * floor(p->angle * p->counts_per_turn / (2.0 * M_PI));
     measurement->value[TORQUE] = p->torque_mnm + p->torque_noise_mnm * normal(p);
-    measurement->value[CURRENT] = p->motor_mnm / p->torque_constant_mnm_a + 0.1 * p->torque_noise_mnm * normal(p) / p->torque_constant_mnm_a;
-    measurement->value[ACCELERATION] = p->acceleration;
+    /* The current is what was commanded over the period that ends here: half a period old at the mean. */
+    measurement->value[CURRENT] = (p->motor_mnm + p->torque_noise_mnm * normal(p)) / p->torque_constant_mnm_a;
+    measurement->value[ACCELERATION] = p->acceleration + p->acceleration_noise * normal(p);
     if (fails(p, "nan"))
         measurement->value[ANGLE] = NAN;
     return 0;

@@ -65,7 +65,9 @@ impl PluginRig {
     pub fn open(file: &RigFile, rate_hz: f64) -> Result<Self, PluginRigError> {
         let missing = |what: &str| file.error(format!("a plug-in needs {what}; `haptic-camera rig new` writes one"));
         let Settings { library } = settings(file)?;
-        let path = file.beside(&library);
+        // A name without a folder would be looked for where the system keeps its libraries.
+        let beside = file.beside(&library);
+        let path = std::path::absolute(&beside).unwrap_or(beside);
         let limits = file.limits.ok_or_else(|| missing("[limits]"))?;
         let watchdog = file.watchdog.ok_or_else(|| missing("[watchdog]"))?;
         let channels = file.channels.as_ref().ok_or_else(|| missing("[channels]"))?;
@@ -73,7 +75,11 @@ impl PluginRig {
         let of_library = |error| PluginRigError::Library { name: file.name.clone(), error };
         let mut library = OpenRig::open(&path, &as_text(file, rate_hz, watchdog.timeout_s)?).map_err(of_library)?;
         let described = library.describe().map_err(of_library)?;
-        let wiring = channels.wire(&described.channels).map_err(|error| file.error(error))?;
+        let mut wiring = channels.wire(&described.channels).map_err(|error| file.error(error))?;
+        if wiring.is_commanded() {
+            // What was commanded since the tick before is half a period old at the mean.
+            wiring.torque_delay_s += 0.5 / rate_hz;
+        }
         let rates = file.rates;
         let fastest_hz = rates.map_or(limits.rate_hz, |rates| rates.fastest_hz.min(limits.rate_hz));
         let device = file.device.clone().unwrap_or_else(|| {

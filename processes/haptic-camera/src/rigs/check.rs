@@ -73,8 +73,8 @@ fn check(capture: &Capture) -> Checked {
     let torque = reading("torque", "mNm", &capture.torque_mnm);
     let acceleration = capture.acceleration_rad_s2.as_ref().map(|column| reading("acceleration", "rad/s²", column));
     let after_us = capture.measured_after_s.as_ref().map(|after_s| (1e6 * mean(after_s), 1e6 * deviation(after_s)));
-    let missed_ticks = capture.ticks_without_sample().saturating_sub(capture.stale_samples);
-    let ticks = capture.len() as f64 + capture.stale_samples as f64 + missed_ticks as f64;
+    let missed_ticks = capture.ticks_without_sample().saturating_sub(capture.unmeasured_samples);
+    let ticks = capture.len() as f64 + capture.unmeasured_samples as f64 + missed_ticks as f64;
     let mut amiss = Vec::new();
     if torque.span == 0.0 {
         amiss.push(
@@ -91,8 +91,8 @@ fn check(capture: &Capture) -> Checked {
             "{missed_ticks} of {ticks} ticks were missed: the rate is not held here; try a slower one with --rate-hz"
         ));
     }
-    if capture.stale_samples as f64 > MISSED_SHARE * ticks {
-        let stale = capture.stale_samples;
+    if capture.unmeasured_samples as f64 > MISSED_SHARE * ticks {
+        let stale = capture.unmeasured_samples;
         amiss.push(format!(
             "{stale} of {ticks} ticks brought nothing new: the device is slower than the rate; lower [rates] fastest_hz"
         ));
@@ -112,7 +112,7 @@ fn check(capture: &Capture) -> Checked {
         rate_hz: capture.rate_hz,
         samples: capture.len() as u64,
         missed_ticks,
-        stale_ticks: capture.stale_samples,
+        stale_ticks: capture.unmeasured_samples,
         read_after_us: after_us.map(|(mean_us, _)| mean_us),
         read_after_sd_us: after_us.map(|(_, deviation_us)| deviation_us),
         watchdog,

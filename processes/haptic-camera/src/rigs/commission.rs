@@ -21,6 +21,8 @@ use crate::supervision::listen_for_interrupt;
 const FIRST_SHARE: f64 = 1.0 / 16.0;
 /// Most that is tried, as a share of the motor's limit.
 const MOST_SHARE: f64 = 1.0 / 3.0;
+/// By how much the torque rises from one try to the next.
+const RISE: f64 = 1.5;
 /// Length of a try, s.
 const TRY_S: f64 = 4.0;
 /// Travel from which on the angle tells something, rad: beyond what a knob yields within its stick.
@@ -54,7 +56,7 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
             "the knob does not move at {most_mnm} mNm: check that the amplifier is on and [channels.motor] scale, or try more with \
              --most-torque"
         );
-        amplitude_mnm = (2.0 * amplitude_mnm).min(most_mnm);
+        amplitude_mnm = (RISE * amplitude_mnm).min(most_mnm);
     }
 }
 

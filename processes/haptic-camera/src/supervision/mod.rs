@@ -173,11 +173,15 @@ impl SupervisedRun {
             }
             if has_ended {
                 progress.close();
-                remark(format!(
+                let said_why = control_loop.exit_code().is_some_and(|code| SAID_WHY.contains(&code));
+                let how = format!(
                     "the control loop ended in the middle of the run ({}), driving the rig '{}'; what was recorded so far is kept",
                     control_loop.end_in_words(),
                     link.rig().name
-                ));
+                );
+                if !said_why {
+                    remark(how);
+                }
                 loop_died = true;
                 break;
             }
@@ -277,6 +281,8 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
                 open.listen();
                 match LoopState::from_code(open.status().state) {
                     Some(LoopState::Armed) => return Ok(link),
+                    // The description comes a little after the status.
+                    Some(LoopState::Fault) if open.rig().name.is_empty() && Instant::now() < deadline => {}
                     Some(LoopState::Fault) => {
                         let fault = open.rig().fault_words(open.status()).unwrap_or_default();
                         remark(format!("the run did not begin: {fault}"));

@@ -226,7 +226,9 @@ impl ControlState {
         let measurement = match reading.measurement {
             Ok(measurement) => measurement,
             Err(error) => {
-                self.device_code = error.device_code().unwrap_or(0);
+                if self.state != LoopState::Fault {
+                    self.device_code = error.device_code().unwrap_or(0);
+                }
                 return self.fail(Fault::Apparatus, &UNMEASURED);
             }
         };
