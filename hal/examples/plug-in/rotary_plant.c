@@ -6,11 +6,13 @@
  *
  * Replace what is between "the device" and "the interface" by the calls of your card, and you have a driver.
  */
+#define _GNU_SOURCE
 #include "haptic_rig.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -40,7 +42,9 @@ typedef struct plant {
     double stale_every, stale_for;
     /* What goes wrong, and when, s after it was switched on. */
     const char *fault;
-    double fault_s;
+    double fault_s, stall_s;
+    /* System calls that an exchange makes, as a card's driver would make its own. */
+    double calls;
     /* Its state. */
     double angle, velocity, acceleration, torque_mnm, motor_mnm;
     double time_s;            /* of the plant, from when it was switched on */
@@ -115,7 +119,7 @@ int32_t haptic_rig_open(const haptic_rig_setting *settings, uint32_t count, void
         {"torque_constant_mnm_a", &p->torque_constant_mnm_a}, {"rate_hz", &p->rate_hz},
         {"watchdog_s", &p->watchdog_s}, {"motor_sign", &p->motor_sign}, {"encoder_sign", &p->encoder_sign},
         {"late", &p->late}, {"jitter", &p->jitter}, {"drift_ppm", &p->drift_ppm}, {"stale_every", &p->stale_every},
-        {"stale_for", &p->stale_for}, {"fault_s", &p->fault_s},
+        {"stale_for", &p->stale_for}, {"calls", &p->calls}, {"fault_s", &p->fault_s}, {"stall_s", &p->stall_s},
     };
     for (uint32_t i = 0; i < count; i++) {
         for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
@@ -172,6 +176,8 @@ int32_t haptic_rig_exchange(void *rig, uint64_t due_ns, double torque, haptic_ri
     plant *p = rig;
     double period_s = 1.0 / p->rate_hz;
     (void)torque; /* haptic_rig_write_torque has it */
+    for (int call = 0; call < (int)p->calls; call++)
+        syscall(SYS_getpid);
     if (!p->begun_ns)
         p->begun_ns = p->commanded_ns = due_ns;
     /* The sensors are read when the bus gets to them: some part of a period after the tick. */
@@ -188,7 +194,7 @@ int32_t haptic_rig_exchange(void *rig, uint64_t due_ns, double torque, haptic_ri
     if (fails(p, "blocks"))
         sleep(15);
     if (fails(p, "stalls") && !p->has_stalled++)
-        sleep(1);
+        usleep((useconds_t)(1e6 * p->stall_s));
     if (fails(p, "crashes"))
         *(volatile int *)0 = 0;
     /* Its clock was set to CLOCK_MONOTONIC at the first exchange and runs at its own pace since. */
