@@ -346,12 +346,13 @@ fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) 
     let too_slow = || PlanError::TooSlow {
         asked: rate_hz,
         rig: rig.name.clone(),
-        remedy: match RENDERING_RATES_HZ
-            .into_iter()
-            .find(|slowest_hz| *slowest_hz <= rig.limits.rate_hz && holds(*slowest_hz))
-        {
-            Some(slowest_hz) => format!("give --rate-hz {slowest_hz} or more"),
-            None => "it renders at no rate that it holds; calibrate it again".to_owned(),
+        remedy: {
+            let mut rates =
+                RENDERING_RATES_HZ.into_iter().filter(|other| *other <= rig.limits.rate_hz && holds(*other));
+            match (rates.clone().find(|other| *other > rate_hz), rates.next_back()) {
+                (Some(other), _) | (None, Some(other)) => format!("give --rate-hz {other}"),
+                (None, None) => "it renders at no rate that it holds; calibrate it again".to_owned(),
+            }
         },
     };
     if !holds(rate_hz) {

@@ -48,9 +48,10 @@ fn a_new_rig_file_is_checked_and_commissioned() {
     assert!(header.contains("#define HAPTIC_RIG_ABI 1u"));
 
     let file = rig(&bench, "", |text| text);
-    let output = bench.run(&["rig", "check", &file, "--rate-hz", "5000", "--duration-s", "2", "--json", "-"]).unwrap();
+    let output =
+        bench.run(&["rig", "check", &file, "--rate-hz", "5000", "--duration-s", "2", "--json", "check.json"]).unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
-    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let found: serde_json::Value = serde_json::from_slice(&std::fs::read(bench.path("check.json")).unwrap()).unwrap();
     let noise = |index: usize| found["channels"][index]["noise_rms"].as_f64().unwrap();
     assert!((noise(1) - 0.25).abs() < 0.02, "the torque's noise is what the plant adds: {}", noise(1));
     assert!((noise(2) - 1.0).abs() < 0.08, "and the acceleration's: {}", noise(2));
