@@ -148,9 +148,10 @@ fn the_same_readings_give_the_same_torques_bit_for_bit() {
 fn every_limit_ends_the_run_torque_free_with_the_cause_in_the_last_sample() {
     let normal = |rotor: &Rotor| Measurement { angle_rad: rotor.angle_rad, ..Measurement::default() };
     type Cause = fn(Measurement) -> Result<Measurement, ApparatusError>;
-    let cases: [(Fault, Cause); 4] = [
+    let cases: [(Fault, Cause); 5] = [
         (Fault::Torque, |reading| Ok(Measurement { torque_mnm: -1_001.0, ..reading })),
         (Fault::FollowingError, Ok),
+        (Fault::Runaway, Ok),
         (Fault::Sensor, |reading| Ok(Measurement { torque_mnm: f64::NAN, ..reading })),
         (Fault::Apparatus, |_| Err(ApparatusError::Watchdog)),
     ];
@@ -158,10 +159,14 @@ fn every_limit_ends_the_run_torque_free_with_the_cause_in_the_last_sample() {
         let mut rotor = Rotor::running();
         let mut output = rotor.last;
         let mut drift = 0.0;
-        // A following error builds up step by step; the others come at once.
+        let stuck_rad = rotor.angle_rad;
+        // These two build up step by step, where the knob is stuck and where it turns against the motor; the others come at once.
         while rotor.control.state() == LoopState::Running {
             let mut reading = cause(normal(&rotor));
             if expected == Fault::FollowingError {
+                reading = Ok(Measurement { angle_rad: stuck_rad, ..Measurement::default() });
+            }
+            if expected == Fault::Runaway {
                 drift -= 0.002;
                 reading = reading.map(|reading| Measurement { angle_rad: reading.angle_rad + drift, ..reading });
             }
