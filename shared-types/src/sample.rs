@@ -120,7 +120,7 @@ wire_code! {
         Apparatus = 6,
         /// The sensors brought nothing new for more ticks than the rig permits.
         Stale = 7,
-        /// The knob ran away from where the motor pushed it.
+        /// The knob turned against the motor.
         Runaway = 8,
     }
 }
@@ -135,7 +135,7 @@ impl std::fmt::Display for Fault {
             Self::Sensor => "a sensor gave a value that is not a number",
             Self::Apparatus => "the apparatus reported a failure",
             Self::Runaway => {
-                "the knob ran away from where the motor pushed it: motor and encoder count in opposite directions; turn one \
+                "the knob turned against the motor: if no hand did that, motor and encoder count in opposite directions; turn one \
                  `sign` in the rig file round, and try `haptic-camera rig commission`"
             }
             Self::Stale => "the sensors brought nothing new for more ticks than the rig file permits; check cable and bus",

@@ -363,7 +363,7 @@ impl ControlState {
     }
 
     /// Whether the knob goes where the motor does not push it: a knob gives back what it was given and no more, so that the motor
-    /// can only have braked one that turns by something else, or counts the wrong way round.
+    /// can only have braked one that something else turns, or counts the wrong way round.
     fn has_run_away(&self, fault: Fault) -> bool {
         self.holds() && fault != Fault::Torque && self.work < 0.0
     }
