@@ -70,7 +70,7 @@ fn conclude(loaded: &LoadedCapture, file: &Path) -> Option<Outcome> {
     if most - least < ENOUGH_RAD {
         return None;
     }
-    let driven = inertia(&of_torque(loaded, loaded.commanded_torque_mnm()?))?;
+    let driven = inertia(loaded, loaded.commanded_torque_mnm()?)?;
     say(format!("moved    {:.3} rad", most - least));
     if driven < 0.0 {
         remark(
@@ -89,7 +89,7 @@ fn conclude(loaded: &LoadedCapture, file: &Path) -> Option<Outcome> {
         ));
         return Some(Outcome::Done);
     }
-    let behind = inertia(&of_torque(loaded, &capture.torque_mnm));
+    let behind = inertia(loaded, &capture.torque_mnm);
     match behind {
         Some(behind) if behind < 0.0 => {
             remark(
@@ -123,6 +123,12 @@ fn of_torque(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Fit> {
     identification::fit(&samples, &options).ok()
 }
 
-fn inertia(fit: &Option<Fit>) -> Option<f64> {
-    fit.as_ref()?.parameters.get("inertia")?.value
+/// The inertia that a torque drives, below zero where it drives the other way; a fit tells none that is below zero.
+fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<f64> {
+    let told = |torque_mnm: &[f64]| {
+        let value = of_torque(loaded, torque_mnm)?.parameters.get("inertia")?.value?;
+        Some(value)
+    };
+    let turned: Vec<f64> = torque_mnm.iter().map(|torque_mnm| -torque_mnm).collect();
+    told(torque_mnm).or_else(|| told(&turned).map(|value| -value))
 }
