@@ -30,7 +30,7 @@ pub struct Capture {
     pub missed_ticks: Option<Vec<u32>>,
     /// Bits of [`Sample::flags`] of each sample; `None` from a table.
     pub flags: Option<Vec<u32>>,
-    /// Time since the start of the run, s: tick / rate, or as the table gives it.
+    /// Time since the start of the run, s: tick / rate and what the rig was late by, or as the table gives it.
     pub t_s: Vec<f64>,
     /// Encoder angle, rad.
     pub angle_rad: Vec<f64>,
@@ -44,6 +44,11 @@ pub struct Capture {
     pub commanded_angle_rad: Option<Vec<f64>>,
     /// Torque commanded from the motor, mNm; NaN where it is unknown.
     pub commanded_torque_mnm: Option<Vec<f64>>,
+    /// How long after its tick was due each sample was read, s; `None` where all were read when they were due.
+    pub measured_after_s: Option<Vec<f64>>,
+    /// Samples in the archive without a measurement of their own, since the sensors brought nothing new or failed; they are left
+    /// out here.
+    pub unmeasured_samples: u64,
     /// Samples that were taken and are not in the archive.
     pub gaps: Vec<Gap>,
     /// The models that a replay rendered, in the order in which they began to be felt; empty for a capture of a knob.

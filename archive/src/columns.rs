@@ -85,9 +85,10 @@ pub(crate) static MEASURED: [Column; 5] = [
     column!(acceleration_rad_s2, Reals, or f64::NAN),
     column!(torque_mnm, Reals),
 ];
-static TOLD: [Column; 5] = [
+static TOLD: [Column; 6] = [
     column!(commanded_angle_rad, Reals, or f64::NAN),
     column!(commanded_torque_mnm, Reals, or f64::NAN),
+    column!(measured_after_s, Reals, or 0.0),
     column!(state, Codes, or LoopState::Running.code()),
     column!(missed_ticks, Codes, or 0),
     column!(flags, Codes, or 0),
@@ -159,6 +160,19 @@ impl Values<'_> {
             Self::Counts(values) => values.last().map(|count| *count as f64),
             Self::Reals(values) => values.last().copied(),
             Self::Codes(values) => values.last().map(|code| f64::from(*code)),
+        }
+    }
+
+    /// Keeps the values whose place is marked.
+    pub(crate) fn keep(&mut self, kept: &[bool]) {
+        fn keep<Value: Copy>(values: &mut Vec<Value>, kept: &[bool]) {
+            let mut places = kept.iter();
+            values.retain(|_| places.next().copied().unwrap_or(true));
+        }
+        match self {
+            Self::Counts(values) => keep(values.to_mut(), kept),
+            Self::Reals(values) => keep(values.to_mut(), kept),
+            Self::Codes(values) => keep(values.to_mut(), kept),
         }
     }
 

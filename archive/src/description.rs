@@ -87,6 +87,7 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         simulated_knob_toml: _,
         rendered_model_toml: _,
         control_toml: _,
+        device_codes,
         notes,
     } = description;
     let mut metadata = BTreeMap::from([
@@ -105,6 +106,9 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         if let Some(unit) = unit_of(field.name) {
             metadata.insert(format!("unit.{}", field.name), unit.to_owned());
         }
+    }
+    for (code, meaning) in device_codes {
+        metadata.insert(format!("device_code.{code}"), meaning.clone());
     }
     for (name, text) in notes {
         metadata.insert(format!("note.{name}"), text.clone());

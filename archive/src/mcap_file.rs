@@ -8,7 +8,7 @@ use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
-use shared_types::{LoopState, ModelChange, RunDescription};
+use shared_types::{LoopState, ModelChange, RunDescription, Sample};
 
 use crate::capture::Capture;
 use crate::channels::Schemas;
@@ -183,8 +183,12 @@ impl<'a> Content<'a> {
         };
         rows.store_into(&mut capture);
         #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
-        let time_s = |tick: &u64| *tick as f64 / rate_hz;
-        capture.t_s = capture.tick.iter().map(time_s).collect();
+        let due_s = |tick: &u64| *tick as f64 / rate_hz;
+        capture.t_s = capture.tick.iter().map(due_s).collect();
+        capture.measured_after_s = capture.measured_after_s.filter(|after| after.iter().any(|after_s| *after_s != 0.0));
+        if let Some(after) = &capture.measured_after_s {
+            capture.t_s.iter_mut().zip(after).for_each(|(t_s, after_s)| *t_s += after_s);
+        }
         Ok(capture)
     }
 }
@@ -227,13 +231,23 @@ impl Rows {
     }
 
     /// Gives a capture the columns that are there. The last sample of a run that ended because a sensor or the apparatus
-    /// failed is left out: it shows the fault and has no measurement.
+    /// failed is left out: it shows the fault and has no measurement. So are those for which the sensors brought nothing new,
+    /// which repeat an earlier one.
     fn store_into(mut self, capture: &mut Capture) {
         let last = |name| self.named(name)?.last();
         let at_fault = last("state") == Some(f64::from(LoopState::Fault.code()));
         let measured = |name| last(name).is_none_or(f64::is_finite);
         if at_fault && !(measured("angle_rad") && measured("torque_mnm")) {
             self.0.iter_mut().for_each(Values::pop);
+            capture.unmeasured_samples += 1;
+        }
+        if let Some(Values::Codes(flags)) = self.named("flags") {
+            let kept: Vec<bool> = flags.iter().map(|flags| flags & Sample::STALE == 0).collect();
+            let stale = kept.iter().filter(|kept| !**kept).count() as u64;
+            if stale > 0 {
+                capture.unmeasured_samples += stale;
+                self.0.iter_mut().for_each(|values| values.keep(&kept));
+            }
         }
         for (column, values) in columns::of_samples().zip(self.0) {
             if column.required || values.has_any() {

@@ -288,3 +288,23 @@ fn the_last_sample_of_a_run_whose_sensor_failed_shows_the_fault_and_is_no_measur
     assert_eq!(capture.len(), 10);
     assert!(capture.gaps.is_empty());
 }
+
+#[test]
+fn samples_are_dated_by_when_they_were_read_and_those_that_repeat_an_earlier_one_are_left_out() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("capture.mcap");
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer = archive::CaptureWriter::new(&mut file, &description()).unwrap();
+    for seq in 0..10 {
+        let flags = if seq == 4 || seq == 5 { shared_types::Sample::STALE } else { 0 };
+        writer.sample(&shared_types::Sample { flags, measured_after_s: 2e-5, ..sample(seq) }).unwrap();
+    }
+    writer.finish().unwrap();
+    std::fs::write(&path, file.into_inner()).unwrap();
+    let capture = Capture::load(&path).unwrap();
+    assert_eq!(capture.seq, [0, 1, 2, 3, 6, 7, 8, 9]);
+    assert_eq!((capture.unmeasured_samples, capture.gaps.len()), (2, 0));
+    for (t_s, tick) in capture.t_s.iter().zip(&capture.tick) {
+        assert_eq!(*t_s, *tick as f64 / capture.rate_hz + 2e-5);
+    }
+}

@@ -21,7 +21,15 @@ fn layout<Payload: WireMessage>() -> Layout {
 
 #[test]
 fn every_field_of_a_sample_decodes_through_the_schema_text() {
-    let sample = Sample { dropped_samples: 11, fault: 5, flags: 1, ..common::sample(123_456) };
+    let sample = Sample {
+        dropped_samples: 11,
+        fault: 5,
+        flags: 1,
+        measured_after_s: 2e-5,
+        device_code: 7,
+        stale_ticks: 3,
+        ..common::sample(123_456)
+    };
     let layout = layout::<Sample>();
     let bytes = sample.wire_bytes();
     let count = |name: &str| layout.field(name).unwrap().as_u64(bytes).unwrap();
@@ -38,6 +46,7 @@ fn every_field_of_a_sample_decodes_through_the_schema_text() {
         torque_mnm,
         commanded_angle_rad,
         commanded_torque_mnm,
+        measured_after_s,
         sensor_read_ns,
         control_ns,
         push_ns,
@@ -46,6 +55,8 @@ fn every_field_of_a_sample_decodes_through_the_schema_text() {
         state,
         fault,
         flags,
+        device_code,
+        stale_ticks,
     } = sample;
     assert_eq!(count("seq"), seq);
     assert_eq!(count("tick"), tick);
@@ -65,6 +76,9 @@ fn every_field_of_a_sample_decodes_through_the_schema_text() {
     assert_eq!(count("state"), u64::from(state));
     assert_eq!(count("fault"), u64::from(fault));
     assert_eq!(count("flags"), u64::from(flags));
+    assert_eq!(real("measured_after_s"), measured_after_s.to_bits());
+    assert_eq!(count("device_code"), u64::from(device_code));
+    assert_eq!(count("stale_ticks"), u64::from(stale_ticks));
 }
 
 #[test]

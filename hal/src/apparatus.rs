@@ -8,10 +8,15 @@ use serde::{Deserialize, Serialize};
 pub struct Measurement {
     /// Encoder angle, rad.
     pub angle_rad: f64,
-    /// Accelerometer, gravity included, rad/s².
-    pub acceleration_rad_s2: f64,
-    /// Torque sensor: what knob and gripper take from the rig, mNm.
+    /// Accelerometer, gravity included, rad/s²; `None` on a rig without one.
+    pub acceleration_rad_s2: Option<f64>,
+    /// Torque that knob and gripper take from the rig, mNm; see [`TorqueSource`] for rigs without a torque sensor.
     pub torque_mnm: f64,
+    /// How long after the tick was due the encoder was read, s; below zero for before. A rig with a clock of its own dates by
+    /// that: then this grows as the clocks drift apart.
+    pub after_s: f64,
+    /// Nothing new came for this tick: the values are those of an earlier one, or none.
+    pub is_stale: bool,
 }
 
 /// What the rig must not exceed; beyond it the loop goes torque-free.
@@ -32,22 +37,80 @@ pub struct Limits {
     pub rate_hz: f64,
 }
 
-/// What a rig says of itself before a run.
+/// Where the torque of a [`Measurement`] comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TorqueSource {
+    /// A sensor between motor and gripper: the torque that gripper and knob take.
+    #[default]
+    Sensor,
+    /// The motor's current, or its command: the torque that its rotor takes too.
+    Motor,
+}
+
+/// System calls that a rig makes within a tick, none of which may block.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DeclaredCalls {
+    /// Their names, as the kernel has them: `ioctl`, `sendto`.
+    pub names: Vec<String>,
+    /// Most of them in one tick, all names together.
+    pub per_tick: u32,
+}
+
+/// What a rig says of itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigDescription {
     /// The rig's name.
     pub name: String,
     /// What it must not exceed.
     pub limits: Limits,
+    /// Slowest sample rate that the rig holds, Hz.
+    pub slowest_rate_hz: f64,
     /// What is known of it from measurement.
     pub calibration: Calibration,
+    /// Where its torque comes from.
+    pub torque: TorqueSource,
+    /// Whether a torque takes effect with the next [`exchange`](Apparatus::exchange) only, a tick later than it was computed.
+    pub takes_torque_at_exchange: bool,
+    /// Most ticks in a row without anything new.
+    pub stale_limit: u32,
+    /// Time without a command after which the amplifier takes the torque away by itself, s, as read back from it once it is
+    /// prepared; `None` where the rig does not say.
+    pub watchdog_s: Option<f64>,
+    /// What is held by one run at a time, whoever makes it, as a path or an address; `None` for a rig that is no device.
+    pub device: Option<String>,
+    /// The system calls that it makes in a tick.
+    pub calls: DeclaredCalls,
+    /// What its own codes mean.
+    pub codes: Vec<(i32, String)>,
     /// Further facts worth keeping with a capture, as name and value.
     pub notes: Vec<(String, String)>,
 }
 
+impl RigDescription {
+    /// The error in words, with what the rig's own code means.
+    #[must_use]
+    pub fn explain(&self, error: ApparatusError) -> String {
+        let meaning = |code| self.codes.iter().find(|(known, _)| *known == code).map(|(_, meaning)| meaning.as_str());
+        error.told(&self.name, error.device_code().and_then(meaning))
+    }
+
+    /// What is known of the rig as whoever looks at a knob through its torque must take it: where the torque is the motor's,
+    /// the rotor turns beyond the point at which it is taken.
+    #[must_use]
+    pub fn calibration_of_torque(&self) -> Calibration {
+        let known = &self.calibration;
+        match self.torque {
+            TorqueSource::Sensor => known.clone(),
+            TorqueSource::Motor => {
+                Calibration { gripper_inertia: known.gripper_inertia + known.motor_inertia, ..known.clone() }
+            }
+        }
+    }
+}
+
 /// Why the apparatus could not do what was asked.
 ///
-/// Plain data without heap, so that it can cross the real-time path.
+/// Plain data without heap, so that it can cross the real-time path; [`RigDescription::explain`] puts it into words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ApparatusError {
     /// A sensor did not answer or its value is unusable.
@@ -59,36 +122,90 @@ pub enum ApparatusError {
     /// The amplifier's watchdog ran out because no torque was written in time.
     #[error("the amplifier's watchdog ran out and took the torque away; start the run again")]
     Watchdog,
+    /// The rig reported a failure by a code of its own, never 0.
+    #[error("the rig reported code {0}")]
+    Device(i32),
+    /// The amplifier's watchdog is slower than the rig file asks for.
+    #[error("the amplifier's watchdog reads back longer than [watchdog] timeout_s; set it shorter, or say what it is")]
+    SlowWatchdog,
+    /// It was told to stop while it was prepared.
+    #[error("stopped while the rig was prepared")]
+    Stopped,
 }
 
-/// A rig that turns a knob through a torque sensor.
+impl ApparatusError {
+    /// The rig's own code, if it gave one.
+    #[must_use]
+    pub fn device_code(self) -> Option<i32> {
+        match self {
+            Self::Device(code) => Some(code),
+            Self::Sensor | Self::Amplifier | Self::Watchdog | Self::SlowWatchdog | Self::Stopped => None,
+        }
+    }
+
+    /// The error in words, of the rig called `name`, whose code means `meaning`.
+    #[must_use]
+    pub fn told(self, name: &str, meaning: Option<&str>) -> String {
+        match (self, meaning) {
+            (Self::Device(code), Some(meaning)) => format!("the rig '{name}' reported code {code}: {meaning}"),
+            (Self::Device(code), None) => {
+                format!("the rig '{name}' reported code {code}, which it does not explain; look it up in its manual")
+            }
+            (other, _) => format!("the rig '{name}': {other}"),
+        }
+    }
+}
+
+/// A rig that turns a knob, through a torque sensor if it has one.
 ///
-/// The control loop owns it and calls, once per tick, [`read`](Self::read) and then
-/// [`write_torque`](Self::write_torque), from a real-time thread: neither may allocate, lock, log or
-/// block. Construction, [`enable`](Self::enable) and [`disable`](Self::disable) may take their time.
-/// A rig whose process dies must go torque-free by itself (a watchdog in its amplifier).
+/// A run calls, in this order: [`prepare`](Self::prepare) on an ordinary thread, then on the real-time thread
+/// [`enable`](Self::enable), once per tick [`exchange`](Self::exchange), [`shift_ns`](Self::shift_ns) and
+/// [`write_torque`](Self::write_torque), and [`disable`](Self::disable) once at the end or at a fault, after which nothing is
+/// called any more. What is called in a tick must not allocate, lock, log or block, and makes no system call but those that the
+/// description declares. A rig whose process dies must go torque-free by itself (a watchdog in its amplifier).
 pub trait Apparatus: Send {
-    /// Name, limits and calibration.
+    /// What the rig says of itself; the watchdog's time may change by [`prepare`](Self::prepare).
     fn description(&self) -> &RigDescription;
 
-    /// Switches the amplifier on, at zero torque.
+    /// Brings the rig to where switching it on takes no time: opens buses, finds the encoder's zero, arms the watchdog. It may
+    /// take its time as long as it asks `stop` several times a second, and gives up once that is true.
     ///
     /// # Errors
-    /// [`ApparatusError::Amplifier`] when it does not come on.
+    /// [`ApparatusError`] when it does not come up; [`ApparatusError::Stopped`] when it gave up.
+    fn prepare(&mut self, stop: &dyn Fn() -> bool) -> Result<(), ApparatusError> {
+        let _ = stop;
+        Ok(())
+    }
+
+    /// Switches the amplifier on, at zero torque, within a few ticks.
+    ///
+    /// # Errors
+    /// [`ApparatusError`] when it does not come on.
     fn enable(&mut self) -> Result<(), ApparatusError>;
 
-    /// Switches the amplifier off: torque-free from here on, whatever is written.
+    /// Switches the amplifier off: torque-free from here on. Calling it again, or before it was on, does nothing.
     fn disable(&mut self);
 
-    /// Reads all sensors at the tick that is due at `monotonic_time_ns` (CLOCK_MONOTONIC, never falling).
+    /// Takes the sensors at the tick that is due at `due_ns` (CLOCK_MONOTONIC, never falling), and gives the rig the torque of
+    /// the tick before, mNm, unless [`write_torque`](Self::write_torque) has done so: what a bus does in one go.
     ///
     /// # Errors
     /// [`ApparatusError`] when a sensor or the amplifier has failed since the last call.
-    fn read(&mut self, monotonic_time_ns: u64) -> Result<Measurement, ApparatusError>;
+    fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError>;
 
-    /// Sets the motor's torque until the next call, mNm.
+    /// Sets the motor's torque until the next call, mNm: of a rig that can take it between two exchanges, and saves a period by
+    /// it. Others leave this as it is.
     ///
     /// # Errors
     /// [`ApparatusError`] when the amplifier does not take it.
-    fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError>;
+    fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
+        let _ = torque_mnm;
+        Ok(())
+    }
+
+    /// By how much the ticks from the next one on are to come later than planned, ns; below zero for earlier. A bus that must be
+    /// met in its own phase paces the loop by it. At most a tenth of a period is taken at a time.
+    fn shift_ns(&self) -> i64 {
+        0
+    }
 }

@@ -1,10 +1,18 @@
 //! The apparatus that turns a knob, real or simulated.
 //!
-//! [`Apparatus`] is what the control loop needs of a rig: read the sensors, write a torque, switch
-//! the amplifier on and off, say what failed. [`Calibration`](dynamics::Calibration) is what is known of the rig from
-//! measurement; [`Limits`] is what it must not exceed. [`simulated`] has a rig that needs no hardware.
+//! [`Apparatus`] is what the control loop needs of a rig: bring it up, exchange torque and measurement, switch the amplifier on
+//! and off, say what failed. [`Calibration`](dynamics::Calibration) is what is known of the rig from measurement; [`Limits`] is
+//! what it must not exceed. A [`RigFile`] names the driver and all that a lab knows of its rig. The drivers have a folder each:
+//!
+//! - [`simulated`]: a rig that needs no hardware.
+//! - [`plugin`]: a shared library with the C interface of `haptic_rig.h`.
 
 mod apparatus;
+mod channels;
+pub mod plugin;
+mod rig_file;
 pub mod simulated;
 
-pub use apparatus::{Apparatus, ApparatusError, Limits, Measurement, RigDescription};
+pub use apparatus::{Apparatus, ApparatusError, DeclaredCalls, Limits, Measurement, RigDescription, TorqueSource};
+pub use channels::{Channel, ChannelError, Channels, MOST_CHANNELS, RawMeasurement, Scaling, TorqueChannel, Wiring};
+pub use rig_file::{Rates, RigFile, RigFileError, Watchdog};

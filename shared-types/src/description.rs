@@ -59,6 +59,9 @@ pub struct RunDescription {
     /// rendering follow from. `None` of a run by an earlier program.
     #[serde(default)]
     pub control_toml: Option<String>,
+    /// What the rig's own codes mean, in which a fault may be told.
+    #[serde(default)]
+    pub device_codes: Vec<(i32, String)>,
     /// Further facts about the run, such as the seed of the simulated rig.
     pub notes: Vec<(String, String)>,
 }

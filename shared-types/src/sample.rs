@@ -24,7 +24,7 @@ wire_message! {
         pub angle_rad: f64,
         /// Encoder angle differentiated and low-passed (causal Butterworth, late), rad/s.
         pub velocity_rad_s: f64,
-        /// Accelerometer as read, gravity included, rad/s^2.
+        /// Accelerometer as read, gravity included; NaN on a rig without one, rad/s^2.
         pub acceleration_rad_s2: f64,
         /// Torque sensor as read: what the knob and its gripper take from the rig, mNm.
         pub torque_mnm: f64,
@@ -32,6 +32,8 @@ wire_message! {
         pub commanded_angle_rad: f64,
         /// Torque commanded from the motor in this tick, mNm.
         pub commanded_torque_mnm: f64,
+        /// How long after the tick was due the encoder was read, by the rig's own clock where it has one, s.
+        pub measured_after_s: f64,
         /// Duration of reading the sensors, ns.
         pub sensor_read_ns: u32,
         /// Duration of the control step, ns.
@@ -44,11 +46,16 @@ wire_message! {
         pub dropped_samples: u32,
         /// State of the loop: 0 idle, 1 armed, 2 running, 3 stopping, 4 fault.
         pub state: u32,
-        /// Cause of the fault, 0 for none: 1 torque, 2 speed, 3 angle, 4 following error, 5 sensor, 6 apparatus.
+        /// Cause of the fault, 0 for none: 1 torque, 2 speed, 3 angle, 4 following error, 5 sensor, 6 apparatus,
+        /// 7 nothing new from the rig, 8 runaway.
         pub fault: u32,
         /// Bits: 1 the torque command was clipped at the motor's limit; of a rendering: 2 another model begins to be
-        /// felt, 4 the virtual knob sticks, 8 the passivity guard took energy back.
+        /// felt, 4 the virtual knob sticks, 8 the passivity guard took energy back; 16 the sensors brought nothing new.
         pub flags: u32,
+        /// The rig's own code for the fault, 0 for none: a signed number as its bits.
+        pub device_code: u32,
+        /// Ticks up to this one in which the sensors brought nothing new.
+        pub stale_ticks: u32,
     }
 }
 
@@ -69,12 +76,14 @@ impl Sample {
     pub const STUCK: u32 = 4;
     /// Bit of [`Sample::flags`]: the passivity guard took energy back.
     pub const GUARDED: u32 = 8;
+    /// Bit of [`Sample::flags`]: the sensors brought nothing new; angle and torque are those of an earlier tick.
+    pub const STALE: u32 = 16;
 
-    /// Time since the start of the run, s.
+    /// Time since the start of the run at which the sensors were read, s.
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     pub fn time_s(&self, rate_hz: f64) -> f64 {
-        self.tick as f64 / rate_hz
+        self.tick as f64 / rate_hz + self.measured_after_s
     }
 }
 
@@ -109,6 +118,10 @@ wire_code! {
         Sensor = 5,
         /// The apparatus reported a failure of its own.
         Apparatus = 6,
+        /// The sensors brought nothing new for more ticks than the rig permits.
+        Stale = 7,
+        /// The knob turned against the motor.
+        Runaway = 8,
     }
 }
 
@@ -121,6 +134,11 @@ impl std::fmt::Display for Fault {
             Self::FollowingError => "the knob fell too far behind the commanded angle",
             Self::Sensor => "a sensor gave a value that is not a number",
             Self::Apparatus => "the apparatus reported a failure",
+            Self::Runaway => {
+                "the knob turned against the motor: if no hand did that, motor and encoder count in opposite directions; turn one \
+                 `sign` in the rig file round, and try `haptic-camera rig commission`"
+            }
+            Self::Stale => "the sensors brought nothing new for more ticks than the rig file permits; check cable and bus",
         })
     }
 }

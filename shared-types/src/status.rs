@@ -54,8 +54,8 @@ wire_message! {
         pub process_id: u32,
         /// Flags of the newest sample.
         pub flags: u32,
-        /// Always 0.
-        pub reserved: u32,
+        /// The rig's own code for the fault, 0 for none: a signed number as its bits.
+        pub device_code: u32,
     }
 }
 

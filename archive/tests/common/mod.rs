@@ -56,6 +56,7 @@ pub fn sample(seq: u64) -> Sample {
         torque_mnm: 12.0 * (time * 25.0).sin() + noise(4) * 0.18,
         commanded_angle_rad: (time * 3.0).sin(),
         commanded_torque_mnm: noise(5) * 40.0,
+        measured_after_s: 0.0,
         sensor_read_ns: 900,
         control_ns: 300,
         push_ns: 60,
@@ -64,6 +65,8 @@ pub fn sample(seq: u64) -> Sample {
         state: 2,
         fault: 0,
         flags: (seq % 16) as u32,
+        device_code: 0,
+        stale_ticks: 0,
     }
 }
 

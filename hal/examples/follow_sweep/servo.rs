@@ -1,7 +1,7 @@
 //! A position servo for the rig: PID, a notch at the shaft's resonance, and the load's torque fed forward.
 
 use dynamics::{Calibration, Setpoint};
-use hal::Measurement;
+use hal::simulated::Readings;
 
 /// Gains of the servo.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +76,7 @@ impl Servo {
     }
 
     /// The torque for this tick, mNm.
-    pub(crate) fn step(&mut self, wanted: &Setpoint, measured: &Measurement) -> f64 {
+    pub(crate) fn step(&mut self, wanted: &Setpoint, measured: &Readings) -> f64 {
         let Gains { proportional, derivative, integral, load_share, .. } = self.gains;
         // The difference of two encoder readings is half a tick old, less than any filter would make it.
         let velocity_rad_s = (measured.angle_rad - self.previous_rad) / self.period_s;

@@ -6,10 +6,13 @@ use super::RigParameters;
 use super::cogging::Cogging;
 use super::noise::Noise;
 use super::sensors::{first_order_delay_s, second_order_delay_s};
-use crate::{Limits, RigDescription};
+use crate::{DeclaredCalls, Limits, RigDescription, TorqueSource};
 
 /// Keeps the calibration's errors apart from the sensors' noise.
 const CALIBRATION_STREAM: u64 = 0xca11_b4a7_1015_0000;
+
+/// Slowest sample rate that it is run at, Hz; it has none of its own.
+const SLOWEST_HZ: f64 = 500.0;
 
 pub(super) fn describe(parameters: &RigParameters, knob_name: &str, seed: u64) -> RigDescription {
     RigDescription {
@@ -22,7 +25,15 @@ pub(super) fn describe(parameters: &RigParameters, knob_name: &str, seed: u64) -
             following_error_rad: parameters.following_error_limit_rad,
             rate_hz: parameters.rate_limit_hz,
         },
+        slowest_rate_hz: SLOWEST_HZ,
         calibration: calibration(parameters, seed),
+        torque: TorqueSource::Sensor,
+        takes_torque_at_exchange: false,
+        stale_limit: 0,
+        watchdog_s: Some(parameters.watchdog_s),
+        device: None,
+        calls: DeclaredCalls::default(),
+        codes: Vec::new(),
         notes: vec![
             ("seed".to_owned(), seed.to_string()),
             ("mounted knob".to_owned(), knob_name.to_owned()),

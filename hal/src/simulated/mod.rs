@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [`SimulatedRig`] is an [`Apparatus`](crate::Apparatus) like any other. Time is what the caller
-//! says it is: each [`read`](crate::Apparatus::read) carries the plant from the last reading to the
+//! says it is: each [`read`](SimulatedRig::read) carries the plant from the last reading to the
 //! new one in fixed substeps counted from the first reading, so that a control loop can run it
 //! against the clock and an offline run as fast as the processor goes, with the same numbers. A
 //! seed fixes the noise bit for bit.
@@ -53,3 +53,7 @@ pub use hand::{Grip, Hand, Intention};
 pub use parameters::{ParameterError, RigParameters};
 pub use plant::Truth;
 pub use rig::SimulatedRig;
+pub use sensors::Readings;
+
+/// The rig file of the simulated rig, which ships.
+pub const RIG_FILE: &str = include_str!("rig.toml");

@@ -1,12 +1,15 @@
 //! What the simulated rig is made of.
 
+use serde::{Deserialize, Serialize};
+
 use super::cogging::{self, Cogging};
 
 /// Every number of the simulated rig; units mNm, rad, s unless the name says otherwise.
 ///
 /// The default is the rig of Swindells and MacLean 2007: their section 2 and Table 1, and the
-/// catalogue of its motor.
-#[derive(Clone, Debug, PartialEq)]
+/// catalogue of its motor. A rig file's `[settings]` may have any of them by its name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct RigParameters {
     /// Resistance between the motor's terminals, ohm.
     pub terminal_resistance_ohm: f64,

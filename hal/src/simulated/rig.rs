@@ -4,7 +4,7 @@ use dynamics::Model;
 
 use super::description::describe;
 use super::plant::{Plant, Truth};
-use super::sensors::Sensors;
+use super::sensors::{Readings, Sensors};
 use super::watchdog::Watchdog;
 use super::{Hand, ParameterError, RigParameters};
 use crate::{Apparatus, ApparatusError, Measurement, RigDescription};
@@ -93,6 +93,26 @@ impl SimulatedRig {
         self.skipped * self.substep_ns
     }
 
+    /// Reads all sensors at the given time, ns.
+    ///
+    /// # Errors
+    /// [`ApparatusError`] once the watchdog ran out, and for a plant whose numbers ran away.
+    pub fn read(&mut self, monotonic_time_ns: u64) -> Result<Readings, ApparatusError> {
+        let beyond_ns = self.advance_to(monotonic_time_ns);
+        self.watchdog.noticed();
+        if self.watchdog.ran_out() {
+            return Err(ApparatusError::Watchdog);
+        }
+        #[allow(clippy::cast_precision_loss, reason = "less than a substep")]
+        let readings = self.sensors.read(&self.plant.truth(), beyond_ns as f64 * 1e-9);
+        let Readings { angle_rad, acceleration_rad_s2, torque_mnm } = readings;
+        if angle_rad.is_finite() && acceleration_rad_s2.is_finite() && torque_mnm.is_finite() {
+            Ok(readings)
+        } else {
+            Err(ApparatusError::Sensor)
+        }
+    }
+
     /// Carries the plant to the given time; gives the time that is left of a substep, ns.
     fn advance_to(&mut self, monotonic_time_ns: u64) -> u64 {
         let origin_ns = *self.origin_ns.get_or_insert(monotonic_time_ns);
@@ -134,20 +154,8 @@ impl Apparatus for SimulatedRig {
         self.watchdog.switch_off();
     }
 
-    fn read(&mut self, monotonic_time_ns: u64) -> Result<Measurement, ApparatusError> {
-        let beyond_ns = self.advance_to(monotonic_time_ns);
-        self.watchdog.noticed();
-        if self.watchdog.ran_out() {
-            return Err(ApparatusError::Watchdog);
-        }
-        #[allow(clippy::cast_precision_loss, reason = "less than a substep")]
-        let measurement = self.sensors.read(&self.plant.truth(), beyond_ns as f64 * 1e-9);
-        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm } = measurement;
-        if angle_rad.is_finite() && acceleration_rad_s2.is_finite() && torque_mnm.is_finite() {
-            Ok(measurement)
-        } else {
-            Err(ApparatusError::Sensor)
-        }
+    fn exchange(&mut self, due_ns: u64, _torque_mnm: f64) -> Result<Measurement, ApparatusError> {
+        self.read(due_ns).map(Measurement::from)
     }
 
     fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {

@@ -7,6 +7,24 @@ use super::noise::{Noise, quantised};
 use super::{ParameterError, RigParameters, Truth};
 use crate::Measurement;
 
+/// One reading of the rig's three sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Readings {
+    /// Encoder angle, rad.
+    pub angle_rad: f64,
+    /// Accelerometer, gravity included, rad/s².
+    pub acceleration_rad_s2: f64,
+    /// Torque sensor: what knob and gripper take from the rig, mNm.
+    pub torque_mnm: f64,
+}
+
+impl From<Readings> for Measurement {
+    fn from(readings: Readings) -> Self {
+        let Readings { angle_rad, acceleration_rad_s2, torque_mnm } = readings;
+        Self { angle_rad, acceleration_rad_s2: Some(acceleration_rad_s2), torque_mnm, ..Self::default() }
+    }
+}
+
 /// The rig's three sensors.
 ///
 /// Bandwidth belongs to the sensor and goes on at every substep; noise and quantisation belong to a
@@ -49,7 +67,7 @@ impl Sensors {
     }
 
     /// A reading `beyond_s` after the last substep.
-    pub(super) fn read(&mut self, truth: &Truth, beyond_s: f64) -> Measurement {
+    pub(super) fn read(&mut self, truth: &Truth, beyond_s: f64) -> Readings {
         let Self { parameters, noise, acceleration, torque, artefacts, half_substep_s: _ } = self;
         let angle_rad = truth.motor_angle_rad + beyond_s * truth.motor_velocity_rad_s;
         let acceleration_rad_s2 = acceleration.value
@@ -65,7 +83,7 @@ impl Sensors {
         let torque_mnm = artefacts.read(beyond_s, torque.rate, &motion)
             + parameters.torque_zero_mnm
             + noise.sample(parameters.torque_noise_rms_mnm);
-        Measurement {
+        Readings {
             angle_rad: quantised(angle_rad, parameters.angle_step_rad),
             acceleration_rad_s2: quantised(acceleration_rad_s2, parameters.acceleration_step_rad_s2),
             torque_mnm: quantised(torque_mnm, parameters.torque_step_mnm),

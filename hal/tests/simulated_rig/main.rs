@@ -17,8 +17,8 @@ mod watchdog;
 mod waveforms;
 
 use dynamics::{Effect, Model, effects};
-use hal::simulated::{RigParameters, SimulatedRig};
-use hal::{Apparatus, Measurement};
+use hal::Apparatus;
+use hal::simulated::{Readings, RigParameters, SimulatedRig};
 
 /// The default rig without noise, steps, offsets and gravity.
 fn ideal_sensors() -> RigParameters {
@@ -78,7 +78,7 @@ impl Run {
     }
 
     /// Reads and writes once.
-    fn tick(&mut self, torque_mnm: f64) -> Measurement {
+    fn tick(&mut self, torque_mnm: f64) -> Readings {
         let measurement = self.rig.read(self.tick * self.period_ns).unwrap();
         self.rig.write_torque(torque_mnm).unwrap();
         self.tick += 1;

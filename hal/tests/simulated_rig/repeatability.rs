@@ -1,12 +1,11 @@
 //! The same run twice, and the same run at other rates.
 
 use dynamics::knobs;
-use hal::Measurement;
-use hal::simulated::RigParameters;
+use hal::simulated::{Readings, RigParameters};
 
 use super::Run;
 
-fn bits(measurement: &Measurement) -> [u64; 3] {
+fn bits(measurement: &Readings) -> [u64; 3] {
     [measurement.angle_rad, measurement.acceleration_rad_s2, measurement.torque_mnm].map(f64::to_bits)
 }
 

@@ -1,13 +1,17 @@
 //! `doctor`: what this machine permits.
 
 use std::fs;
+use std::path::Path;
 
 use comfy_table::{Table, presets};
 use nix::sys::resource::{Resource, getrlimit};
+use rt_loop::plan::Plan;
+use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::rig;
 use shared_types::shared_memory::NEEDED_BYTES;
 
+use crate::command_line::DoctorOptions;
 use crate::outcome::{Outcome, say};
 use crate::supervision::program_path;
 
@@ -25,8 +29,12 @@ struct Finding {
 ///
 /// # Errors
 /// Never; what cannot be looked at is told as amiss.
-pub fn run() -> anyhow::Result<Outcome> {
-    let findings = [priority(), memory_locking(), cores(), scheduler_guard(), shared_memory(), leftovers(), programs()];
+pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
+    let mut findings =
+        vec![priority(), memory_locking(), cores(), scheduler_guard(), shared_memory(), leftovers(), programs()];
+    if let Some(path) = &options.rig {
+        findings.push(rig_file(path));
+    }
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_width(80).set_content_arrangement(comfy_table::ContentArrangement::Dynamic);
     for finding in &findings {
@@ -110,6 +118,23 @@ fn leftovers() -> Finding {
         ),
     };
     Finding { subject: "rig", good: true, found }
+}
+
+/// Whether the rig's driver can be had as its file says; its amplifier stays off.
+fn rig_file(path: &Path) -> Finding {
+    let mut request = RunRequest { torque: true, ..RunRequest::default() };
+    request.rig.rig = Some(path.to_owned());
+    let made = rt_loop::rigs::file(&request.rig).and_then(|file| {
+        request.pace.rate_hz = file.rates.map_or(request.pace.rate_hz, |rates| rates.fastest_hz);
+        Plan::new(&request)
+    });
+    let found = match &made {
+        Ok(plan) => {
+            format!("'{}' can be driven; `haptic-camera rig check {}` brings it up", plan.rig.name, path.display())
+        }
+        Err(error) => error.to_string(),
+    };
+    Finding { subject: "rig file", good: made.is_ok(), found }
 }
 
 fn programs() -> Finding {

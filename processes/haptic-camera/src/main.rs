@@ -30,6 +30,7 @@ mod repeatability;
 mod replay;
 mod rig_run;
 mod rig_test;
+mod rigs;
 mod sheet;
 mod simulate;
 mod studies;
@@ -79,7 +80,8 @@ fn main() -> ExitCode {
         Command::View(options) => view::run(&options),
         Command::Recompute(options) => recompute::run(&options),
         Command::Recover(options) => recover::run(&options),
-        Command::Doctor => doctor::run(),
+        Command::Doctor(options) => doctor::run(&options),
+        Command::Rig(command) => rigs::run(&command),
     });
     let outcome = result.unwrap_or_else(|error| {
         tracing::debug!("{error:?}");

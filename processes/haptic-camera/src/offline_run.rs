@@ -15,7 +15,7 @@ use shared_types::{Fault, LoopState, LoopStatus, RunDescription, Sample};
 
 use crate::large_job;
 use crate::outcome::remark;
-use crate::supervision::{FeltModel, RunEnd};
+use crate::supervision::{FeltModel, RigWords, RunEnd};
 use crate::until_ci::{Knowledge, Share, StopRule};
 
 /// Time for which the rig is armed before the run begins, s.
@@ -63,6 +63,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
         status: LoopStatus { run_id: description.run_id, rate_hz, ..status },
         recorder_exit: Some(0),
         restarts: Vec::new(),
+        rig: RigWords { name: description.apparatus.clone(), codes: description.device_codes.clone() },
         models,
         interrupted: stop.load(Ordering::Acquire),
         achieved: watch.map(|watch| watch.rule.achieved()),
@@ -156,7 +157,7 @@ impl ArmedRig {
             if stop.load(Ordering::Acquire) {
                 state.request(Request::Stop);
             }
-            let measurement = apparatus.read((tick as f64 * 1e9 / rate_hz).round() as u64);
+            let measurement = apparatus.exchange((tick as f64 * 1e9 / rate_hz).round() as u64, 0.0);
             let output = state.step(&Reading { elapsed_ticks: 1, measurement });
             let _ = apparatus.write_torque(output.torque_mnm);
             if let Some(sample) = &output.sample {

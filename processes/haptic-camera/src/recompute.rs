@@ -74,7 +74,7 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
 fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomputed> {
     let lacks = |column: &str| format!("the archive's samples have no {column}, which the control step needs");
     let commanded_mnm = capture.commanded_torque_mnm.as_ref().with_context(|| lacks("commanded_torque_mnm"))?;
-    let acceleration = capture.acceleration_rad_s2.as_ref().with_context(|| lacks("acceleration_rad_s2"))?;
+    let acceleration = capture.acceleration_rad_s2.as_ref();
     let missed_ticks = capture.missed_ticks.as_ref().with_context(|| lacks("missed_ticks"))?;
     let flags = capture.flags.as_ref().with_context(|| lacks("flags"))?;
     let state = capture.state.as_ref().with_context(|| lacks("state"))?;
@@ -104,8 +104,10 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
         }
         let measurement = Measurement {
             angle_rad: capture.angle_rad[row],
-            acceleration_rad_s2: acceleration[row],
+            acceleration_rad_s2: acceleration.map(|column| column[row]),
             torque_mnm: capture.torque_mnm[row],
+            after_s: capture.measured_after_s.as_ref().map_or(0.0, |column| column[row]),
+            is_stale: flags[row] & Sample::STALE != 0,
         };
         // A run that ends in a fault goes torque-free with its last sample, whatever the limit was.
         let at_fault = state[row] == LoopState::Fault.code();

@@ -24,14 +24,14 @@ pub fn archive(
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
     let folder = claim::folder(&rig.captures_in, &format!("{time}-{purpose}"))
         .with_context(|| format!("no folder can be made in {}; choose another", rig.captures_in.display()))?;
-    let turned = match request.knob.as_str() {
+    let turned = match request.knob_name() {
         "none" => "turning the gripper alone",
         "locked" => "loading the locked gripper",
         _ => "turning the knob",
     };
     let run = SupervisedRun {
         in_words: format!("{turned} with {} for {} s", request.sweep, request.duration_s),
-        archive: folder.join(format!("{}.mcap", request.knob)),
+        archive: folder.join(format!("{}.mcap", request.knob_name())),
         request,
         offline: rig.offline,
         viewer: None,

@@ -58,6 +58,10 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
     let mut cadence = Cadence::new();
     while !stop.is_asked() {
         streams.take_samples(run.run_id, |sample| {
+            // It repeats the values of an earlier one.
+            if sample.flags & shared_types::Sample::STALE != 0 {
+                return;
+            }
             fit.push(&LiveSample {
                 time_s: sample.time_s(run.rate_hz),
                 angle_rad: sample.angle_rad,

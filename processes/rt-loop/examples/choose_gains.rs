@@ -26,7 +26,7 @@ fn main() {
     let (rate_hz, draws) = (argument(1, 10_000.0), argument(2, 20_000.0) as usize);
     let rig = SimulatedRig::new(RigParameters::default(), Fixture::None.model().unwrap(), 1).unwrap();
     let (calibration, limits) = (&rig.description().calibration, &rig.description().limits);
-    let in_use = RenderGains::at_rate(rate_hz).unwrap();
+    let in_use = RenderGains::at_rate(rate_hz);
     let tell = |gains: &RenderGains| {
         let bounds = Bounds::of(gains, calibration, limits, rate_hz);
         let stiffness = bounds.largest_stiffness_mnm_rad(INERTIAS[0], 0.0);

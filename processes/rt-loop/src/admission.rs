@@ -31,6 +31,12 @@ impl Admission {
         Self { bounds: Bounds::of(gains, calibration, limits, rate_hz), calibration: calibration.clone() }
     }
 
+    /// The same for a rig that takes a torque so much later, s.
+    #[must_use]
+    pub fn delayed(self, by_s: f64) -> Self {
+        Self { bounds: self.bounds.delayed(by_s), ..self }
+    }
+
     /// Checks a model and makes it ready for the renderer.
     ///
     /// # Errors

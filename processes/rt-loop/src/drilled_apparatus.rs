@@ -30,12 +30,20 @@ impl Apparatus for DrilledApparatus {
         self.apparatus.disable();
     }
 
-    fn read(&mut self, monotonic_time_ns: u64) -> Result<Measurement, ApparatusError> {
+    fn prepare(&mut self, stop: &dyn Fn() -> bool) -> Result<(), ApparatusError> {
+        self.apparatus.prepare(stop)
+    }
+
+    fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         self.drill.panic_if_told();
-        self.apparatus.read(monotonic_time_ns)
+        self.apparatus.exchange(due_ns, torque_mnm)
     }
 
     fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
         self.apparatus.write_torque(torque_mnm)
+    }
+
+    fn shift_ns(&self) -> i64 {
+        self.apparatus.shift_ns()
     }
 }

@@ -15,7 +15,8 @@
 //! - [`recomputation`]: a recorded rendering fed through the control step again.
 //! - [`stability`]: what can be rendered on a rig without shaking.
 //! - [`request`]: what the process is asked to do, and the options that ask it.
-//! - [`rigs`]: the rigs that there are.
+//! - [`rigs`]: the drivers that there are.
+//! - [`run`], [`program`]: a run from its request to its end, with the drivers of whoever calls.
 //! - [`plan`]: a request checked against its rig.
 //!
 //! It reads nothing but control requests and models, publishes samples, status, the run's description
@@ -33,4 +34,7 @@ pub mod recomputation;
 pub mod request;
 pub mod rig_lock;
 pub mod rigs;
+mod run;
 pub mod stability;
+
+pub use run::{LONGEST_PREPARATION_S, program, run};

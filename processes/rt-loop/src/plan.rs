@@ -3,32 +3,85 @@
 use dynamics::excitation::ExcitationError;
 use dynamics::knobs::Fixture;
 use dynamics::{Calibration, CalibrationError, Drive, Excitation, Model, ModelError, knobs};
-use hal::{Apparatus, RigDescription};
+use hal::plugin::PluginRigError;
+use hal::{Apparatus, Limits, RigDescription, RigFileError, TorqueSource};
 use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
 use shared_types::{ClockMapping, MODEL_MAX_BYTES, RunDescription};
 
 use crate::admission::{Admission, Admitted};
-use crate::control::rendering::{self, RenderGains, Renderer, Unrenderable};
+use crate::control::rendering::{RenderGains, Renderer, Unrenderable};
 use crate::control::{ControlPlan, Holding, ServoGains};
 use crate::nearest::Nearest;
+use crate::realtime::call_numbers;
 use crate::recomputation::ControlDescription;
 use crate::request::{LONGEST_DURATION_S, RenderingRequest, RunRequest};
-use crate::rigs::{self, Rig};
-use crate::stability::BoundExceeded;
+use crate::rigs::{self, Registry, Rig};
+use crate::stability::{BoundExceeded, Bounds};
 
-/// Slowest rate at which the servo's velocity filter still does its work, Hz.
-const SLOWEST_RATE_HZ: f64 = 2_000.0;
+/// Slowest rate at which a knob is captured, Hz: the paper's sweep goes to some hertz, and detents pass tens of times a second.
+const SLOWEST_RATE_HZ: f64 = 500.0;
+
+/// Rates that are tried where one is too slow to render at, Hz.
+const RENDERING_RATES_HZ: [f64; 12] =
+    [500.0, 750.0, 1_000.0, 1_500.0, 2_000.0, 2_500.0, 3_000.0, 4_000.0, 5_000.0, 7_500.0, 10_000.0, 20_000.0];
 
 /// A run that cannot be done as asked.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// A rig that is not there.
-    #[error("there is no rig '{asked}'; --apparatus takes {known}")]
+    #[error("no rig called '{asked}' ships; --apparatus takes '{known}', and --rig a file")]
     UnknownRig {
         /// The name asked for.
         asked: String,
+        /// The one that ships.
+        known: &'static str,
+    },
+    /// A driver that is not there.
+    #[error("the rig '{rig}' asks for the driver '{asked}'; there are {known}")]
+    UnknownDriver {
+        /// The rig's name.
+        rig: String,
+        /// The driver asked for.
+        asked: String,
         /// Those that there are, each with what it is.
         known: String,
+    },
+    /// A rig file that cannot be used.
+    #[error(transparent)]
+    RigFile(#[from] RigFileError),
+    /// A library that cannot be used.
+    #[error(transparent)]
+    Plugin(#[from] PluginRigError),
+    /// Something that only the simulated rig has.
+    #[error("the rig '{rig}' is no simulation, and {what} belongs to the simulated rig alone; leave it out")]
+    NotSimulated {
+        /// The rig's name.
+        rig: String,
+        /// What was asked.
+        what: String,
+    },
+    /// A system call that the loop cannot look for.
+    #[error("the rig '{rig}' declares the system call '{call}', which is not known here; known are {known}")]
+    UnknownCall {
+        /// The rig's name.
+        rig: String,
+        /// The call.
+        call: String,
+        /// Those that are.
+        known: String,
+    },
+    /// A rig that cannot feel a hand.
+    #[error("the rig '{0}' has no torque sensor, by which a rendering feels the hand; it can capture, but not replay")]
+    NoTorqueSensor(String),
+    /// A rate at which nothing can be rendered.
+    #[error("at {asked} Hz no hand could hold what the rig '{rig}' renders without shaking: {remedy}")]
+    TooSlow {
+        /// The rate asked for, Hz.
+        asked: f64,
+        /// The rig's name.
+        rig: String,
+        /// What to do instead.
+        remedy: String,
     },
     /// A knob that cannot be had.
     #[error(transparent)]
@@ -157,7 +210,7 @@ impl Plan {
             clock: ClockMapping { monotonic_time_ns: monotonic_time_ns(), wall_clock_time_ns: wall_clock_time_ns() },
             realtime: 0,
             excitation_toml: toml::to_string(&self.control.excitation)?,
-            calibration_toml: self.rig.calibration.to_toml(),
+            calibration_toml: self.rig.calibration_of_torque().to_toml(),
             simulated_knob_toml: self.simulated_knob.as_ref().map(Model::to_toml),
             rendered_model_toml: self.rendering.as_ref().map(|rendering| rendering.model.to_toml()),
             control_toml: Some(toml::to_string(&ControlDescription {
@@ -167,8 +220,16 @@ impl Plan {
                 servo_gains: self.control.gains,
                 render_gains: self.rendering.as_ref().map(|rendering| rendering.gains),
             })?),
-            notes: self.rig.notes.iter().cloned().chain(remarks).collect(),
+            device_codes: self.rig.codes.clone(),
+            notes: self.notes().chain(self.rig.notes.iter().cloned()).chain(remarks).collect(),
         })
+    }
+
+    /// What the rig says once it is prepared.
+    fn notes(&self) -> impl Iterator<Item = (String, String)> {
+        let watchdog_s =
+            self.rig.watchdog_s.map(|timeout_s| ("watchdog".to_owned(), format!("{timeout_s} s, read back")));
+        watchdog_s.into_iter()
     }
 
     /// Makes the rig and checks the request against it.
@@ -176,7 +237,16 @@ impl Plan {
     /// # Errors
     /// [`PlanError`], for whatever cannot be done as asked.
     pub fn new(request: &RunRequest) -> Result<Self, PlanError> {
-        let kind = rigs::by_name(&request.rig.apparatus)?;
+        Self::with_drivers(request, &rigs::ALL)
+    }
+
+    /// The same with other drivers to choose from.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_drivers(request: &RunRequest, registry: Registry<'_>) -> Result<Self, PlanError> {
+        let file = rigs::file(&request.rig)?;
+        let kind = rigs::driver(registry, &file)?;
         if !(request.duration_s > 0.0 && request.duration_s <= LONGEST_DURATION_S) {
             return Err(PlanError::Duration(request.duration_s));
         }
@@ -190,49 +260,68 @@ impl Plan {
         if let Some(amplitude) = request.amplitude {
             excitation = excitation.with_amplitude(amplitude)?;
         }
-        let Rig { apparatus, simulated_knob } = (kind.make)(request)?;
-        let mut rig = apparatus.description().clone();
+        let Rig { apparatus, simulated_knob } = (kind.make)(&file, request)?;
+        let mut rig = RigDescription { name: file.name.clone(), ..apparatus.description().clone() };
+        if simulated_knob.is_some() {
+            if let Some(limits) = file.limits {
+                rig.limits = Limits { rate_hz: limits.rate_hz.min(rig.limits.rate_hz), ..limits };
+            }
+            if let Some(calibration) = file.calibration()? {
+                rig.calibration = calibration;
+            }
+        }
+        call_numbers(&rig)?;
         if let Some(path) = &request.rig.calibration {
             rig.calibration = Calibration::load(path)?;
         }
         let rate_hz = request.pace.rate_hz;
-        if !(rate_hz >= SLOWEST_RATE_HZ && rate_hz <= rig.limits.rate_hz) {
-            return Err(PlanError::Rate {
-                asked: rate_hz,
-                rig: rig.name,
-                slowest: SLOWEST_RATE_HZ,
-                fastest: rig.limits.rate_hz,
-            });
+        let slowest = rig.slowest_rate_hz.max(SLOWEST_RATE_HZ);
+        if !(rate_hz >= slowest && rate_hz <= rig.limits.rate_hz) {
+            return Err(PlanError::Rate { asked: rate_hz, rig: rig.name, slowest, fastest: rig.limits.rate_hz });
         }
         let control = ControlPlan {
             excitation,
-            gains: match Fixture::named(&request.knob) {
-                Some(Fixture::None) => ServoGains::for_free_gripper(&rig.calibration),
-                Some(Fixture::Locked) | None => ServoGains::default(),
-            },
+            gains: gains(&rig, request, rate_hz),
             limits: rig.limits,
             rate_hz,
             planned_ticks: request.ticks(),
+            stale_limit: rig.stale_limit,
         };
-        // What inertia a real knob has is not known before it is captured.
-        if let (None, Drive::Position, Some(knob)) = (&request.rendering, drive, &simulated_knob) {
-            check_servo(&control, &rig, knob.inertia())?;
+        if let (None, Drive::Position) = (&request.rendering, drive) {
+            // What inertia a real knob has is not known before it is captured: with more than none the servo has it easier.
+            let inertia = simulated_knob.as_ref().map_or(rig.calibration.motor_inertia, Model::inertia);
+            check_servo(&control, &rig, inertia, |rate_hz| gains(&rig, request, rate_hz))?;
         }
         let rendering = request.rendering.as_ref().map(|asked| make_rendering(asked, &rig, rate_hz)).transpose()?;
-        let knob = request.rendering.as_ref().map_or(&request.knob, |rendering| &rendering.model).clone();
+        let knob = request.rendering.as_ref().map_or(request.knob_name(), |rendering| &rendering.model).to_owned();
         Ok(Self { apparatus, rig, control, knob, rendering, simulated_knob, core })
     }
 }
 
+/// The servo's gains on a rig at a rate.
+fn gains(rig: &RigDescription, request: &RunRequest, rate_hz: f64) -> ServoGains {
+    let late_ticks = if rig.takes_torque_at_exchange { 1.0 } else { 0.0 };
+    let gains = ServoGains::for_rig(&rig.calibration, rig.torque, rate_hz, late_ticks);
+    match request.knob.as_deref().and_then(Fixture::named) {
+        Some(Fixture::None) => gains.for_free_gripper(&rig.calibration),
+        Some(Fixture::Locked) | None => gains,
+    }
+}
+
 /// Makes sure that the servo holds a knob of this inertia.
-fn check_servo(control: &ControlPlan, rig: &RigDescription, knob_inertia: f64) -> Result<(), PlanError> {
+fn check_servo(
+    control: &ControlPlan,
+    rig: &RigDescription,
+    knob_inertia: f64,
+    gains_at: impl Fn(f64) -> ServoGains,
+) -> Result<(), PlanError> {
     let ControlPlan { gains, rate_hz, .. } = *control;
     let holding = Holding { gains, calibration: &rig.calibration, knob_inertia };
     if holding.is_stable(rate_hz) {
         return Ok(());
     }
     let fastest_hz = rig.limits.rate_hz;
-    let remedy = match holding.slowest_stable_hz(fastest_hz) {
+    let remedy = match holding.slowest_stable_hz(fastest_hz, gains_at) {
         Some(slowest_hz) => format!("give --rate-hz {slowest_hz} or more"),
         None => format!("with the rig's calibration it holds it at no rate up to {fastest_hz} Hz; calibrate it again"),
     };
@@ -242,17 +331,34 @@ fn check_servo(control: &ControlPlan, rig: &RigDescription, knob_inertia: f64) -
 /// The model asked for, made ready to be rendered on the rig.
 fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
     let model = mounted_knob(&asked.model)?;
+    if rig.torque == TorqueSource::Motor {
+        return Err(PlanError::NoTorqueSensor(rig.name.clone()));
+    }
     if rig.calibration.motor_coulomb_mnm.is_none() {
         return Err(PlanError::Uncalibrated);
     }
-    let too_slow = || PlanError::Rate {
+    let gains = RenderGains::at_rate(rate_hz);
+    let later_s = |rate_hz: f64| if rig.takes_torque_at_exchange { rate_hz.recip() } else { 0.0 };
+    let holds = |rate_hz| {
+        let bounds = Bounds::of(&RenderGains::at_rate(rate_hz), &rig.calibration, &rig.limits, rate_hz);
+        bounds.delayed(later_s(rate_hz)).holds_rest()
+    };
+    let too_slow = || PlanError::TooSlow {
         asked: rate_hz,
         rig: rig.name.clone(),
-        slowest: rendering::SLOWEST_RATE_HZ,
-        fastest: rig.limits.rate_hz,
+        remedy: {
+            let mut rates =
+                RENDERING_RATES_HZ.into_iter().filter(|other| *other <= rig.limits.rate_hz && holds(*other));
+            match (rates.clone().find(|other| *other > rate_hz), rates.next_back()) {
+                (Some(other), _) | (None, Some(other)) => format!("give --rate-hz {other}"),
+                (None, None) => "it renders at no rate that it holds; calibrate it again".to_owned(),
+            }
+        },
     };
-    let gains = RenderGains::at_rate(rate_hz).ok_or_else(too_slow)?;
-    let admission = Admission::new(&gains, &rig.calibration, &rig.limits, rate_hz);
+    if !holds(rate_hz) {
+        return Err(too_slow());
+    }
+    let admission = Admission::new(&gains, &rig.calibration, &rig.limits, rate_hz).delayed(later_s(rate_hz));
     let (model, Admitted { rendered, remarks }) = if asked.nearest {
         let Nearest { model, admitted, clipped } = admission.nearest(&model)?;
         let clipped = clipped.into_iter().map(|change| format!("clipped to what the rig renders: {change}"));

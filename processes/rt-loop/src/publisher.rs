@@ -25,6 +25,14 @@ const CYCLE: Duration = Duration::from_millis(1);
 /// Time between two statuses while nothing changes, ns.
 const STATUS_INTERVAL_NS: u64 = 100_000_000;
 
+/// Cycles without a tick of the loop after which it is given up: five seconds, far beyond any stall of a host that still gives
+/// this thread its time.
+const HUNG_CYCLES: u32 = 5_000;
+
+/// A rig that does not come back from a call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HungRig;
+
 /// Why the stream cannot be published.
 #[derive(Debug, thiserror::Error)]
 pub enum PublisherError {
@@ -118,8 +126,12 @@ impl StreamPublisher {
 
     /// Publishes until the process is to end, by request or because it `must_end`, and the torque is
     /// down; or until the loop is no longer `alive`.
-    pub fn serve(&mut self, must_end: impl Fn() -> bool, alive: impl Fn() -> bool) {
+    ///
+    /// # Errors
+    /// [`HungRig`] when the loop has not come back from a call of the rig for long: its thread is lost.
+    pub fn serve(&mut self, must_end: impl Fn() -> bool, alive: impl Fn() -> bool) -> Result<(), HungRig> {
         let mut next_status_ns = 0;
+        let (mut served_ticks, mut idle_cycles) = (0, 0);
         let mut shown = LoopState::Idle;
         loop {
             let state = self.shared.state();
@@ -150,7 +162,15 @@ impl StreamPublisher {
             if (self.shutdown && at_rest) || !alive() {
                 self.publish_samples();
                 self.models.close();
-                return;
+                return Ok(());
+            }
+            // Counted by this thread's own cycles: a process that was stopped as a whole has not hung.
+            let now_served = self.shared.served_ticks();
+            idle_cycles = if now_served == served_ticks { idle_cycles + 1 } else { 0 };
+            served_ticks = now_served;
+            if served_ticks > 0 && idle_cycles > HUNG_CYCLES {
+                self.models.close();
+                return Err(HungRig);
             }
             std::thread::sleep(CYCLE);
         }
@@ -219,6 +239,7 @@ impl StreamPublisher {
         self.current.wall_clock_time_ns = wall_clock_time_ns();
         self.current.state = state.code();
         self.current.fault = self.shared.fault_code();
+        self.current.device_code = self.shared.device_code().cast_unsigned();
         self.current.missed_ticks = self.shared.missed_ticks();
         self.current.overruns = self.shared.overruns();
         self.current.angle_rad = self.shared.angle_rad();

@@ -89,6 +89,8 @@ impl Recomputation {
             limits,
             rate_hz,
             planned_ticks,
+            // What was recorded was within it.
+            stale_limit: u32::MAX,
         };
         let model = rendered(&first, &calibration)?;
         let too_slow = || NotRecomputable::Rate { rate_hz };

@@ -13,13 +13,17 @@ use serde::{Deserialize, Serialize};
 /// Longest run, s: a day. That of a run which the operator is to end.
 pub const LONGEST_DURATION_S: f64 = 86_400.0;
 
+/// What the simulated rig turns where nothing is asked for.
+pub const DEFAULT_KNOB: &str = "3";
+
 /// What a run is to be.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRequest {
-    /// What is on the rig: 1 to 5 for the paper's knobs, a model file, or none or locked for the gripper alone
-    #[arg(long, default_value = "3", value_name = "1…5|FILE.toml|none|locked")]
-    pub knob: String,
+    /// What is on the rig: 1 to 5 for the paper's knobs, a model file, or none or locked for the gripper alone [default: 3];
+    /// on a real rig its name
+    #[arg(long, value_name = "1…5|FILE.toml|none|locked|NAME")]
+    pub knob: Option<String>,
     /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
     /// torque-ramp, tone or hold
     #[arg(long, default_value = "linear-chirp")]
@@ -68,9 +72,11 @@ pub struct Pace {
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigRequest {
-    /// The rig: `sim` is the simulated one
-    // One of `rigs::ALL`.
-    #[arg(long, default_value = "sim")]
+    /// The rig, as its file describes it [default: the simulated one]
+    #[arg(long, value_name = "FILE.toml")]
+    pub rig: Option<PathBuf>,
+    /// A rig that ships, by its name: `sim` is the simulated one
+    #[arg(long, default_value = "sim", conflicts_with = "rig")]
     pub apparatus: String,
     /// The rig's calibration, instead of the one that it comes with
     #[arg(long, value_name = "CALIBRATION.toml")]
@@ -84,9 +90,9 @@ pub struct RigRequest {
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SimulatedRequest {
-    /// Seed of the simulated rig's noise
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
+    /// Seed of the simulated rig's noise [default: 1]
+    #[arg(long)]
+    pub seed: Option<u64>,
     /// Cogging of the simulated rig's motor, as periods per turn, mNm and rad; may be repeated
     #[arg(long, value_name = "PER_TURN:MNM[:RAD]")]
     pub motor_cogging: Vec<Cogging>,
@@ -133,6 +139,9 @@ pub struct Options {
     /// All of the options in one, as the supervisor gives them
     #[arg(long, exclusive = true, value_name = "TOML")]
     request: Option<RunRequest>,
+    /// List the drivers that a rig file may name
+    #[arg(long, exclusive = true)]
+    pub(crate) drivers: bool,
     #[command(flatten)]
     run: RunRequest,
     #[command(flatten)]
@@ -143,7 +152,7 @@ pub struct Options {
 
 impl From<Options> for RunRequest {
     fn from(options: Options) -> Self {
-        let Options { request, mut run, rendering, hand } = options;
+        let Options { request, drivers: _, mut run, rendering, hand } = options;
         run.rig.simulated.hand = rendering.is_some().then_some(hand);
         run.rendering = rendering;
         request.unwrap_or(run)
@@ -151,6 +160,17 @@ impl From<Options> for RunRequest {
 }
 
 impl RunRequest {
+    /// What is on the rig, as the operator named it.
+    #[must_use]
+    pub fn knob_name(&self) -> &str {
+        let is_simulated = || crate::rigs::file(&self.rig).is_ok_and(|file| file.driver == "simulated");
+        match &self.knob {
+            Some(knob) => knob,
+            None if is_simulated() => DEFAULT_KNOB,
+            None => "unnamed",
+        }
+    }
+
     /// Whether the operator is to end the run.
     #[must_use]
     pub fn is_open_ended(&self) -> bool {

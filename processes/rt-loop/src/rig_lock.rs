@@ -1,7 +1,10 @@
-//! One run at a time on a rig.
+//! One run at a time on a rig: on its runtime directory, and on its device.
 
 use std::fs::{File, OpenOptions};
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::{Read as _, Seek as _, Write as _};
+use std::os::linux::net::SocketAddrExt as _;
+use std::os::unix::net::{SocketAddr, UnixListener};
 
 use nix::fcntl::{Flock, FlockArg};
 use shared_types::rig;
@@ -20,6 +23,24 @@ pub enum RigLockError {
     InUse {
         /// Process id of the holder, or "unknown".
         holder: String,
+    },
+    /// Another process has its device.
+    #[error("the rig '{rig}' is in use: another run holds its device {device}; wait for that run to end, or stop it")]
+    DeviceInUse {
+        /// The rig's name.
+        rig: String,
+        /// What is held.
+        device: String,
+    },
+    /// The device cannot be held.
+    #[error("the device {device} of the rig '{rig}' cannot be held ({reason}); choose another name for `device`")]
+    Device {
+        /// The rig's name.
+        rig: String,
+        /// What was to be held.
+        device: String,
+        /// The system's word for it.
+        reason: std::io::Error,
     },
     /// The lock file cannot be used.
     #[error("the rig's lock in {directory} cannot be used ({reason}); check the folder's permissions")]
@@ -58,5 +79,34 @@ impl RigLock {
         lock.rewind().map_err(unusable)?;
         write!(lock, "{}", std::process::id()).map_err(unusable)?;
         Ok(Self { _lock: lock })
+    }
+}
+
+/// Holds a device, whatever the runtime directory; the kernel lets go of it when the process ends, however it ends.
+///
+/// An abstract socket's name is taken once on a machine, by whichever user, and leaves no file behind (unix(7)).
+#[derive(Debug)]
+pub struct DeviceLock {
+    _name: UnixListener,
+}
+
+impl DeviceLock {
+    /// Takes the device of a rig.
+    ///
+    /// # Errors
+    /// [`RigLockError`] when another process has it.
+    pub fn take(rig: &str, device: &str) -> Result<Self, RigLockError> {
+        let mut hasher = DefaultHasher::new();
+        device.hash(&mut hasher);
+        // Hashed, since a socket's name has at most 107 bytes.
+        let name = format!("haptic-camera/device/{:016x}", hasher.finish());
+        let bound = SocketAddr::from_abstract_name(name).and_then(|address| UnixListener::bind_addr(&address));
+        bound.map(|listener| Self { _name: listener }).map_err(|reason| {
+            let (rig, device) = (rig.to_owned(), device.to_owned());
+            match reason.kind() {
+                std::io::ErrorKind::AddrInUse => RigLockError::DeviceInUse { rig, device },
+                _ => RigLockError::Device { rig, device, reason },
+            }
+        })
     }
 }

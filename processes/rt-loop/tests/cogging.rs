@@ -93,7 +93,7 @@ fn behind_rad(arguments: &[&str], knowing: impl Fn(&mut Calibration)) -> f64 {
         if tick == 1_000 {
             assert!(control.request(Request::Start));
         }
-        let measurement = plan.apparatus.read(u64::from(tick) * 100_000);
+        let measurement = plan.apparatus.exchange(u64::from(tick) * 100_000, 0.0);
         let output = control.step(&Reading { elapsed_ticks: 1, measurement });
         plan.apparatus.write_torque(output.torque_mnm).unwrap();
         if let Some(sample) = output.sample.filter(|sample| sample.tick > 5_000) {

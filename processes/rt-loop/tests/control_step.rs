@@ -43,6 +43,7 @@ fn plan(planned_ticks: u64) -> ControlPlan {
         },
         rate_hz: RATE_HZ,
         planned_ticks,
+        stale_limit: 3,
     }
 }
 
@@ -147,9 +148,10 @@ fn the_same_readings_give_the_same_torques_bit_for_bit() {
 fn every_limit_ends_the_run_torque_free_with_the_cause_in_the_last_sample() {
     let normal = |rotor: &Rotor| Measurement { angle_rad: rotor.angle_rad, ..Measurement::default() };
     type Cause = fn(Measurement) -> Result<Measurement, ApparatusError>;
-    let cases: [(Fault, Cause); 4] = [
+    let cases: [(Fault, Cause); 5] = [
         (Fault::Torque, |reading| Ok(Measurement { torque_mnm: -1_001.0, ..reading })),
         (Fault::FollowingError, Ok),
+        (Fault::Runaway, Ok),
         (Fault::Sensor, |reading| Ok(Measurement { torque_mnm: f64::NAN, ..reading })),
         (Fault::Apparatus, |_| Err(ApparatusError::Watchdog)),
     ];
@@ -157,10 +159,14 @@ fn every_limit_ends_the_run_torque_free_with_the_cause_in_the_last_sample() {
         let mut rotor = Rotor::running();
         let mut output = rotor.last;
         let mut drift = 0.0;
-        // A following error builds up step by step; the others come at once.
+        let stuck_rad = rotor.angle_rad;
+        // These two build up step by step, where the knob is stuck and where it turns against the motor; the others come at once.
         while rotor.control.state() == LoopState::Running {
             let mut reading = cause(normal(&rotor));
             if expected == Fault::FollowingError {
+                reading = Ok(Measurement { angle_rad: stuck_rad, ..Measurement::default() });
+            }
+            if expected == Fault::Runaway {
                 drift -= 0.002;
                 reading = reading.map(|reading| Measurement { angle_rad: reading.angle_rad + drift, ..reading });
             }
@@ -242,4 +248,34 @@ fn nothing_is_published_and_no_run_begins_before_the_rig_is_armed() {
     assert!(!control.request(Request::Start));
     let output = control.step(&Reading { elapsed_ticks: 1, measurement: Ok(Measurement::default()) });
     assert!(output.sample.is_none() && output.torque_mnm == 0.0);
+}
+
+#[test]
+fn ticks_that_bring_nothing_new_are_flagged_and_too_many_of_them_end_the_run() {
+    let mut rotor = Rotor::running();
+    let stale = Measurement { angle_rad: f64::NAN, is_stale: true, ..Measurement::default() };
+    let before = rotor.tick(1).sample.unwrap();
+    for ticks in 1..=3 {
+        let sample = rotor.read(1, Ok(stale)).sample.unwrap();
+        assert_eq!((sample.stale_ticks, sample.flags & Sample::STALE), (ticks, Sample::STALE));
+        assert_eq!(sample.angle_rad.to_bits(), before.angle_rad.to_bits(), "the last one known");
+    }
+    let last = rotor.read(1, Ok(stale)).sample.unwrap();
+    assert_eq!(last.fault, Fault::Stale.code());
+    assert_eq!(rotor.control.fault(), Some(Fault::Stale));
+}
+
+#[test]
+fn a_time_that_does_not_rise_brings_nothing_new() {
+    let mut rotor = Rotor::running();
+    assert_eq!(rotor.tick(1).sample.unwrap().stale_ticks, 0);
+    let same = Measurement { angle_rad: rotor.angle_rad, after_s: -1.0, ..Measurement::default() };
+    assert_eq!(rotor.read(1, Ok(same)).sample.unwrap().stale_ticks, 1);
+}
+
+#[test]
+fn a_devices_own_code_is_in_the_last_sample() {
+    let mut rotor = Rotor::running();
+    let last = rotor.read(1, Err(ApparatusError::Device(-110))).sample.unwrap();
+    assert_eq!((last.fault, last.device_code.cast_signed()), (Fault::Apparatus.code(), -110));
 }

@@ -33,11 +33,11 @@ impl Apparatus for Panicking {
         self.rig.disable();
     }
 
-    fn read(&mut self, monotonic_time_ns: u64) -> Result<Measurement, ApparatusError> {
+    fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         self.readings += 1;
         assert!(self.is_on.load(Ordering::SeqCst), "it is read only while it is on");
         assert!(self.readings < 100, "the driver's panic");
-        self.rig.read(monotonic_time_ns)
+        self.rig.exchange(due_ns, torque_mnm)
     }
 
     fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {

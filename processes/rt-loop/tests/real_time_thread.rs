@@ -13,7 +13,7 @@ use hal::{Apparatus, ApparatusError, Measurement, RigDescription};
 use rt_loop::admission::Admission;
 use rt_loop::control::{ControlState, Request};
 use rt_loop::plan::Plan;
-use rt_loop::realtime::{CallWatch, CallWatchError, LoopPort, ModelEvent, TickLoop};
+use rt_loop::realtime::{CallWatch, CallWatchError, DeclaredCallsMade, LoopPort, ModelEvent, PermittedCalls, TickLoop};
 use rt_loop::request::Options;
 use shared_types::{LoopState, Sample};
 
@@ -35,13 +35,13 @@ impl Apparatus for Distracted {
     fn disable(&mut self) {
         self.rig.disable();
     }
-    fn read(&mut self, monotonic_time_ns: u64) -> Result<Measurement, ApparatusError> {
+    fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         self.reads_left = self.reads_left.wrapping_sub(1);
         if self.reads_left == 0 {
             (self.deed)();
             self.done.store(true, Ordering::Release);
         }
-        self.rig.read(monotonic_time_ns)
+        self.rig.exchange(due_ns, torque_mnm)
     }
     fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
         self.rig.write_torque(torque_mnm)
@@ -51,7 +51,7 @@ impl Apparatus for Distracted {
 /// What a run of the loop came to.
 struct Outcome {
     heap: AllocationInfo,
-    calls: Result<(), CallWatchError>,
+    calls: Result<DeclaredCallsMade, CallWatchError>,
     samples: Vec<Sample>,
     /// Whether the run came to its planned end: a long stall of the host lets the rig's watchdog end it before.
     whole: bool,
@@ -77,7 +77,7 @@ fn live_run(
     let done = Arc::new(AtomicBool::new(false));
     let rig = Distracted { rig: plan.apparatus, reads_left: 1_000, deed: Box::new(deed), done: Arc::clone(&done) };
     let (mut tick_loop, mut port) = TickLoop::new(Box::new(rig), control, plan.control.rate_hz);
-    let (watch, watched) = CallWatch::start().unwrap();
+    let (watch, watched) = CallWatch::start(PermittedCalls::default()).unwrap();
     tick_loop.watch_calls(watched);
     let thread = std::thread::spawn(move || {
         let mut outcome = None;
@@ -90,8 +90,10 @@ fn live_run(
     }
     port.requests.push(Request::Start).unwrap();
     let mut samples = Vec::new();
-    // The loop goes on ticking when the run is over: whatever the host does meanwhile, the deed is done.
-    while !(matches!(port.shared.state(), LoopState::Idle | LoopState::Fault) && done.load(Ordering::Acquire)) {
+    // The loop goes on ticking when the run is over: whatever the host does meanwhile, the deed is done, unless a fault has the
+    // rig left alone.
+    let is_over = |state| state == LoopState::Fault || state == LoopState::Idle && done.load(Ordering::Acquire);
+    while !is_over(port.shared.state()) {
         std::thread::sleep(Duration::from_millis(1));
         while let Ok(sample) = port.samples.pop() {
             samples.push(sample);
@@ -105,9 +107,9 @@ fn live_run(
 }
 
 /// `None`, which is said, where calls cannot be watched.
-fn made(calls: Result<(), CallWatchError>) -> Option<String> {
+fn made(calls: Result<DeclaredCallsMade, CallWatchError>) -> Option<String> {
     match calls {
-        Ok(()) => Some(String::new()),
+        Ok(_) => Some(String::new()),
         Err(CallWatchError::CallsMade(calls)) => Some(calls),
         Err(error) => {
             eprintln!("skipped: {error}");

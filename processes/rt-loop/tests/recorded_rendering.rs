@@ -115,6 +115,8 @@ fn measured(sample: &Sample) -> Measurement {
     Measurement {
         angle_rad: sample.angle_rad,
         torque_mnm: sample.torque_mnm,
-        acceleration_rad_s2: sample.acceleration_rad_s2,
+        acceleration_rad_s2: Some(sample.acceleration_rad_s2),
+        after_s: sample.measured_after_s,
+        is_stale: sample.flags & Sample::STALE != 0,
     }
 }

@@ -1,5 +1,6 @@
 //! At which rates the servo holds which knob: what the plan says, against the simulated rig.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+#![allow(clippy::print_stdout, reason = "figures that are not asserted are printed")]
 
 use clap::Parser as _;
 use rt_loop::control::{ControlState, Reading, Request};
@@ -7,7 +8,12 @@ use rt_loop::plan::{Plan, PlanError};
 use rt_loop::request::Options;
 use shared_types::Fault;
 
-const RATES_HZ: [f64; 6] = [2_000.0, 2_300.0, 2_600.0, 3_300.0, 5_000.0, 20_000.0];
+const RATES_HZ: [f64; 7] = [500.0, 700.0, 1_000.0, 2_000.0, 3_300.0, 5_000.0, 20_000.0];
+
+/// Rate from which on each of them is accepted, Hz.
+const ACCEPTED_HZ: f64 = 5_000.0;
+/// Rate from which on the servo also follows each that is accepted, Hz.
+const FAST_HZ: f64 = 2_000.0;
 
 fn plan(knob: &str, rate_hz: f64, further: &[&str]) -> Result<Plan, PlanError> {
     let arguments = ["rt-loop".to_owned(), format!("--knob={knob}"), format!("--rate-hz={rate_hz}")];
@@ -25,7 +31,7 @@ fn fault(plan: Plan) -> Option<Fault> {
         if tick == 1_000 {
             assert!(state.request(Request::Start));
         }
-        let measurement = apparatus.read((tick as f64 * 1e9 / control.rate_hz).round() as u64);
+        let measurement = apparatus.exchange((tick as f64 * 1e9 / control.rate_hz).round() as u64, 0.0);
         let output = state.step(&Reading { elapsed_ticks: 1, measurement });
         let _ = apparatus.write_torque(output.torque_mnm);
     }
@@ -36,24 +42,34 @@ fn fault(plan: Plan) -> Option<Fault> {
 fn no_rate_that_is_accepted_makes_the_servo_shake_one_of_the_papers_knobs() {
     for knob in ["1", "2", "3", "4", "5"] {
         for rate_hz in RATES_HZ {
-            if let Ok(plan) = plan(knob, rate_hz, &["--duration-s=3"]) {
-                assert_eq!(fault(plan), None, "knob {knob} at {rate_hz} Hz");
-            }
-        }
-        for rate_hz in [5_000.0, 10_000.0, 20_000.0] {
-            assert!(plan(knob, rate_hz, &[]).is_ok(), "knob {knob} at {rate_hz} Hz");
+            let Ok(plan) = plan(knob, rate_hz, &["--duration-s=3"]) else {
+                assert!(rate_hz < ACCEPTED_HZ, "knob {knob} at {rate_hz} Hz");
+                println!("knob {knob} at {rate_hz} Hz: refused");
+                continue;
+            };
+            let fault = fault(plan);
+            println!("knob {knob} at {rate_hz} Hz: {fault:?}");
+            // A slow servo is soft: it may fall behind a knob that takes much torque, but it does not shake it.
+            let lags = rate_hz < FAST_HZ && fault == Some(Fault::FollowingError);
+            assert!(fault.is_none() || lags, "knob {knob} at {rate_hz} Hz: {fault:?}");
         }
     }
 }
 
 #[test]
-fn a_rate_at_which_the_servo_would_shake_the_knob_is_refused_and_the_slowest_that_holds_it_is_named() {
-    for knob in ["1", "2", "4"] {
-        let Err(error @ PlanError::Unstable { .. }) = plan(knob, 2_000.0, &[]) else { panic!("knob {knob}") };
-        let told = error.to_string();
-        let slowest_hz: f64 = told.split_whitespace().filter_map(|word| word.parse().ok()).next_back().unwrap();
-        assert!(plan(knob, slowest_hz, &[]).is_ok(), "{told}");
-        assert!(plan(knob, slowest_hz - 100.0, &[]).is_err(), "{told}");
+fn a_rig_whose_servo_would_shake_the_knob_is_refused_whatever_the_rate() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut known = plan("3", 10_000.0, &[]).unwrap().rig.calibration;
+    // So soft a sensor that rotor and knob swing against each other far below the notch of any rotor.
+    known.torque_sensor_stiffness_mnm_rad = 200.0;
+    let path = folder.path().join("soft.toml");
+    std::fs::write(&path, known.to_toml()).unwrap();
+    let calibration = format!("--calibration={}", path.display());
+    for rate_hz in RATES_HZ {
+        let Err(error @ PlanError::Unstable { .. }) = plan("3", rate_hz, &[&calibration]) else {
+            panic!("{rate_hz} Hz")
+        };
+        assert!(error.to_string().contains("shake"), "{error}");
     }
 }
 

@@ -135,6 +135,7 @@ fn description(run_id: u64, planned_ticks: u64) -> RunDescription {
         simulated_knob_toml: None,
         rendered_model_toml: None,
         control_toml: None,
+        device_codes: Vec::new(),
         notes: Vec::new(),
     }
 }

@@ -100,7 +100,7 @@ impl CalibrationKind {
     /// Makes the capture that it needs; gives it, and whether data was lost.
     fn capture(self, rig: &RigOptions) -> anyhow::Result<(PathBuf, Outcome)> {
         let fast = |sweep: &str, amplitude, duration_s| RunRequest {
-            knob: "none".to_owned(),
+            knob: Some("none".to_owned()),
             sweep: sweep.to_owned(),
             amplitude,
             duration_s,

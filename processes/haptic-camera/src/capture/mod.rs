@@ -24,7 +24,7 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     if options.diagnose {
         return until_named::run(options, &interrupted);
     }
-    let claim = claim_archive(&options.run.out, &options.request.knob, "")?;
+    let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
     let run = supervised(options, &claim);
     match run.take(&interrupted)? {
         Some(end) => finish::conclude(&run.archive, &end, options.request.duration_s),
@@ -47,7 +47,8 @@ fn supervised(options: &CaptureOptions, claim: &Claim) -> SupervisedRun {
 
 /// What is captured, and how.
 fn in_words(options: &CaptureOptions) -> String {
-    let RunRequest { knob, sweep, torque, amplitude, duration_s, pace, .. } = &options.request;
+    let knob = options.request.knob_name();
+    let RunRequest { sweep, torque, amplitude, duration_s, pace, .. } = &options.request;
     let amplitude = amplitude
         .map_or_else(String::new, |amplitude| format!(" of {amplitude:.3} {}", if *torque { "mNm" } else { "rad" }));
     let until = options.until_ci.map_or_else(|| "for ".to_owned(), |share| format!("until ± {share}, at most "));

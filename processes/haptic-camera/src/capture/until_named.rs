@@ -8,7 +8,7 @@ use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
-use rt_loop::request::RunRequest;
+use rt_loop::request::{RigRequest, RunRequest};
 
 use super::evidence::diagnosed;
 use super::next::{Experiment, Next, next};
@@ -125,12 +125,18 @@ fn one_more(
     let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
     (*sweep, *amplitude) = (experiment.sweep.clone(), experiment.amplitude_rad);
     // Another run has other noise.
-    rig.simulated.seed = rig.simulated.seed.wrapping_add(index as u64);
-    let claim = claim_archive(&options.run.out, &options.request.knob, "")?;
+    if is_simulated(rig) {
+        rig.simulated.seed = Some(rig.simulated.seed.unwrap_or(1).wrapping_add(index as u64));
+    }
+    let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
     let run = supervised(&options, &claim);
     let Some(end) = run.take(interrupted)? else { return Ok(None) };
     let read = finish::read_back(&run.archive, &end)?;
     Ok(read.map(|(loaded, outcome)| (Taken { experiment, path: loaded.capture.source.clone(), loaded }, outcome)))
+}
+
+fn is_simulated(rig: &RigRequest) -> bool {
+    rt_loop::rigs::file(rig).is_ok_and(|file| file.driver == "simulated")
 }
 
 fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {

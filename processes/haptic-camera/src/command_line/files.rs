@@ -13,13 +13,15 @@ impl Command {
         let files = Files::default();
         match self {
             Self::Capture(options) => files
-                .reading([&options.request.knob])
+                .reading(&options.request.knob)
+                .reading(&options.request.rig.rig)
                 .reading(&options.request.rig.calibration)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page)
                 .writing(options.recording.as_ref(), Kind::Recording),
             Self::Replay(options) => files
                 .reading([&options.model, &options.hand.hand])
+                .reading(&options.rig.rig)
                 .reading(&options.rig.calibration)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.report.as_ref(), Kind::Page),
@@ -92,9 +94,13 @@ impl Command {
             Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), Kind::Json),
             Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), Kind::Data),
             // `compose` looks at its own place, which it may be told to write over; `man` writes into a folder.
-            Self::Compose(_) | Self::Man(_) | Self::Tune(_) | Self::View(_) | Self::Doctor | Self::Completions(_) => {
-                files
-            }
+            Self::Compose(_)
+            | Self::Man(_)
+            | Self::Tune(_)
+            | Self::View(_)
+            | Self::Doctor(_)
+            | Self::Rig(_)
+            | Self::Completions(_) => files,
         }
     }
 }

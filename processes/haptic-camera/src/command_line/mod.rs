@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod compose;
 mod diagnose;
+mod doctor;
 mod export;
 mod files;
 mod fit;
@@ -17,6 +18,7 @@ mod recover;
 mod replay;
 mod rig;
 mod rig_test;
+mod rigs;
 mod run;
 mod sheet;
 mod simulate;
@@ -32,6 +34,7 @@ pub use check::CheckOptions;
 pub use compare::CompareOptions;
 pub use compose::ComposeOptions;
 pub use diagnose::DiagnoseOptions;
+pub use doctor::DoctorOptions;
 pub use export::{ExportOptions, TableSpan};
 pub use fit::FitOptions;
 pub use judge::JudgeOptions;
@@ -42,6 +45,7 @@ pub use recover::RecoverOptions;
 pub use replay::ReplayOptions;
 pub use rig::RigOptions;
 pub use rig_test::RigTestOptions;
+pub use rigs::{RigCheckOptions, RigCommand, RigCommissionOptions, RigNewOptions};
 pub use run::RunOptions;
 pub use sheet::SheetOptions;
 pub use simulate::{SimulateOptions, SimulationDrive};
@@ -184,8 +188,15 @@ pub enum Command {
     #[command(after_help = "Example:\n  haptic-camera recover broken.mcap --out whole.mcap")]
     Recover(RecoverOptions),
     /// Check what this machine permits: real-time priority, memory, shared memory, programs
-    #[command(after_help = "Example:\n  haptic-camera doctor")]
-    Doctor,
+    #[command(after_help = "Examples:\n  haptic-camera doctor\n  haptic-camera doctor --rig my-rig.toml")]
+    Doctor(DoctorOptions),
+    /// Attach a rig of your own: begin its file, bring it up without torque, turn it gently for the first time
+    #[command(
+        subcommand,
+        after_help = "Examples:\n  haptic-camera rig new --out my-rig.toml\n  haptic-camera rig check my-rig.toml\n  \
+        haptic-camera rig commission my-rig.toml\n  haptic-camera capture --rig my-rig.toml --rate-hz 5000"
+    )]
+    Rig(RigCommand),
     /// Print the completions of a shell
     #[command(after_help = "Examples:\n  \
         haptic-camera completions bash > ~/.local/share/bash-completion/completions/haptic-camera\n  \

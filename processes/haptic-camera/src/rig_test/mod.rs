@@ -34,7 +34,7 @@ const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
 /// Whatever keeps the rig from being turned, and a file that cannot be written.
 pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     let free = |sweep: &str, duration_s| RunRequest {
-        knob: "none".to_owned(),
+        knob: Some("none".to_owned()),
         sweep: sweep.to_owned(),
         duration_s,
         pace: Pace { rate_hz: options.rate_hz, core: None },
@@ -42,7 +42,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         ..RunRequest::default()
     };
     let locked = |sweep: &str, duration_s| RunRequest {
-        knob: "locked".to_owned(),
+        knob: Some("locked".to_owned()),
         torque: true,
         amplitude: Some(TORQUE_AMPLITUDE_MNM),
         ..free(sweep, duration_s)

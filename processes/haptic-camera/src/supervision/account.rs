@@ -33,7 +33,7 @@ impl Archived {
 impl From<&Capture> for Archived {
     fn from(capture: &Capture) -> Self {
         let missing = capture.gaps.iter().map(|gap| gap.count).sum();
-        Self { samples: capture.len() as u64, missing, gaps: capture.gaps.clone() }
+        Self { samples: capture.len() as u64 + capture.unmeasured_samples, missing, gaps: capture.gaps.clone() }
     }
 }
 

@@ -10,8 +10,8 @@ use shared_types::{
     CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig,
 };
 
-use super::FeltModel;
 use super::heard::Heard;
+use super::{FeltModel, RigWords};
 
 /// Longest wait for the loop's answer to a request.
 const ANSWER: Duration = Duration::from_secs(2);
@@ -33,6 +33,7 @@ pub(crate) struct LoopLink {
     /// Longest time without a word of the recorder.
     longest_absence: Duration,
     torque_zero_mnm: f64,
+    rig: RigWords,
     models: Vec<FeltModel>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
@@ -56,6 +57,7 @@ impl LoopLink {
             health: Vec::new(),
             longest_absence: Duration::ZERO,
             torque_zero_mnm: 0.0,
+            rig: RigWords::default(),
             models: Vec::new(),
             _node: node,
         })
@@ -81,9 +83,11 @@ impl LoopLink {
         }
         while let Ok(Some(json)) = self.descriptions.receive() {
             let run = serde_json::from_slice::<RunDescription>(json.payload()).ok();
-            if let Some(known) = run.and_then(|run| run.calibration().ok()?) {
+            let Some(run) = run else { continue };
+            if let Ok(Some(known)) = run.calibration() {
                 self.torque_zero_mnm = known.torque_zero_mnm;
             }
+            self.rig = RigWords { name: run.apparatus, codes: run.device_codes };
         }
         while let Ok(Some(json)) = self.model_changes.receive() {
             // A word that is not understood is told by the recorder, which needs it.
@@ -92,6 +96,11 @@ impl LoopLink {
                 self.models.push(FeltModel { tick, name: model.name });
             }
         }
+    }
+
+    /// What the run's description says of its rig.
+    pub(crate) fn rig(&self) -> &RigWords {
+        &self.rig
     }
 
     /// The models that began to be felt so far.

@@ -19,6 +19,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use archive::Claim;
+use rt_loop::LONGEST_PREPARATION_S;
 use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::drill::{self, Drill};
@@ -29,16 +30,17 @@ use crate::offline_run;
 use crate::outcome::{Outcome, remark, say};
 use crate::until_ci::{Knowledge, Share, StopRule};
 pub(crate) use account::Archived;
+use child::Child;
+pub(crate) use child::program;
 pub(crate) use child::program_path;
-use child::{Child, program};
 use consumers::Consumers;
 use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;
-pub(crate) use run_end::{FeltModel, RunEnd};
+pub(crate) use run_end::{FeltModel, RigWords, RunEnd};
 pub(crate) use signals::{ending_signals, listen_for_interrupt};
 
-/// Longest wait for the loop to be ready.
+/// Longest wait for the loop to be ready, beside the time that its rig may take to come up.
 const LOOP_READY: Duration = Duration::from_secs(10);
 /// Longest wait for the recorder to be ready; the history bridges a longer one.
 const RECORDER_READY: Duration = Duration::from_secs(3);
@@ -171,10 +173,15 @@ impl SupervisedRun {
             }
             if has_ended {
                 progress.close();
-                remark(format!(
-                    "the control loop ended in the middle of the run ({}); what was recorded so far is kept",
-                    control_loop.end_in_words()
-                ));
+                let said_why = control_loop.exit_code().is_some_and(|code| SAID_WHY.contains(&code));
+                let how = format!(
+                    "the control loop ended in the middle of the run ({}), driving the rig '{}'; what was recorded so far is kept",
+                    control_loop.end_in_words(),
+                    link.rig().name
+                );
+                if !said_why {
+                    remark(how);
+                }
                 loop_died = true;
                 break;
             }
@@ -200,8 +207,18 @@ impl SupervisedRun {
         let restarts = consumers.end();
         let interrupted = stopped_by_operator;
         let models = link.models().to_vec();
+        let rig = link.rig().clone();
         let achieved = rule.map(StopRule::achieved);
-        Ok(Some(RunEnd { status: *link.status(), recorder_exit, restarts, models, interrupted, achieved, loop_died }))
+        Ok(Some(RunEnd {
+            status: *link.status(),
+            recorder_exit,
+            restarts,
+            rig,
+            models,
+            interrupted,
+            achieved,
+            loop_died,
+        }))
     }
 
     fn tell_start(&self, status: &LoopStatus) {
@@ -243,7 +260,8 @@ pub(crate) fn clear_shared_memory() {
 
 /// Waits until the loop is armed; `None` when it ended first, having said why.
 fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<LoopLink>> {
-    let deadline = Instant::now() + LOOP_READY;
+    let wait = LOOP_READY + Duration::from_secs_f64(LONGEST_PREPARATION_S);
+    let deadline = Instant::now() + wait;
     let mut link: Option<LoopLink> = None;
     loop {
         if control_loop.has_ended() {
@@ -261,8 +279,16 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
             None => {}
             Some(open) => {
                 open.listen();
-                if LoopState::from_code(open.status().state) == Some(LoopState::Armed) {
-                    return Ok(link);
+                match LoopState::from_code(open.status().state) {
+                    Some(LoopState::Armed) => return Ok(link),
+                    // The description comes a little after the status.
+                    Some(LoopState::Fault) if open.rig().name.is_empty() && Instant::now() < deadline => {}
+                    Some(LoopState::Fault) => {
+                        let fault = open.rig().fault_words(open.status()).unwrap_or_default();
+                        remark(format!("the run did not begin: {fault}"));
+                        return Ok(None);
+                    }
+                    _ => {}
                 }
             }
         }
@@ -270,7 +296,7 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
         anyhow::ensure!(
             Instant::now() < deadline,
             "the control loop was not ready within {} s; run `haptic-camera doctor`",
-            LOOP_READY.as_secs()
+            wait.as_secs()
         );
         std::thread::sleep(CYCLE);
     }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use archive::parts::fallback_dir;
+use hal::ApparatusError;
 use shared_types::{Fault, LoopStatus, ProcessKind};
 
 use super::account::{self, Archived};
@@ -17,6 +18,8 @@ pub(crate) struct RunEnd {
     pub(crate) recorder_exit: Option<i32>,
     /// Restarts of recorder, live fitter and viewer.
     pub(crate) restarts: Vec<(ProcessKind, u32)>,
+    /// What the rig's own codes mean, and its name.
+    pub(crate) rig: RigWords,
     /// The models that were rendered, in the order in which they began to be felt.
     pub(crate) models: Vec<FeltModel>,
     /// Whether the operator ended it early.
@@ -25,6 +28,32 @@ pub(crate) struct RunEnd {
     pub(crate) achieved: Option<Achieved>,
     /// Whether the control loop died before the run had ended.
     pub(crate) loop_died: bool,
+}
+
+/// What a run's description says of its rig.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct RigWords {
+    /// The rig's name.
+    pub(crate) name: String,
+    /// What its own codes mean.
+    pub(crate) codes: Vec<(i32, String)>,
+}
+
+impl RigWords {
+    /// The fault of a loop that drives it, in words.
+    pub(crate) fn fault_words(&self, status: &LoopStatus) -> Option<String> {
+        let fault = Fault::from_code(status.fault)?;
+        Some(match (fault, status.device_code.cast_signed()) {
+            (Fault::Apparatus, code) if code != 0 => self.explain(code),
+            (Fault::Apparatus | Fault::Sensor | Fault::Stale, _) => format!("the rig '{}': {fault}", self.name),
+            _ => fault.to_string(),
+        })
+    }
+
+    fn explain(&self, code: i32) -> String {
+        let meaning = self.codes.iter().find(|(known, _)| *known == code).map(|(_, meaning)| meaning.as_str());
+        ApparatusError::Device(code).told(&self.name, meaning)
+    }
 }
 
 /// A model and when it began to be felt.
@@ -102,7 +131,7 @@ impl RunEnd {
 
     /// The fault that ended the run, in words.
     pub(crate) fn fault_words(&self) -> Option<String> {
-        Fault::from_code(self.status.fault).map(|fault| fault.to_string())
+        self.rig.fault_words(&self.status)
     }
 }
 

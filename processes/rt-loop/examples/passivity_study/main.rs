@@ -37,7 +37,7 @@ fn inside(what: &str, drawn: impl Fn(u64, f64) -> (Model, Hand), knobs: f64, rat
     let (mut grown, mut given_out, mut guarded) = (0, Vec::new(), 0);
     for seed in 0..knobs as u64 {
         let (model, hand) = drawn(seed, rate_hz);
-        let gains = RenderGains::at_rate(rate_hz).unwrap();
+        let gains = RenderGains::at_rate(rate_hz);
         let seen = passivity::behaviour_on(cogging, &model, gains, hand, rate_hz, seed);
         if passivity::grew(&seen) {
             grown += 1;
@@ -61,7 +61,7 @@ fn inside(what: &str, drawn: impl Fn(u64, f64) -> (Model, Hand), knobs: f64, rat
 }
 
 fn outside() {
-    let gains = RenderGains::at_rate(10_000.0).unwrap();
+    let gains = RenderGains::at_rate(10_000.0);
     let bounds = passivity::bounds(10_000.0);
     let grips = passivity::edge_of_the_class();
     println!(

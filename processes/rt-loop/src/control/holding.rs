@@ -8,6 +8,8 @@ use crate::stability::{ACTUATOR_DELAY_S, SENSOR_DAMPING_RATIO};
 
 /// Step in which the shaft is integrated, s: fifty to a period of a resonance at 2 kHz.
 const SUBSTEP_S: f64 = 10e-6;
+/// Most that the phase of a swing may advance in a substep, rad.
+const RIGID_RAD_PER_SUBSTEP: f64 = 0.5;
 /// Distance from the setpoint at the start, rad: so little that no limit of the servo's is reached.
 const START_RAD: f64 = 1e-6;
 /// Length of a stretch whose largest swing is compared with that of the next, s: several periods of the slowest swing.
@@ -37,11 +39,12 @@ impl Holding<'_> {
         self.calms(self.knob_inertia, rate_hz) && (self.gains.free_gripper || self.calms(HEAVIEST, rate_hz))
     }
 
-    /// The slowest rate from which on it does at every rate up to `fastest_hz`; `None` if there is none.
+    /// The slowest rate from which on it does at every rate up to `fastest_hz`, with the gains of each; `None` if there is none.
     #[must_use]
-    pub fn slowest_stable_hz(&self, fastest_hz: f64) -> Option<f64> {
+    pub fn slowest_stable_hz(&self, fastest_hz: f64, gains_at: impl Fn(f64) -> ServoGains) -> Option<f64> {
         let down = std::iter::successors(Some(fastest_hz), |rate_hz| Some(rate_hz - RATE_STEP_HZ));
-        down.take_while(|rate_hz| *rate_hz > 0.0 && self.is_stable(*rate_hz)).last()
+        let holds = |rate_hz: f64| Self { gains: gains_at(rate_hz), ..*self }.is_stable(rate_hz);
+        down.take_while(|rate_hz| *rate_hz > 0.0 && holds(*rate_hz)).last()
     }
 
     fn calms(&self, knob_inertia: f64, rate_hz: f64) -> bool {
@@ -87,8 +90,12 @@ struct Shaft {
 impl Shaft {
     fn new(calibration: &Calibration, knob_inertia: f64) -> Self {
         let (rotor_inertia, gripper_inertia) = (calibration.motor_inertia, calibration.gripper_inertia + knob_inertia);
-        let stiffness_mnm_rad = calibration.torque_sensor_stiffness_mnm_rad;
+        // Without anything behind the torque sensor it carries nothing.
+        let gripper_inertia = gripper_inertia.max(1e-3 * rotor_inertia);
         let reduced_inertia = rotor_inertia * gripper_inertia / (rotor_inertia + gripper_inertia);
+        // A shaft that swings faster than the steps resolve is rigid at every rate.
+        let rigid_mnm_rad = reduced_inertia * (RIGID_RAD_PER_SUBSTEP / SUBSTEP_S).powi(2);
+        let stiffness_mnm_rad = calibration.torque_sensor_stiffness_mnm_rad.min(rigid_mnm_rad);
         Self {
             rotor_inertia,
             gripper_inertia,

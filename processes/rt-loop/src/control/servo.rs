@@ -12,10 +12,11 @@
 
 use biquad::{Biquad as _, Coefficients, DirectForm2Transposed};
 use dynamics::{Calibration, Setpoint};
-use hal::Measurement;
+use hal::{Measurement, TorqueSource};
 use serde::{Deserialize, Serialize};
 
 use super::lowpass::ButterworthLowPass;
+use crate::stability::ACTUATOR_DELAY_S;
 
 /// Gains of the position servo.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,15 +64,48 @@ impl Default for ServoGains {
     }
 }
 
+/// Inertia of the rig that the default gains were measured on, mNm·s²/rad: rotor, coupling and gripper.
+const REFERENCE_INERTIA: f64 = 0.0199;
+/// Most that the phase may fall behind at the frequency where the loop's gain passes one, rad: what the default gains have at
+/// 5 kHz, where they hold each of the paper's knobs.
+const LARGEST_PHASE_LAG: f64 = 0.7;
+/// Time by which a torque is late at the mean beside what is known of the rig, in ticks: half a tick of holding and half of
+/// differentiating the angle, and half a tick of computing.
+const LATE_TICKS: f64 = 1.5;
+
 impl ServoGains {
+    /// Gains for a rig at a rate: as stiff as its inertia and its delay permit.
+    ///
+    /// With a damping D and an inertia J the loop's gain passes one at the angular frequency D/J, where the phase falls behind
+    /// by the delay times that. So gains go with the inertia; and where the delay is longer than the gains bear, all
+    /// frequencies come down by one factor: stiffness with its square, the integral with its cube.
+    #[must_use]
+    pub fn for_rig(calibration: &Calibration, torque: TorqueSource, rate_hz: f64, torque_delay_ticks: f64) -> Self {
+        let gains = Self::default();
+        let heavier = (calibration.motor_inertia + calibration.gripper_inertia) / REFERENCE_INERTIA;
+        let delay_s =
+            (LATE_TICKS + torque_delay_ticks) / rate_hz + calibration.command_delay_s.unwrap_or(ACTUATOR_DELAY_S);
+        let crossover_rad_s = gains.derivative_mnm_s_rad / REFERENCE_INERTIA;
+        let slower = (LARGEST_PHASE_LAG / (crossover_rad_s * delay_s)).min(1.0);
+        Self {
+            proportional_mnm_rad: heavier * slower * slower * gains.proportional_mnm_rad,
+            derivative_mnm_s_rad: heavier * slower * gains.derivative_mnm_s_rad,
+            integral_mnm_rad_s: heavier * slower.powi(3) * gains.integral_mnm_rad_s,
+            load_edge_hz: slower * gains.load_edge_hz,
+            // Fed back, the motor's own torque would keep itself up.
+            load_share: if torque == TorqueSource::Motor { 0.0 } else { gains.load_share },
+            ..gains
+        }
+    }
+
     /// Gains for a rig with nothing on its gripper.
     ///
     /// The spring of the proportional gain and the rig's own inertia make an oscillator; it gets the damping that it
     /// needs and no more, since differentiated encoder steps are what shakes gripper and rotor. The load torque that
     /// would be fed forward is none.
     #[must_use]
-    pub fn for_free_gripper(calibration: &Calibration) -> Self {
-        let gains = Self::default();
+    pub fn for_free_gripper(self, calibration: &Calibration) -> Self {
+        let gains = self;
         let inertia = calibration.motor_inertia + calibration.gripper_inertia;
         let damping_mnm_s_rad = 2.0 * FREE_DAMPING_RATIO * (gains.proportional_mnm_rad * inertia).sqrt();
         Self {
@@ -104,7 +138,8 @@ pub(super) struct Servo {
     rig_inertia: f64,
     gripper_inertia: f64,
     torque_zero_mnm: f64,
-    notch: DirectForm2Transposed<f64>,
+    /// `None` where the resonance is beyond what the rate can hold: then the gains are too low to reach it.
+    notch: Option<DirectForm2Transposed<f64>>,
     load: ButterworthLowPass<1>,
     integral_mnm: f64,
 }
@@ -118,7 +153,7 @@ impl Servo {
             rig_inertia: calibration.motor_inertia + calibration.gripper_inertia,
             gripper_inertia: calibration.gripper_inertia,
             torque_zero_mnm: calibration.torque_zero_mnm,
-            notch: DirectForm2Transposed::new(notch(resonance_hz, gains.notch_depth, gains.notch_width, rate_hz)?),
+            notch: notch(resonance_hz, gains.notch_depth, gains.notch_width, rate_hz).map(DirectForm2Transposed::new),
             load: ButterworthLowPass::new(gains.load_edge_hz, rate_hz)?,
             integral_mnm: 0.0,
         })
@@ -141,7 +176,7 @@ impl Servo {
             + self.integral_mnm;
         let load_mnm = measurement.torque_mnm - self.torque_zero_mnm - self.gripper_inertia * setpoint.acceleration;
         self.rig_inertia * setpoint.acceleration
-            + self.notch.run(feedback_mnm)
+            + self.notch.as_mut().map_or(feedback_mnm, |notch| notch.run(feedback_mnm))
             + gains.load_share * self.load.run(load_mnm)
     }
 }
@@ -202,9 +237,9 @@ mod tests {
 
     #[test]
     fn a_free_gripper_is_never_damped_more_than_a_knob() {
-        let heavy = ServoGains::for_free_gripper(&calibration());
+        let heavy = ServoGains::default().for_free_gripper(&calibration());
         assert!(heavy.derivative_mnm_s_rad <= ServoGains::default().derivative_mnm_s_rad);
-        let light = ServoGains::for_free_gripper(&Calibration {
+        let light = ServoGains::default().for_free_gripper(&Calibration {
             motor_inertia: 0.016,
             gripper_inertia: 0.004,
             ..calibration()

@@ -11,6 +11,8 @@ use super::servo::{Servo, ServoGains};
 
 /// Edge of the published velocity's filter, Hz: the paper's 10th-order Butterworth.
 const VELOCITY_EDGE_HZ: f64 = 500.0;
+/// Its edge at most, as a share of the rate.
+const VELOCITY_EDGE_SHARE: f64 = 0.25;
 /// Time over which the torque comes up when the rig is armed, s.
 const ARMING_S: f64 = 0.05;
 /// Time over which the last torque gives way to braking at a stop, s.
@@ -20,7 +22,7 @@ const STOPPING_S: f64 = 0.2;
 
 /// What a tick without an answer from the sensors measured: nothing.
 const UNMEASURED: Measurement =
-    Measurement { angle_rad: f64::NAN, acceleration_rad_s2: f64::NAN, torque_mnm: f64::NAN };
+    Measurement { angle_rad: f64::NAN, acceleration_rad_s2: None, torque_mnm: f64::NAN, after_s: 0.0, is_stale: true };
 
 /// What a run consists of; plain data, made outside the real-time thread.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +37,8 @@ pub struct ControlPlan {
     pub rate_hz: f64,
     /// Ticks of the run.
     pub planned_ticks: u64,
+    /// Most ticks in a row in which the sensors may bring nothing new.
+    pub stale_limit: u32,
 }
 
 /// What is asked of the state machine.
@@ -85,6 +89,16 @@ pub struct ControlState {
     next_seq: u64,
     start_angle_rad: f64,
     previous_angle_rad: Option<f64>,
+    /// The newest measurement.
+    newest: Option<Measurement>,
+    /// Ticks since the newest measurement.
+    unmeasured_ticks: u64,
+    /// Ticks up to this one that brought nothing new.
+    stale_ticks: u32,
+    /// The rig's own code for the fault.
+    device_code: i32,
+    /// What the motor has done to the knob since the rig was armed, by its command, mNm·rad.
+    work: f64,
     velocity_filter: ButterworthLowPass<5>,
     servo: Servo,
     cogging: CoggingCompensation,
@@ -110,7 +124,15 @@ impl ControlState {
             next_seq: 0,
             start_angle_rad: 0.0,
             previous_angle_rad: None,
-            velocity_filter: ButterworthLowPass::new(VELOCITY_EDGE_HZ, plan.rate_hz)?,
+            newest: None,
+            unmeasured_ticks: 0,
+            stale_ticks: 0,
+            device_code: 0,
+            work: 0.0,
+            velocity_filter: ButterworthLowPass::new(
+                VELOCITY_EDGE_HZ.min(VELOCITY_EDGE_SHARE * plan.rate_hz),
+                plan.rate_hz,
+            )?,
             servo: Servo::new(plan.gains, calibration, plan.rate_hz)?,
             cogging: CoggingCompensation::new(calibration, plan.rate_hz),
             velocity_rad_s: 0.0,
@@ -161,10 +183,17 @@ impl ControlState {
         self.fault
     }
 
+    /// The rig's own code for the fault, 0 for none.
+    #[must_use]
+    pub fn device_code(&self) -> i32 {
+        self.device_code
+    }
+
     /// Takes the amplifier's being on as given and holds the angle found at the next step.
     pub fn arm(&mut self) {
         if self.state == LoopState::Idle {
             self.enter(LoopState::Armed);
+            self.work = 0.0;
             self.previous_angle_rad = None;
         }
     }
@@ -196,15 +225,20 @@ impl ControlState {
         self.account_for_missed_ticks(reading.elapsed_ticks);
         let measurement = match reading.measurement {
             Ok(measurement) => measurement,
-            Err(_) => return self.fail(Fault::Apparatus, &UNMEASURED),
+            Err(error) => {
+                if self.state != LoopState::Fault {
+                    self.device_code = error.device_code().unwrap_or(0);
+                }
+                return self.fail(Fault::Apparatus, &UNMEASURED);
+            }
         };
-        if !(measurement.angle_rad.is_finite()
-            && measurement.torque_mnm.is_finite()
-            && measurement.acceleration_rad_s2.is_finite())
-        {
-            return self.fail(Fault::Sensor, &measurement);
-        }
-        self.track_velocity(&measurement, reading.elapsed_ticks);
+        let measurement = match self.taken(&measurement, reading.elapsed_ticks) {
+            Ok(Some(measurement)) => measurement,
+            // Before the first one there is nothing to hold.
+            Ok(None) => return StepOutput { torque_mnm: 0.0, sample: None },
+            Err(Fault::Stale) => return self.fail(Fault::Stale, &UNMEASURED),
+            Err(fault) => return self.fail(fault, &measurement),
+        };
 
         match self.state {
             LoopState::Idle | LoopState::Fault => self.silent(0.0),
@@ -213,6 +247,11 @@ impl ControlState {
                     self.start_angle_rad = measurement.angle_rad;
                 }
                 let rise = (self.seconds(self.tick) / ARMING_S).min(1.0);
+                // A motor or an encoder of the wrong sign shows here first.
+                let held_rad = if self.holds() { self.start_angle_rad } else { f64::NAN };
+                if let Some(fault) = self.exceeded(&measurement, held_rad) {
+                    return self.fail(fault, &measurement);
+                }
                 let hold = Setpoint { value: self.start_angle_rad, ..Setpoint::default() };
                 let torque = match self.plan.excitation.drive {
                     // Free, until the run begins where the hand holds it.
@@ -315,6 +354,18 @@ impl ControlState {
         } else {
             None
         }
+        .map(|fault| if self.has_run_away(fault) { Fault::Runaway } else { fault })
+    }
+
+    /// Whether an angle is to be followed.
+    fn holds(&self) -> bool {
+        self.renderer.is_none() && self.plan.excitation.drive == Drive::Position
+    }
+
+    /// Whether the knob goes where the motor does not push it: a knob gives back what it was given and no more, so that the motor
+    /// can only have braked one that something else turns, or counts the wrong way round.
+    fn has_run_away(&self, fault: Fault) -> bool {
+        self.holds() && fault != Fault::Torque && self.work < 0.0
     }
 
     /// Goes torque-free; within a run the sample that shows the cause is the last one.
@@ -359,27 +410,54 @@ impl ControlState {
         commanded_angle_rad: f64,
         flags: u32,
     ) -> Sample {
-        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm } = *measurement;
+        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, after_s, is_stale: _ } = *measurement;
         Sample {
             seq: self.next_seq,
             tick: self.tick,
             angle_rad,
             velocity_rad_s: self.velocity_rad_s,
-            acceleration_rad_s2,
+            acceleration_rad_s2: acceleration_rad_s2.unwrap_or(f64::NAN),
             torque_mnm,
+            measured_after_s: after_s,
             commanded_angle_rad,
             commanded_torque_mnm,
             missed_ticks: u32::try_from(self.missed_ticks).unwrap_or(u32::MAX),
             state: self.state.code(),
             fault: self.fault.map_or(0, Fault::code),
-            flags,
+            flags: if self.stale_ticks > 0 { flags | Sample::STALE } else { flags },
+            device_code: self.device_code.cast_unsigned(),
+            stale_ticks: self.stale_ticks,
             ..Sample::default()
         }
     }
 
-    fn track_velocity(&mut self, measurement: &Measurement, elapsed_ticks: u64) {
-        let previous = self.previous_angle_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
-        let velocity = (measurement.angle_rad - previous) / self.seconds(elapsed_ticks);
+    /// Takes in what was measured: the newest there is, which is that of an earlier tick where nothing new came; `None` before
+    /// the first.
+    ///
+    /// New is what is said to be, and was read later than the one before: a clock that stands still brings nothing new.
+    fn taken(&mut self, measurement: &Measurement, elapsed_ticks: u64) -> Result<Option<Measurement>, Fault> {
+        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, after_s, is_stale } = *measurement;
+        let numbers = [angle_rad, acceleration_rad_s2.unwrap_or(0.0), torque_mnm, after_s];
+        if !is_stale && !numbers.iter().all(|number| number.is_finite()) {
+            return Err(Fault::Sensor);
+        }
+        self.unmeasured_ticks += elapsed_ticks;
+        let before_s = self.newest.map_or(after_s, |newest| newest.after_s);
+        let step_s = self.seconds(self.unmeasured_ticks) + (after_s - before_s);
+        if is_stale || step_s <= 0.0 {
+            self.stale_ticks = self.stale_ticks.saturating_add(1);
+            return if self.stale_ticks > self.plan.stale_limit { Err(Fault::Stale) } else { Ok(self.newest) };
+        }
+        (self.newest, self.unmeasured_ticks, self.stale_ticks) = (Some(*measurement), 0, 0);
+        let before_rad = self.previous_angle_rad.unwrap_or(angle_rad);
+        self.work += self.last_torque_mnm * (angle_rad - before_rad);
+        self.track_velocity(angle_rad, step_s);
+        Ok(self.newest)
+    }
+
+    fn track_velocity(&mut self, angle_rad: f64, step_s: f64) {
+        let previous = self.previous_angle_rad.replace(angle_rad).unwrap_or(angle_rad);
+        let velocity = (angle_rad - previous) / step_s;
         self.velocity_rad_s = self.velocity_filter.run(velocity);
         self.difference_rad_s = velocity;
     }

@@ -9,7 +9,9 @@ mod seccomp;
 mod tick_loop;
 mod tick_record;
 
-pub use call_watch::{CallWatch, CallWatchError, CallWatched, WATCH_CALLS_VARIABLE};
+pub use call_watch::{
+    CallWatch, CallWatchError, CallWatched, DeclaredCallsMade, PermittedCalls, WATCH_CALLS_VARIABLE, call_numbers,
+};
 pub use model_rings::{ModelEvent, ModelPort};
 pub use permission::{
     OffCore, Permission, WakefulProcessors, block_signals, keep_off_core, last_core, prefer_publisher,

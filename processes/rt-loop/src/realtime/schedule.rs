@@ -17,7 +17,10 @@ const LONGEST_SPIN_NS: f64 = 150_000.0;
 /// off it for some 50 ms at a time by the kernel's guard for them, and its own work comes on top.
 const SPIN_SHARE: f64 = 0.75;
 
-/// Ticks at a fixed rate on CLOCK_MONOTONIC: tick n is due at origin + n / rate.
+/// Most of a period by which a rig may shift the ticks at a time.
+const LARGEST_SHIFT: f64 = 0.1;
+
+/// Ticks at a fixed rate on CLOCK_MONOTONIC: tick n is due at origin + n / rate. A rig with a phase of its own shifts the origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Schedule {
     origin_ns: u64,
@@ -62,6 +65,13 @@ impl Schedule {
         let elapsed = number - self.next + 1;
         self.next = number + 1;
         Tick { number, due_ns: self.due_ns(number), begun_ns, elapsed }
+    }
+
+    /// Has the ticks from the next one on come so much later, ns, a tenth of a period at most either way.
+    #[allow(clippy::cast_possible_truncation, reason = "a share of a period")]
+    pub fn shift(&mut self, later_ns: i64) {
+        let most_ns = (LARGEST_SHIFT * self.period_ns) as i64;
+        self.origin_ns = self.origin_ns.saturating_add_signed(later_ns.clamp(-most_ns, most_ns));
     }
 
     #[allow(

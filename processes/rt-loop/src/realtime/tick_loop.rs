@@ -1,9 +1,9 @@
 //! The loop on the real-time thread: wait, read, step, write, push.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, AtomicU64, Ordering};
 
-use hal::Apparatus;
+use hal::{Apparatus, ApparatusError, Measurement};
 use rtrb::{Consumer, Producer, RingBuffer};
 use shared_types::rig::monotonic_time_ns;
 use shared_types::{LoopState, Sample};
@@ -24,6 +24,9 @@ const REQUESTS: usize = 8;
 pub struct SharedState {
     state: AtomicU32,
     fault: AtomicU32,
+    device_code: AtomicI32,
+    /// Ticks that the loop has served, in a run or not.
+    served_ticks: AtomicU64,
     angle_bits: AtomicU64,
     missed_ticks: AtomicU64,
     overruns: AtomicU64,
@@ -42,6 +45,18 @@ impl SharedState {
     #[must_use]
     pub fn fault_code(&self) -> u32 {
         self.fault.load(Ordering::Acquire)
+    }
+
+    /// The rig's own code for the fault, 0 for none.
+    #[must_use]
+    pub fn device_code(&self) -> i32 {
+        self.device_code.load(Ordering::Acquire)
+    }
+
+    /// Ticks that the loop has served, in a run or not.
+    #[must_use]
+    pub fn served_ticks(&self) -> u64 {
+        self.served_ticks.load(Ordering::Relaxed)
     }
 
     /// Angle at the newest tick, rad.
@@ -111,6 +126,8 @@ pub struct TickLoop {
     ends: LoopEnds,
     shared: Arc<SharedState>,
     watched: Option<CallWatched>,
+    /// Whether the amplifier was switched on and not off again.
+    is_on: bool,
 }
 
 impl TickLoop {
@@ -133,7 +150,7 @@ impl TickLoop {
             models: model_port,
             shared: Arc::clone(&shared),
         };
-        (Self { apparatus, control, rate_hz, ends, shared, watched: None }, port)
+        (Self { apparatus, control, rate_hz, ends, shared, watched: None, is_on: false }, port)
     }
 
     /// Records how every tick goes, from the first to the last, captured or not; the records come out here.
@@ -149,13 +166,15 @@ impl TickLoop {
         self.watched = Some(watched);
     }
 
-    /// Runs until told to quit. The amplifier is on from here and off when this returns, and also when it panics.
+    /// Runs until told to quit. The rig is prepared. Its amplifier is on from here and off when this returns, and also when it
+    /// panics.
     ///
     /// Nothing in here allocates, frees, locks, logs or makes a system call but the sleep in the wait.
     ///
     /// # Errors
     /// The apparatus's error when the amplifier does not come on.
-    pub fn run(&mut self) -> Result<(), hal::ApparatusError> {
+    pub fn run(&mut self) -> Result<(), ApparatusError> {
+        self.is_on = true;
         self.apparatus.enable()?;
         self.control.arm();
         if let Some(watched) = &self.watched {
@@ -165,17 +184,37 @@ impl TickLoop {
         if let Some(watched) = &self.watched {
             watched.end();
         }
-        self.apparatus.disable();
+        self.switch_off();
         Ok(())
+    }
+
+    /// Switches the amplifier off, once.
+    fn switch_off(&mut self) {
+        if std::mem::take(&mut self.is_on) {
+            self.apparatus.disable();
+        }
+    }
+
+    /// Torque and measurement of a tick; none from a rig that is switched off because of a fault.
+    fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
+        match self.is_on {
+            true => self.apparatus.exchange(due_ns, torque_mnm),
+            false => Err(ApparatusError::Amplifier),
+        }
     }
 
     fn tick_until_quit(&mut self) {
         let mut schedule = Schedule::starting_now(self.rate_hz);
         let mut push_ns = 0;
+        let mut torque_mnm = 0.0;
         let mut dropped_samples = 0;
         while !self.shared.quit.load(Ordering::Acquire) {
             let tick = schedule.wait();
-            let measurement = self.apparatus.read(tick.due_ns);
+            if let Some(watched) = &self.watched {
+                watched.tick(tick.number);
+            }
+            let measurement = self.exchange(tick.due_ns, torque_mnm);
+            schedule.shift(self.apparatus.shift_ns());
             let read_ns = monotonic_time_ns();
             while let Ok(request) = self.ends.requests.pop() {
                 self.control.request(request);
@@ -183,10 +222,13 @@ impl TickLoop {
             self.ends.models.offer(&mut self.control);
             let output = self.control.step(&Reading { elapsed_ticks: tick.elapsed, measurement });
             let stepped_ns = monotonic_time_ns();
-            // A refused torque shows as an error of the next read.
-            let _ = self.apparatus.write_torque(output.torque_mnm);
+            torque_mnm = output.torque_mnm;
+            if self.is_on {
+                // A refused torque shows as an error of the next exchange.
+                let _ = self.apparatus.write_torque(torque_mnm);
+            }
             if self.control.state() == LoopState::Fault {
-                self.apparatus.disable();
+                self.switch_off();
             }
             let (sensor_read_ns, control_ns) =
                 (saturating_u32(read_ns - tick.begun_ns), saturating_u32(stepped_ns - read_ns));
@@ -208,7 +250,7 @@ impl TickLoop {
                 self.shared.count(&sample, is_dropped);
             }
             self.ends.models.give_back(&mut self.control);
-            self.show(measurement.map_or(f64::NAN, |measurement| measurement.angle_rad));
+            self.show(measurement.ok());
             push_ns = saturating_u32(monotonic_time_ns() - stepped_ns);
             if let Some(records) = &mut self.ends.records {
                 // A ring that is full for want of a reader must not hold up the loop: the file shows the gap.
@@ -218,8 +260,11 @@ impl TickLoop {
         }
     }
 
-    fn show(&self, angle_rad: f64) {
+    fn show(&self, measurement: Option<Measurement>) {
+        let angle_rad = measurement.map_or(f64::NAN, |measurement| measurement.angle_rad);
         self.shared.angle_bits.store(angle_rad.to_bits(), Ordering::Relaxed);
+        self.shared.served_ticks.fetch_add(1, Ordering::Relaxed);
+        self.shared.device_code.store(self.control.device_code(), Ordering::Release);
         self.shared.fault.store(self.control.fault().map_or(0, shared_types::Fault::code), Ordering::Release);
         self.shared.state.store(self.control.state().code(), Ordering::Release);
     }
@@ -234,7 +279,7 @@ fn ring_capacity(rate_hz: f64) -> usize {
 impl Drop for TickLoop {
     /// However the loop ends, the amplifier is off.
     fn drop(&mut self) {
-        self.apparatus.disable();
+        self.switch_off();
     }
 }
 

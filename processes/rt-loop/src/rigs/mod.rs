@@ -1,28 +1,31 @@
-//! The rigs that the control loop can drive: one file each, and the list of them.
+//! The drivers that the control loop has: one file each, and the list of them.
 //!
-//! To add a rig, implement [`Apparatus`] for it, write a file beside `sim.rs` that makes it from a request, and add its
-//! [`RigKind`] to [`ALL`].
+//! To add one, implement [`Apparatus`] in a folder under `hal/`, write a file beside `plugin.rs` that makes it of a rig file, and
+//! add its [`RigKind`] to [`ALL`]; or leave this as it is, and hand a list of your own to [`run`](crate::run).
 
 mod hand;
-mod sim;
+mod plugin;
+mod simulated;
 
 use dynamics::Model;
-use hal::Apparatus;
+use hal::{Apparatus, RigFile};
 
 use crate::plan::PlanError;
-use crate::request::RunRequest;
+use crate::request::{RigRequest, RunRequest};
 
-/// A kind of rig.
+/// A driver.
 pub struct RigKind {
-    /// Its name, as `--apparatus` takes it.
+    /// Its name, as a rig file's `driver` has it.
     pub name: &'static str,
-    /// What it is, in a few words.
+    /// What it drives, in a few words.
     pub description: &'static str,
-    /// Makes it ready for a run, its amplifier off.
+    /// A commented rig file to begin with.
+    pub template: &'static str,
+    /// Makes the rig ready for a run, its amplifier off.
     ///
     /// # Errors
     /// [`PlanError`], for what it cannot be asked.
-    pub make: fn(&RunRequest) -> Result<Rig, PlanError>,
+    pub make: fn(&RigFile, &RunRequest) -> Result<Rig, PlanError>,
 }
 
 /// A rig ready for a run.
@@ -33,16 +36,61 @@ pub struct Rig {
     pub simulated_knob: Option<Model>,
 }
 
-/// Every rig.
-pub static ALL: [&RigKind; 1] = [&sim::KIND];
+/// The drivers to choose from.
+pub type Registry<'a> = &'a [&'static RigKind];
 
-/// The rig called `name`.
+/// Every driver of ours.
+pub static ALL: [&RigKind; 2] = [&simulated::KIND, &plugin::KIND];
+
+/// The simulated rig's file, by the name that `--apparatus` has for it.
+const SHIPPED: (&str, &str) = ("sim", hal::simulated::RIG_FILE);
+
+/// The file of the rig that is asked for: one that is given, or one that ships.
 ///
 /// # Errors
-/// [`PlanError::UnknownRig`] with those that there are.
-pub fn by_name(name: &str) -> Result<&'static RigKind, PlanError> {
-    ALL.into_iter().find(|kind| kind.name == name).ok_or_else(|| PlanError::UnknownRig {
-        asked: name.to_owned(),
-        known: ALL.map(|kind| format!("'{}' ({})", kind.name, kind.description)).join(", "),
+/// [`PlanError::RigFile`], and [`PlanError::UnknownRig`] with those that ship.
+pub fn file(asked: &RigRequest) -> Result<RigFile, PlanError> {
+    let (name, text) = SHIPPED;
+    match &asked.rig {
+        Some(path) => Ok(RigFile::load(path)?),
+        None if asked.apparatus == name => Ok(RigFile::parse(text, std::path::Path::new(""))?),
+        None => Err(PlanError::UnknownRig { asked: asked.apparatus.clone(), known: name }),
+    }
+}
+
+/// The driver of a rig file.
+///
+/// # Errors
+/// [`PlanError::UnknownDriver`] with those that there are.
+pub fn driver(registry: Registry<'_>, file: &RigFile) -> Result<&'static RigKind, PlanError> {
+    registry.iter().copied().find(|kind| kind.name == file.driver).ok_or_else(|| PlanError::UnknownDriver {
+        rig: file.name.clone(),
+        asked: file.driver.clone(),
+        known: registry
+            .iter()
+            .map(|kind| format!("'{}' ({})", kind.name, kind.description))
+            .collect::<Vec<_>>()
+            .join(", "),
     })
+}
+
+/// Refuses what only the simulated rig can be asked.
+///
+/// # Errors
+/// [`PlanError::NotSimulated`].
+pub fn refuse_simulated(file: &RigFile, request: &RunRequest) -> Result<(), PlanError> {
+    let refused = |what: &str| Err(PlanError::NotSimulated { rig: file.name.clone(), what: what.to_owned() });
+    let simulated = &request.rig.simulated;
+    if simulated.seed.is_some() {
+        return refused("--seed");
+    }
+    if !simulated.motor_cogging.is_empty() {
+        return refused("--motor-cogging");
+    }
+    match &simulated.hand {
+        Some(hand) if hand.hand != "none" || hand.hand_torque.is_some() => {
+            refused("a hand (--hand, --hand-torque, --verify)")
+        }
+        _ => Ok(()),
+    }
 }

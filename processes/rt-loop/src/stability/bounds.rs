@@ -81,6 +81,19 @@ impl Bounds {
         }
     }
 
+    /// The bounds of a rig that takes a torque so much later, s.
+    #[must_use]
+    pub fn delayed(self, by_s: f64) -> Self {
+        Self { port: self.port.delayed(by_s), ..self }
+    }
+
+    /// Whether no hand of the class makes a body swing that sticks, or the least there is.
+    #[must_use]
+    pub fn holds_rest(&self) -> bool {
+        let least = LinearModel::Sliding { inertia: self.least_inertia, damping: 0.0, stiffness_mnm_rad: 0.0 };
+        self.port.is_safe(&LinearModel::Stuck, &self.hands) && self.port.is_safe(&least, &self.hands)
+    }
+
     /// Largest inertia at this damping, mNm·s²/rad: one that no hand of the class makes swing, and that the motor can give the
     /// accelerations of a hand.
     #[must_use]

@@ -60,6 +60,7 @@ pub struct Port {
     torque_delay_s: f64,
     resonance_hz: f64,
     rate_hz: f64,
+    actuator_delay_s: f64,
 }
 
 /// Time that the current takes after a command, s: an amplifier of 3 kHz.
@@ -80,7 +81,14 @@ impl Port {
             torque_delay_s: calibration.torque_delay_s.max(0.0),
             resonance_hz: gains.notch_hz,
             rate_hz,
+            actuator_delay_s: ACTUATOR_DELAY_S,
         }
+    }
+
+    /// The same with an amplifier that is so much later, s.
+    #[must_use]
+    pub fn delayed(self, by_s: f64) -> Self {
+        Self { actuator_delay_s: self.actuator_delay_s + by_s, ..self }
     }
 
     /// Torque of a hand over the velocity of the gripper at the angular frequency `omega`, mNm·s/rad.
@@ -89,7 +97,7 @@ impl Port {
         let step_s = self.rate_hz.recip();
         let s = Complex64::new(0.0, omega);
         let z = (s * step_s).exp();
-        let hold = (1.0 - z.inv()) / (s * step_s) * (-s * ACTUATOR_DELAY_S).exp();
+        let hold = (1.0 - z.inv()) / (s * step_s) * (-s * self.actuator_delay_s).exp();
         let of_z = |c: Option<Coefficients<f64>>| {
             c.map_or(Complex64::ONE, |c| (c.b0 + c.b1 / z + c.b2 / (z * z)) / (1.0 + c.a1 / z + c.a2 / (z * z)))
         };

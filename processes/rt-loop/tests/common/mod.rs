@@ -53,7 +53,7 @@ impl Bench {
 
     pub fn read(&mut self, elapsed_ticks: u64) -> Measurement {
         self.time_tick += elapsed_ticks;
-        self.apparatus.read((self.time_tick as f64 * 1e9 / RATE_HZ) as u64).unwrap()
+        self.apparatus.exchange((self.time_tick as f64 * 1e9 / RATE_HZ) as u64, 0.0).unwrap()
     }
 
     pub fn step(&mut self, elapsed_ticks: u64, measurement: Measurement) -> StepOutput {

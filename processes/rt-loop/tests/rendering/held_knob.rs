@@ -2,6 +2,7 @@
 
 use dynamics::{CoggingHarmonic, Model, Motion, knobs::Fixture};
 use hal::Apparatus as _;
+use hal::Measurement;
 use hal::simulated::{Cogging, Hand, RigParameters, SimulatedRig};
 use rt_loop::control::CoggingCompensation;
 use rt_loop::control::rendering::{Felt, RenderGains, Rendered, RenderedModel, Renderer};
@@ -64,7 +65,7 @@ impl HeldKnob {
     /// One tick.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nanoseconds of seconds")]
     pub fn step(&mut self) -> Rendered {
-        let measurement = self.rig.read((self.time_s() * 1e9).round() as u64).unwrap();
+        let measurement = Measurement::from(self.rig.read((self.time_s() * 1e9).round() as u64).unwrap());
         let truth = self.rig.truth();
         self.work_of_hand += self.rig.applied_by_hand_mnm() * truth.knob_velocity_rad_s / self.rate_hz;
         let previous_rad = self.previous_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);

@@ -83,7 +83,7 @@ pub fn bounds(rate_hz: f64) -> Bounds {
     let nothing = dynamics::knobs::Fixture::None.model().unwrap();
     let rig = SimulatedRig::new(RigParameters::default(), nothing, 1).unwrap();
     let description = rig.description();
-    let gains = RenderGains::at_rate(rate_hz).unwrap();
+    let gains = RenderGains::at_rate(rate_hz);
     Bounds::of(&gains, &description.calibration, &description.limits, rate_hz)
 }
 
@@ -123,7 +123,7 @@ pub fn grew(seen: &Behaviour) -> bool {
 fn inside_the_bounds_no_swing_grows_and_no_energy_comes_out() {
     for seed in 0..24 {
         let (model, hand) = inside(seed, 10_000.0);
-        let seen = behaviour(&model, RenderGains::at_rate(10_000.0).unwrap(), hand, 10_000.0, seed);
+        let seen = behaviour(&model, RenderGains::at_rate(10_000.0), hand, 10_000.0, seed);
         assert!(seen.least_energy > -SLACK && !grew(&seen), "seed {seed}: {seen:?}");
     }
 }
@@ -132,7 +132,7 @@ fn inside_the_bounds_no_swing_grows_and_no_energy_comes_out() {
 fn neither_does_it_on_a_motor_whose_cogging_is_taken_out() {
     for seed in 0..8 {
         let (model, hand) = inside(seed, 10_000.0);
-        let gains = RenderGains::at_rate(10_000.0).unwrap();
+        let gains = RenderGains::at_rate(10_000.0);
         let seen = behaviour_on(&SLOTTED, &model, gains, hand, 10_000.0, seed);
         assert!(seen.least_energy > -SLACK && !grew(&seen), "seed {seed}: {seen:?}");
     }
@@ -142,7 +142,7 @@ fn neither_does_it_on_a_motor_whose_cogging_is_taken_out() {
 fn inside_the_bounds_lost_motion_and_shafts_make_no_swing_grow_and_no_energy_come_out() {
     for seed in 0..16 {
         let (model, hand) = inside_with_two_bodies(seed, 10_000.0);
-        let seen = behaviour(&model, RenderGains::at_rate(10_000.0).unwrap(), hand, 10_000.0, seed);
+        let seen = behaviour(&model, RenderGains::at_rate(10_000.0), hand, 10_000.0, seed);
         assert!(seen.least_energy > -SLACK && !grew(&seen), "seed {seed}: {seen:?} of {model:?}");
     }
 }
@@ -188,7 +188,7 @@ fn inside_the_bounds_drag_lets_no_swing_grow_and_no_energy_come_out() {
         let model = (0..100).map(|step| knob_three_with(kind, &[2000.0 * 0.9_f64.powi(step), speed]));
         let model = model.into_iter().find(|model| bounds.check(model).is_ok()).unwrap();
         let hand = random_hand(&mut Numbers(900 + seed), MOVES_S, LASTS_S);
-        let seen = behaviour(&model, RenderGains::at_rate(10_000.0).unwrap(), hand, 10_000.0, seed);
+        let seen = behaviour(&model, RenderGains::at_rate(10_000.0), hand, 10_000.0, seed);
         assert!(seen.least_energy > -SLACK && !grew(&seen) && seen.guarded == 0, "seed {seed}: {seen:?}");
     }
 }
@@ -245,7 +245,7 @@ pub fn edge_of_the_class() -> Vec<Grip> {
 
 #[test]
 fn outside_the_bounds_a_knob_can_be_made_to_swing() {
-    let gains = RenderGains::at_rate(10_000.0).unwrap();
+    let gains = RenderGains::at_rate(10_000.0);
     let bounds = bounds(10_000.0);
     let worst = |inertia: f64, stiffness: f64| {
         let seen = edge_of_the_class().into_iter().map(|grip| wheel(inertia, stiffness, gains, grip));

@@ -17,7 +17,7 @@ fn nearest_to_knob_5(rate_hz: f64) -> Model {
     let nothing = Fixture::None.model().unwrap();
     let rig = SimulatedRig::new(RigParameters::default(), nothing, 1).unwrap();
     let known = rig.description();
-    let gains = RenderGains::at_rate(rate_hz).unwrap();
+    let gains = RenderGains::at_rate(rate_hz);
     let admission = Admission::new(&gains, &known.calibration, &known.limits, rate_hz);
     admission.nearest(&paper_knob(5).unwrap()).unwrap().model
 }
@@ -25,7 +25,7 @@ fn nearest_to_knob_5(rate_hz: f64) -> Model {
 fn held_by(number: u32, torque_mnm: f64) -> HeldKnob {
     let hand = Hand { grip: Grip::default(), intention: Intention::Torque(torque_mnm), begins_s: 0.1 };
     let model = paper_knob(number).unwrap();
-    HeldKnob::new(&model, RenderGains::at_rate(10_000.0).unwrap(), Some(hand), 10_000.0, u64::from(number))
+    HeldKnob::new(&model, RenderGains::at_rate(10_000.0), Some(hand), 10_000.0, u64::from(number))
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn under_a_torque_inside_the_stick_band_the_knob_does_not_creep_for_ten_seconds(
 fn behind_a_gap_too_a_torque_inside_the_stick_band_turns_nothing_for_ten_seconds() {
     for torque_mnm in [0.0, 60.0, -30.0] {
         let hand = Hand { grip: Grip::default(), intention: Intention::Torque(torque_mnm), begins_s: 0.1 };
-        let gains = RenderGains::at_rate(10_000.0).unwrap();
+        let gains = RenderGains::at_rate(10_000.0);
         let mut knob = HeldKnob::new(&nearest_to_knob_5(10_000.0), gains, Some(hand), 10_000.0, 5);
         let (mut least_rad, mut most_rad, mut inner_rad) = (f64::INFINITY, f64::NEG_INFINITY, f64::NAN);
         while knob.time_s() < 10.5 {
@@ -72,14 +72,14 @@ fn a_hand_pushes_the_cap_through_its_gap_to_the_contact() {
     let coupling = model.coupling().unwrap();
     for torque_mnm in [60.0, -30.0] {
         let hand = Hand { grip: Grip::default(), intention: Intention::Torque(torque_mnm), begins_s: 0.1 };
-        let mut knob = HeldKnob::new(&model, RenderGains::at_rate(10_000.0).unwrap(), Some(hand), 10_000.0, 5);
+        let mut knob = HeldKnob::new(&model, RenderGains::at_rate(10_000.0), Some(hand), 10_000.0, 5);
         while knob.time_s() < 2.0 {
             knob.step();
         }
         let pressed_rad = coupling.half_gap_rad + torque_mnm.abs() / coupling.stiffness_mnm_rad;
         let angle_rad = knob.rig.truth().knob_angle_rad;
         // At rest the motor's own friction, 3 mNm either way, is borne by contact and virtual coupling.
-        let gains = RenderGains::at_rate(10_000.0).unwrap();
+        let gains = RenderGains::at_rate(10_000.0);
         let tolerance_rad = 3.0 / coupling.stiffness_mnm_rad + 3.0 / gains.stiffness_mnm_rad + 2.0 * STEP_RAD;
         assert!((angle_rad.abs() - pressed_rad).abs() < tolerance_rad, "{torque_mnm} mNm: {angle_rad} rad");
     }

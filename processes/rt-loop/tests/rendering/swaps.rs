@@ -26,7 +26,7 @@ fn models_that_change_under_motion_make_no_step_in_torque() {
     let hand = Hand { grip: Grip::default(), intention: Intention::Motion(motion), begins_s: 0.1 };
     let models = [3, 4, 2, 3].map(|number| paper_knob(number).unwrap());
     let rate_hz = 10_000.0;
-    let mut knob = HeldKnob::new(&models[0], RenderGains::at_rate(rate_hz).unwrap(), Some(hand), rate_hz, 1);
+    let mut knob = HeldKnob::new(&models[0], RenderGains::at_rate(rate_hz), Some(hand), rate_hz, 1);
     let calibration = knob.rig.description().calibration.clone();
     // Between swaps: what reversals, detents and the encoder's steps make of the command by themselves.
     let mut peak_mnm = 0.0_f64;
@@ -43,7 +43,7 @@ fn models_that_change_under_motion_make_no_step_in_torque() {
         assert!(knob.renderer.retired().is_some(), "the model before is given back");
     }
     // The command carries the encoder's steps times the coupling's damping; a swap adds nothing to that.
-    let encoder_mnm = 2.0 * RenderGains::at_rate(rate_hz).unwrap().damping * 9.8e-6 * rate_hz;
+    let encoder_mnm = 2.0 * RenderGains::at_rate(rate_hz).damping * 9.8e-6 * rate_hz;
     assert!(
         swapping_mnm < encoder_mnm + 0.02 * peak_mnm,
         "{swapping_mnm:.2} mNm at a swap, {ordinary_mnm:.2} otherwise, peak {peak_mnm:.1}"

@@ -29,24 +29,27 @@ pub struct RenderGains {
     pub slack: f64,
 }
 
-/// Slowest rate at which a model is rendered, Hz: the slower of the rates of Swindells and MacLean.
-pub const SLOWEST_RATE_HZ: f64 = 5_000.0;
+/// Rate from which on the softer of the drawn gains are safe, Hz: the slower of the rates of Swindells and MacLean.
+const MEDIUM_RATE_HZ: f64 = 5_000.0;
 /// Rate from which on the stiffer gains are safe, Hz.
 const FAST_RATE_HZ: f64 = 10_000.0;
 
 impl RenderGains {
-    /// The gains at a sample rate; `None` below [`SLOWEST_RATE_HZ`].
+    /// The gains at a sample rate.
     ///
     /// Chosen among gains drawn at random (example `choose_gains`) under which no hand of the class can make a knob swing, at rest or
     /// with any inertia from that of rotor and gripper alone to 0.6 mNm·s²/rad (zero exclusion,
     /// [`Port`](crate::stability::Port)). They are not those that carry most of a slow load, which is up to 1.8 times as much:
     /// these are rounded, and gains beside them were found safe too. The lead balances what remains of a spring's
     /// delay with what an inertia gets too much of it.
+    ///
+    /// Below the slower of the two rates all frequencies come down with it. Whether anything can be rendered then is for
+    /// [`Bounds`](crate::stability::Bounds) to say, which compute it from calibration, rate and gains.
     #[must_use]
-    pub fn at_rate(rate_hz: f64) -> Option<Self> {
+    pub fn at_rate(rate_hz: f64) -> Self {
         let lead_s = 0.4 / rate_hz;
         if rate_hz >= FAST_RATE_HZ {
-            Some(Self {
+            Self {
                 stiffness_mnm_rad: 7_000.0,
                 damping: 68.0,
                 lead_s,
@@ -56,21 +59,20 @@ impl RenderGains {
                 notch_depth: 0.1,
                 notch_width: 0.8,
                 slack: SLACK,
-            })
-        } else if rate_hz >= SLOWEST_RATE_HZ {
-            Some(Self {
-                stiffness_mnm_rad: 3_000.0,
-                damping: 50.0,
+            }
+        } else {
+            let slower = (rate_hz / MEDIUM_RATE_HZ).min(1.0);
+            Self {
+                stiffness_mnm_rad: slower * slower * 3_000.0,
+                damping: slower * 50.0,
                 lead_s,
-                slow_edge_hz: 30.0,
+                slow_edge_hz: slower * 30.0,
                 slow_damping: 3.0,
                 notch_hz: 1_050.0,
                 notch_depth: 0.07,
                 notch_width: 2.9,
                 slack: SLACK,
-            })
-        } else {
-            None
+            }
         }
     }
 }

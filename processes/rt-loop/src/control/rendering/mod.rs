@@ -32,7 +32,7 @@ mod slow_part;
 mod virtual_body;
 mod virtual_knob;
 
-pub use gains::{RenderGains, SLOWEST_RATE_HZ};
+pub use gains::RenderGains;
 pub use rendered_model::{RenderedModel, Unrenderable};
 pub use renderer::{Felt, Rendered, Renderer};
 pub(crate) use slow_part::slow_part;

@@ -1,0 +1,253 @@
+//! From what a device reads to angle, torque and acceleration: sources, scales, signs, offsets and delays.
+
+use serde::Deserialize;
+
+use crate::{Measurement, TorqueSource};
+
+/// Most channels of a device.
+pub const MOST_CHANNELS: usize = 16;
+
+/// The channels of a rig.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Channels {
+    /// The encoder, rad.
+    pub angle: Channel,
+    /// The torque, mNm.
+    pub torque: TorqueChannel,
+    /// The accelerometer, rad/s²; a rig may have none.
+    pub acceleration: Option<Channel>,
+    /// The motor: its torque is scale · sign · what the device is given, plus the offset.
+    pub motor: Scaling,
+}
+
+/// One channel of the device, and how its values are turned into a quantity: scale · sign · value + offset.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Channel {
+    /// The channel's name, as the device has it.
+    pub source: String,
+    /// Quantity per unit of the device.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// 1, or -1 for a channel that counts the other way.
+    #[serde(default = "plus")]
+    pub sign: i8,
+    /// Quantity at which the device reads zero.
+    #[serde(default)]
+    pub offset: f64,
+    /// Time by which the channel is late, s.
+    #[serde(default)]
+    pub delay_s: f64,
+}
+
+/// The torque's channel.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TorqueChannel {
+    /// The channel's name, as the device has it; `command` for the torque that was commanded, where nothing is measured.
+    pub source: String,
+    /// Whether it is the motor's torque, from its current, and no torque sensor's.
+    #[serde(default)]
+    pub of_motor: bool,
+    /// mNm per unit of the device.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// 1, or -1 for a channel that counts the other way.
+    #[serde(default = "plus")]
+    pub sign: i8,
+    /// Torque at which the device reads zero, mNm.
+    #[serde(default)]
+    pub offset: f64,
+    /// Time by which the channel is late, s.
+    #[serde(default)]
+    pub delay_s: f64,
+}
+
+/// How a quantity is turned into what the device takes.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scaling {
+    /// Quantity per unit of the device.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// 1, or -1 for a motor that turns the other way.
+    #[serde(default = "plus")]
+    pub sign: i8,
+    /// Quantity at which the device is given zero.
+    #[serde(default)]
+    pub offset: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn plus() -> i8 {
+    1
+}
+
+/// Why channels cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ChannelError {
+    /// A number that no channel can have.
+    #[error("[channels.{channel}] {key} is {value}, but it must be {requirement}")]
+    OutOfRange {
+        /// The channel.
+        channel: &'static str,
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        requirement: &'static str,
+    },
+    /// A channel that the device does not have.
+    #[error("[channels.{channel}] source is '{asked}', but the device has {known}")]
+    Unknown {
+        /// The channel.
+        channel: &'static str,
+        /// The name asked for.
+        asked: String,
+        /// Those that there are.
+        known: String,
+    },
+}
+
+/// What a device read at a tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawMeasurement {
+    /// Values in the device's units, by channel.
+    pub values: [f64; MOST_CHANNELS],
+    /// Bit i: channel i has a new value.
+    pub valid: u32,
+    /// How long after the tick was due they were taken, s.
+    pub after_s: f64,
+}
+
+/// The channels of a rig, found among those of its device.
+#[derive(Clone, Debug)]
+pub struct Wiring {
+    angle: Wire,
+    /// `None` for the torque that was commanded.
+    torque: Option<Wire>,
+    acceleration: Option<Wire>,
+    motor: Scaling,
+    angle_delay_s: f64,
+    /// Delay of the torque behind the angle, s.
+    pub torque_delay_s: f64,
+    /// Delay of the acceleration behind the angle, s.
+    pub acceleration_delay_s: f64,
+    /// Where the torque comes from.
+    pub torque_source: TorqueSource,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Wire {
+    index: usize,
+    factor: f64,
+    offset: f64,
+}
+
+impl Wire {
+    fn of(self, raw: &RawMeasurement) -> f64 {
+        self.factor * raw.values[self.index] + self.offset
+    }
+
+    fn is_valid(self, raw: &RawMeasurement) -> bool {
+        raw.valid & (1 << self.index) != 0
+    }
+}
+
+impl Channels {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`ChannelError::OutOfRange`].
+    pub fn check(&self) -> Result<(), ChannelError> {
+        let Self { angle, torque, acceleration, motor } = self;
+        let of_torque = Channel {
+            source: String::new(),
+            scale: torque.scale,
+            sign: torque.sign,
+            offset: torque.offset,
+            delay_s: torque.delay_s,
+        };
+        let of_motor =
+            Channel { source: String::new(), scale: motor.scale, sign: motor.sign, offset: motor.offset, delay_s: 0.0 };
+        let channels = [("angle", Some(angle)), ("torque", Some(&of_torque)), ("acceleration", acceleration.as_ref())];
+        for (channel, found) in channels.into_iter().chain([("motor", Some(&of_motor))]) {
+            let Some(Channel { scale, sign, offset, delay_s, .. }) = found else { continue };
+            let check = |key, value, permitted, requirement| match permitted {
+                true => Ok(()),
+                false => Err(ChannelError::OutOfRange { channel, key, value, requirement }),
+            };
+            check("scale", *scale, scale.is_finite() && *scale > 0.0, "above zero, and finite; `sign` turns it round")?;
+            check("sign", f64::from(*sign), sign.abs() == 1, "1 or -1")?;
+            check("offset", *offset, offset.is_finite(), "finite")?;
+            check("delay_s", *delay_s, delay_s.abs() < 0.1, "less than 0.1 s either way")?;
+        }
+        Ok(())
+    }
+
+    /// Finds the channels among those of a device, by name.
+    ///
+    /// # Errors
+    /// [`ChannelError::Unknown`] with those that there are.
+    pub fn wire(&self, names: &[String]) -> Result<Wiring, ChannelError> {
+        let find = |channel: &'static str, source: &str, factor: f64, offset: f64| {
+            let index = names.iter().take(MOST_CHANNELS).position(|name| name == source);
+            index.map(|index| Wire { index, factor, offset }).ok_or_else(|| ChannelError::Unknown {
+                channel,
+                asked: source.to_owned(),
+                known: names.join(", "),
+            })
+        };
+        let of =
+            |channel, given: &Channel| find(channel, &given.source, given.scale * f64::from(given.sign), given.offset);
+        let Self { angle, torque, acceleration, motor } = self;
+        let is_commanded = torque.source == "command";
+        let torque_wire = match is_commanded {
+            true => None,
+            false => Some(find("torque", &torque.source, torque.scale * f64::from(torque.sign), torque.offset)?),
+        };
+        Ok(Wiring {
+            angle: of("angle", angle)?,
+            torque: torque_wire,
+            acceleration: acceleration.as_ref().map(|given| of("acceleration", given)).transpose()?,
+            motor: *motor,
+            angle_delay_s: angle.delay_s,
+            torque_delay_s: torque.delay_s - angle.delay_s,
+            acceleration_delay_s: acceleration.as_ref().map_or(0.0, |given| given.delay_s - angle.delay_s),
+            torque_source: if torque.of_motor || is_commanded { TorqueSource::Motor } else { TorqueSource::Sensor },
+        })
+    }
+}
+
+impl Wiring {
+    /// The measurement that a device's reading means, where `torque_mnm` was the motor's since the one before. One whose angle
+    /// or torque has no new value is stale.
+    #[must_use]
+    pub fn measurement(&self, raw: &RawMeasurement, torque_mnm: f64) -> Measurement {
+        let is_new = self.angle.is_valid(raw) && self.torque.is_none_or(|wire| wire.is_valid(raw));
+        Measurement {
+            angle_rad: self.angle.of(raw),
+            acceleration_rad_s2: self.acceleration.map(|wire| wire.of(raw)),
+            torque_mnm: self.torque.map_or(torque_mnm, |wire| wire.of(raw)),
+            after_s: raw.after_s - self.angle_delay_s,
+            is_stale: !is_new,
+        }
+    }
+
+    /// Whether the torque is the one that was commanded, since nothing measures it.
+    #[must_use]
+    pub fn is_commanded(&self) -> bool {
+        self.torque.is_none()
+    }
+
+    /// What the device is given so that the motor makes a torque, mNm.
+    #[must_use]
+    pub fn of_motor(&self, torque_mnm: f64) -> f64 {
+        (torque_mnm - self.motor.offset) / (self.motor.scale * f64::from(self.motor.sign))
+    }
+}

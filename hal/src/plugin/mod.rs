@@ -1,0 +1,201 @@
+//! A rig behind a shared library: NI, Quanser, Sensoray, MCC and Comedi cards, and every SDK that C can call.
+//!
+//! The library has the functions of `haptic_rig.h`, which lies beside this file. It reads channels in its device's own units; the
+//! rig file says which of them are angle, torque and acceleration, and how they are scaled.
+
+mod interface;
+
+use std::ffi::CString;
+use std::path::PathBuf;
+
+pub use interface::{ABI, PluginError};
+use interface::{OpenRig, Raw};
+use serde::Deserialize;
+
+use crate::channels::Wiring;
+use crate::{
+    Apparatus, ApparatusError, Limits, Measurement, RawMeasurement, RigDescription, RigFile, RigFileError, TorqueSource,
+};
+
+/// The interface that a library implements.
+pub const HEADER: &str = include_str!("haptic_rig.h");
+/// A rig file to begin with.
+pub const TEMPLATE: &str = include_str!("template.toml");
+
+/// Slowest sample rate of a rig that does not say, Hz.
+const SLOWEST_HZ: f64 = 500.0;
+
+/// What the driver itself takes of the settings; the library gets all of them.
+#[derive(Deserialize)]
+struct Settings {
+    library: PathBuf,
+}
+
+/// A rig that a shared library drives.
+pub struct PluginRig {
+    description: RigDescription,
+    library: OpenRig,
+    wiring: Wiring,
+    shift_ns: i64,
+    asked_watchdog_s: f64,
+    is_on: bool,
+}
+
+/// Why a plug-in rig cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PluginRigError {
+    /// Its file.
+    #[error(transparent)]
+    File(#[from] RigFileError),
+    /// Its library.
+    #[error("the rig '{name}': {error}")]
+    Library {
+        /// The rig's name.
+        name: String,
+        /// What is wrong with it.
+        error: PluginError,
+    },
+}
+
+impl PluginRig {
+    /// Loads the library that the file names and opens its rig, for a run at `rate_hz`.
+    ///
+    /// # Errors
+    /// [`PluginRigError`], in a sentence that names the rig.
+    pub fn open(file: &RigFile, rate_hz: f64) -> Result<Self, PluginRigError> {
+        let missing = |what: &str| file.error(format!("a plug-in needs {what}; `haptic-camera rig new` writes one"));
+        let Settings { library } = settings(file)?;
+        // A name without a folder would be looked for where the system keeps its libraries.
+        let beside = file.beside(&library);
+        let path = std::path::absolute(&beside).unwrap_or(beside);
+        let limits = file.limits.ok_or_else(|| missing("[limits]"))?;
+        let watchdog = file.watchdog.ok_or_else(|| missing("[watchdog]"))?;
+        let channels = file.channels.as_ref().ok_or_else(|| missing("[channels]"))?;
+        let calibration = file.calibration()?.ok_or_else(|| missing("[calibration] with motor_inertia"))?;
+        let of_library = |error| PluginRigError::Library { name: file.name.clone(), error };
+        let mut library = OpenRig::open(&path, &as_text(file, rate_hz, watchdog.timeout_s)?).map_err(of_library)?;
+        let described = library.describe().map_err(of_library)?;
+        let mut wiring = channels.wire(&described.channels).map_err(|error| file.error(error))?;
+        if wiring.is_commanded() {
+            // What was commanded since the tick before is half a period old at the mean.
+            wiring.torque_delay_s += 0.5 / rate_hz;
+        }
+        let rates = file.rates;
+        let fastest_hz = rates.map_or(limits.rate_hz, |rates| rates.fastest_hz.min(limits.rate_hz));
+        let device = file.device.clone().unwrap_or_else(|| {
+            std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone()).to_string_lossy().into_owned()
+        });
+        let mut notes = vec![
+            ("driver".to_owned(), "plugin".to_owned()),
+            ("library".to_owned(), path.display().to_string()),
+            ("watchdog asked for".to_owned(), format!("{} s", watchdog.timeout_s)),
+        ];
+        notes.extend(described.name.map(|name| ("device".to_owned(), name)));
+        if wiring.torque_source == TorqueSource::Motor {
+            let note = "the motor's: friction and cogging include the motor's own, and inertia what the calibration does not know \
+                        of it";
+            notes.push(("torque".to_owned(), note.to_owned()));
+        }
+        let description = RigDescription {
+            name: file.name.clone(),
+            limits: Limits { rate_hz: fastest_hz, ..limits },
+            slowest_rate_hz: rates.map_or(SLOWEST_HZ, |rates| rates.slowest_hz),
+            calibration: dynamics::Calibration {
+                torque_delay_s: calibration.torque_delay_s + wiring.torque_delay_s,
+                acceleration_delay_s: calibration.acceleration_delay_s + wiring.acceleration_delay_s,
+                ..calibration
+            },
+            torque: wiring.torque_source,
+            takes_torque_at_exchange: !library.takes_torque_at_once(),
+            stale_limit: watchdog.stale_ticks,
+            watchdog_s: described.watchdog_s,
+            device: Some(device),
+            calls: file.declared_calls(),
+            codes: described.codes,
+            notes,
+        };
+        Ok(Self { description, library, wiring, shift_ns: 0, asked_watchdog_s: watchdog.timeout_s, is_on: false })
+    }
+}
+
+/// What the driver takes of the settings.
+fn settings(file: &RigFile) -> Result<Settings, RigFileError> {
+    file.settings()
+}
+
+/// The settings as the library gets them, with the sample rate and the watchdog's time.
+fn as_text(file: &RigFile, rate_hz: f64, watchdog_s: f64) -> Result<Vec<(CString, CString)>, RigFileError> {
+    let own = file.settings.iter().map(|(key, value)| {
+        let value = match value {
+            toml::Value::String(text) => text.clone(),
+            other => other.to_string(),
+        };
+        (key.clone(), value)
+    });
+    let told = [("rate_hz".to_owned(), rate_hz.to_string()), ("watchdog_s".to_owned(), watchdog_s.to_string())];
+    let c_text = |text: String| {
+        CString::new(text).map_err(|_| file.error("[settings] holds a zero byte, which no library can be given"))
+    };
+    own.chain(told).map(|(key, value)| Ok((c_text(key)?, c_text(value)?))).collect()
+}
+
+fn result(code: i32) -> Result<(), ApparatusError> {
+    if code == 0 { Ok(()) } else { Err(ApparatusError::Device(code)) }
+}
+
+impl Apparatus for PluginRig {
+    fn description(&self) -> &RigDescription {
+        &self.description
+    }
+
+    fn prepare(&mut self, stop: &dyn Fn() -> bool) -> Result<(), ApparatusError> {
+        let prepared = result(self.library.prepare(stop));
+        if stop() {
+            return Err(ApparatusError::Stopped);
+        }
+        prepared?;
+        if let Ok(described) = self.library.describe() {
+            self.description.watchdog_s = described.watchdog_s;
+        }
+        // A watchdog that is longer than the file asks for is none that it may rely on.
+        match self.description.watchdog_s {
+            Some(read_back_s) if read_back_s > self.asked_watchdog_s * 1.001 => Err(ApparatusError::SlowWatchdog),
+            _ => Ok(()),
+        }
+    }
+
+    fn enable(&mut self) -> Result<(), ApparatusError> {
+        self.is_on = true;
+        result(self.library.enable())
+    }
+
+    fn disable(&mut self) {
+        if std::mem::take(&mut self.is_on) {
+            self.library.disable();
+        }
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "clocks differ by less than 2^53 ns")]
+    fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
+        let mut raw = Raw::default();
+        result(self.library.exchange(due_ns, self.wiring.of_motor(torque_mnm), &mut raw))?;
+        self.shift_ns = raw.shift_ns;
+        let after_ns = if raw.time_ns == 0 { 0 } else { raw.time_ns.wrapping_sub(due_ns).cast_signed() };
+        let read = RawMeasurement { values: raw.value, valid: raw.valid, after_s: after_ns as f64 * 1e-9 };
+        Ok(self.wiring.measurement(&read, torque_mnm))
+    }
+
+    fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
+        result(self.library.write_torque(self.wiring.of_motor(torque_mnm)))
+    }
+
+    fn shift_ns(&self) -> i64 {
+        self.shift_ns
+    }
+}
+
+impl Drop for PluginRig {
+    fn drop(&mut self) {
+        self.disable();
+    }
+}

@@ -1,0 +1,167 @@
+//! `rig check`: a rig brought up without torque, and what its channels read meanwhile.
+
+use archive::Capture;
+use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
+
+use super::torque_run;
+use crate::command_line::{RigCheckOptions, RigOptions};
+use crate::load;
+use crate::outcome::{Outcome, remark, say};
+use crate::outputs::{to_output, write_json};
+use crate::rig_run;
+use crate::supervision::listen_for_interrupt;
+
+/// Share of the ticks that may be missed or stale before the rate counts as not held.
+const MISSED_SHARE: f64 = 0.01;
+
+/// What a channel read while nothing moved it.
+#[derive(Clone, Debug, Serialize)]
+struct Reading {
+    channel: &'static str,
+    unit: &'static str,
+    /// Its mean.
+    mean: f64,
+    /// From its least to its most.
+    span: f64,
+    /// RMS of the noise of one reading, from the differences of neighbours.
+    noise_rms: f64,
+}
+
+/// What a rig showed of itself.
+#[derive(Clone, Debug, Serialize)]
+struct Checked {
+    rig: String,
+    rate_hz: f64,
+    samples: u64,
+    missed_ticks: u64,
+    stale_ticks: u64,
+    /// Mean time from when a tick was due to when the encoder was read, µs; `None` where every tick was read when it was due.
+    read_after_us: Option<f64>,
+    /// Standard deviation of the same, µs.
+    read_after_sd_us: Option<f64>,
+    /// Time of the amplifier's watchdog as it was read back; `None` where the rig does not say.
+    watchdog: Option<String>,
+    channels: Vec<Reading>,
+    /// What is amiss, in sentences.
+    amiss: Vec<String>,
+}
+
+/// Brings the rig up and tells what it shows.
+///
+/// # Errors
+/// Whatever keeps it from coming up.
+pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
+    let interrupted = listen_for_interrupt()?;
+    let folder = tempfile::tempdir()?;
+    let request = torque_run(&options.file, options.rate_hz, options.duration_s)?;
+    let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: folder.path().to_owned() };
+    let (archive, _) = rig_run::archive(request, &rig, "rig-check", &interrupted)?;
+    let found = check(&load::load(&archive)?.capture);
+    if !to_output(options.json.as_deref()) {
+        tell(&found);
+    }
+    write_json(options.json.as_deref(), &found)?;
+    found.amiss.iter().for_each(remark);
+    Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
+}
+
+#[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
+fn check(capture: &Capture) -> Checked {
+    let run = capture.description.as_ref();
+    let angle = reading("angle", "rad", &capture.angle_rad);
+    let torque = reading("torque", "mNm", &capture.torque_mnm);
+    let acceleration = capture.acceleration_rad_s2.as_ref().map(|column| reading("acceleration", "rad/s²", column));
+    let after_us = capture.measured_after_s.as_ref().map(|after_s| (1e6 * mean(after_s), 1e6 * deviation(after_s)));
+    let missed_ticks = capture.ticks_without_sample().saturating_sub(capture.unmeasured_samples);
+    let ticks = capture.len() as f64 + capture.unmeasured_samples as f64 + missed_ticks as f64;
+    let mut amiss = Vec::new();
+    if torque.span == 0.0 {
+        amiss.push(
+            "the torque reads the same throughout; check its source, and the sensor's cable and supply".to_owned(),
+        );
+    }
+    if acceleration.as_ref().is_some_and(|channel| channel.span == 0.0) {
+        amiss.push(
+            "the acceleration reads the same throughout; check it, or leave [channels.acceleration] out".to_owned(),
+        );
+    }
+    if missed_ticks as f64 > MISSED_SHARE * ticks {
+        amiss.push(format!(
+            "{missed_ticks} of {ticks} ticks were missed: the rate is not held here; try a slower one with --rate-hz"
+        ));
+    }
+    if capture.unmeasured_samples as f64 > MISSED_SHARE * ticks {
+        let stale = capture.unmeasured_samples;
+        amiss.push(format!(
+            "{stale} of {ticks} ticks brought nothing new: the device is slower than the rate; lower [rates] fastest_hz"
+        ));
+    }
+    let note = |name: &str| {
+        run.and_then(|run| run.notes.iter().find(|(known, _)| known == name)).map(|(_, value)| value.clone())
+    };
+    let watchdog = note("watchdog");
+    if watchdog.is_none() {
+        amiss.push(
+            "the rig does not read back its watchdog: make sure that the torque goes when the program is killed"
+                .to_owned(),
+        );
+    }
+    Checked {
+        rig: run.map(|run| run.apparatus.clone()).unwrap_or_default(),
+        rate_hz: capture.rate_hz,
+        samples: capture.len() as u64,
+        missed_ticks,
+        stale_ticks: capture.unmeasured_samples,
+        read_after_us: after_us.map(|(mean_us, _)| mean_us),
+        read_after_sd_us: after_us.map(|(_, deviation_us)| deviation_us),
+        watchdog,
+        channels: [angle, torque].into_iter().chain(acceleration).collect(),
+        amiss,
+    }
+}
+
+fn reading(channel: &'static str, unit: &'static str, values: &[f64]) -> Reading {
+    let (least, most) =
+        values.iter().fold((f64::MAX, f64::MIN), |(least, most), value| (least.min(*value), most.max(*value)));
+    let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // The difference of two readings has the noise of both.
+    let noise_rms = deviation(&steps) / std::f64::consts::SQRT_2;
+    Reading { channel, unit, mean: mean(values), span: most - least, noise_rms }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+fn deviation(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+fn tell(found: &Checked) {
+    say(format!("rig      {}", found.rig));
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_header(["channel", "mean", "span", "noise RMS", "unit"]);
+    for Reading { channel, unit, mean, span, noise_rms } in &found.channels {
+        table.add_row([*channel, &format!("{mean:.6}"), &format!("{span:.3e}"), &format!("{noise_rms:.3e}"), unit]);
+    }
+    for column in 1..4 {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    say(table);
+    let Checked { rate_hz, samples, missed_ticks, stale_ticks, .. } = found;
+    say(format!(
+        "rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without anything new"
+    ));
+    if let (Some(mean_us), Some(deviation_us)) = (found.read_after_us, found.read_after_sd_us) {
+        say(format!("read     {mean_us:.1} µs after the tick, ± {deviation_us:.1} µs"));
+    }
+    if let Some(watchdog) = &found.watchdog {
+        say(format!("watchdog {watchdog}"));
+    }
+}

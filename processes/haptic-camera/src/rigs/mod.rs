@@ -1,0 +1,73 @@
+//! `rig`: a rig of one's own, from an empty file to its first turn.
+
+mod check;
+mod commission;
+
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+
+use anyhow::Context as _;
+use rt_loop::request::{Pace, RigRequest, RunRequest};
+
+use crate::command_line::{RigCommand, RigNewOptions};
+use crate::outcome::{Outcome, say};
+use crate::outputs::{Kind, write};
+use crate::supervision::program;
+
+/// Sample rate of a rig whose file names none, Hz.
+const USUAL_RATE_HZ: f64 = 10_000.0;
+
+/// Does what is asked about rigs.
+///
+/// # Errors
+/// One sentence on why it cannot be done.
+pub fn run(command: &RigCommand) -> anyhow::Result<Outcome> {
+    match command {
+        RigCommand::Check(options) => check::run(options),
+        RigCommand::New(options) => new(options),
+        RigCommand::List => list(),
+        RigCommand::Commission(options) => commission::run(options),
+    }
+}
+
+/// Writes a rig file to begin with.
+fn new(options: &RigNewOptions) -> anyhow::Result<Outcome> {
+    let kind = rt_loop::rigs::ALL.into_iter().find(|kind| kind.name == options.driver);
+    let names = || rt_loop::rigs::ALL.map(|kind| kind.name).join(", ");
+    let kind = kind.with_context(|| format!("there is no driver '{}'; there are {}", options.driver, names()))?;
+    write(&options.out, Kind::Data, kind.template)?;
+    say(format!("rig file {}", options.out.display()));
+    if kind.name == "plugin" {
+        let header = options.out.with_file_name("haptic_rig.h");
+        if !header.exists() {
+            write(&header, Kind::Data, hal::plugin::HEADER)?;
+            say(format!("header   {}", header.display()));
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// Lists the drivers of the control loop that lies beside this program.
+fn list() -> anyhow::Result<Outcome> {
+    let listed = program("rt-loop")?.arg("--drivers").stderr(Stdio::inherit()).output()?;
+    anyhow::ensure!(listed.status.success(), "the control loop does not list its drivers");
+    String::from_utf8_lossy(&listed.stdout).lines().for_each(|line| say(line.replace('\t', "  ")));
+    Ok(Outcome::Done)
+}
+
+/// A run on the rig of a file that commands torques, none unless told otherwise.
+fn torque_run(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow::Result<RunRequest> {
+    let rig = RigRequest { rig: Some(PathBuf::from(file)), ..RunRequest::default().rig };
+    let described = rt_loop::rigs::file(&rig)?;
+    let fastest_hz = described.rates.map(|rates| rates.fastest_hz).or(described.limits.map(|limits| limits.rate_hz));
+    let rate_hz = rate_hz.or(fastest_hz).unwrap_or(USUAL_RATE_HZ);
+    Ok(RunRequest {
+        knob: Some("none".to_owned()),
+        sweep: "hold".to_owned(),
+        torque: true,
+        duration_s,
+        pace: Pace { rate_hz, core: None },
+        rig,
+        ..RunRequest::default()
+    })
+}

@@ -1,0 +1,43 @@
+//! The simulated rig.
+
+use dynamics::knobs::Fixture;
+use hal::RigFile;
+use hal::simulated::{RIG_FILE, RigParameters, SimulatedRig};
+
+use super::hand::hand;
+use super::{Rig, RigKind};
+use crate::plan::{PlanError, mounted_knob};
+use crate::request::{DEFAULT_KNOB, RunRequest, SimulatedRequest};
+
+pub(super) static KIND: RigKind =
+    RigKind { name: "simulated", description: "the simulated rig with any knob", template: RIG_FILE, make };
+
+/// Seed of the noise where none is asked for.
+const SEED: u64 = 1;
+
+fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
+    let own = [
+        ("[channels]", file.channels.is_some()),
+        ("[watchdog]", file.watchdog.is_some()),
+        ("[calls]", file.calls.is_some()),
+        ("device", file.device.is_some()),
+    ];
+    if let Some((key, _)) = own.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(file
+            .error(format!("the simulated rig has no {key} to choose; leave it out, or change [settings]"))
+            .into());
+    }
+    let parameters: RigParameters = file.settings()?;
+    let SimulatedRequest { seed, motor_cogging, hand: asked } = &request.rig.simulated;
+    let (knob, hand) = match (&request.rendering, asked) {
+        // Whatever is rendered, nothing but a hand is on the gripper.
+        (Some(_), Some(asked)) => (Fixture::None.model()?, hand(asked, request.amplitude)?),
+        (Some(_), None) => (Fixture::None.model()?, None),
+        (None, _) => (mounted_knob(request.knob.as_deref().unwrap_or(DEFAULT_KNOB))?, None),
+    };
+    let motor_cogging = if motor_cogging.is_empty() { parameters.motor_cogging.clone() } else { motor_cogging.clone() };
+    let parameters = RigParameters { motor_cogging, ..parameters };
+    let apparatus = SimulatedRig::held(parameters, knob.clone(), hand, seed.unwrap_or(SEED))
+        .map_err(|error| PlanError::Unmountable(error.to_string()))?;
+    Ok(Rig { apparatus: Box::new(apparatus), simulated_knob: Some(knob) })
+}
