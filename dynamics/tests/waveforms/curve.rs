@@ -123,7 +123,7 @@ fn a_text_of_two_columns_is_a_table() {
     let table = TorqueTable::kept_from_csv(text.as_bytes()).unwrap();
     assert_eq!(
         (table.period_rad(), table.points(), table.points_mnm()),
-        (0.3, &[0.0, 0.1, 0.2][..], &[0.0, 5.0, -5.0][..])
+        (Some(0.3), &[0.0, 0.1, 0.2][..], &[0.0, 5.0, -5.0][..])
     );
     for (text, expected) in [
         ("", "they must be `angle_rad,torque_mnm`"),

@@ -64,7 +64,14 @@ pub fn commanded(
     let calibration = rig.description().calibration.clone();
     let planned_ticks = (duration_s * RATE_HZ) as u64;
     let limits = rig.description().limits;
-    let plan = ControlPlan { excitation, gains: ServoGains::default(), limits, rate_hz: RATE_HZ, planned_ticks };
+    let plan = ControlPlan {
+        excitation,
+        gains: ServoGains::default(),
+        limits,
+        rate_hz: RATE_HZ,
+        planned_ticks,
+        stale_limit: 0,
+    };
     let mut control = ControlState::new(plan, &calibration).ok_or("the rate is too low for the loop's filters")?;
     rig.enable()?;
     control.arm();
@@ -75,7 +82,7 @@ pub fn commanded(
             control.request(Request::Start);
         }
         let measurement = rig.read((tick as f64 / RATE_HZ * 1e9).round() as u64)?;
-        let output = control.step(&Reading { elapsed_ticks: 1, measurement: Ok(measurement) });
+        let output = control.step(&Reading { elapsed_ticks: 1, measurement: Ok(measurement.into()) });
         rig.write_torque(output.torque_mnm)?;
         if let Some(fault) = control.fault() {
             return Err(format!("the loop stopped at tick {tick}: {fault:?}").into());

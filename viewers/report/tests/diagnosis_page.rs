@@ -51,6 +51,7 @@ fn spring() -> Diagnosis {
         ("spring_centre", Value { value: 0.2731, unit: "rad", ci95: None }),
     ]);
     let step = Step {
+        detents: Vec::new(),
         effect: "return-spring",
         parameters,
         train_rms_before: 2.412,
@@ -69,6 +70,7 @@ fn spring() -> Diagnosis {
         ties: vec!["mass-imbalance"],
     };
     Diagnosis {
+        characteristics: Vec::new(),
         verdict: Verdict::Effects,
         complete: true,
         effects: vec!["return-spring"],
