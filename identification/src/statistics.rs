@@ -93,3 +93,21 @@ pub fn rms(values: &[f64]) -> f64 {
     let count = values.len().max(1) as f64;
     (dot(values, values) / count).sqrt()
 }
+
+/// Correlation of the ranks of pairs (Spearman's); zero for fewer than three.
+#[allow(clippy::cast_precision_loss, reason = "numbers of pairs")]
+pub(crate) fn rank_correlation(pairs: &[[f64; 2]]) -> f64 {
+    let ranks = |of: usize| {
+        let mut order: Vec<usize> = (0..pairs.len()).collect();
+        order.sort_by(|a, b| pairs[*a][of].total_cmp(&pairs[*b][of]));
+        let mut ranks = vec![0.0; pairs.len()];
+        order.into_iter().enumerate().for_each(|(rank, index)| ranks[index] = rank as f64);
+        ranks
+    };
+    if pairs.len() < 3 {
+        return 0.0;
+    }
+    let count = pairs.len() as f64;
+    let squares: f64 = ranks(0).iter().zip(&ranks(1)).map(|(a, b)| (a - b).powi(2)).sum();
+    1.0 - 6.0 * squares / (count * (count * count - 1.0))
+}

@@ -51,7 +51,7 @@ pub static KIND: EffectKind = EffectKind {
         columns: 1,
         searched: &[1, 2, 3],
         fill: |effect, motion, row| {
-            row[0] = wave(motion.angle_rad / effect.values()[1] + effect.values()[2], effect.values()[3])
+            row[0] = wave(motion.angle_rad / effect.values()[1] + effect.values()[2], effect.values()[3]);
         },
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[],

@@ -2,7 +2,7 @@
 
 use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Search};
 
-/// `scratch`: Coulomb friction larger by F within w of an angle, either way half of it; smaller where F is negative.
+/// `scratch`: Coulomb friction larger by F between two angles; smaller where F is negative.
 pub static KIND: EffectKind = EffectKind {
     name: "scratch",
     description: "friction differs over a part of the travel",
@@ -18,18 +18,18 @@ pub static KIND: EffectKind = EffectKind {
             minimum: Minimum::None,
         },
         ParameterKind {
-            name: "scratch_centre",
+            name: "scratch_begin",
             unit: "rad",
-            symbol: "θₛ",
-            description: "angle of its middle",
+            symbol: "θ₁",
+            description: "angle at which it begins",
             minimum: Minimum::None,
         },
         ParameterKind {
-            name: "scratch_width",
+            name: "scratch_end",
             unit: "rad",
-            symbol: "w",
-            description: "angle over which it lies",
-            minimum: Minimum::AboveZero,
+            symbol: "θ₂",
+            description: "angle at which it ends",
+            minimum: Minimum::None,
         },
     ],
     part: Part::Friction(|values, motion, direction| direction.sign() * values[0] * depth(values, motion.angle_rad)),
@@ -45,32 +45,34 @@ pub static KIND: EffectKind = EffectKind {
         nonnegative: &[],
     }),
     hypothesis: Some(Hypothesis {
-        searched: &[
-            Search {
-                parameter: 1,
-                range: |scene| Some((scene.lowest_rad, scene.highest_rad)),
-                starts: |_| 32,
-                logarithmic: false,
-                same_as: None,
-            },
-            Search {
-                parameter: 2,
-                // What is wider than a third of the travel is no part of it.
-                range: |scene| Some((0.02 * scene.travel_rad(), 0.35 * scene.travel_rad())),
-                starts: |_| 4,
-                logarithmic: true,
-                same_as: None,
-            },
-        ],
+        searched: &[edge(1), edge(2)],
         nested: &[],
         least_travel_rad: 0.0,
         per_capture: false,
     }),
 };
 
+/// The search for an edge: both must lie within the travel, or it is no part of it.
+const fn edge(parameter: usize) -> Search {
+    Search {
+        parameter,
+        range: |scene| {
+            let margin_rad = 0.05 * scene.travel_rad();
+            Some((scene.lowest_rad + margin_rad, scene.highest_rad - margin_rad))
+        },
+        starts: |_| 20,
+        logarithmic: false,
+        same_as: None,
+    }
+}
+
 /// 1 within the scratch, 0 beyond, a smooth step between.
 fn depth(values: &[f64], angle_rad: f64) -> f64 {
-    let inside = 0.5 - (angle_rad - values[1]).abs() / values[2];
+    let width_rad = values[2] - values[1];
+    if width_rad <= 0.0 {
+        return 0.0;
+    }
+    let inside = (angle_rad - values[1]).min(values[2] - angle_rad) / width_rad;
     let rise = (7.0 * inside + 0.5).clamp(0.0, 1.0);
     rise * rise * (3.0 - 2.0 * rise)
 }

@@ -1,6 +1,6 @@
 //! The simulated rig as an apparatus: where the plant meets the caller's time.
 
-use dynamics::Model;
+use dynamics::{Model, Part};
 
 use super::description::describe;
 use super::plant::{Plant, Truth};
@@ -45,6 +45,14 @@ impl SimulatedRig {
     #[allow(clippy::needless_pass_by_value, reason = "a rig is built from its parameters once")]
     pub fn held(parameters: RigParameters, knob: Model, hand: Option<Hand>, seed: u64) -> Result<Self, ParameterError> {
         parameters.validate()?;
+        let varies = |effect: &&dynamics::Effect| matches!(effect.kind().part, Part::VaryingInertia(_));
+        if let Some(effect) = knob.effects.iter().find(varies) {
+            return Err(ParameterError {
+                parameter: effect.kind().parameters[0].name,
+                value: effect.values()[0],
+                requirement: "left out: on this rig a knob's inertia is the same at every angle",
+            });
+        }
         let hand_inertia = hand.as_ref().map_or(Ok(0.0), |hand| hand.grip.validated())?;
         let substep_s = parameters.substep_s();
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "both are positive; `as` saturates")]

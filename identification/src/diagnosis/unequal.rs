@@ -26,8 +26,8 @@ const SETTLED: f64 = 1e-4;
 const HELD: f64 = 1e-3;
 /// Distance of the detents in a turn from a whole number up to which they repeat after a turn.
 const WHOLE: f64 = 0.15;
-/// Most lobes: two to a detent, of which hardly a knob has more than a hundred.
-const MOST_LOBES: usize = 200;
+/// Most lobes: two to a detent, of which hardly a knob has more than forty; a motor's cogging has more.
+const MOST_LOBES: usize = 80;
 
 /// Detents as lobes: half a sine from each zero to the next, of alternating sign.
 #[derive(Clone)]

@@ -10,15 +10,40 @@ use super::search::{Found, Search};
 use super::structure::Structure;
 use super::worth::{MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
 use super::{experiment, intervals, rows, unequal};
+use crate::statistics::rank_correlation;
 
 /// RMS in floors above which something is left, if it goes with something …
 pub(crate) const LEFT: f64 = 1.3;
 /// … and above which it need not: noise in motion is not two and a half times as strong as the sensors' own.
 const CERTAINLY_LEFT: f64 = 1.6;
+/// Correlation of the ranks of time and speed from which they are one.
+const ONE: f64 = 0.98;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
 const TIE: f64 = 3.0;
 /// Time over which motion is predicted from torque before it is started anew, s.
 pub const FORWARD_WINDOW_S: f64 = 0.1;
+
+/// What to do about a rest without a name that goes with a coordinate.
+fn next_step(coordinate: Option<&str>) -> &'static str {
+    match coordinate {
+        Some("angle" | "angle-within-turn" | "detent-phase") => {
+            "to learn what the rest is, turn the knob slowly through its whole travel, both ways (--sweep slow-turn), and look at \
+             the map over the angle on the report page"
+        }
+        Some("velocity" | "speed-and-direction-of-acceleration" | "acceleration") => {
+            "to learn what the rest is, capture more speeds, slow ones too (--sweep stepped-amplitude), and look at the map over \
+             the velocity on the report page"
+        }
+        Some("time") => "to learn what the rest is, let the rig warm up and capture for longer",
+        Some("frequency") => {
+            "to learn what the rest is, look at the spectrum on the report page: what hums or rings has a line there"
+        }
+        _ => {
+            "to learn what the rest is, capture another motion, slower and faster, and look at the maps of what is left on the \
+             report page"
+        }
+    }
+}
 
 impl Search<'_> {
     /// Whether something is missing, and whether all of it has a name.
@@ -108,11 +133,30 @@ impl Search<'_> {
         if heldout_is_own {
             diagnosis.notes.push(
                 "no held-out capture was given: stretches of the training capture were held out, which is weaker \
-                 evidence than another motion"
+                 evidence than another motion; give one with --heldout"
                     .to_owned(),
             );
         }
+        diagnosis.notes.extend(self.time_and_speed_are_one());
+        if verdict == Verdict::OutsideLibrary {
+            let strongest = diagnosis.where_after.iter().find(|location| location.significant);
+            diagnosis.notes.push(next_step(strongest.map(|location| location.coordinate)).to_owned());
+        }
         diagnosis
+    }
+
+    /// A note on a capture in which the speed only rises or only falls, as when the torque is a ramp: what depends on time
+    /// looks like what depends on speed.
+    fn time_and_speed_are_one(&self) -> Option<String> {
+        let rows = self.train.row_motions();
+        let sliding = rows.iter().filter(|(_, mask)| *mask > 0.9).map(|(motion, _)| motion);
+        let points: Vec<[f64; 2]> = sliding.map(|motion| [motion.time_s, motion.velocity_rad_s.abs()]).collect();
+        let correlation = rank_correlation(&points);
+        (correlation.abs() > ONE).then(|| {
+            "in the training capture time and speed go together: friction that changes with time cannot be told from friction \
+             that changes with speed; capture a motion whose speed rises and falls"
+                .to_owned()
+        })
     }
 
     /// Error of the held-out motion predicted from the torque, with the first and with the final model.

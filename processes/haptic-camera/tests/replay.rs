@@ -119,7 +119,7 @@ fn what_the_rig_cannot_render_is_refused_with_the_nearest_that_would_do() {
     let bristles =
         "[[effects]]\neffect = \"presliding-hysteresis\"\nbristle_deflection = 0.01\nbristle_damping = 0.0\n";
     assert!(tried("0.05", bristles).contains("'presliding-hysteresis' cannot be rendered"));
-    assert!(refused(folder, "3 --rate-hz 3000").contains("5000 to 20000 Hz"));
+    assert!(refused(folder, "3 --rate-hz 3000").contains("give --rate-hz 5000"));
     assert!(refused(folder, "7").contains("no shipped knob 7"));
     assert!(refused(folder, "3 --hand backwards").contains("no sweep 'backwards'"));
 }

@@ -98,7 +98,7 @@ pub(crate) fn preparation(fit: &Fit) -> Markup {
             if fit.torque_delay_s == 0.0 {
                 "none seen".to_owned()
             } else {
-                format!("{} µs behind the motion, allowed for", two(1e6 * fit.torque_delay_s))
+                format!("{} s behind the motion, allowed for", two(fit.torque_delay_s))
             },
         ),
         (

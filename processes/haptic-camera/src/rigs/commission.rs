@@ -84,7 +84,7 @@ fn conclude(loaded: &LoadedCapture, file: &Path) -> Option<Outcome> {
     let is_of_motor = run.is_some_and(|run| run.notes.iter().any(|(name, _)| name == "torque"));
     if is_of_motor {
         say(format!(
-            "set      [calibration] motor_inertia = {driven:.5} if nothing was on the gripper, in {}",
+            "write    motor_inertia = {driven:.5} under [calibration] if nothing was on the gripper, into {}",
             file.display()
         ));
         return Some(Outcome::Done);
@@ -99,7 +99,7 @@ fn conclude(loaded: &LoadedCapture, file: &Path) -> Option<Outcome> {
         }
         Some(behind) if behind < driven => {
             say(format!("behind   the torque sensor there are {behind:.5} of them"));
-            say(format!("set      [calibration] motor_inertia = {:.5} in {}", driven - behind, file.display()));
+            say(format!("write    motor_inertia = {:.5} under [calibration] into {}", driven - behind, file.display()));
             Some(Outcome::Done)
         }
         Some(behind) => {

@@ -173,15 +173,11 @@ impl SupervisedRun {
             }
             if has_ended {
                 progress.close();
-                let said_why = control_loop.exit_code().is_some_and(|code| SAID_WHY.contains(&code));
-                let how = format!(
+                remark(format!(
                     "the control loop ended in the middle of the run ({}), driving the rig '{}'; what was recorded so far is kept",
                     control_loop.end_in_words(),
                     link.rig().name
-                );
-                if !said_why {
-                    remark(how);
-                }
+                ));
                 loop_died = true;
                 break;
             }

@@ -30,7 +30,8 @@ impl Acts for Scratch {
     }
 
     fn parameters(&self, size: f64, _: &Knob) -> Value {
-        json!({"extra_mnm": size, "centre_rad": self.centre_rad, "width_rad": self.width_rad})
+        json!({"extra_mnm": size, "begin_rad": self.centre_rad - 0.5 * self.width_rad,
+            "end_rad": self.centre_rad + 0.5 * self.width_rad})
     }
 
     fn friction_extra(&self, size: f64, state: &State) -> f64 {

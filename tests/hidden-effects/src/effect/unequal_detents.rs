@@ -39,7 +39,8 @@ impl Acts for UnequalDetents {
 
     fn parameters(&self, size: f64, _: &Knob) -> Value {
         let scaled = |values: &[f64], by: f64| values.iter().map(|value| size * by * value).collect::<Vec<f64>>();
-        json!({"shift_pitches": scaled(&self.shifts, SHIFT), "relative_height": scaled(&self.heights, HEIGHT)})
+        json!({"shift_pitches": scaled(&self.shifts, SHIFT), "relative_height": scaled(&self.heights, HEIGHT),
+            "ends_on_walls": self.end > 0.0})
     }
 
     fn detent_wave(&self, size: f64, x: f64, _: f64) -> Option<f64> {

@@ -82,7 +82,8 @@ impl RenderedModel {
     /// # Errors
     /// [`Unrenderable`].
     pub fn new(model: &Model, calibration: &Calibration) -> Result<Self, Unrenderable> {
-        let unrenderable = model.effects.iter().find(|effect| matches!(effect.kind().part, Part::Bristles(_)));
+        let is_not_rendered = |part: Part| matches!(part, Part::Bristles(_) | Part::VaryingInertia(_));
+        let unrenderable = model.effects.iter().find(|effect| is_not_rendered(effect.kind().part));
         if let Some(effect) = unrenderable {
             return Err(Unrenderable::Effect { effect: effect.kind().name });
         }
