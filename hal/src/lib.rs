@@ -11,8 +11,10 @@ mod apparatus;
 mod channels;
 pub mod plugin;
 mod rig_file;
+mod scanned;
 pub mod simulated;
 
 pub use apparatus::{Apparatus, ApparatusError, DeclaredCalls, Limits, Measurement, RigDescription, TorqueSource};
 pub use channels::{Channel, ChannelError, Channels, MOST_CHANNELS, RawMeasurement, Scaling, TorqueChannel, Wiring};
 pub use rig_file::{Rates, RigFile, RigFileError, Watchdog};
+pub use scanned::Scanned;

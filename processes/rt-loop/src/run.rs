@@ -37,7 +37,8 @@ const GIVES_UP: Duration = Duration::from_secs(2);
 ///
 /// ```no_run
 /// # use rt_loop::rigs::RigKind;
-/// # static MINE: RigKind = RigKind { name: "mine", description: "", template: "", make: |_, _| unimplemented!() };
+/// # static MINE: RigKind =
+/// #     RigKind { name: "mine", description: "", template: "", make: |_, _| unimplemented!(), scan: None };
 /// fn main() -> std::process::ExitCode {
 ///     rt_loop::program(&[&MINE])
 /// }

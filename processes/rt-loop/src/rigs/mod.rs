@@ -5,10 +5,12 @@
 
 mod hand;
 mod plugin;
+mod scan;
 mod simulated;
 
 use dynamics::Model;
 use hal::{Apparatus, RigFile};
+pub use scan::{Scan, ScanError, scan};
 
 use crate::plan::PlanError;
 use crate::request::{RigRequest, RunRequest};
@@ -26,6 +28,8 @@ pub struct RigKind {
     /// # Errors
     /// [`PlanError`], for what it cannot be asked.
     pub make: fn(&RigFile, &RunRequest) -> Result<Rig, PlanError>,
+    /// How it looks for its devices; `None` for a driver that cannot.
+    pub scan: Option<Scan>,
 }
 
 /// A rig ready for a run.
