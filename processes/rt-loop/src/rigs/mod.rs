@@ -3,6 +3,7 @@
 //! To add one, implement [`Apparatus`] in a folder under `hal/`, write a file beside `plugin.rs` that makes it of a rig file, and
 //! add its [`RigKind`] to [`ALL`]; or leave this as it is, and hand a list of your own to [`run`](crate::run).
 
+mod ethercat;
 mod hand;
 mod plugin;
 mod scan;
@@ -44,7 +45,7 @@ pub struct Rig {
 pub type Registry<'a> = &'a [&'static RigKind];
 
 /// Every driver of ours.
-pub static ALL: [&RigKind; 2] = [&simulated::KIND, &plugin::KIND];
+pub static ALL: [&RigKind; 3] = [&simulated::KIND, &plugin::KIND, &ethercat::KIND];
 
 /// The simulated rig's file, by the name that `--apparatus` has for it.
 const SHIPPED: (&str, &str) = ("sim", hal::simulated::RIG_FILE);
