@@ -11,7 +11,9 @@ use ethercrab::{
 };
 use shared_types::rig::monotonic_time_ns;
 
-use super::bus::{Bus, ChannelPlace, Devices, DrivePlaces, FRAMES_OF_THIS_PROCESS, Group, MOST_BYTES, MOST_DEVICES, Unanswered, Wire};
+use super::bus::{
+    Bus, ChannelPlace, Devices, DrivePlaces, FRAMES_OF_THIS_PROCESS, Group, MOST_BYTES, MOST_DEVICES, Unanswered, Wire,
+};
 use super::codes;
 use super::drive::{CYCLIC_SYNCHRONOUS_TORQUE, PROFILE, interpolation_period, object};
 use super::entries::{Coding, DRIVE, Entry, Object, Place, Source, What};
@@ -234,7 +236,8 @@ pub(super) async fn bring_up(main_device: &MainDevice<'static>, asked: &Asked<'_
         notes.push((format!("device {}", device.name), told(device.index, &reference)));
         set_up(&reference, device).await?;
     }
-    let drive = named.iter().find(|device| device.name == DRIVE).ok_or(BringUpError::Silent(settings.interface.clone()))?;
+    let drive =
+        named.iter().find(|device| device.name == DRIVE).ok_or(BringUpError::Silent(settings.interface.clone()))?;
     let index = drive.index;
     let reference = group.subdevice(main_device, index).map_err(failed("looking at the drive"))?;
     let (rated_torque_mnm, counts_per_turn) = set_up_drive(&reference, asked).await?;
@@ -334,9 +337,7 @@ fn choose<'a>(
                     asked: asked.told(),
                     there: all(),
                 }),
-                (None, _) => {
-                    Err(BringUpError::Missing { name: name.to_owned(), asked: asked.told(), there: all() })
-                }
+                (None, _) => Err(BringUpError::Missing { name: name.to_owned(), asked: asked.told(), there: all() }),
             }
         })
         .collect()
@@ -416,12 +417,18 @@ async fn set_up_drive(reference: &Reference<'_>, asked: &Asked<'_>) -> Result<(f
     if let Some(kind) = read(reference, object::DEVICE_TYPE).await
         && kind & 0xffff != PROFILE
     {
-        return Err(unsuitable(DRIVE, format!("is no CiA 402 drive: its device type is {kind:#010x}; choose another one")));
+        return Err(unsuitable(
+            DRIVE,
+            format!("is no CiA 402 drive: its device type is {kind:#010x}; choose another one"),
+        ));
     }
     if let Some(modes) = read(reference, object::SUPPORTED_MODES).await
         && modes >> (CYCLIC_SYNCHRONOUS_TORQUE - 1) & 1 == 0
     {
-        return Err(unsuitable(DRIVE, "offers no cyclic synchronous torque (bit 9 of 0x6502), by which it would be driven"));
+        return Err(unsuitable(
+            DRIVE,
+            "offers no cyclic synchronous torque (bit 9 of 0x6502), by which it would be driven",
+        ));
     }
     let mode = startup(object::MODE.index, 0, 8, i64::from(CYCLIC_SYNCHRONOUS_TORQUE));
     write(reference, DRIVE, &mode).await?;
@@ -433,9 +440,9 @@ async fn set_up_drive(reference: &Reference<'_>, asked: &Asked<'_>) -> Result<(f
     }
     let rated_torque_mnm = match settings.rated_torque_mnm {
         Some(rated_torque_mnm) => rated_torque_mnm,
-        None => read(reference, object::RATED_TORQUE).await.map(f64::from).filter(|rated| *rated > 0.0).ok_or_else(|| {
-            unsuitable(DRIVE, "does not tell its rated torque (0x6076); write rated_torque_mnm under [settings]")
-        })?,
+        None => read(reference, object::RATED_TORQUE).await.map(f64::from).filter(|rated| *rated > 0.0).ok_or_else(
+            || unsuitable(DRIVE, "does not tell its rated torque (0x6076); write rated_torque_mnm under [settings]"),
+        )?,
     };
     let told = match (read(reference, object::ENCODER_INCREMENTS).await, read(reference, object::ENCODER_TURNS).await) {
         (Some(counts), Some(turns)) if counts > 0 && turns > 0 => Some(f64::from(counts) / f64::from(turns)),
@@ -481,7 +488,10 @@ fn channel_place(source: &Source, named: &[Named<'_>], scales: Scales) -> Result
         there,
     };
     let device = named.iter().find(|device| device.name == source.device).ok_or_else(|| {
-        missing(&source.device, format!("[settings] names {}", named.iter().map(|device| device.name).collect::<Vec<_>>().join(", ")))
+        missing(
+            &source.device,
+            format!("[settings] names {}", named.iter().map(|device| device.name).collect::<Vec<_>>().join(", ")),
+        )
     })?;
     let rad_per_count = || {
         scales.counts_per_turn.map(|counts| std::f64::consts::TAU / counts).ok_or_else(|| {

@@ -5,7 +5,9 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
 use ethercrab::subdevice_group::{CycleInfo, HasDc, NoDc, Op, TxRxResponse};
-use ethercrab::{Command, DefaultLock, MainDevice, PduRx, PduStorage, PduTx, RegisterAddress, SubDeviceGroup, SubDeviceState};
+use ethercrab::{
+    Command, DefaultLock, MainDevice, PduRx, PduStorage, PduTx, RegisterAddress, SubDeviceGroup, SubDeviceState,
+};
 use shared_types::rig::monotonic_time_ns;
 
 use super::codes;
@@ -62,9 +64,8 @@ impl Wire {
                 return Ok(output);
             }
             while let Some(frame) = self.tx.next_sendable_frame() {
-                let sent = frame.send_blocking(|bytes| {
-                    self.socket.send(bytes).map_err(|_| ethercrab::error::Error::SendFrame)
-                });
+                let sent = frame
+                    .send_blocking(|bytes| self.socket.send(bytes).map_err(|_| ethercrab::error::Error::SendFrame));
                 sent.map_err(|_| Unanswered::NotSent)?;
             }
             if !self.take() && idle().is_break() {
@@ -187,9 +188,11 @@ impl Bus {
             Devices::Free(group) => (told_of(self.wire.drive(group.tx_rx(&self.main_device), wait)?)?, None),
             Devices::Clocked(group) => {
                 let response = self.wire.drive(group.tx_rx_dc(&self.main_device), wait)?;
-                let after = response.as_ref().ok().map(|TxRxResponse { extra: CycleInfo { cycle_start_offset, .. }, .. }| {
-                    cycle_start_offset.as_nanos() as u64
-                });
+                let after = response.as_ref().ok().map(
+                    |TxRxResponse { extra: CycleInfo { cycle_start_offset, .. }, .. }| {
+                        cycle_start_offset.as_nanos() as u64
+                    },
+                );
                 (told_of(response)?, after)
             }
         };
@@ -227,7 +230,9 @@ impl Bus {
 
     /// A channel's value.
     pub(super) fn channel(&self, index: usize) -> f64 {
-        let Some(ChannelPlace { device, place, coding, factor }) = self.channels.get(index).copied() else { return 0.0 };
+        let Some(ChannelPlace { device, place, coding, factor }) = self.channels.get(index).copied() else {
+            return 0.0;
+        };
         with_devices!(self, group => {
             group.subdevice(&self.main_device, device).map_or(0.0, |device| factor * place.read(&device.inputs_raw(), coding))
         })
@@ -238,7 +243,8 @@ impl Bus {
         let main_device = &self.main_device;
         let address = with_devices!(self, group => group.subdevice(main_device, device).map(|device| device.configured_address()));
         let Ok(address) = address else { return codes::NOT_OPERATIONAL };
-        let status = Command::fprd(address, RegisterAddress::AlStatusCode.into()).ignore_wkc().receive::<u16>(main_device);
+        let status =
+            Command::fprd(address, RegisterAddress::AlStatusCode.into()).ignore_wkc().receive::<u16>(main_device);
         let wait = || if monotonic_time_ns() < until_ns { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         match self.wire.drive(status, wait) {
             Ok(Ok(code)) => codes::of_al_status(code),

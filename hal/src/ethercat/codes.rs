@@ -51,7 +51,10 @@ pub(super) fn al_status(code: AlStatusCode, number: u16) -> String {
 pub(super) fn all() -> Vec<(i32, String)> {
     let own = [
         (LOST, "frames no longer come back from the bus; check the cable and the devices' supply"),
-        (WORKING_COUNTER, "a device no longer takes part in the exchange (wrong working counter); check its cable and supply"),
+        (
+            WORKING_COUNTER,
+            "a device no longer takes part in the exchange (wrong working counter); check its cable and supply",
+        ),
         (UNTOLD_FAULT, "the drive reports a fault; add 0x603f:00/16 to its inputs, and its code is told"),
         (NOT_ENABLED, "the drive switched itself off; check its safe-torque-off input and its supply"),
         (NOT_OPERATIONAL, "a device left OP without giving a reason; check its supply"),
@@ -63,7 +66,8 @@ pub(super) fn all() -> Vec<(i32, String)> {
         AlStatusCode::Unknown(_) => None,
         code => Some((of_al_status(number), al_status(code, number))),
     });
-    let of_drive = DRIVE.iter().map(|(code, meaning)| (i32::from(*code), format!("drive error {code:#06x}: {meaning}")));
+    let of_drive =
+        DRIVE.iter().map(|(code, meaning)| (i32::from(*code), format!("drive error {code:#06x}: {meaning}")));
     own.chain(of_al).chain(of_drive).collect()
 }
 

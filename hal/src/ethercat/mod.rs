@@ -94,9 +94,10 @@ impl EthercatRig {
         let sources = names.iter().map(|name| name.parse()).collect::<Result<Vec<Source>, String>>();
         let sources = sources.map_err(|error| file.error(error))?;
         let above_zero = |value: f64| value.is_finite() && value > 0.0;
-        let scales =
-            [("rated_torque_mnm", settings.rated_torque_mnm), ("counts_per_turn", settings.counts_per_turn)];
-        if let Some((key, Some(value))) = scales.into_iter().find(|(_, value)| value.is_some_and(|value| !above_zero(value))) {
+        let scales = [("rated_torque_mnm", settings.rated_torque_mnm), ("counts_per_turn", settings.counts_per_turn)];
+        if let Some((key, Some(value))) =
+            scales.into_iter().find(|(_, value)| value.is_some_and(|value| !above_zero(value)))
+        {
             return Err(file.error(format!("[settings] {key} is {value}, but it must be above zero, and finite")));
         }
         let wiring = channels.wire(&names).map_err(|error| file.error(error))?.at_rate(rate_hz);
@@ -191,7 +192,10 @@ impl EthercatRig {
         match bus.mode_display() {
             Some(mode) if mode != bus.mode => Err(BringUpError::Unsuitable {
                 device: entries::DRIVE.to_owned(),
-                what: format!("stays in mode {mode} instead of cyclic synchronous torque ({}); check its settings", bus.mode),
+                what: format!(
+                    "stays in mode {mode} instead of cyclic synchronous torque ({}); check its settings",
+                    bus.mode
+                ),
             }),
             _ => Ok(()),
         }

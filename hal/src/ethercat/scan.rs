@@ -78,11 +78,9 @@ impl Found {
         let mut lines =
             vec![format!("{position}  {name}: vendor {vendor:#x}, product {product:#x}, alias {alias}{drive}{clock}")];
         let entries = [("takes", outputs), ("gives", inputs)];
-        lines.extend(
-            entries.into_iter().filter(|(_, entries)| !entries.is_empty()).map(|(what, entries)| {
-                format!("   {what} {}", entries.iter().map(Entry::to_string).collect::<Vec<_>>().join(" "))
-            }),
-        );
+        lines.extend(entries.into_iter().filter(|(_, entries)| !entries.is_empty()).map(|(what, entries)| {
+            format!("   {what} {}", entries.iter().map(Entry::to_string).collect::<Vec<_>>().join(" "))
+        }));
         lines
     }
 
@@ -101,8 +99,15 @@ fn rig_file(interface: &str, found: &[Found]) -> Option<String> {
         devices,
         "inputs = [\"0x6041:00/16\", \"0x6064:00/32\", \"0x6077:00/16\", \"0x603f:00/16\", \"0x6061:00/8\"]"
     );
-    let _ = writeln!(devices, "# as found: outputs = [{}]\n# as found: inputs = [{}]", list(&drive.outputs), list(&drive.inputs));
-    for (position, device) in found.iter().enumerate().filter(|(_, device)| !device.is_drive && !device.inputs.is_empty()) {
+    let _ = writeln!(
+        devices,
+        "# as found: outputs = [{}]\n# as found: inputs = [{}]",
+        list(&drive.outputs),
+        list(&drive.inputs)
+    );
+    for (position, device) in
+        found.iter().enumerate().filter(|(_, device)| !device.is_drive && !device.inputs.is_empty())
+    {
         let _ = write!(
             devices,
             "\n[settings.terminals.terminal{position}]  # {}\n{}# gives {}\n",

@@ -91,9 +91,8 @@ impl Socket {
     /// The system's, also where it would have to wait.
     pub(super) fn send(&mut self, frame: &[u8]) -> io::Result<usize> {
         // SAFETY: the frame is as long as told, and lives beyond the call.
-        let sent = unsafe {
-            libc::send(self.descriptor.as_raw_fd(), frame.as_ptr().cast(), frame.len(), libc::MSG_DONTWAIT)
-        };
+        let sent =
+            unsafe { libc::send(self.descriptor.as_raw_fd(), frame.as_ptr().cast(), frame.len(), libc::MSG_DONTWAIT) };
         usize::try_from(sent).map_err(|_| io::Error::last_os_error())
     }
 

@@ -13,9 +13,7 @@ use interface::{OpenRig, Raw};
 use serde::Deserialize;
 
 use crate::channels::Wiring;
-use crate::{
-    Apparatus, ApparatusError, Measurement, RawMeasurement, RigDescription, RigFile, RigFileError,
-};
+use crate::{Apparatus, ApparatusError, Measurement, RawMeasurement, RigDescription, RigFile, RigFileError};
 
 /// The interface that a library implements.
 pub const HEADER: &str = include_str!("haptic_rig.h");

@@ -124,9 +124,11 @@ impl Objects {
                 let value = double_word(request, 12) & (u64::MAX >> (64 - 8 * bytes)) as u32;
                 self.write(index, subindex, bytes, value).map(|()| (0x60, 0))
             }
-            2 => self.0.get(&(index, subindex)).ok_or(NO_OBJECT).map(|object| {
-                (0x43 | ((4 - object.bytes as u8) << 2), object.value)
-            }),
+            2 => self
+                .0
+                .get(&(index, subindex))
+                .ok_or(NO_OBJECT)
+                .map(|object| (0x43 | ((4 - object.bytes as u8) << 2), object.value)),
             _ => Err(0x0504_0001),
         };
         let (service, command, value) = match result {

@@ -83,6 +83,7 @@ fn terminal_objects() -> Objects {
 }
 
 impl Segment {
+    /// Devices in INIT, at rest.
     #[must_use]
     pub fn new(options: Options, now_ns: u64) -> Self {
         let image = eeprom("HC-SERVO", 0x00ab_cdef, 0x0000_0402, 7, &DRIVE_MANAGERS, &[1, 2]);
@@ -152,7 +153,10 @@ impl Segment {
         }
         self.pass(now_ns);
         let is_amiss = self.is_amiss(now_ns);
-        if is_amiss && !self.has_failed && let Some(code) = self.options.drive_error {
+        if is_amiss
+            && !self.has_failed
+            && let Some(code) = self.options.drive_error
+        {
             self.has_failed = true;
             self.machine.fail(&mut self.drive.objects, code);
         }

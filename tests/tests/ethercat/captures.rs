@@ -7,6 +7,17 @@ use tests::rotary_plant::is_the_plants;
 
 use super::{RIG, Wired};
 
+/// The rig's file for torques that are held over a period and read so long afterwards, as a share of it.
+///
+/// A held torque stands for its middle: what is read at its end is half a period old, and the acceleration with it.
+fn held(text: &str, rate_hz: f64, read_at: f64) -> String {
+    let delay_s = (read_at - 0.5) / rate_hz;
+    let [torque, acceleration] = ["scale = 0.001\n", "scale = 0.5\n"];
+    assert!(text.contains(torque) && text.contains(acceleration));
+    let delayed = |line: &str| format!("{line}delay_s = {delay_s}\n");
+    text.replace(torque, &delayed(torque)).replace(acceleration, &delayed(acceleration))
+}
+
 /// Captures at a rate and fits; gives the capture and its fit's parameters.
 fn fitted(wired: &Wired, rate_hz: &str) -> (Capture, Value) {
     let (said, status, capture) = wired.capture(rate_hz, "10");
@@ -22,8 +33,8 @@ fn fitted(wired: &Wired, rate_hz: &str) -> (Capture, Value) {
 #[test]
 fn the_plant_behind_a_drive_is_captured_as_it_is_at_one_two_and_four_kilohertz() {
     let Some(wired) = Wired::new(&[]) else { return };
-    wired.rig(|text| text);
     for rate_hz in ["1000", "2000", "4000"] {
+        wired.rig(|text| held(&text, rate_hz.parse().unwrap(), 1.0));
         let (capture, parameters) = fitted(&wired, rate_hz);
         is_the_plants(&parameters, 0.0, rate_hz);
         assert!(capture.gaps.is_empty(), "{rate_hz}");
@@ -41,7 +52,8 @@ fn the_plant_behind_a_drive_is_captured_as_it_is_at_one_two_and_four_kilohertz()
 #[test]
 fn ticks_follow_the_drives_clock() {
     let Some(wired) = Wired::new(&["--clock-ppm", "80"]) else { return };
-    wired.rig(|text| text.replace("[settings]\n", "[settings]\ndistributed_clocks = true\n"));
+    // Frames pass 0.3 of a period after SYNC0, at which inputs are taken.
+    wired.rig(|text| held(&text, 1e3, 0.7).replace("[settings]\n", "[settings]\ndistributed_clocks = true\n"));
     let (capture, parameters) = fitted(&wired, "1000");
     is_the_plants(&parameters, 0.0, "distributed clocks");
     let after_s = capture.measured_after_s.unwrap();
@@ -53,8 +65,8 @@ fn ticks_follow_the_drives_clock() {
 fn the_torque_may_come_from_the_motors_current() {
     let Some(wired) = Wired::new(&["--same-source"]) else { return };
     wired.rig(|text| {
-        let of_motor = "source = \"drive.torque\"\nof_motor = true\ndelay_s = 2.5e-4\n";
-        text.replace("source = \"sensor.0x6000:11\"\nscale = 0.001\n", of_motor)
+        let of_motor = "source = \"drive.torque\"\nof_motor = true\n";
+        held(&text, 2e3, 1.0).replace("source = \"sensor.0x6000:11\"\nscale = 0.001\n", of_motor)
     });
     assert!(RIG.contains("source = \"sensor.0x6000:11\"\nscale = 0.001\n"));
     let (_, parameters) = fitted(&wired, "2000");

@@ -1,6 +1,7 @@
 //! The EtherCAT driver on a segment that shares no code with it: frames on a pair of virtual interfaces, in a network of their own.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop at a failure, and says when it skips")]
 
+mod allocation;
 mod captures;
 mod commands;
 mod faults;
@@ -95,8 +96,7 @@ impl Drop for Running {
 impl Running {
     fn start(options: &[&str]) -> Self {
         let mut command = Command::new(program("ethercat_segment").unwrap());
-        let mut child =
-            command.args(["--interface", THEIRS]).args(options).stdout(Stdio::piped()).spawn().unwrap();
+        let mut child = command.args(["--interface", THEIRS]).args(options).stdout(Stdio::piped()).spawn().unwrap();
         let output = BufReader::new(child.stdout.take().unwrap());
         let (tell, lines) = channel();
         std::thread::spawn(move || output.lines().map_while(Result::ok).try_for_each(|line| tell.send(line)));

@@ -12,11 +12,7 @@ pub(super) static KIND: RigKind = RigKind {
     description: "a CiA 402 servo drive on EtherCAT, with terminals beside it",
     template: TEMPLATE,
     make,
-    scan: Some(Scan {
-        target: "an Ethernet interface",
-        knows,
-        look: |interface, stop| Ok(scan(interface, stop)?),
-    }),
+    scan: Some(Scan { target: "an Ethernet interface", knows, look: |interface, stop| Ok(scan(interface, stop)?) }),
 };
 
 fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
