@@ -208,4 +208,9 @@ pub trait Apparatus: Send {
     fn shift_ns(&self) -> i64 {
         0
     }
+
+    /// What on this machine stands in its way, in sentences that say what to do; asked before it is prepared.
+    fn obstacles(&self) -> Vec<String> {
+        Vec::new()
+    }
 }

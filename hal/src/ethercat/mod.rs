@@ -10,12 +10,14 @@ mod bus;
 mod codes;
 mod drive;
 mod entries;
+mod interface;
 mod keeper;
 mod scan;
 mod settings;
 mod socket;
 mod time;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 pub use bring_up::BringUpError;
@@ -240,7 +242,9 @@ impl Apparatus for EthercatRig {
     }
 
     fn prepare(&mut self, stop: &dyn Fn() -> bool) -> Result<(), ApparatusError> {
-        match self.bring_up(stop) {
+        // ethercrab 0.7 panics at a message that a device sends of its own accord between a question and its answer.
+        let brought_up = catch_unwind(AssertUnwindSafe(|| self.bring_up(stop)));
+        match brought_up.unwrap_or(Err(BringUpError::Interrupted)) {
             Ok(bus) => {
                 self.stage = Stage::Kept(Keeper::start(bus, self.rate_hz));
                 Ok(())
@@ -332,6 +336,10 @@ impl Apparatus for EthercatRig {
 
     fn shift_ns(&self) -> i64 {
         self.shift_ns
+    }
+
+    fn obstacles(&self) -> Vec<String> {
+        interface::obstacles(&self.settings.interface)
     }
 }
 

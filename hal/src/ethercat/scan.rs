@@ -7,13 +7,13 @@ use ethercrab::error::Error;
 use super::bring_up::{BringUpError, Reference, find, mapped, open, wait};
 use super::drive::{PROFILE, object};
 use super::entries::Entry;
-use super::{TEMPLATE, socket};
+use super::{TEMPLATE, interface};
 use crate::Scanned;
 
 /// Whether a target is a network interface that can carry EtherCAT.
 #[must_use]
 pub fn knows(target: &str) -> bool {
-    socket::is_ethernet(target)
+    interface::is_ethernet(target)
 }
 
 /// A device that was found.

@@ -133,20 +133,3 @@ fn set<Value>(descriptor: &OwnedFd, option: i32, value: &Value) -> io::Result<()
     };
     if code == 0 { Ok(()) } else { Err(io::Error::last_os_error()) }
 }
-
-/// Whether this machine has an Ethernet interface of that name (netdevice(7), SIOCGIFHWADDR).
-pub(super) fn is_ethernet(interface: &str) -> bool {
-    // SAFETY: all zeros is a valid request.
-    let mut request: libc::ifreq = unsafe { std::mem::zeroed() };
-    if interface.is_empty() || interface.len() >= request.ifr_name.len() {
-        return false;
-    }
-    for (place, byte) in request.ifr_name.iter_mut().zip(interface.bytes()) {
-        *place = byte.cast_signed();
-    }
-    let Ok(socket) = std::net::UdpSocket::bind((std::net::Ipv4Addr::UNSPECIFIED, 0)) else { return false };
-    // SAFETY: the kernel fills a live request of the type that the call is defined with.
-    let code = unsafe { libc::ioctl(socket.as_raw_fd(), libc::SIOCGIFHWADDR, &raw mut request) };
-    // SAFETY: after that call it is the address that the union holds.
-    code == 0 && unsafe { request.ifr_ifru.ifru_hwaddr.sa_family } == libc::ARPHRD_ETHER
-}

@@ -55,6 +55,8 @@ pub struct Segment {
     terminal: Controller,
     machine: Drive,
     plant: Plant,
+    /// When the sensors were read.
+    sensed_ns: u64,
     options: Options,
     /// Frames that were not as they should be.
     amiss: u32,
@@ -92,7 +94,7 @@ impl Segment {
         let image = eeprom("HC-ANALOG", 0x00ab_cdef, 0x0000_3104, 0, &DRIVE_MANAGERS, &[1, 2]);
         let terminal = Controller::new(image, terminal_objects(), None, true);
         let plant = Plant::at_rest(now_ns);
-        Self { drive, terminal, machine: Drive::new(), plant, options, amiss: 0, has_failed: false, told: (1, 0) }
+        Self { drive, terminal, machine: Drive::new(), plant, sensed_ns: 0, options, amiss: 0, has_failed: false, told: (1, 0) }
     }
 
     /// Whether frames go back as they came but for their data.
@@ -105,6 +107,11 @@ impl Segment {
     pub fn pass(&mut self, now_ns: u64) {
         if self.drive.is_starved(now_ns) {
             self.drive.fall(SAFE_OP, WATCHDOG);
+        }
+        // What is kept together by clocks takes its inputs at SYNC0.
+        let sync_ns = self.drive.since_sync_ns(now_ns).map(|since_ns| now_ns - since_ns);
+        if let Some(sync_ns) = sync_ns.filter(|sync_ns| *sync_ns > self.sensed_ns) {
+            self.sense(sync_ns);
         }
         self.plant.turn_to(now_ns);
         let is_operational = self.drive.state() == OP;
@@ -130,9 +137,8 @@ impl Segment {
 
     /// Reads the sensors.
     fn sense(&mut self, now_ns: u64) {
-        // What is kept together by clocks takes its inputs at SYNC0.
-        let sync_ns = self.drive.since_sync_ns(now_ns).map_or(now_ns, |since_ns| now_ns - since_ns);
-        self.plant.turn_to(sync_ns);
+        self.sensed_ns = now_ns;
+        self.plant.turn_to(now_ns);
         let counts = (self.plant.angle_rad / std::f64::consts::TAU * COUNTS_PER_TURN).round() as i32;
         let speed = (self.plant.velocity_rad_s / std::f64::consts::TAU * COUNTS_PER_TURN).round() as i32;
         let torque_mnm = self.plant.sensor_mnm + TORQUE_NOISE_MNM * self.plant.noise();
@@ -143,7 +149,6 @@ impl Segment {
         let objects = &mut self.terminal.objects;
         objects.set(0x6000, 0x11, ((torque_mnm / TORQUE_STEP_MNM).round() as i32).cast_unsigned());
         objects.set(0x6010, 0x11, u32::from(((acceleration / ACCELERATION_STEP).round() as i16).cast_unsigned()));
-        self.plant.turn_to(now_ns);
     }
 
     /// Takes a frame through all devices, in place; `false` for one that is none of EtherCAT.
@@ -163,7 +168,9 @@ impl Segment {
         if is_amiss && self.options.safe_torque_off {
             self.machine.open();
         }
-        self.sense(now_ns);
+        if self.drive.since_sync_ns(now_ns).is_none() {
+            self.sense(now_ns);
+        }
         let takes_part = !(is_amiss && self.options.terminal_absent);
         self.amiss += u32::from(!takes_part);
         let end = (16 + usize::from(word(frame, 14) & 0x07ff)).min(frame.len());

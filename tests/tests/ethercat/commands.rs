@@ -43,3 +43,15 @@ fn the_calls_of_a_tick_are_those_that_are_declared() {
     }
     assert!(told.contains("that the rig declares, at most 1 in a tick"), "{told}");
 }
+
+#[test]
+fn the_doctor_looks_at_the_interface() {
+    let Some(wired) = Wired::new(&[]) else { return };
+    let file = wired.rig(|text| text);
+    let looked_at = || String::from_utf8_lossy(&wired.bench.run(&["doctor", "--rig", &file]).unwrap().stdout).into_owned();
+    let said = looked_at();
+    assert!(said.contains("'servo' can be driven") && !said.contains("hc0"), "{said}");
+    assert!(super::ip("link set hc0 down"));
+    let said = looked_at();
+    assert!(said.contains("hc0 is down; `ip link set hc0 up`"), "{said}");
+}
