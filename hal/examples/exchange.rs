@@ -2,7 +2,11 @@
 //!
 //! `cargo run --release -p hal --example exchange -- RIG.toml 1000 5` prints one line: frames, lost, p50, p99, p99.9 and longest in µs.
 //! `scripts/bench-ethercat` compares it with ethercrab's own transport.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example may stop at a failure, and prints what it found")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "an example may stop at a failure, and prints what it found"
+)]
 
 use std::path::Path;
 

@@ -53,7 +53,9 @@ pub enum BringUpError {
     #[error("stopped")]
     Stopped,
     /// A device spoke where it was to answer.
-    #[error("a device sent an emergency message while it was set up; clear its fault, or switch it off and on, and try again")]
+    #[error(
+        "a device sent an emergency message while it was set up; clear its fault, or switch it off and on, and try again"
+    )]
     Interrupted,
     /// A device that is not there.
     #[error("no device is {asked}, which [settings] has for '{name}'; there are {there}")]

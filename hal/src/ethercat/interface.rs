@@ -43,13 +43,16 @@ pub(super) fn is_ethernet(interface: &str) -> bool {
 pub(super) fn obstacles(interface: &str) -> Vec<String> {
     let mut found = Vec::new();
     // SAFETY: after this call it is the flags that the union holds.
-    let flags = ask(interface, libc::SIOCGIFFLAGS, None).map(|request| i32::from(unsafe { request.ifr_ifru.ifru_flags }));
+    let flags =
+        ask(interface, libc::SIOCGIFFLAGS, None).map(|request| i32::from(unsafe { request.ifr_ifru.ifru_flags }));
     match flags {
         None => found.push(format!("there is no interface {interface}; `ip link` lists those that there are")),
         Some(flags) if flags & libc::IFF_UP == 0 => {
             found.push(format!("{interface} is down; `ip link set {interface} up`"));
         }
-        Some(flags) if flags & libc::IFF_RUNNING == 0 => found.push(format!("{interface} has no link; check its cable")),
+        Some(flags) if flags & libc::IFF_RUNNING == 0 => {
+            found.push(format!("{interface} has no link; check its cable"));
+        }
         Some(_) => {}
     }
     if let Err(error) = Socket::open(interface)

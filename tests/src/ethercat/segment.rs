@@ -94,7 +94,17 @@ impl Segment {
         let image = eeprom("HC-ANALOG", 0x00ab_cdef, 0x0000_3104, 0, &DRIVE_MANAGERS, &[1, 2]);
         let terminal = Controller::new(image, terminal_objects(), None, true);
         let plant = Plant::at_rest(now_ns);
-        Self { drive, terminal, machine: Drive::new(), plant, sensed_ns: 0, options, amiss: 0, has_failed: false, told: (1, 0) }
+        Self {
+            drive,
+            terminal,
+            machine: Drive::new(),
+            plant,
+            sensed_ns: 0,
+            options,
+            amiss: 0,
+            has_failed: false,
+            told: (1, 0),
+        }
     }
 
     /// Whether frames go back as they came but for their data.

@@ -83,6 +83,7 @@ fn a_bus_that_stands_still_is_told_and_the_drives_watchdog_takes_the_torque_away
     let Some(mut wired) = Wired::new(&[]) else { return };
     for signal in [Signal::SIGSTOP, Signal::SIGKILL] {
         strict(&wired);
+        let _ = std::fs::remove_dir_all(wired.bench.path("out"));
         let run = wired
             .bench
             .start(&[
@@ -106,7 +107,6 @@ fn a_bus_that_stands_still_is_told_and_the_drives_watchdog_takes_the_torque_away
         assert_eq!(output.status.code(), Some(1), "{said}");
         told_once(&said, "frames no longer come back from the bus; check the cable");
         is_whole(Some(Capture::load(&wired.bench.only_archive("out").unwrap()).unwrap()), &said);
-        std::fs::remove_dir_all(wired.bench.path("out")).unwrap();
         if signal == Signal::SIGSTOP {
             wired.segment.signal(Signal::SIGCONT);
             wired.segment.wait_for("AL 0x14 code 0x001b torque 0 mNm");
