@@ -9,7 +9,7 @@ pub const MAILBOX_OUT: (u16, u16) = (0x1080, 128);
 
 /// The memory of a device with a mailbox.
 pub fn eeprom(name: &str, vendor: u32, product: u32, alias: u16, managers: &[Manager], fmmus: &[u8]) -> Vec<u8> {
-    let mut words = vec![0_u16; 0x40];
+    let mut words = [0_u16; 0x40];
     words[4] = alias;
     words[8] = vendor as u16;
     words[9] = (vendor >> 16) as u16;

@@ -11,7 +11,7 @@ mod simulated;
 
 use dynamics::Model;
 use hal::{Apparatus, RigFile};
-pub use scan::{Scan, ScanError, scan};
+pub use scan::{DriverError, Scan, ScanError, scan};
 
 use crate::plan::PlanError;
 use crate::request::{RigRequest, RunRequest};

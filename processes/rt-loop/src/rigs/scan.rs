@@ -15,8 +15,11 @@ pub struct Scan {
     ///
     /// # Errors
     /// The driver's own, in a sentence.
-    pub look: fn(&str, &dyn Fn() -> bool) -> Result<Scanned, Box<dyn std::error::Error + Send + Sync>>,
+    pub look: fn(&str, &dyn Fn() -> bool) -> Result<Scanned, DriverError>,
 }
+
+/// What a driver says when it cannot.
+pub type DriverError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why nothing was found out about a target.
 #[derive(Debug, thiserror::Error)]
@@ -34,7 +37,7 @@ pub enum ScanError {
     InUse(#[from] RigLockError),
     /// The driver's word for it.
     #[error(transparent)]
-    Driver(Box<dyn std::error::Error + Send + Sync>),
+    Driver(DriverError),
 }
 
 /// Looks at a target with the driver that knows it, while no run holds it.
