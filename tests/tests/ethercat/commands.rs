@@ -58,3 +58,23 @@ fn the_doctor_looks_at_the_interface() {
     let said = looked_at();
     assert!(said.contains("hc0 is down; `ip link set hc0 up`"), "{said}");
 }
+
+#[test]
+fn a_knob_is_replayed_within_bounds_that_follow_from_the_drives_delay() {
+    let Some(wired) = Wired::new(&[]) else { return };
+    let known = |delay_s: &str| {
+        wired.rig(|text| {
+            let calibration = "[calibration]\nmotor_coulomb_mnm = 0.0\nmotor_viscous = 0.0\ncommand_delay_s = ";
+            text.replace("[calibration]\n", &format!("{calibration}{delay_s}\n"))
+        })
+    };
+    let replay = ["replay", "3", "--rig", "rig.toml", "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"];
+    known("1e-4");
+    let output = wired.bench.run(&replay).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    assert!(printed(&output).contains("rendered Knob 3"), "{}", printed(&output));
+    known("5e-3");
+    let output = wired.bench.run(&replay).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
+    assert!(printed(&output).contains("no hand could hold what the rig 'servo' renders"), "{}", printed(&output));
+}
