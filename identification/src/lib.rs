@@ -28,6 +28,7 @@ mod average;
 mod bends;
 pub mod calibration;
 mod central_differences;
+mod characteristic;
 pub mod checks;
 mod detents;
 pub mod diagnosis;
@@ -63,6 +64,7 @@ mod time_order;
 mod uniform;
 mod vector;
 
+pub use characteristic::{CharacteristicPoint, MeasuredCurve};
 pub use average::{Agreement, Average, Repeatability, Told, average};
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;

@@ -28,7 +28,6 @@
 #[macro_use]
 pub mod wire;
 
-mod axis;
 #[cfg(feature = "services")]
 pub mod clean_up;
 mod command;
@@ -50,7 +49,6 @@ pub mod shared_memory;
 mod shared_memory_dir;
 mod status;
 
-pub use axis::{Axis, Quantity};
 pub use command::{CommandKind, ControlRequest, ControlResponse};
 pub use description::{ClockMapping, DescriptionError, RunDescription};
 pub use fit_update::{Convergence, Estimate, FitUpdate, Verdict};
@@ -59,6 +57,7 @@ pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest
 #[cfg(feature = "services")]
 pub use private_ipc::PrivateIpc;
 pub use sample::{BlockHeader, Fault, LoopState, Sample};
+pub use dynamics::{Axis, Quantity};
 pub use status::{LATENESS_BIN_EDGES_NS, LoopStatus, realtime};
 
 /// Conversion between a wire code (`u32`) and the enum it stands for.

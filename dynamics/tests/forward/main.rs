@@ -15,6 +15,5 @@ fn model(effects: &[(&str, &[f64])]) -> Model {
     Model {
         name: "test".to_owned(),
         description: String::new(),
-        effects: effects.iter().map(|(name, values)| Effect::new(effects::by_name(name).unwrap(), values)).collect(),
-    }
+        effects: effects.iter().map(|(name, values)| Effect::new(effects::by_name(name).unwrap(), values)).collect(), ..Model::default() }
 }

@@ -1,0 +1,185 @@
+//! Torque measured point by point: splines over a coordinate, linear in the torques of their points, that join a fit beside the
+//! effects that have a name.
+
+use dynamics::{Direction, Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
+
+use crate::least_squares::{LeastSquares, dot};
+use crate::statistics::student_95;
+
+/// Numbers of points that are tried.
+const POINTS: [u16; 5] = [8, 16, 32, 64, 128];
+/// Rows that a point must have on the average.
+const ROWS_PER_POINT: usize = 4;
+/// What holds a point that the samples hardly show near zero, as a share of the mean point's square.
+const HELD: f64 = 1e-6;
+/// A point is told if its column has this share of the mean point's square.
+const SHOWN: f64 = 1e-3;
+
+/// A torque measured over a coordinate.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct MeasuredCurve {
+    /// Name of the effect that it is.
+    pub effect: &'static str,
+    /// Points of the spline.
+    pub points: Vec<CharacteristicPoint>,
+}
+
+/// A point of a measured characteristic.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct CharacteristicPoint {
+    /// Where, rad or rad/s.
+    pub at: f64,
+    /// Torque there, mNm.
+    pub torque_mnm: f64,
+    /// Its 95 % interval; none where the capture hardly shows it.
+    pub ci95: Option<[f64; 2]>,
+}
+
+/// A spline through points over one coordinate, before their torques are known.
+pub(crate) struct Spline {
+    pub(crate) kind: &'static EffectKind,
+    pub(crate) of: TableUse,
+    pub(crate) points: Vec<f64>,
+    pub(crate) period_rad: Option<f64>,
+}
+
+impl Spline {
+    /// Through `count` points from one value of the coordinate to another; `None` for an effect without a table.
+    pub(crate) fn new(
+        kind: &'static EffectKind,
+        [from, to]: [f64; 2],
+        count: u16,
+        period_rad: Option<f64>,
+    ) -> Option<Self> {
+        let (Part::TorqueTable(of) | Part::FrictionTable(of)) = kind.part else { return None };
+        let intervals = f64::from(if period_rad.is_some() { count } else { count - 1 });
+        let points = (0..count).map(|point| from + (to - from) * f64::from(point) / intervals).collect();
+        Some(Self { kind, of, points, period_rad })
+    }
+
+    /// The effect with these torques at the points.
+    pub(crate) fn effect(&self, torque_mnm: &[f64]) -> Option<Effect> {
+        let table = TorqueTable::kept_for(self.of, &self.points, torque_mnm, self.period_rad).ok()?;
+        Some(Effect::new(self.kind, &[1.0]).with_table(table))
+    }
+
+    /// Columns of the torque of every point alone, 1 mNm high, over samples that move like this.
+    pub(crate) fn columns<'a>(
+        &'a self,
+        samples: usize,
+        motion: impl Fn(usize) -> Motion + 'a,
+    ) -> impl Iterator<Item = Vec<f64>> + 'a {
+        let resists = matches!(self.kind.part, Part::FrictionTable(_));
+        let mut unit = vec![0.0; self.points.len()];
+        (0..self.points.len()).map(move |point| {
+            unit.fill(0.0);
+            unit[point] = 1.0;
+            let table = TorqueTable::through(self.of, &self.points, &unit, self.period_rad).ok();
+            let torque_mnm = |index: usize| {
+                let motion = motion(index);
+                let sign = match motion.velocity_rad_s {
+                    _ if !resists => 1.0,
+                    0.0 => 0.0,
+                    velocity => Direction::of(velocity).sign(),
+                };
+                sign * table.as_ref().map_or(0.0, |table| self.of.torque_mnm(table, &motion))
+            };
+            (0..samples).map(torque_mnm).collect()
+        })
+    }
+}
+
+/// Columns and target with a row more for each point of a spline, which holds it near zero by this share of the mean point's
+/// square: where the columns of named effects, the base, can do the same, they do it.
+pub(crate) fn held(
+    base: &[impl AsRef<[f64]>],
+    points: &[Vec<f64>],
+    target: &[f64],
+    share: f64,
+) -> (Vec<Vec<f64>>, Vec<f64>) {
+    #[allow(clippy::cast_precision_loss, reason = "a number of points")]
+    let weight = (share * points.iter().map(|row| dot(row, row)).sum::<f64>() / points.len() as f64).sqrt();
+    let extended = |column: &[f64], place: Option<usize>| {
+        let mut column = column.to_vec();
+        column.extend((0..points.len()).map(|row| if place == Some(row) { weight } else { 0.0 }));
+        column
+    };
+    let columns = base.iter().map(|column| extended(column.as_ref(), None));
+    let columns = columns.chain(points.iter().enumerate().map(|(place, column)| extended(column, Some(place))));
+    (columns.collect(), extended(target, None))
+}
+
+/// Torque over the angle, fitted together with a base.
+pub(crate) struct Measured {
+    /// The splines as effects.
+    pub(crate) effects: Vec<Effect>,
+    /// Their points with intervals.
+    pub(crate) curves: Vec<MeasuredCurve>,
+    /// All columns, those of the base first, with the rows that hold the points behind the samples'.
+    pub(crate) columns: Vec<Vec<f64>>,
+    /// The solution over them.
+    pub(crate) solution: LeastSquares,
+    /// Covariance of its coefficients.
+    pub(crate) covariance: nalgebra::DMatrix<f64>,
+}
+
+/// Measures the torque over angles from one to another beside the columns of a base: the mean of both directions, and, where there
+/// are both, by how much half their difference varies. The number of points is that with the least of Schwarz's criterion (G. Schwarz, Ann.
+/// Statist. 6, 1978, 461–464); `None` where the samples tell no point.
+///
+/// `rows` makes the columns of a spline's points.
+pub(crate) fn measure(
+    base: &[impl AsRef<[f64]>],
+    nonnegative: &[bool],
+    target: &[f64],
+    range_rad: [f64; 2],
+    both_ways: bool,
+    rows: impl Fn(&Spline) -> Vec<Vec<f64>>,
+) -> Option<Measured> {
+    let kinds = [&effects::angle_characteristic::KIND, &effects::friction_characteristic::KIND];
+    let branches = if both_ways { &[1, 2][..] } else { &[1] };
+    let tried = branches.iter().flat_map(|branches| POINTS.map(|count| (&kinds[..*branches], count)));
+    let enough = |kinds: &[_], count: u16| usize::from(count) * kinds.len() * ROWS_PER_POINT <= target.len();
+    let fitted = tried.filter(|(kinds, count)| enough(kinds, *count)).filter_map(|(kinds, count)| {
+        let splines: Vec<Spline> =
+            kinds.iter().map(|kind| Spline::new(kind, range_rad, count, None)).collect::<Option<_>>()?;
+        let points: Vec<Vec<f64>> = splines.iter().flat_map(&rows).collect();
+        let (columns, extended) = held(base, &points, target, HELD);
+        let bounds: Vec<bool> =
+            nonnegative.iter().copied().chain(std::iter::repeat(false)).take(columns.len()).collect();
+        let solution = LeastSquares::solve(&columns, &extended, &bounds);
+        let left = dot(&solution.residual[..target.len()], &solution.residual[..target.len()]);
+        #[allow(clippy::cast_precision_loss, reason = "numbers of rows and columns")]
+        let criterion = {
+            let (rows, fitted) = (target.len() as f64, solution.fitted() as f64);
+            rows * (left / rows).max(f64::MIN_POSITIVE).ln() + fitted * rows.ln()
+        };
+        Some((criterion, splines, columns, solution))
+    });
+    let (_, splines, columns, solution) = fitted.min_by(|one, other| one.0.total_cmp(&other.0))?;
+    let robust = solution.robust(&columns);
+    let critical = student_95(robust.degrees_of_freedom);
+    let mut first = base.len();
+    let (mut effects, mut curves) = (Vec::new(), Vec::new());
+    for spline in &splines {
+        let range = first..first + spline.points.len();
+        first = range.end;
+        let torques_mnm = &solution.coefficients[range.clone()];
+        let squares: Vec<f64> = range.clone().map(|at| dot(&columns[at], &columns[at])).collect();
+        #[allow(clippy::cast_precision_loss, reason = "a number of points")]
+        let shown = SHOWN * squares.iter().sum::<f64>() / squares.len() as f64;
+        let point = |(place, at): (usize, &f64)| {
+            let (column, torque_mnm) = (range.start + place, torques_mnm[place]);
+            let half = critical * robust.matrix[(column, column)].max(0.0).sqrt();
+            let known = squares[place] > shown && half.is_finite();
+            CharacteristicPoint { at: *at, torque_mnm, ci95: known.then_some([torque_mnm - half, torque_mnm + half]) }
+        };
+        let points = spline.points.iter().enumerate().map(point).collect();
+        curves.push(MeasuredCurve { effect: spline.kind.name, points });
+        effects.push(spline.effect(torques_mnm)?);
+    }
+    Some(Measured { effects, curves, columns, solution, covariance: robust.matrix })
+}
+
+/// Why a fit that measures the torque over the angle tells of no detents.
+pub(crate) const NO_DETENTS: &str = "the torque over the angle was measured point by point instead";
