@@ -4,12 +4,14 @@
 use dynamics::{Direction, Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
 
 use crate::least_squares::{LeastSquares, dot};
-use crate::statistics::student_95;
+use crate::statistics::NORMAL_95;
 
 /// Numbers of points that are tried.
 const POINTS: [u16; 5] = [8, 16, 32, 64, 128];
 /// Rows that a point must have on the average.
 const ROWS_PER_POINT: usize = 4;
+/// Cells of the travel in which the bending of the torque is looked at.
+const CELLS: usize = 200;
 /// What holds a point that the samples hardly show near zero, as a share of the mean point's square.
 const HELD: f64 = 1e-6;
 /// A point is told if its column has this share of the mean point's square.
@@ -51,9 +53,14 @@ impl Spline {
         count: u16,
         period_rad: Option<f64>,
     ) -> Option<Self> {
-        let (Part::TorqueTable(of) | Part::FrictionTable(of)) = kind.part else { return None };
         let intervals = f64::from(if period_rad.is_some() { count } else { count - 1 });
         let points = (0..count).map(|point| from + (to - from) * f64::from(point) / intervals).collect();
+        Self::through(kind, points, period_rad)
+    }
+
+    /// Through points at these values of the coordinate; `None` for an effect without a table.
+    fn through(kind: &'static EffectKind, points: Vec<f64>, period_rad: Option<f64>) -> Option<Self> {
+        let (Part::TorqueTable(of) | Part::FrictionTable(of)) = kind.part else { return None };
         Some(Self { kind, of, points, period_rad })
     }
 
@@ -109,6 +116,68 @@ pub(crate) fn held(
     (columns.collect(), extended(target, None))
 }
 
+/// Where the points of a spline are to lie: closer where the torque bends more.
+pub(crate) struct Places {
+    lowest_rad: f64,
+    cell_rad: f64,
+    /// Share of all bending up to the end of each cell.
+    up_to: Vec<f64>,
+}
+
+impl Places {
+    /// For samples of a torque over an angle: half of the points are spread evenly, half by the root of the second derivative (C. de Boor,
+    /// A Practical Guide to Splines, 1978, chapter XII). `None` where the angle does not change.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of cells, and a place among them"
+    )]
+    pub(crate) fn of(samples: impl Iterator<Item = (f64, f64)> + Clone) -> Option<Self> {
+        let angles = || samples.clone().map(|(angle_rad, _)| angle_rad);
+        let (lowest_rad, highest_rad) = (angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max));
+        let cell_rad = (highest_rad - lowest_rad) / CELLS as f64;
+        if !(cell_rad > 0.0 && cell_rad.is_finite()) {
+            return None;
+        }
+        let mut sums = [[0.0, 0.0]; CELLS];
+        for (angle_rad, torque_mnm) in samples.clone() {
+            let [sum, count] = &mut sums[(((angle_rad - lowest_rad) / cell_rad) as usize).min(CELLS - 1)];
+            (*sum, *count) = (*sum + torque_mnm, *count + 1.0);
+        }
+        let mut last = 0.0;
+        let means = sums.map(|[sum, count]| {
+            last = if count > 0.0 { sum / count } else { last };
+            last
+        });
+        let mut bending = [0.0; CELLS];
+        for at in 1..CELLS - 1 {
+            bending[at] = (means[at - 1] - 2.0 * means[at] + means[at + 1]).abs().sqrt();
+        }
+        let even = (bending.iter().sum::<f64>() / CELLS as f64).max(f64::MIN_POSITIVE);
+        let total = 2.0 * even * CELLS as f64;
+        let mut up_to = 0.0;
+        let grown = bending.iter().map(|bending| {
+            up_to += (bending + even) / total;
+            up_to
+        });
+        Some(Self { lowest_rad, cell_rad, up_to: grown.collect() })
+    }
+
+    /// So many points, rising.
+    #[allow(clippy::cast_precision_loss, reason = "a number of cells")]
+    fn points(&self, count: u16) -> Vec<f64> {
+        let place = |point: u16| {
+            let share = f64::from(point) / f64::from(count - 1);
+            let cell = self.up_to.partition_point(|up_to| *up_to < share).min(CELLS - 1);
+            let before = if cell == 0 { 0.0 } else { self.up_to[cell - 1] };
+            let within = ((share - before) / (self.up_to[cell] - before)).clamp(0.0, 1.0);
+            self.lowest_rad + self.cell_rad * (cell as f64 + within)
+        };
+        (0..count).map(place).collect()
+    }
+}
+
 /// Torque over the angle, fitted together with a base.
 pub(crate) struct Measured {
     /// The splines as effects.
@@ -123,7 +192,7 @@ pub(crate) struct Measured {
     pub(crate) covariance: nalgebra::DMatrix<f64>,
 }
 
-/// Measures the torque over angles from one to another beside the columns of a base: the mean of both directions, and, where there
+/// Measures the torque over the angle beside the columns of a base: the mean of both directions, and, where there
 /// are both, by how much half their difference varies. The number of points is that with the least of Schwarz's criterion (G. Schwarz, Ann.
 /// Statist. 6, 1978, 461–464); `None` where the samples tell no point.
 ///
@@ -132,7 +201,7 @@ pub(crate) fn measure(
     base: &[impl AsRef<[f64]>],
     nonnegative: &[bool],
     target: &[f64],
-    range_rad: [f64; 2],
+    places: &Places,
     both_ways: bool,
     rows: impl Fn(&Spline) -> Vec<Vec<f64>>,
 ) -> Option<Measured> {
@@ -142,7 +211,7 @@ pub(crate) fn measure(
     let enough = |kinds: &[_], count: u16| usize::from(count) * kinds.len() * ROWS_PER_POINT <= target.len();
     let fitted = tried.filter(|(kinds, count)| enough(kinds, *count)).filter_map(|(kinds, count)| {
         let splines: Vec<Spline> =
-            kinds.iter().map(|kind| Spline::new(kind, range_rad, count, None)).collect::<Option<_>>()?;
+            kinds.iter().map(|kind| Spline::through(kind, places.points(count), None)).collect::<Option<_>>()?;
         let points: Vec<Vec<f64>> = splines.iter().flat_map(&rows).collect();
         let (columns, extended) = held(base, &points, target, HELD);
         let bounds: Vec<bool> =
@@ -157,8 +226,7 @@ pub(crate) fn measure(
         Some((criterion, splines, columns, solution))
     });
     let (_, splines, columns, solution) = fitted.min_by(|one, other| one.0.total_cmp(&other.0))?;
-    let robust = solution.robust(&columns);
-    let critical = student_95(robust.degrees_of_freedom);
+    let covariance = solution.robust_of_many(&columns);
     let mut first = base.len();
     let (mut effects, mut curves) = (Vec::new(), Vec::new());
     for spline in &splines {
@@ -170,7 +238,7 @@ pub(crate) fn measure(
         let shown = SHOWN * squares.iter().sum::<f64>() / squares.len() as f64;
         let point = |(place, at): (usize, &f64)| {
             let (column, torque_mnm) = (range.start + place, torques_mnm[place]);
-            let half = critical * robust.matrix[(column, column)].max(0.0).sqrt();
+            let half = NORMAL_95 * covariance[(column, column)].max(0.0).sqrt();
             let known = squares[place] > shown && half.is_finite();
             CharacteristicPoint { at: *at, torque_mnm, ci95: known.then_some([torque_mnm - half, torque_mnm + half]) }
         };
@@ -178,7 +246,7 @@ pub(crate) fn measure(
         curves.push(MeasuredCurve { effect: spline.kind.name, points });
         effects.push(spline.effect(torques_mnm)?);
     }
-    Some(Measured { effects, curves, columns, solution, covariance: robust.matrix })
+    Some(Measured { effects, curves, columns, solution, covariance })
 }
 
 /// Why a fit that measures the torque over the angle tells of no detents.

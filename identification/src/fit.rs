@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use dynamics::{Effect, Part, effects};
 
 use crate::central_differences::central_differences;
-use crate::characteristic::{Measured, NO_DETENTS, measure};
+use crate::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::detents::{self, Detents, Found};
 use crate::estimate::{Fit, Harmonic, Preparation};
 use crate::fixed_preparation::FixedPreparation;
@@ -226,10 +226,10 @@ impl<'a> Prepared<'a> {
         let mut nonnegative = base.nonnegative().to_vec();
         nonnegative.remove(positive);
         let sliding = |index: &usize| frame.mask[*index] > 0.0;
-        let angles = || (0..motion.len()).filter(sliding).map(|index| motion.angle_rad[index]);
-        let range_rad = [angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max)];
+        let places =
+            Places::of((0..motion.len()).filter(sliding).map(|index| (motion.angle_rad[index], torque_mnm[index])))?;
         let [back, forth] = [negative, positive].map(|column| base.columns[column].iter().any(|value| *value != 0.0));
-        measure(&columns, &nonnegative, &base.target, range_rad, back && forth, |spline| {
+        measure(&columns, &nonnegative, &base.target, &places, back && forth, |spline| {
             spline.columns(motion.len(), |index| motion.at(index)).map(|column| frame.rows(&column)).collect()
         })
     }

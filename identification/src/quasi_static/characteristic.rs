@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::block_sums::BlockSums;
 use super::{Fitted, Map};
-use crate::characteristic::{Measured, NO_DETENTS, measure};
+use crate::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::estimate::Fit;
 use crate::samples::Samples;
 use crate::saturation::Rails;
@@ -23,15 +23,14 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, rails: &Rails) -> Option<Fit
     } else {
         Vec::new()
     };
-    let lowest = map.angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = map.angle_rad.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let places = Places::of(map.angle_rad.iter().copied().zip(map.torque_mnm.iter().copied()))?;
     let motion = |at: usize| Motion {
         angle_rad: map.angle_rad[at],
         velocity_rad_s: f64::from(map.directions[at]),
         ..Motion::default()
     };
     let rows = map.angle_rad.len();
-    let measured = measure(&base, &vec![true; base.len()], &map.torque_mnm, [lowest, highest], both_ways, |spline| {
+    let measured = measure(&base, &vec![true; base.len()], &map.torque_mnm, &places, both_ways, |spline| {
         spline.columns(rows, motion).collect()
     })?;
     let Measured { effects, curves, columns: all, solution, covariance, .. } = measured;

@@ -10,6 +10,7 @@ use anyhow::Context as _;
 use dynamics::{Model, knobs};
 use identification::{Fit, Parameters};
 use loaded_capture::LoadedCapture;
+use sheet::perception::felt_differences;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
 
 use crate::command_line::CompareOptions;
@@ -100,9 +101,22 @@ fn compare(given: &[String]) -> anyhow::Result<Comparison> {
         knobs: knobs.collect::<anyhow::Result<Vec<_>>>()?,
         software_version: env!("CARGO_PKG_VERSION").to_owned(),
     };
+    feel(&mut compared);
     number(&mut compared);
     name_apart(&mut compared);
     Ok(compared)
+}
+
+/// Tells by how many thresholds of perception each knob differs from the first of them.
+fn feel(compared: &mut Comparison) {
+    let Some((Some(reference), others)) = compared.knobs.split_first_mut().map(|(first, rest)| (&first.model, rest))
+    else {
+        return;
+    };
+    for knob in others {
+        let model = knob.model.as_ref().filter(|model| model.axis == reference.axis);
+        knob.felt = model.map(|model| felt_differences(reference, model).into_iter().collect()).unwrap_or_default();
+    }
 }
 
 /// Numbers captures in the order in which they stand, which need not be that in which they were given.
