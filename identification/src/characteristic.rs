@@ -14,6 +14,8 @@ const ROWS_PER_POINT: usize = 4;
 const CELLS: usize = 200;
 /// What holds a point that the samples hardly show near zero, as a share of the mean point's square.
 const HELD: f64 = 1e-6;
+/// The same of a friction, larger: where one direction alone was seen, what it shows is a torque.
+const FRICTION_HELD: f64 = 1e-3;
 /// A point is told if its column has this share of the mean point's square.
 const SHOWN: f64 = 1e-3;
 
@@ -96,19 +98,19 @@ impl Spline {
     }
 }
 
-/// Columns and target with a row more for each point of a spline, which holds it near zero by this share of the mean point's
+/// Columns and target with a row more for each point of a spline, which holds it near zero by its share of the mean point's
 /// square: where the columns of named effects, the base, can do the same, they do it.
 pub(crate) fn held(
     base: &[impl AsRef<[f64]>],
     points: &[Vec<f64>],
     target: &[f64],
-    share: f64,
+    share: impl Fn(usize) -> f64,
 ) -> (Vec<Vec<f64>>, Vec<f64>) {
     #[allow(clippy::cast_precision_loss, reason = "a number of points")]
-    let weight = (share * points.iter().map(|row| dot(row, row)).sum::<f64>() / points.len() as f64).sqrt();
+    let mean = points.iter().map(|row| dot(row, row)).sum::<f64>() / points.len() as f64;
     let extended = |column: &[f64], place: Option<usize>| {
         let mut column = column.to_vec();
-        column.extend((0..points.len()).map(|row| if place == Some(row) { weight } else { 0.0 }));
+        column.extend((0..points.len()).map(|row| if place == Some(row) { (share(row) * mean).sqrt() } else { 0.0 }));
         column
     };
     let columns = base.iter().map(|column| extended(column.as_ref(), None));
@@ -213,7 +215,8 @@ pub(crate) fn measure(
         let splines: Vec<Spline> =
             kinds.iter().map(|kind| Spline::through(kind, places.points(count), None)).collect::<Option<_>>()?;
         let points: Vec<Vec<f64>> = splines.iter().flat_map(&rows).collect();
-        let (columns, extended) = held(base, &points, target, HELD);
+        let share = |point: usize| if point < usize::from(count) { HELD } else { FRICTION_HELD };
+        let (columns, extended) = held(base, &points, target, share);
         let bounds: Vec<bool> =
             nonnegative.iter().copied().chain(std::iter::repeat(false)).take(columns.len()).collect();
         let solution = LeastSquares::solve(&columns, &extended, &bounds);

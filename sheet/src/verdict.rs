@@ -161,7 +161,7 @@ fn beyond(sheet: &Sheet, figure: Option<&Figure>, limits: Limits) -> Option<Felt
 
 fn in_words(felt: &Felt) -> String {
     let sense = if felt.thresholds < 1.0 { "a hand would hardly feel that" } else { "a hand would feel that" };
-    format!("{} thresholds of perception beyond it: {sense}", short(felt.thresholds))
+    format!("{:.1} thresholds of perception beyond it: {sense}", felt.thresholds)
 }
 
 fn of_figure(guard: Guard, kind: &FigureKind, figure: Option<&Figure>, limits: Limits) -> (Verdict, Option<String>) {

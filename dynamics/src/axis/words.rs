@@ -25,6 +25,8 @@ const WORDS: [(&str, &str); 13] = [
     ("mNm", "N"),
 ];
 
+/// Where a line, a row of a table or a piece of a page ends.
+const ENDS: [&str; 5] = ["\n", "</tr>", "</p>", "</text>", "</svg>"];
 /// The word whose `rad` is no travel: a phase is an angle on every axis.
 const PHASE: &str = "phase";
 
@@ -47,7 +49,7 @@ impl Axis {
             return Cow::Borrowed(text);
         }
         let mut said = String::with_capacity(text.len());
-        for line in text.split_inclusive('\n').flat_map(|line| line.split_inclusive("</tr>")) {
+        for line in ENDS.iter().fold(vec![text], |parts, end| parts.iter().flat_map(|part| part.split_inclusive(end)).collect()) {
             let has_phase = line.contains(PHASE);
             for chunk in line.split_inclusive(|letter: char| letter.is_whitespace() || "\"'<>()=,;".contains(letter)) {
                 if is_file_name(chunk) {

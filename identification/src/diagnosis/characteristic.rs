@@ -147,7 +147,7 @@ impl Search<'_> {
 fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> Vec<f64> {
     let base = present.columns();
     let (columns, target) =
-        held(&base, &rows(spline, capture), &capture.target(present.structure.delay_s()), HELD);
+        held(&base, &rows(spline, capture), &capture.target(present.structure.delay_s()), |_| HELD);
     let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let mut nonnegative = present.structure.nonnegative();
     nonnegative.resize(slices.len(), false);
