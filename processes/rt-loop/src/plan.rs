@@ -394,6 +394,7 @@ fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) 
     };
     let renderer =
         Renderer::new(rendered, gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
+    let remarks = remarks.iter().map(|remark| axis.words(remark).into_owned()).collect();
     Ok(Rendering { model, renderer, gains, remarks, admission, without_remarks: asked.without_remarks })
 }
 

@@ -1,6 +1,6 @@
 //! What can be rendered on a rig, as numbers.
 
-use dynamics::{Calibration, Coordinate, Direction, Effect, Model, Motion};
+use dynamics::{Axis, Calibration, Coordinate, Direction, Effect, Model, Motion};
 use hal::Limits;
 
 use super::contact::Contact;
@@ -232,7 +232,7 @@ fn damping_in_contact(model: &Model) -> f64 {
                 |velocity_rad_s| effect.free_torque_mnm(&Motion { angle_rad, velocity_rad_s, ..Motion::default() });
             ((at(speed_rad_s) - at(0.0)) / speed_rad_s).max((at(0.0) - at(-speed_rad_s)) / speed_rad_s)
         };
-        let angles = (-ANGLES..=ANGLES).map(|step| f64::from(step) / f64::from(ANGLES) * LOOKED_AT_RAD * way);
+        let angles = (-ANGLES..=ANGLES).map(|step| f64::from(step) / f64::from(ANGLES) * looked_at(model.axis));
         angles.map(|angle_rad| rise(angle_rad, way * FASTEST_RAD_S / f64::from(SPEEDS))).fold(0.0, f64::max)
     };
     model.effects.iter().filter(both).map(steepest).sum()
@@ -271,8 +271,14 @@ struct Demands {
     drives_from_rad_s: Option<f64>,
 }
 
-/// Angles over which a model is looked at either way, rad: a turn.
-const LOOKED_AT_RAD: f64 = std::f64::consts::TAU;
+/// How far a model is looked at either way: a turn, rad, or nearly twice the way of a dome, mm.
+fn looked_at(axis: Axis) -> f64 {
+    match axis {
+        Axis::Rotary => std::f64::consts::TAU,
+        Axis::Linear => 6.0,
+    }
+}
+
 /// Step of looking, rad: a thirtieth of the finest detent that a finger counts.
 const LOOKED_AT_STEP_RAD: f64 = 2e-4;
 /// Fastest that a hand turns a knob, rad/s.
@@ -285,10 +291,11 @@ const SPEEDS: u32 = 400;
 impl Demands {
     #[allow(clippy::cast_possible_truncation, reason = "some ten thousand steps")]
     fn of(model: &Model) -> Self {
-        let steps = (LOOKED_AT_RAD / LOOKED_AT_STEP_RAD) as i32;
+        let step_rad = LOOKED_AT_STEP_RAD * model.axis.fingertip_way();
+        let steps = (looked_at(model.axis) / step_rad) as i32;
         let (mut free_mnm, mut held_mnm) = (0.0_f64, 0.0_f64);
         for step in -steps..=steps {
-            let motion = Motion { angle_rad: f64::from(step) * LOOKED_AT_STEP_RAD * model.axis.fingertip_way(), ..Motion::default() };
+            let motion = Motion { angle_rad: f64::from(step) * step_rad, ..Motion::default() };
             let torque_mnm = model.place_torque_mnm(&motion);
             free_mnm = free_mnm.max(torque_mnm.abs());
             let limits = model.stick_limits(&motion);
