@@ -47,7 +47,9 @@ pub fn diagnosed_model(found: &Diagnosis, train: &LoadedCapture) -> Model {
     Model {
         name: title(train),
         description: format!("diagnosed from {}: {}", train.capture.source.display(), found.summary),
-        effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(), ..Model::default() }
+        effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
+        ..Model::default()
+    }
 }
 
 /// What is told of a diagnosis.

@@ -100,9 +100,8 @@ static TOLD: [Column; 6] = [
 impl Column {
     /// Its name in files about that axis.
     pub(crate) fn name_on(&self, axis: Axis) -> &'static str {
-        static LINEAR: LazyLock<HashMap<&'static str, String>> = LazyLock::new(|| {
-            all().map(|column| (column.name, Axis::Linear.words(column.name).into_owned())).collect()
-        });
+        static LINEAR: LazyLock<HashMap<&'static str, String>> =
+            LazyLock::new(|| all().map(|column| (column.name, Axis::Linear.words(column.name).into_owned())).collect());
         if axis.is_rotary() { self.name } else { LINEAR.get(self.name).map_or(self.name, String::as_str) }
     }
 }

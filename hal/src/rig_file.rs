@@ -103,9 +103,8 @@ impl RigFile {
         let table: toml::Table = text.parse().map_err(told)?;
         let read: Self = if table.get("axis").and_then(toml::Value::as_str) == Some("linear") {
             let axis = Axis::Linear;
-            let other = |key: String| {
-                wrong(format!("'{key}' is no name on a linear axis; it would be '{}'", axis.words(&key)))
-            };
+            let other =
+                |key: String| wrong(format!("'{key}' is no name on a linear axis; it would be '{}'", axis.words(&key)));
             let within = axis.table_within(table).map_err(other)?;
             within.try_into().map_err(|error: toml::de::Error| wrong(axis.words(error.message()).replace('\n', " ")))?
         } else {

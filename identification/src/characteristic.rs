@@ -137,7 +137,8 @@ impl Places {
     )]
     pub(crate) fn of(samples: impl Iterator<Item = (f64, f64)> + Clone) -> Option<Self> {
         let angles = || samples.clone().map(|(angle_rad, _)| angle_rad);
-        let (lowest_rad, highest_rad) = (angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max));
+        let (lowest_rad, highest_rad) =
+            (angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max));
         let cell_rad = (highest_rad - lowest_rad) / CELLS as f64;
         if !(cell_rad > 0.0 && cell_rad.is_finite()) {
             return None;

@@ -219,7 +219,8 @@ impl<'a> Prepared<'a> {
         let friction = base.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
         let [negative, positive] = [0, 1].map(|place| base.range(friction).start + place);
         // One Coulomb friction for both directions: half of what differs between them is a torque that does not change with them.
-        let both = base.columns[negative].iter().zip(&*base.columns[positive]).map(|(one, other)| one + other).collect();
+        let both =
+            base.columns[negative].iter().zip(&*base.columns[positive]).map(|(one, other)| one + other).collect();
         let mut columns = base.columns.clone();
         columns[negative] = both;
         columns.remove(positive);

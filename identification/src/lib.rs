@@ -64,8 +64,8 @@ mod time_order;
 mod uniform;
 mod vector;
 
-pub use characteristic::{CharacteristicPoint, MeasuredCurve};
 pub use average::{Agreement, Average, Repeatability, Told, average};
+pub use characteristic::{CharacteristicPoint, MeasuredCurve};
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
 pub use knob_motion::knob_motion;

@@ -51,13 +51,13 @@ mod status;
 
 pub use command::{CommandKind, ControlRequest, ControlResponse};
 pub use description::{ClockMapping, DescriptionError, RunDescription};
+pub use dynamics::{Axis, Quantity};
 pub use fit_update::{Convergence, Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
 pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};
 #[cfg(feature = "services")]
 pub use private_ipc::PrivateIpc;
 pub use sample::{BlockHeader, Fault, LoopState, Sample};
-pub use dynamics::{Axis, Quantity};
 pub use status::{LATENESS_BIN_EDGES_NS, LoopStatus, realtime};
 
 /// Conversion between a wire code (`u32`) and the enum it stands for.

@@ -127,7 +127,15 @@ impl Specification {
                 reasons.extend(reason.map(|reason| reason + &felt));
                 let value = figure.and_then(|figure| figure.value);
                 let ci95 = figure.and_then(|figure| figure.ci95);
-                FigureVerdict { figure: kind.name, value, ci95, unit: kind.unit, limits: *limits, verdict, beyond_limit }
+                FigureVerdict {
+                    figure: kind.name,
+                    value,
+                    ci95,
+                    unit: kind.unit,
+                    limits: *limits,
+                    verdict,
+                    beyond_limit,
+                }
             })
             .collect();
         let envelope: Vec<EnvelopeVerdict> = self

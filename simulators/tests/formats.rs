@@ -18,7 +18,9 @@ fn knob(viscous: [f64; 2]) -> Model {
             Effect::new(&friction::KIND, &[2.0, 3.0, viscous[0], viscous[1]]),
             Effect::new(&detent::KIND, &[1.5, 0.034, 0.4]),
             Effect::new(&torque_offset::KIND, &[5.0]),
-        ], ..Model::default() }
+        ],
+        ..Model::default()
+    }
 }
 
 fn turning_at(velocity_rad_s: f64) -> Vec<Motion> {

@@ -49,7 +49,9 @@ impl Axis {
             return Cow::Borrowed(text);
         }
         let mut said = String::with_capacity(text.len());
-        for line in ENDS.iter().fold(vec![text], |parts, end| parts.iter().flat_map(|part| part.split_inclusive(end)).collect()) {
+        for line in
+            ENDS.iter().fold(vec![text], |parts, end| parts.iter().flat_map(|part| part.split_inclusive(end)).collect())
+        {
             let has_phase = line.contains(PHASE);
             for chunk in line.split_inclusive(|letter: char| letter.is_whitespace() || "\"'<>()=,;".contains(letter)) {
                 if is_file_name(chunk) {
@@ -94,7 +96,8 @@ impl Axis {
     /// # Errors
     /// The name of a key that belongs to the other axis.
     pub fn table_within(self, table: toml::Table) -> Result<toml::Table, String> {
-        let entry = |(key, value): (String, toml::Value)| Ok((self.name_within(&key).ok_or(key)?, self.value_within(value)?));
+        let entry =
+            |(key, value): (String, toml::Value)| Ok((self.name_within(&key).ok_or(key)?, self.value_within(value)?));
         table.into_iter().map(entry).collect()
     }
 
@@ -144,6 +147,8 @@ fn counterpart(word: &str) -> Cow<'_, str> {
     let lower = format!("{}{}", first.to_ascii_lowercase(), &word[1..]);
     WORDS.iter().find(|(name, _)| *name == lower).map_or(Cow::Borrowed(word), |(_, said)| {
         let mut letters = said.chars();
-        Cow::Owned(letters.next().map_or_else(String::new, |first| first.to_ascii_uppercase().to_string() + letters.as_str()))
+        Cow::Owned(
+            letters.next().map_or_else(String::new, |first| first.to_ascii_uppercase().to_string() + letters.as_str()),
+        )
     })
 }

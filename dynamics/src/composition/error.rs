@@ -8,7 +8,9 @@ use crate::{Role, effects, knobs};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CompositionError {
     /// Parts of what turns and of what is pressed or slid.
-    #[error("{label} does not move along the axis of the parts before it; take all from what turns, or all from what is pressed or slid")]
+    #[error(
+        "{label} does not move along the axis of the parts before it; take all from what turns, or all from what is pressed or slid"
+    )]
     TwoAxes {
         /// The source.
         label: String,

@@ -23,20 +23,22 @@ impl Model {
             text.parse().map_err(|error: toml::de::Error| malformed(error.to_string().trim().replace('\n', " ")))?;
         let axis = match table.remove(AXIS) {
             None => Axis::default(),
-            Some(value) => value
-                .try_into()
-                .map_err(|_| malformed(format!("'{AXIS}' must be \"rotary\" or \"linear\"")))?,
+            Some(value) => {
+                value.try_into().map_err(|_| malformed(format!("'{AXIS}' must be \"rotary\" or \"linear\"")))?
+            }
         };
-        let table = axis
-            .table_within(table)
-            .map_err(|key| malformed(format!("'{key}' is no name on a linear axis; it would be '{}'", axis.words(&key))))?;
+        let table = axis.table_within(table).map_err(|key| {
+            malformed(format!("'{key}' is no name on a linear axis; it would be '{}'", axis.words(&key)))
+        })?;
         let text_field = |key: &str| match table.get(key) {
             None => Ok(String::new()),
             Some(toml::Value::String(text)) => Ok(text.clone()),
             Some(_) => Err(malformed(format!("'{key}' must be text"))),
         };
         if let Some(key) = table.keys().find(|key| !["name", "description", "effects"].contains(&key.as_str())) {
-            return Err(malformed(format!("'{key}' is not part of a model; it has name, description, axis and [[effects]]")));
+            return Err(malformed(format!(
+                "'{key}' is not part of a model; it has name, description, axis and [[effects]]"
+            )));
         }
         let entries = match table.get("effects") {
             Some(toml::Value::Array(entries)) if !entries.is_empty() => entries,

@@ -15,5 +15,7 @@ fn model(effects: &[(&str, &[f64])]) -> Model {
     Model {
         name: "test".to_owned(),
         description: String::new(),
-        effects: effects.iter().map(|(name, values)| Effect::new(effects::by_name(name).unwrap(), values)).collect(), ..Model::default() }
+        effects: effects.iter().map(|(name, values)| Effect::new(effects::by_name(name).unwrap(), values)).collect(),
+        ..Model::default()
+    }
 }

@@ -18,7 +18,9 @@ fn waveforms_tables_and_origins_survive_their_own_file() {
                 effect("detent-sawtooth", &[1.0 / 3.0, 0.1, 0.2, 0.9]),
                 Effect::new(&effects::torque_table::KIND, &[-0.7]).with_table(table).with_origin("drawn.csv"),
                 effect("torque-ramp", &[3.0, 0.1, 0.2]),
-            ], ..Model::default() };
+            ],
+            ..Model::default()
+        };
         let read = Model::from_toml(&model.to_toml(), "written").unwrap();
         assert_eq!(read, model);
         let origins = |model: &Model| model.effects.iter().map(Effect::origin).collect::<Vec<_>>();

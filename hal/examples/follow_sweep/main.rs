@@ -51,7 +51,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let flywheel = Model {
             name: format!("{inertia}"),
             description: String::new(),
-            effects: vec![Effect::new(&effects::inertia::KIND, &[inertia])], ..Model::default() };
+            effects: vec![Effect::new(&effects::inertia::KIND, &[inertia])],
+            ..Model::default()
+        };
         report("flywheel", &flywheel, &chirp, recommended, &Conditions::default())?;
     }
     for peak_current_a in [20.0, 22.0, 24.0] {

@@ -58,7 +58,7 @@ fn calibration(parameters: &RigParameters, seed: u64) -> Calibration {
     let mut error = Noise::new(seed ^ CALIBRATION_STREAM, parameters.calibration_error);
     let mut measured = |truth: f64| truth + error.sample(truth.abs());
     Calibration {
-            axis: dynamics::Axis::Rotary,
+        axis: dynamics::Axis::Rotary,
         gripper_inertia: measured(parameters.gripper_inertia),
         motor_inertia: measured(parameters.motor_inertia()),
         torque_sensor_stiffness_mnm_rad: measured(parameters.torque_sensor_stiffness_mnm_rad),

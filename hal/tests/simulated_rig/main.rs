@@ -44,7 +44,9 @@ fn flywheel(inertia: f64) -> Model {
     Model {
         name: "flywheel".to_owned(),
         description: String::new(),
-        effects: vec![Effect::new(&effects::inertia::KIND, &[inertia])], ..Model::default() }
+        effects: vec![Effect::new(&effects::inertia::KIND, &[inertia])],
+        ..Model::default()
+    }
 }
 
 /// A knob that nothing on this rig can turn.

@@ -146,8 +146,7 @@ impl Search<'_> {
 /// The torques of a spline's points beside all that a fit has already, mNm.
 fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> Vec<f64> {
     let base = present.columns();
-    let (columns, target) =
-        held(&base, &rows(spline, capture), &capture.target(present.structure.delay_s()), |_| HELD);
+    let (columns, target) = held(&base, &rows(spline, capture), &capture.target(present.structure.delay_s()), |_| HELD);
     let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let mut nonnegative = present.structure.nonnegative();
     nonnegative.resize(slices.len(), false);

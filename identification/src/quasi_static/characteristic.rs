@@ -45,7 +45,8 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, rails: &Rails) -> Option<Fit
     // Both frictions are the one that was fitted.
     let fitted = |column: usize| column.saturating_sub(known.len().saturating_sub(base.len()));
     let width = sums.width();
-    let spread = |matrix: &DMatrix<f64>| DMatrix::from_fn(width, width, |row, column| matrix[(fitted(row), fitted(column))]);
+    let spread =
+        |matrix: &DMatrix<f64>| DMatrix::from_fn(width, width, |row, column| matrix[(fitted(row), fitted(column))]);
     let coefficients = DVector::from_fn(width, |column, _| solution.coefficients[fitted(column)]);
     let fitted = Fitted {
         residual: sums.residual(&coefficients),

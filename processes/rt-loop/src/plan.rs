@@ -87,7 +87,9 @@ pub enum PlanError {
     #[error(transparent)]
     Knob(#[from] ModelError),
     /// A model of what moves along the other axis.
-    #[error("the model '{model}' is of a control with a {is} axis, and the rig '{rig}' has a {has} one; choose another of either")]
+    #[error(
+        "the model '{model}' is of a control with a {is} axis, and the rig '{rig}' has a {has} one; choose another of either"
+    )]
     OtherAxis {
         /// The model's name.
         model: String,

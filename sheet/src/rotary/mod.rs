@@ -4,7 +4,6 @@ mod branches;
 mod detents;
 mod directions;
 mod figures;
-mod inertia;
 mod spline;
 
 use std::collections::BTreeMap;
@@ -25,7 +24,6 @@ use figures::{
     BACKLASH, DETENT_COUNT, DETENT_ENERGY, DETENT_PITCH, DETENT_SHIFT, DETENT_STIFFNESS, END_STOP_HIGH, END_STOP_LOW,
     HYSTERESIS_ENERGY, PEAK_TORQUE, RUNNING_FRICTION, TORQUE_RATIO, TROUGH_TORQUE, UNIFORMITY_PEAK, UNIFORMITY_PITCH,
 };
-use inertia::without_inertia;
 use spline::Spline;
 
 /// Knots from one detent to the next, among which cross-validation chooses. A cubic spline with the fewest of them follows a sine to
@@ -74,7 +72,6 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     let directions = directions::directions(curve)?;
     let pitch = pitch(curve);
     let about = pitch.as_ref().map_or(TAU / DETENTS_OF_NONE, |pitch| *pitch);
-    let curve = &without_inertia(curve, &directions, about, about / CELLS_PER_DETENT);
     let [back, there] = branches(curve, &directions, about).ok_or(CurveError::OneWay)?;
     let knot = there.knot();
     let range = [back.ends[0].max(there.ends[0]), back.ends[1].min(there.ends[1])];
@@ -246,11 +243,7 @@ impl Frame {
 
     /// The branches with a hinge at each rest, where detents of unequal height meet at a sharp bend, if that predicts better what
     /// they were not fitted to; `of` makes the branch of a direction with hinges.
-    fn bent(
-        &self,
-        smooth: [SplineBranch; 2],
-        of: impl Fn(i8, &[f64]) -> Option<SplineBranch>,
-    ) -> [SplineBranch; 2] {
+    fn bent(&self, smooth: [SplineBranch; 2], of: impl Fn(i8, &[f64]) -> Option<SplineBranch>) -> [SplineBranch; 2] {
         let Some(pitch) = self.pitch else { return smooth };
         let hinged = |branches: &[SplineBranch; 2]| {
             let [back, there] = self

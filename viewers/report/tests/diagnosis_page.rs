@@ -114,7 +114,9 @@ fn spring() -> Diagnosis {
             effects: vec![
                 Effect::new(&effects::inertia::KIND, &[0.0173]),
                 Effect::new(&effects::return_spring::KIND, &[3.0417, 0.2731]),
-            ], ..Model::default() },
+            ],
+            ..Model::default()
+        },
         chain: Vec::new(),
         rows: [rows(0.2), rows(0.2)],
     }

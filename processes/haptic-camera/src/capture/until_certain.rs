@@ -19,7 +19,11 @@ const TURN: (&str, f64) = ("slow-turn", 15.0);
 ///
 /// # Errors
 /// Whatever keeps a run from being made or a sheet from being read, and one sentence on what is wrong with the specification.
-pub(super) fn run(options: &CaptureOptions, spec: &std::path::Path, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
+pub(super) fn run(
+    options: &CaptureOptions,
+    spec: &std::path::Path,
+    interrupted: &AtomicBool,
+) -> anyhow::Result<Outcome> {
     let specification = judge::load(spec)?;
     let mut options = options.clone();
     options.request.duration_s = TURN.1;

@@ -169,7 +169,9 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     let model = Model {
         name: analysis::title(&first.loaded),
         description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
-        effects: found.model.effects.clone(), ..Model::default() };
+        effects: found.model.effects.clone(),
+        ..Model::default()
+    };
     write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
     let page = DiagnosisPage {

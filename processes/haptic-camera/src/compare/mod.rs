@@ -10,8 +10,8 @@ use anyhow::Context as _;
 use dynamics::{Model, knobs};
 use identification::{Fit, Parameters};
 use loaded_capture::LoadedCapture;
-use sheet::perception::felt_differences;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
+use sheet::perception::felt_differences;
 
 use crate::command_line::CompareOptions;
 use crate::fit::fit_capture;
@@ -31,7 +31,10 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let compared = compare(&options.subjects)?;
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
-    anyhow::ensure!(axes.all(|other| other == axis), "some of these turn and some are pressed; compare those of one kind");
+    anyhow::ensure!(
+        axes.all(|other| other == axis),
+        "some of these turn and some are pressed; compare those of one kind"
+    );
     if !to_output(options.json.as_deref()) {
         table::lines(&compared).iter().for_each(|line| say(axis.words(line)));
     }

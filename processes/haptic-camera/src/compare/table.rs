@@ -1,8 +1,8 @@
 //! A comparison for an 80-column terminal.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
-use sheet::perception::Felt;
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
+use sheet::perception::Felt;
 
 use crate::repeatability::digits;
 

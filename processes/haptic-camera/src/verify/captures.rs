@@ -64,9 +64,8 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         Axis::Rotary => (AMPLITUDE_RAD, CREEP.0),
         Axis::Linear => (PRESSED_MM, PRESSED_MM),
     };
-    let amplitude_rad = driving_speed_rad_s(model).map_or(widest, |speed_rad_s| {
-        (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(widest)
-    });
+    let amplitude_rad = driving_speed_rad_s(model)
+        .map_or(widest, |speed_rad_s| (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(widest));
     let firm = |sweep: &str| HandRequest { hand: sweep.to_owned(), hand_torque: None, grip: GRIP };
     let holding = |torque_mnm| HandRequest { hand_torque: Some(torque_mnm), grip: 1.0, ..firm("none") };
     let train = capture("sweep", firm("linear-chirp"), Some(amplitude_rad), SWEEP_S)?;
@@ -115,11 +114,8 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
 
 fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
     // The model says what the torque over the angle is: nothing is left to be measured.
-    let options = FitOptions {
-        further_effects: further_effects(model),
-        characteristic: false,
-        ..analysis::fit_options(train)
-    };
+    let options =
+        FitOptions { further_effects: further_effects(model), characteristic: false, ..analysis::fit_options(train) };
     identification::fit(&train.samples(), &options).context("the rendered knob cannot be fitted")
 }
 

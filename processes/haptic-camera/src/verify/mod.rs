@@ -188,7 +188,11 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     if !to_output(options.json.as_deref()) {
         table::lines(verification).iter().for_each(|line| say(model.axis.words(line)));
     }
-    write_json_on(model.axis, options.json.as_deref(), &Told { verification, capture: analysis::facts(&captured.train) })?;
+    write_json_on(
+        model.axis,
+        options.json.as_deref(),
+        &Told { verification, capture: analysis::facts(&captured.train) },
+    )?;
     if let Some(path) = &options.report {
         write(path, Kind::Page, &model.axis.words(&page::page(&model, &captured)))?;
         if !to_output(options.json.as_deref()) {

@@ -43,8 +43,7 @@ pub type Registry<'a> = &'a [&'static RigKind];
 pub static ALL: [&RigKind; 2] = [&simulated::KIND, &plugin::KIND];
 
 /// The simulated rigs' files, by the names that `--apparatus` has for them.
-const SHIPPED: [(&str, &str); 2] =
-    [("sim", hal::simulated::RIG_FILE), ("sim-linear", hal::simulated::LINEAR_RIG_FILE)];
+const SHIPPED: [(&str, &str); 2] = [("sim", hal::simulated::RIG_FILE), ("sim-linear", hal::simulated::LINEAR_RIG_FILE)];
 
 /// The file of the rig that is asked for: one that is given, or one that ships.
 ///

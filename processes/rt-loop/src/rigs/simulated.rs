@@ -33,7 +33,9 @@ fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
         // Whatever is rendered, nothing but a hand is on the gripper.
         (Some(_), Some(asked)) => (Fixture::None.model_on(file.axis)?, hand(asked, file.axis, request.amplitude)?),
         (Some(_), None) => (Fixture::None.model_on(file.axis)?, None),
-        (None, _) => (mounted_knob(request.knob.as_deref().unwrap_or(default_knob(file.axis)), file.axis, &file.name)?, None),
+        (None, _) => {
+            (mounted_knob(request.knob.as_deref().unwrap_or(default_knob(file.axis)), file.axis, &file.name)?, None)
+        }
     };
     let motor_cogging = if motor_cogging.is_empty() { parameters.motor_cogging.clone() } else { motor_cogging.clone() };
     let parameters = RigParameters { motor_cogging, ..parameters };

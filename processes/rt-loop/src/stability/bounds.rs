@@ -102,10 +102,8 @@ impl Bounds {
     #[must_use]
     pub fn largest_inertia(&self, damping: f64) -> f64 {
         let of_motor = self.largest_torque_mnm / (FASTEST_RAD_S2 * self.fingertip_way);
-        let safe = self.largest(self.least_inertia, 10.0 / self.fingertip_way.powi(2), |inertia| LinearModel::Sliding {
-            inertia,
-            damping,
-            stiffness_mnm_rad: 0.0,
+        let safe = self.largest(self.least_inertia, 10.0 / self.fingertip_way.powi(2), |inertia| {
+            LinearModel::Sliding { inertia, damping, stiffness_mnm_rad: 0.0 }
         });
         safe.min(of_motor)
     }
@@ -114,14 +112,22 @@ impl Bounds {
     #[must_use]
     pub fn largest_damping(&self, inertia: f64) -> f64 {
         let square = self.fingertip_way.powi(2);
-        self.largest(1e-3 / square, 1e3 / square, |damping| LinearModel::Sliding { inertia, damping, stiffness_mnm_rad: 0.0 })
+        self.largest(1e-3 / square, 1e3 / square, |damping| LinearModel::Sliding {
+            inertia,
+            damping,
+            stiffness_mnm_rad: 0.0,
+        })
     }
 
     /// Steepest rise of torque with angle at this inertia and damping, mNm/rad.
     #[must_use]
     pub fn largest_stiffness_mnm_rad(&self, inertia: f64, damping: f64) -> f64 {
         let square = self.fingertip_way.powi(2);
-        self.largest(1.0 / square, 1e5 / square, |stiffness_mnm_rad| LinearModel::Sliding { inertia, damping, stiffness_mnm_rad })
+        self.largest(1.0 / square, 1e5 / square, |stiffness_mnm_rad| LinearModel::Sliding {
+            inertia,
+            damping,
+            stiffness_mnm_rad,
+        })
     }
 
     /// The largest value up to which every one on the way is safe, on a ladder of 2 % steps, less the margin.
