@@ -93,7 +93,7 @@ impl Structure {
     }
 
     pub(crate) fn model(&self) -> Model {
-        Model { name: String::new(), description: String::new(), effects: self.effects.clone() }
+        Model { effects: self.effects.clone(), ..Model::default() }
     }
 
     pub(crate) fn is_coupled(&self) -> bool {

@@ -59,11 +59,16 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
         write(path, Kind::Page, &report::verdicts_page(&page))?;
     }
     write_json(options.json.as_deref(), &Judgements { verdict, risk: specification.risk, units })?;
-    Ok(match verdict {
+    Ok(outcome(verdict))
+}
+
+/// What a verdict makes of a command.
+pub fn outcome(verdict: Verdict) -> Outcome {
+    match verdict {
         Verdict::Pass => Outcome::Done,
         Verdict::Undecided => Outcome::Undecided,
         Verdict::Fail => Outcome::OutOfSpecification,
-    })
+    }
 }
 
 /// Reads a specification.

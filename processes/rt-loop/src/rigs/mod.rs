@@ -47,19 +47,22 @@ pub type Registry<'a> = &'a [&'static RigKind];
 /// Every driver of ours.
 pub static ALL: [&RigKind; 3] = [&simulated::KIND, &plugin::KIND, &ethercat::KIND];
 
-/// The simulated rig's file, by the name that `--apparatus` has for it.
-const SHIPPED: (&str, &str) = ("sim", hal::simulated::RIG_FILE);
+/// The simulated rigs' files, by the names that `--apparatus` has for them.
+const SHIPPED: [(&str, &str); 2] = [("sim", hal::simulated::RIG_FILE), ("sim-linear", hal::simulated::LINEAR_RIG_FILE)];
 
 /// The file of the rig that is asked for: one that is given, or one that ships.
 ///
 /// # Errors
 /// [`PlanError::RigFile`], and [`PlanError::UnknownRig`] with those that ship.
 pub fn file(asked: &RigRequest) -> Result<RigFile, PlanError> {
-    let (name, text) = SHIPPED;
-    match &asked.rig {
-        Some(path) => Ok(RigFile::load(path)?),
-        None if asked.apparatus == name => Ok(RigFile::parse(text, std::path::Path::new(""))?),
-        None => Err(PlanError::UnknownRig { asked: asked.apparatus.clone(), known: name }),
+    let shipped = SHIPPED.iter().find(|(name, _)| asked.apparatus == *name);
+    match (&asked.rig, shipped) {
+        (Some(path), _) => Ok(RigFile::load(path)?),
+        (None, Some((_, text))) => Ok(RigFile::parse(text, std::path::Path::new(""))?),
+        (None, None) => Err(PlanError::UnknownRig {
+            asked: asked.apparatus.clone(),
+            known: SHIPPED.map(|(name, _)| format!("'{name}'")).join(" and "),
+        }),
     }
 }
 

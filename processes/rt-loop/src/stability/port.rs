@@ -1,7 +1,7 @@
 //! What a hand feels of the loop, frequency by frequency.
 
 use biquad::Coefficients;
-use dynamics::Calibration;
+use dynamics::{Axis, Calibration};
 use num_complex::Complex64;
 
 use crate::control::notch;
@@ -199,6 +199,21 @@ pub struct Hands {
     pub relaxation_per_s: f64,
     /// Largest damping, mNm·s/rad.
     pub damping: f64,
+}
+
+impl Hands {
+    /// The class of those that hold what has that axis.
+    #[must_use]
+    pub fn on(axis: Axis) -> Self {
+        let hands = Self::default();
+        let square = axis.fingertip_way().powi(2);
+        Self {
+            stiffness_mnm_rad: hands.stiffness_mnm_rad / square,
+            inertia: hands.inertia / square,
+            damping: hands.damping / square,
+            ..hands
+        }
+    }
 }
 
 impl Default for Hands {
