@@ -9,7 +9,7 @@ use sheet::{Capability, Index, QdasRow};
 
 use super::values::{Unit, column, studied, units};
 use crate::command_line::CapabilityOptions;
-use crate::judge::load;
+use analysis::load_specification;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 
@@ -18,7 +18,7 @@ use crate::outputs::{Kind, to_output, write, write_json};
 /// # Errors
 /// One sentence on what is wrong with a file, or with the number of units.
 pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
-    let specification = load(&options.spec)?;
+    let specification = load_specification(&options.spec)?;
     let studied = studied(&options.study, Some(&specification))?;
     let units = units(&options.study, &studied)?;
     let mut told: BTreeMap<&'static str, Capability> = BTreeMap::new();
