@@ -112,7 +112,7 @@ impl Unit {
         self,
         py: Python<'_>,
         choice: Option<&ColumnChoice>,
-        judged: impl Fn(&Path, &sheet::Sheet) -> JudgedUnit,
+        judged: impl Fn(&Path, &::sheet::Sheet) -> JudgedUnit,
     ) -> PyResult<JudgedUnit> {
         let (source, folder) = match self {
             Self::Sheet(sheet) => return Ok(judged(sheet.get().unit(), &sheet.get().sheet)),

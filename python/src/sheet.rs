@@ -50,7 +50,7 @@ impl Figure {
 /// Results do not change; `to_dict` gives what ``haptic-camera sheet --json`` writes.
 #[pyclass(frozen, module = "haptic_camera")]
 pub(crate) struct Sheet {
-    pub(crate) sheet: sheet::Sheet,
+    pub(crate) sheet: ::sheet::Sheet,
     pub(crate) files: Vec<PathBuf>,
 }
 
@@ -142,7 +142,7 @@ impl Sheet {
                     }
                 }
             }
-            Ok(Self { sheet: sheet::Sheet::of(&all).map_err(raised)?, files })
+            Ok(Self { sheet: ::sheet::Sheet::of(&all).map_err(raised)?, files })
         })
     }
 
@@ -174,9 +174,9 @@ impl Sheet {
     #[getter]
     fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let figures = PyDict::new(py);
-        for figure in sheet::kinds().filter_map(|kind| self.sheet.figure(kind)) {
-            let sheet::Figure { value, ci95, kind, reason, .. } = figure.clone();
-            let sheet::FigureKind { name, unit, definition, source } = *kind;
+        for figure in ::sheet::kinds().filter_map(|kind| self.sheet.figure(kind)) {
+            let ::sheet::Figure { value, ci95, kind, reason, .. } = figure.clone();
+            let ::sheet::FigureKind { name, unit, definition, source } = *kind;
             let ci95 = ci95.map(|[low, high]| (low, high));
             figures.set_item(name, Bound::new(py, Figure { name, value, unit, ci95, reason, definition, source })?)?;
         }

@@ -11,7 +11,7 @@ pub struct ExportOptions {
     #[arg(value_name = "CAPTURE|MODEL.toml|1…5")]
     pub source: String,
     /// Where it goes; the ending says as what: a capture as .csv or .parquet, a model's torque over the angle
-    /// as .csv or .h, a model for simulators as .xml (MuJoCo) or .urdf (with Isaac Lab's fields beside it)
+    /// as .csv or .h, a model for simulators as .xml (MuJoCo), .urdf (with Isaac Lab's fields beside it) or .fmu (FMI 3.0)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Points of a model's table

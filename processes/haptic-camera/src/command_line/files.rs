@@ -138,7 +138,7 @@ impl ExportOptions {
         let ending = self.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         match ending.as_deref() {
             Some("h") => Kind::Header,
-            Some("xml" | "urdf") => Kind::Simulator,
+            Some("xml" | "urdf" | "fmu") => Kind::Simulator,
             _ => Kind::Data,
         }
     }

@@ -24,7 +24,7 @@ use torque_over_angle::TorqueOverAngle;
 enum UsageError {
     #[error("{} has none of the endings that a capture can be exported as; name the file .csv or .parquet", .0.display())]
     Capture(PathBuf),
-    #[error("{} has none of the endings that a model can be exported as; name the file .csv, .h, .xml or .urdf", .0.display())]
+    #[error("{} has none of the endings that a model can be exported as; name the file .csv, .h, .xml, .urdf or .fmu", .0.display())]
     Model(PathBuf),
 }
 
@@ -37,7 +37,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let is_model = options.source.parse::<u32>().is_ok() || source.extension().is_some_and(|ending| ending == "toml");
     let wrong = match (is_model, ending.as_str()) {
-        (true, "csv" | "h" | "xml" | "urdf") | (false, "csv" | "parquet") => None,
+        (true, "csv" | "h" | "xml" | "urdf" | "fmu") | (false, "csv" | "parquet") => None,
         (true, _) => Some(UsageError::Model(options.out.clone())),
         (false, _) => Some(UsageError::Capture(options.out.clone())),
     };
@@ -49,6 +49,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
         (true, "h") => firmware_header(options),
         (true, "xml") => simulator::write_export(options, &simulators::mjcf(&knobs::named(&options.source)?)),
         (true, "urdf") => simulator::urdf(options),
+        (true, "fmu") => simulator::fmu(options),
         (true, _) => model_table(options),
         (false, "parquet") => capture_as_parquet(source, &options.out),
         (false, _) => capture_as_csv(source, &options.out),
