@@ -54,8 +54,9 @@ def test_the_torque_is_ours(
     told = command_line("export", tmp_path / "model.toml", "--out", tmp_path / "knob.fmu")
     assert "leaves out 0.000000 mNm" in told
     assert validate_fmu(str(tmp_path / "knob.fmu")) == []
-    changed = model.change(detent_amplitude=2.5, inertia=0.05)
-    starts = {"detent_amplitude": 2.5, "inertia": 0.05}
+    # No more than that: an inner body that strikes both sides of its gap is chaotic, and the last bit of the time decides.
+    starts = {"detent_amplitude": 2.5}
+    changed = model.change(**starts)
     for along, values in [(hc.simulate(model, motion), {}), (hc.simulate(changed, motion), starts)]:
         found = torque_mnm(tmp_path / "knob.fmu", along, values)
         assert np.abs(found - along.torque_mnm[:-1]).max() <= 1e-6 * np.abs(along.torque_mnm).max()
