@@ -64,8 +64,8 @@ pub fn sheet_page(sheet: &Sheet, files: &[PathBuf]) -> String {
 /// # Errors
 /// One sentence that names the file.
 pub fn load_specification(path: &Path) -> Result<Specification, AnalysisError> {
-    let text = foreign_files::read_text(path)
-        .map_err(|error| AnalysisError::Unreadable { path: path.to_owned(), error })?;
+    let text =
+        foreign_files::read_text(path).map_err(|error| AnalysisError::Unreadable { path: path.to_owned(), error })?;
     Specification::from_toml(&text).map_err(|error| AnalysisError::Specification { path: path.to_owned(), error })
 }
 

@@ -188,8 +188,7 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     // SAFETY: the importer's promise.
     let Some(instance) = (unsafe { self::instance(instance) }) else { return ERROR };
     // SAFETY: there are so many references, and room for so many values.
-    let (references, place) =
-        unsafe { (values(references, count), slice::from_raw_parts_mut(place, place_count)) };
+    let (references, place) = unsafe { (values(references, count), slice::from_raw_parts_mut(place, place_count)) };
     for (reference, place) in references.iter().zip(place) {
         let Some(value) = instance.knob.value(*reference) else {
             return instance.told(Err(KnobError::Unknown(*reference)));

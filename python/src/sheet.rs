@@ -119,9 +119,8 @@ pub(crate) fn choice(
 }
 
 fn assignments(given: &Bound<'_, PyDict>) -> PyResult<Assignments> {
-    let pair = |(word, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-        Ok((word.extract()?, value.str()?.extract::<String>()?))
-    };
+    let pair =
+        |(word, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| Ok((word.extract()?, value.str()?.extract::<String>()?));
     Assignments::new(given.iter().map(pair).collect::<PyResult<_>>()?).map_err(raised)
 }
 

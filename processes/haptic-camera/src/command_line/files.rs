@@ -85,7 +85,7 @@ impl Command {
                 .reading(&options.along)
                 .writing(Some(&options.out), options.kind())
                 .writing(options.isaac_lab().as_ref(), Kind::Json),
-            Self::Table(options) => files.writing(Some(&options.out), Kind::Data),
+            Self::Table(options) => files.reading(&options.spec).writing(Some(&options.out), Kind::Data),
             Self::Trend(options) => files
                 .reading([&options.table])
                 .writing(options.json.as_ref(), Kind::Json)

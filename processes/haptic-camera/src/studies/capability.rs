@@ -9,9 +9,9 @@ use sheet::{Capability, Index, QdasRow};
 
 use super::values::{Unit, column, studied, units};
 use crate::command_line::CapabilityOptions;
-use analysis::load_specification;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
+use analysis::load_specification;
 
 /// Studies each limited figure and writes what was asked for.
 ///

@@ -7,9 +7,9 @@ use sheet::{Design, Gauge};
 
 use super::values::{Unit, column, studied, units};
 use crate::command_line::GaugeOptions;
-use analysis::load_specification;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{to_output, write_json};
+use analysis::load_specification;
 
 /// %GRR up to which a gauge is good, and up to which it may do (AIAG, Measurement Systems Analysis, 4th edition).
 const GOOD_PERCENT: f64 = 10.0;
