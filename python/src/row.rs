@@ -30,7 +30,7 @@ use crate::error::raised;
 #[pyfunction]
 #[pyo3(signature = (path, *, spec=None))]
 pub(crate) fn table_row(py: Python<'_>, path: PathBuf, spec: Option<PathBuf>) -> PyResult<Bound<'_, PyDict>> {
-    let row = py.detach(|| Ok(Row::of(&path, specification(spec)?.as_ref())))?;
+    let row = py.detach(|| PyResult::Ok(Row::of(&path, specification(spec)?.as_ref())))?;
     let cells = PyDict::new(py);
     for (name, cell) in row.cells() {
         match cell {

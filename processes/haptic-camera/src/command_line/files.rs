@@ -139,6 +139,7 @@ impl ExportOptions {
         match ending.as_deref() {
             Some("h") => Kind::Header,
             Some("xml" | "urdf" | "fmu") => Kind::Simulator,
+            Some("json") => Kind::Json,
             _ => Kind::Data,
         }
     }

@@ -54,7 +54,7 @@ pub(super) fn fmu(options: &ExportOptions) -> anyhow::Result<Outcome> {
 
 /// The motion along which torques are compared, and what it is called.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand samples")]
-fn motion(options: &ExportOptions) -> anyhow::Result<(Vec<Motion>, String)> {
+pub(super) fn motion(options: &ExportOptions) -> anyhow::Result<(Vec<Motion>, String)> {
     if let Some(capture) = &options.along {
         let loaded = load::load(capture)?;
         let motions = identification::knob_motion(&loaded.samples(), loaded.calibration.as_ref())?;

@@ -1,7 +1,6 @@
 //! `sheet`: the figures of a data sheet, from captures or from other people's testers' files.
 
 mod csv;
-mod smartknob;
 mod table;
 mod wall;
 
