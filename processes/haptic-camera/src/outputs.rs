@@ -169,7 +169,7 @@ pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Resul
 ///
 /// # Errors
 /// When something lies there that is not to be replaced, or the folder cannot be written to.
-pub fn write(path: &Path, kind: Kind, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
+pub fn write(path: &Path, kind: Kind, content: &(impl AsRef<[u8]> + ?Sized)) -> anyhow::Result<()> {
     replace(path, kind.replaces(), content)
 }
 
@@ -177,7 +177,7 @@ pub fn write(path: &Path, kind: Kind, content: impl AsRef<[u8]>) -> anyhow::Resu
 ///
 /// # Errors
 /// As [`write()`].
-pub fn replace(path: &Path, replace: Replace, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
+pub fn replace(path: &Path, replace: Replace, content: &(impl AsRef<[u8]> + ?Sized)) -> anyhow::Result<()> {
     write_bytes(path, replace, content.as_ref()).map_err(|error| match error {
         ArchiveError::Occupied { .. } => error.into(),
         // The folder is missing, or closed to the user.
