@@ -232,14 +232,14 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> Status {
     // SAFETY: the importer's promise.
     let Some(instance) = (unsafe { self::instance(instance) }) else { return ERROR };
-    // SAFETY: pointers to the importer's own places, or null.
     for flag in [event, terminate, early_return] {
+        // SAFETY: pointers to the importer's own places, or null.
         if let Some(flag) = unsafe { flag.as_mut() } {
             *flag = false;
         }
     }
     let stepped = instance.knob.step(time, time + step);
-    // SAFETY: as above.
+    // SAFETY: likewise.
     if let Some(last_time) = unsafe { last_time.as_mut() } {
         *last_time = if stepped.is_ok() { time + step } else { time };
     }
