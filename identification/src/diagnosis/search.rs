@@ -27,6 +27,9 @@ const MOST_EFFECTS: usize = 4;
 /// Effects that are tried together with a coupling where none alone is worth it.
 const HIDING: usize = 3;
 
+/// Rivals of each effect that are tried in its place once others were added.
+const EXCHANGED: usize = 4;
+
 /// Share of the held-out torque's square that the model must explain, but for a factor, for that factor to be a unit's.
 const WELL_PREDICTED: f64 = 0.5;
 
@@ -172,13 +175,22 @@ impl Search<'_> {
             partial: Vec::new(),
             characteristics: Vec::new(),
         };
+        loop {
+            self.extend(&mut found);
+            if !self.exchange(&mut found) {
+                return found;
+            }
+        }
+    }
+
+    fn extend(&self, found: &mut Found) {
         while found.rivals.len() < MOST_EFFECTS {
             let Some(current) = found.chain.last().cloned() else { break };
             if explains_the_gap(&current, &found.chain[0]) {
                 // Nothing more could be worth a name.
                 break;
             }
-            let mut tried = self.try_all(&current, &found);
+            let mut tried = self.try_all(&current, found);
             // What overshoots beyond all numbers is no rival.
             tried.retain(|judged| judged.evidence.is_finite() && judged.heldout_rms_mnm.is_finite());
             tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -189,13 +201,13 @@ impl Search<'_> {
             };
             let Some(best) = tried.iter().position(worth) else {
                 found.partial = self.partial(&current, &tried);
-                if !found.in_part && self.add_pair(&mut found, &current, &tried) {
+                if !found.in_part && self.add_pair(found, &current, &tried) {
                     continue;
                 }
                 let Some(best) = self.discovery(&current, &tried) else { break };
                 let chosen = tried.remove(best);
                 found.in_part = true;
-                self.add(&mut found, chosen, tried);
+                self.add(found, chosen, tried);
                 continue;
             };
             let mut chosen = tried.remove(best);
@@ -209,9 +221,60 @@ impl Search<'_> {
                 found.chain.push(with_detents);
                 continue;
             }
-            self.add(&mut found, chosen, tried);
+            self.add(found, chosen, tried);
         }
-        found
+    }
+
+    /// Puts a rival in the place of an effect that was chosen before others were known, if the model has more evidence so.
+    fn exchange(&self, found: &mut Found) -> bool {
+        let last = found.named().clone();
+        if found.added.len() < 2 || last.structure.is_coupled() {
+            return false;
+        }
+        let unequal = effects::unequal_detents::KIND.name;
+        for step in 0..found.added.len() {
+            let later = found.added[step + 1..].to_vec();
+            // What takes the place of other effects cannot be put beside them.
+            if later.contains(&unequal) {
+                continue;
+            }
+            let rivals: Vec<Judged> = found.rivals[step]
+                .iter()
+                .filter(|rival| !rival.structure.is_coupled() && !later.contains(&rival.newest()))
+                .filter(|rival| rival.newest() != unequal)
+                .take(EXCHANGED)
+                .cloned()
+                .collect();
+            let mut tried = on_both_cores(&rivals, |rival| {
+                let mut chain = vec![found.chain[step].clone()];
+                for name in later.iter().copied().chain([rival.newest()]) {
+                    let of = if name == rival.newest() { &rival.structure } else { &last.structure };
+                    let index = of.position(name)?;
+                    let before = chain.last()?.structure.clone();
+                    chain.push(self.settled(before.with(of.effects[index], of.columns[index])));
+                }
+                let judged = chain.last()?;
+                let is_better = judged.evidence > last.evidence + EVIDENCE
+                    && judged.heldout_rms_mnm < last.heldout_rms_mnm
+                    && self.disqualified(judged).is_none()
+                    && !self.is_nothing(judged);
+                is_better.then_some(chain)
+            });
+            tried.sort_by(|a, b| a[a.len() - 1].evidence.total_cmp(&b[b.len() - 1].evidence));
+            let Some(chain) = tried.pop() else { continue };
+            let mut rivals = found.rivals.split_off(step);
+            rivals[0].insert(0, found.chain[step + 1].clone());
+            rivals.rotate_left(1);
+            found.chain.truncate(step + 1);
+            found.added.truncate(step);
+            found.false_discovery_rates.truncate(step);
+            for (judged, rivals) in chain.into_iter().skip(1).zip(rivals) {
+                let name = judged.newest();
+                self.add(found, judged, rivals.into_iter().filter(|rival| rival.newest() != name).collect());
+            }
+            return true;
+        }
+        false
     }
 
     /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them
