@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use dynamics::simulate::SimulationError;
 use identification::FitError;
 use identification::diagnosis::DiagnosisError;
+use loaded_capture::LoadError;
+use sheet::{SheetError, SpecificationError};
 
 /// Why a capture gives no result.
 #[derive(Debug, thiserror::Error)]
@@ -36,4 +38,34 @@ pub enum AnalysisError {
     /// A model that cannot be moved by the torque.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// A capture that cannot be read.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A file or a folder that cannot be read.
+    #[error("{} cannot be read: {error}", path.display())]
+    Unreadable {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's word for it.
+        error: std::io::Error,
+    },
+    /// A folder without captures.
+    #[error("{} holds no file that ends in .{endings}", folder.display())]
+    NoCaptures {
+        /// The folder.
+        folder: PathBuf,
+        /// The endings that captures have.
+        endings: String,
+    },
+    /// Curves that make no sheet.
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    /// A specification that says nothing.
+    #[error("{} is no specification: {error}", path.display())]
+    Specification {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: SpecificationError,
+    },
 }

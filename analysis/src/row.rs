@@ -5,6 +5,13 @@ use std::path::Path;
 use dynamics::{ParameterKind, effects};
 use identification::{Fit, PreparationMethod};
 use loaded_capture::LoadedCapture;
+use sheet::{Sheet, Specification, kinds_of};
+
+use crate::AnalysisError;
+
+/// How the ends of a value's interval are called after it.
+const LOW: &str = "_ci95_low";
+const HIGH: &str = "_ci95_high";
 
 /// A value of a row; `None` where there is none.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,14 +24,16 @@ pub enum Cell {
     Real(Option<f64>),
 }
 
-/// A capture as a row: a cell for each of [`Row::columns`].
+/// A capture as a row: a cell for each of [`Row::columns`], under the same specification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row(Vec<(String, Cell)>);
 
 impl Row {
-    /// Reads and fits a capture; what is wrong with one that cannot be read or fitted is in its column `error`.
+    /// Reads and fits a capture, and judges it where there is a specification.
+    ///
+    /// Where neither a fit nor a sheet can be had the column `error` says why; where the sheet alone cannot, `sheet_error` does.
     #[must_use]
-    pub fn of(path: &Path) -> Self {
+    pub fn of(path: &Path, specification: Option<&Specification>) -> Self {
         let loaded = LoadedCapture::load(path);
         let fitted = loaded.as_ref().ok().map(|loaded| crate::fit(loaded, PreparationMethod::default()));
         let error = match (&loaded, &fitted) {
@@ -33,14 +42,52 @@ impl Row {
             _ => None,
         };
         let fit = fitted.as_ref().and_then(|fitted| fitted.as_ref().ok());
-        Self::with(path, loaded.as_ref().ok(), fit, error)
+        let sheet = specification.map(|_| {
+            let curve = match &loaded {
+                Ok(loaded) => loaded.curve(),
+                Err(_) => loaded_capture::load_curve(path, None)?,
+            };
+            Ok::<_, AnalysisError>(Sheet::of(&[curve])?)
+        });
+        let error = error.filter(|_| !matches!(sheet, Some(Ok(_))));
+        let mut row = Self::with(path, loaded.as_ref().ok(), fit, error);
+        if let (Some(specification), Some(sheet)) = (specification, sheet) {
+            row.judge(specification, Some(sheet));
+        }
+        row
+    }
+
+    /// Adds the verdict and the figures, or why there are none; without a sheet, empty cells.
+    fn judge(&mut self, specification: &Specification, sheet: Option<Result<Sheet, AnalysisError>>) {
+        let (sheet, error) = match sheet {
+            Some(Ok(sheet)) => (Some(sheet), None),
+            Some(Err(error)) => (None, Some(foreign_files::one_line(&error.to_string()))),
+            None => (None, None),
+        };
+        let judgement = sheet.as_ref().map(|sheet| specification.judge(sheet));
+        let verdict = judgement.as_ref().map(|judgement| judgement.verdict.word().to_owned());
+        let reasons = judgement.map(|judgement| judgement.reasons.join("; "));
+        self.0.push(("verdict".to_owned(), Cell::Text(verdict)));
+        self.0.push(("verdict_reasons".to_owned(), Cell::Text(reasons)));
+        self.0.push(("sheet_error".to_owned(), Cell::Text(error)));
+        for kind in kinds_of(specification.axis()) {
+            let figure = sheet.as_ref().and_then(|sheet| sheet.figure(kind));
+            self.value(kind.name, figure.and_then(|figure| figure.value), figure.and_then(|figure| figure.ci95));
+        }
+    }
+
+    /// Adds a value with the ends of its interval.
+    fn value(&mut self, name: &str, value: Option<f64>, ci95: Option<[f64; 2]>) {
+        self.0.push((name.to_owned(), Cell::Real(value)));
+        self.0.push((format!("{name}{LOW}"), Cell::Real(ci95.map(|[low, _]| low))));
+        self.0.push((format!("{name}{HIGH}"), Cell::Real(ci95.map(|[_, high]| high))));
     }
 
     fn with(path: &Path, loaded: Option<&LoadedCapture>, fit: Option<&Fit>, error: Option<String>) -> Self {
         let facts = loaded.map(crate::facts);
         let run = loaded.and_then(|loaded| loaded.capture.description.as_ref());
         let text = |words: Option<String>| Cell::Text(words.map(|words| foreign_files::one_line(&words)));
-        let mut cells = vec![
+        let cells = vec![
             ("file", Cell::Text(Some(path.display().to_string()))),
             ("error", text(error)),
             ("knob", text(run.map(|run| run.knob.clone()))),
@@ -56,33 +103,36 @@ impl Row {
             ("mean_ci95_mnm", Cell::Real(fit.map(|fit| fit.mean_ci95_mnm))),
         ]
         .into_iter()
-        .map(|(name, cell)| (name.to_owned(), cell))
-        .collect::<Vec<_>>();
+        .map(|(name, cell)| (name.to_owned(), cell));
+        let mut row = Self(cells.collect());
         for kind in parameters() {
             let told = fit.and_then(|fit| fit.parameters.get(kind.name));
-            let end = |side: usize| told.and_then(|told| told.ci95).map(|ci95| ci95[side]);
-            cells.push((kind.name.to_owned(), Cell::Real(told.and_then(|told| told.value))));
-            cells.push((format!("{}_ci95_low", kind.name), Cell::Real(end(0))));
-            cells.push((format!("{}_ci95_high", kind.name), Cell::Real(end(1))));
+            row.value(kind.name, told.and_then(|told| told.value), told.and_then(|told| told.ci95));
         }
-        Self(cells)
+        row
     }
 
-    /// The columns of every row, each with an empty cell of its kind.
+    /// The columns of every row under a specification, each with an empty cell of its kind.
     #[must_use]
-    pub fn columns() -> Vec<(String, Cell)> {
-        let mut columns = Self::with(Path::new(""), None, None, None).0;
-        columns[0].1 = Cell::Text(None);
-        columns
+    pub fn columns(specification: Option<&Specification>) -> Vec<(String, Cell)> {
+        let mut row = Self::with(Path::new(""), None, None, None);
+        row.0[0].1 = Cell::Text(None);
+        if let Some(specification) = specification {
+            row.judge(specification, None);
+        }
+        row.0
     }
 
-    /// The unit of a column; `None` for words and for counts of things.
+    /// The unit of a column; `None` for words, for counts and ratios.
     #[must_use]
-    pub fn unit_of(column: &str) -> Option<&'static str> {
-        let stem = column.strip_suffix("_ci95_low").or_else(|| column.strip_suffix("_ci95_high")).unwrap_or(column);
+    pub fn unit_of(column: &str, specification: Option<&Specification>) -> Option<&'static str> {
+        let stem = column.strip_suffix(LOW).or_else(|| column.strip_suffix(HIGH)).unwrap_or(column);
         let of_parameter = parameters().find(|kind| kind.name == stem).map(|kind| kind.unit);
+        let figures = specification.map(|specification| kinds_of(specification.axis())).unwrap_or_default();
+        let of_figure = figures.iter().find(|kind| kind.name == stem).map(|kind| kind.unit);
         let known = [("_percent", "%"), ("_hz", "Hz")].into_iter().find(|(ending, _)| column.ends_with(ending));
-        of_parameter.or(known.map(|(_, unit)| unit)).or_else(|| archive::unit_of(column))
+        let unit = of_parameter.or(of_figure).or(known.map(|(_, unit)| unit));
+        unit.or_else(|| archive::unit_of(column)).filter(|unit| !unit.is_empty())
     }
 
     /// The cells with their columns' names.

@@ -2,14 +2,11 @@
 
 use archive::Capture;
 use dynamics::simulate::ForwardSimulation;
-use dynamics::{Calibration, Direction, Model, Motion, shifted};
+use dynamics::{Calibration, Model, Motion, shifted};
 use identification::statistics::rms;
 use loaded_capture::LoadedCapture;
 
 use crate::AnalysisError;
-
-/// Speed below which a model without stick of its own counts as resting, rad/s.
-const RESTING_RAD_S: f64 = 0.02;
 
 /// What a simulation takes from a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,12 +66,8 @@ pub struct Simulated {
 #[must_use]
 pub fn along_motion(model: &Model, gripper_inertia: f64, motions: &[Motion]) -> Simulated {
     let mut torque_mnm = model.readings_mnm(motions);
-    let slips_at_once = model.coupling().is_none() && model.bristles().is_none();
     for (torque_mnm, motion) in torque_mnm.iter_mut().zip(motions) {
-        *torque_mnm += gripper_inertia * motion.acceleration_rad_s2;
-        if slips_at_once && motion.velocity_rad_s != 0.0 {
-            *torque_mnm -= unsettled_friction_mnm(model, motion);
-        }
+        *torque_mnm += gripper_inertia * motion.acceleration_rad_s2 - model.unsettled_friction_mnm(motion);
     }
     let time_s: Vec<f64> = motions.iter().map(|motion| motion.time_s).collect();
     Simulated {
@@ -83,16 +76,6 @@ pub fn along_motion(model: &Model, gripper_inertia: f64, motions: &[Motion]) -> 
         acceleration_rad_s2: motions.iter().map(|motion| motion.acceleration_rad_s2).collect(),
         torque_mnm: shifted(&time_s, &torque_mnm, -model.reading_delay_s()),
     }
-}
-
-/// The part of sliding friction that is left out close to rest, mNm.
-///
-/// At rest friction is whatever holds the knob and no function of its motion; a straight line across the band keeps
-/// encoder noise there from throwing it from one side to the other.
-fn unsettled_friction_mnm(model: &Model, motion: &Motion) -> f64 {
-    let band = model.stick_limits(motion).velocity_rad_s.max(RESTING_RAD_S);
-    let share = (motion.velocity_rad_s.abs() / band).min(1.0);
-    (1.0 - share) * model.friction_mnm(motion, Direction::of(motion.velocity_rad_s))
 }
 
 /// The model's motion under a torque read as given, from rest at the capture's first angle.

@@ -70,6 +70,11 @@ impl<'model> InnerBody<'model> {
         self.coupling.torque_mnm(cap.angle_rad - self.angle_rad, cap.velocity_rad_s - self.velocity_rad_s)
     }
 
+    /// What joins the cap to it.
+    pub(crate) fn coupling(&self) -> Coupling {
+        self.coupling
+    }
+
     /// Angle of the inner body, rad.
     #[must_use]
     pub fn angle_rad(&self) -> f64 {

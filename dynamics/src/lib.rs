@@ -60,6 +60,7 @@ pub use hypothesis::{Hypothesis, Scene, Search};
 pub use inner_body::InnerBody;
 pub use model::Model;
 pub use motion::Motion;
+pub use prediction::TorqueReader;
 pub use role::Role;
 pub use shift::shifted;
 pub use toml_file::ModelError;

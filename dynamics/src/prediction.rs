@@ -4,6 +4,64 @@ use std::ops::Range;
 
 use crate::{Bristles, Coupling, Direction, Effect, InnerBody, Model, Motion, Part, shifted};
 
+/// Speed below which a model without stick of its own counts as resting, rad/s.
+const RESTING_RAD_S: f64 = 0.02;
+
+/// What the torque sensor reads of a model, one motion after the other.
+#[derive(Debug)]
+pub struct TorqueReader<'model> {
+    model: &'model Model,
+    memory: Memory<'model>,
+    before: Option<Motion>,
+}
+
+/// What a torque depends on besides the motion of the moment.
+#[derive(Debug)]
+enum Memory<'model> {
+    None,
+    /// How far the bristles are bent.
+    Bent(Bristles, f64),
+    Coupled(Coupling),
+    Body(InnerBody<'model>),
+}
+
+impl<'model> TorqueReader<'model> {
+    /// Of a model before its first motion.
+    #[must_use]
+    pub fn of(model: &'model Model) -> Self {
+        let memory = match (model.coupling(), model.bristles()) {
+            (Some(coupling), _) => Memory::Coupled(coupling),
+            (None, Some(bristles)) => Memory::Bent(bristles, 0.0),
+            (None, None) => Memory::None,
+        };
+        Self { model, memory, before: None }
+    }
+
+    /// The reading at a motion that follows the one before, mNm; as [`Model::readings_mnm`] has it.
+    pub fn read_mnm(&mut self, motion: &Motion) -> f64 {
+        let before = self.before.replace(*motion).unwrap_or(*motion);
+        if let Memory::Coupled(coupling) = self.memory {
+            self.memory = Memory::Body(InnerBody::at_rest(self.model, coupling, motion.angle_rad));
+        }
+        let torque_mnm = match &mut self.memory {
+            Memory::None | Memory::Coupled(_) => self.model.torque_mnm(motion),
+            Memory::Bent(bristles, bent) => {
+                *bent = bristles.bent(*bent, motion.angle_rad - before.angle_rad);
+                self.model.inertia_at(motion.angle_rad) * motion.acceleration_rad_s2
+                    + self.model.free_torque_mnm(motion)
+                    + self.model.bristled_friction_mnm(*bristles, motion, *bent, Direction::of(motion.velocity_rad_s))
+            }
+            Memory::Body(body) => {
+                if motion.time_s > before.time_s {
+                    body.advance(&before, motion);
+                }
+                self.model.torque_on_cap_mnm(body, motion)
+            }
+        };
+        torque_mnm + self.model.misreading_mnm(motion)
+    }
+}
+
 impl Model {
     /// What the torque sensor reads at every motion, mNm: all effects together, those with a memory too.
     ///
@@ -12,29 +70,17 @@ impl Model {
     /// is left out, as in [`Model::torque_mnm`].
     #[must_use]
     pub fn readings_mnm(&self, motions: &[Motion]) -> Vec<f64> {
-        let [torque_mnm] = Self::readings_of_mnm([self], motions);
-        torque_mnm
+        let mut reader = TorqueReader::of(self);
+        motions.iter().map(|motion| reader.read_mnm(motion)).collect()
     }
 
     /// [`Model::readings_mnm`] of several models, sooner than of one after the other if they have an inner body.
     #[must_use]
     pub fn readings_of_mnm<const MODELS: usize>(models: [&Self; MODELS], motions: &[Motion]) -> [Vec<f64>; MODELS] {
-        let mut torques_mnm = if let Some(couplings) = all(models.map(Self::coupling)) {
-            Self::coupled_mnm(models, couplings, motions)
-        } else {
-            models.map(|model| match (model.coupling(), model.bristles()) {
-                (Some(coupling), _) => {
-                    let [torque_mnm] = Self::coupled_mnm([model], [coupling], motions);
-                    torque_mnm
-                }
-                (None, Some(bristles)) => model.bristled_mnm(bristles, motions),
-                (None, None) => motions.iter().map(|motion| model.torque_mnm(motion)).collect(),
-            })
-        };
-        for (torque_mnm, model) in torques_mnm.iter_mut().zip(models) {
-            torque_mnm.iter_mut().zip(motions).for_each(|(sum, motion)| *sum += model.misreading_mnm(motion));
+        match all(models.map(Self::coupling)) {
+            Some(couplings) => Self::coupled_mnm(models, couplings, motions),
+            None => models.map(|model| model.readings_mnm(motions)),
         }
-        torques_mnm
     }
 
     /// What the sensor reads besides the torque, mNm.
@@ -103,8 +149,6 @@ impl Model {
     ) -> [Vec<f64>; MODELS] {
         let mut torques_mnm = [(); MODELS].map(|()| Vec::with_capacity(motions.len()));
         let Some(first) = motions.first() else { return torques_mnm };
-        let outer_inertias: [f64; MODELS] =
-            std::array::from_fn(|index| (1.0 - couplings[index].inner_share) * models[index].inertia());
         let mut bodies: [InnerBody<'_>; MODELS] =
             std::array::from_fn(|index| InnerBody::at_rest(models[index], couplings[index], first.angle_rad));
         let mut before = first;
@@ -113,26 +157,31 @@ impl Model {
                 InnerBody::advance_together(&mut bodies, before, now);
             }
             before = now;
-            for ((torque_mnm, body), outer_inertia) in torques_mnm.iter_mut().zip(&bodies).zip(outer_inertias) {
-                torque_mnm.push(body.torque_mnm(now) + outer_inertia * now.acceleration_rad_s2);
+            for ((torque_mnm, body), model) in torques_mnm.iter_mut().zip(&bodies).zip(models) {
+                torque_mnm.push(model.torque_on_cap_mnm(body, now) + model.misreading_mnm(now));
             }
         }
         torques_mnm
     }
 
-    fn bristled_mnm(&self, bristles: Bristles, motions: &[Motion]) -> Vec<f64> {
-        let mut bent = 0.0;
-        let mut angle_rad = motions.first().map_or(0.0, |motion| motion.angle_rad);
-        motions
-            .iter()
-            .map(|motion| {
-                bent = bristles.bent(bent, motion.angle_rad - angle_rad);
-                angle_rad = motion.angle_rad;
-                self.inertia_at(motion.angle_rad) * motion.acceleration_rad_s2
-                    + self.free_torque_mnm(motion)
-                    + self.bristled_friction_mnm(bristles, motion, bent, Direction::of(motion.velocity_rad_s))
-            })
-            .collect()
+    /// Torque on the cap of a knob of two bodies, mNm.
+    fn torque_on_cap_mnm(&self, body: &InnerBody<'_>, cap: &Motion) -> f64 {
+        body.torque_mnm(cap) + (1.0 - body.coupling().inner_share) * self.inertia() * cap.acceleration_rad_s2
+    }
+
+    /// The part of sliding friction that a reading is better taken without close to rest, mNm.
+    ///
+    /// At rest friction is whatever holds the knob and no function of its motion; a straight line across the band of Karnopp's Δv
+    /// keeps an encoder's noise there from throwing it from one side to the other. None of friction that builds up by itself, with
+    /// bristles or behind a coupling.
+    #[must_use]
+    pub fn unsettled_friction_mnm(&self, motion: &Motion) -> f64 {
+        if motion.velocity_rad_s == 0.0 || self.coupling().is_some() || self.bristles().is_some() {
+            return 0.0;
+        }
+        let band = self.stick_limits(motion).velocity_rad_s.max(RESTING_RAD_S);
+        let share = (motion.velocity_rad_s.abs() / band).min(1.0);
+        (1.0 - share) * self.friction_mnm(motion, Direction::of(motion.velocity_rad_s))
     }
 
     /// Friction whose Coulomb part acts as far as its bristles are bent, mNm.

@@ -1,8 +1,9 @@
 //! Arguments as Python has them: paths, numbers of knobs, captures and models; and results as Python takes them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use archive::whole_file::{Replace, write_bytes};
 use dynamics::knobs;
 use loaded_capture::LoadedCapture;
 use pyo3::prelude::*;
@@ -86,4 +87,15 @@ pub(crate) fn to_dict(py: Python<'_>, json: String) -> PyResult<Bound<'_, PyDict
 pub(crate) fn framed(page: &str) -> String {
     let escaped = page.replace('&', "&amp;").replace('"', "&quot;");
     format!("<iframe srcdoc=\"{escaped}\" style=\"width: 100%; height: 40em; border: 0\"></iframe>")
+}
+
+/// Writes a report page where there is no file yet, or in place of one.
+pub(crate) fn save_page(
+    py: Python<'_>,
+    path: &Path,
+    overwrite: bool,
+    page: impl FnOnce() -> String + Send,
+) -> PyResult<()> {
+    let replaced = if overwrite { Replace::Anything } else { Replace::Nothing };
+    py.detach(|| write_bytes(path, replaced, page().as_bytes())).map_err(raised)
 }

@@ -9,14 +9,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 use analysis::{AnalysisError, ToldDiagnosis, diagnosed_model, refuse_drawn};
-use archive::whole_file::{Replace, write_bytes};
 use identification::diagnosis;
 use loaded_capture::LoadedCapture;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use report::{DiagnosisPage, FigureNumbers};
 
-use crate::convert::{CaptureOrPath, ModelOrName, framed, json, to_dict};
+use crate::convert::{CaptureOrPath, ModelOrName, framed, json, save_page, to_dict};
 use crate::error::raised;
 use crate::model::Model;
 
@@ -242,9 +241,7 @@ impl Diagnosis {
     /// Write the report page.
     #[pyo3(signature = (path, *, overwrite=false))]
     fn save_report(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
-        let page = py.detach(|| self.to_html());
-        let replaced = if overwrite { Replace::Anything } else { Replace::Nothing };
-        write_bytes(&path, replaced, page.as_bytes()).map_err(raised)
+        save_page(py, &path, overwrite, || self.to_html())
     }
 
     /// The report page in a notebook.

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use analysis::{ToldAverage, ToldFit};
-use archive::whole_file::{Replace, write_bytes};
 use identification::{Average, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use numpy::{PyArray1, PyArray2};
@@ -13,7 +12,7 @@ use pyo3::types::PyDict;
 use report::{AveragePage, FigureNumbers};
 
 use crate::columns::field_view;
-use crate::convert::{Captures, framed, json, to_dict};
+use crate::convert::{Captures, framed, json, save_page, to_dict};
 use crate::error::{Error, raised};
 use crate::model::Model;
 
@@ -231,9 +230,7 @@ impl Fit {
     /// Write the report page.
     #[pyo3(signature = (path, *, overwrite=false))]
     fn save_report(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
-        let page = py.detach(|| self.to_html());
-        let replaced = if overwrite { Replace::Anything } else { Replace::Nothing };
-        write_bytes(&path, replaced, page.as_bytes()).map_err(raised)
+        save_page(py, &path, overwrite, || self.to_html())
     }
 
     /// The report page in a notebook.

@@ -10,8 +10,10 @@ mod convert;
 mod diagnosis;
 mod error;
 mod fit;
+mod judgement;
 mod model;
 mod row;
+mod sheet;
 mod simulation;
 
 use pyo3::pymodule;
@@ -27,9 +29,13 @@ mod _native {
     #[pymodule_export]
     use crate::fit::{Fit, Parameter, fit};
     #[pymodule_export]
+    use crate::judgement::{Judgement, Verdict, judge};
+    #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
     use crate::row::{table_columns, table_row};
+    #[pymodule_export]
+    use crate::sheet::{Figure, Sheet, sheet};
     #[pymodule_export]
     use crate::simulation::simulate;
 }

@@ -1,5 +1,7 @@
 """Every number of a result is the command line's."""
 
+import json
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,6 +10,7 @@ import numpy as np
 import pytest
 
 import haptic_camera as hc
+from conftest import PROGRAM
 
 Told = Callable[..., dict[str, Any]]
 
@@ -59,14 +62,91 @@ def test_a_fitted_model_and_its_page_are_those_of_the_command_line(
     assert "<iframe" in fit._repr_html_()
 
 
-def test_errors_are_the_sentences_of_the_command_line(tmp_path: Path) -> None:
-    from conftest import PROGRAM
-    import subprocess
+@pytest.fixture(scope="module")
+def turned(tmp_path_factory: pytest.TempPathFactory) -> list[hc.Capture]:
+    """Knob 3 turned slowly there and back, twice."""
+    folder = tmp_path_factory.mktemp("turned")
+    options: Any = {"sweep": "slow-turn", "rate_hz": 5000, "offline": True, "out": folder, "program": PROGRAM}
+    return [hc.capture(3, duration_s=duration_s, **options) for duration_s in (20, 25)]
 
-    missing, short = tmp_path / "missing.mcap", tmp_path / "short.csv"
+
+def pressed(folder: Path, collapse_n: float) -> Path:
+    """A made-up dome as a table with columns of another name, in cm and gf."""
+    travel_mm = np.concatenate([np.linspace(0, 3.5, 700), np.linspace(3.5, 0, 700)])
+    bump = collapse_n * np.exp(-(((travel_mm - 1) / 0.8) ** 2)) + 20 * np.maximum(travel_mm - 3, 0) ** 2
+    friction = np.where(np.arange(1400) < 700, 0.0, -0.03)
+    force_n = 0.05 * travel_mm + bump + friction + 5e-4 * np.sin(12.9898 * np.arange(1400))
+    path = folder / f"dome-{collapse_n}.csv"
+    table = np.column_stack([0.1 * travel_mm, force_n / 9.80665e-3])
+    np.savetxt(path, table, delimiter=",", header="Weg,Kraft", comments="")
+    return path
+
+
+COLUMNS: dict[str, Any] = {"columns": {"travel": "Weg", "force": 2}, "units": {"travel": "cm", "force": "gf"}}
+WORDS = ("--columns", "travel=Weg,force=2", "--units", "travel=cm,force=gf")
+
+
+def test_a_sheet_is_that_of_the_command_line(
+    turned: list[hc.Capture], told: Told, command_line: Callable[..., str], tmp_path: Path
+) -> None:
+    domes = [pressed(tmp_path, 0.6), pressed(tmp_path, 0.61)]
+    for sheet, words in [
+        (hc.sheet(turned[0]), (turned[0].source,)),
+        (hc.sheet(turned), tuple(capture.source for capture in turned)),
+        (hc.sheet(domes, **COLUMNS), (*domes, *WORDS)),
+    ]:
+        of_json = told("sheet", *words)
+        assert sheet.to_dict() == of_json
+        assert {*sheet.figures} == {*of_json["figures"]} and sheet.runs == of_json["runs"]
+        for name, figure in sheet.figures.items():
+            expected = of_json["figures"][name]
+            found = (figure.value, figure.unit, figure.definition, figure.source, figure.reason)
+            assert found == (*(expected[key] for key in ("value", "unit", "definition", "source")), expected.get("reason"))
+            assert figure.ci95 == (expected["ci95"] and tuple(expected["ci95"]))
+    assert (hc.sheet(turned).axis, hc.sheet(domes, **COLUMNS).axis) == ("rotary", "linear")
+    command_line("sheet", turned[0].source, "--report", tmp_path / "page.html")
+    assert hc.sheet(turned[0].source).to_html() == (tmp_path / "page.html").read_text()
+
+
+def test_a_verdict_is_that_of_the_command_line(turned: list[hc.Capture], tmp_path: Path) -> None:
+    good, weak = pressed(tmp_path, 0.6), pressed(tmp_path, 0.4)
+    for name, spec, units, words in [
+        ("turned", "[figures.peak_torque]\nmin = 1.0\nmax = 9.0\n", turned, ()),
+        ("pressed", "name = 'dome'\n[figures.collapse_force]\nmin = 55\nmax = 75\nunit = 'gf'\n", [good, weak], WORDS),
+    ]:
+        limits, page, verdicts = (tmp_path / f"{name}.{ending}" for ending in ("toml", "html", "json"))
+        limits.write_text(spec)
+        given = [unit.source if isinstance(unit, hc.Capture) else unit for unit in units]
+        command = [PROGRAM, "judge", *given, "--spec", limits, "--report", page, "--json", verdicts, *words]
+        status = subprocess.run(command).returncode
+        judgement = hc.judge(units, limits, **(COLUMNS if words else {}))
+        assert judgement.to_dict() == json.loads(verdicts.read_text())
+        assert judgement.to_html() == page.read_text()
+        assert status == {"pass": 0, "fail": 4, "undecided": 5}[judgement.verdict]
+        of_json = judgement.to_dict()["units"]
+        assert [[one.unit, one.verdict, one.reasons] for one in judgement.units] == [
+            [one["unit"], one["verdict"], one["reasons"]] for one in of_json
+        ]
+    sheet = hc.sheet(good, **COLUMNS)
+    assert hc.judge(sheet, tmp_path / "pressed.toml").to_dict()["units"] == of_json[:1]
+
+
+def test_errors_are_the_sentences_of_the_command_line(captures: list[hc.Capture], tmp_path: Path) -> None:
+    missing, short, empty = tmp_path / "missing.mcap", tmp_path / "short.csv", tmp_path / "empty"
     short.write_text("t_s,angle_rad,torque_mnm\n0,0,0\n1,1,1\n2,2,2\n")
-    for path in (missing, short):
-        ended = subprocess.run([PROGRAM, "fit", path], capture_output=True, text=True)
+    spec, archive = tmp_path / "spec.toml", captures[0].source
+    empty.mkdir()
+    spec.write_text("risk = 0.01\n")
+    for words, call in [
+        (["fit", missing], lambda: hc.fit(missing)),
+        (["fit", short], lambda: hc.fit(short)),
+        (["sheet", missing], lambda: hc.sheet(missing)),
+        (["sheet", archive], lambda: hc.sheet(archive)),
+        (["sheet", empty], lambda: hc.sheet(empty)),
+        (["judge", archive, "--spec", missing], lambda: hc.judge(archive, missing)),
+        (["judge", archive, "--spec", spec], lambda: hc.judge(archive, spec)),
+    ]:
+        ended = subprocess.run([PROGRAM, *words], capture_output=True, text=True)
         with pytest.raises(hc.Error) as raised:
-            hc.fit(path)
+            call()
         assert ended.stderr.strip() == f"error: {raised.value}"

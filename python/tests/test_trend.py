@@ -65,6 +65,25 @@ def test_wear_is_told_and_nothing_else(table: Path, told: Callable[..., dict[str
     assert "detent_amplitude of worn" in page and page.count("<svg") >= 4
 
 
+def test_figures_and_verdicts_of_a_specification_are_told(
+    told: Callable[..., dict[str, Any]], command_line: Callable[..., str], tmp_path: Path
+) -> None:
+    folder, spec = tmp_path / "units", tmp_path / "spec.toml"
+    turn: Any = {"duration_s": 20, "sweep": "slow-turn", "rate_hz": 5000, "offline": True, "program": PROGRAM}
+    captures = [hc.capture(3, out=folder, **turn) for _ in range(2)]
+    spec.write_text("[figures.peak_torque]\nmin = 0.1\n")
+    for other in (*folder.glob("*.toml"), *folder.glob("*.html")):
+        other.unlink()
+    command_line("table", folder, "--out", tmp_path / "t.parquet", "--spec", spec)
+    (group,) = told("trend", tmp_path / "t.parquet", "--report", tmp_path / "trend.html")["groups"]
+    assert sum(group["verdicts"].values()) == 2
+    (peak,) = [one for one in group["parameters"] if one["name"] == "peak_torque"]
+    values = [hc.sheet(capture).figures["peak_torque"].value or np.nan for capture in captures]
+    assert peak["mean"] == pytest.approx(np.mean(values)) and peak["unit"] == "mNm"
+    page = (tmp_path / "trend.html").read_text()
+    assert "<h2>Verdicts</h2>" in page and "peak_torque" in page
+
+
 def test_what_is_no_table_is_refused(captures: list[hc.Capture], tmp_path: Path) -> None:
     (tmp_path / "other.parquet").write_bytes(b"PAR1 no table PAR1")
     parquet.write_table(pyarrow.table(captures[0]), tmp_path / "capture.parquet")

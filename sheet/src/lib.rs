@@ -31,6 +31,6 @@ pub use capability::{Capability, CapabilityError, Index};
 pub use figure::{Figure, FigureKind, Spread, kinds};
 pub use gauge::{Design, Gauge, GaugeError};
 pub use qdas::{QDAS_REMARK, QdasRow, qdas};
-pub use repeats::{CurveError, Detent, DetentFigure, Sheet, SheetError};
+pub use repeats::{CurveError, Detent, DetentFigure, Sheet, SheetError, kinds_of};
 pub use specification::{Limits, Specification, SpecificationError};
 pub use verdict::{EnvelopeVerdict, FigureVerdict, Judgement, Verdict};

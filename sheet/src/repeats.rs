@@ -133,8 +133,9 @@ impl Sheet {
     }
 }
 
-/// The figures of an axis.
-fn kinds_of(axis: Axis) -> &'static [&'static FigureKind] {
+/// The figures of an axis, in the order of the sheet.
+#[must_use]
+pub fn kinds_of(axis: Axis) -> &'static [&'static FigureKind] {
     match axis {
         Axis::Rotary => rotary::KINDS,
         Axis::Linear => pressed::KINDS,

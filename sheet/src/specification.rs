@@ -6,6 +6,7 @@ use serde::Deserialize;
 use shared_types::{Axis, Quantity};
 
 use crate::figure::{FigureKind, kinds};
+use crate::repeats::kinds_of;
 
 /// Largest risk of a wrong verdict where the specification states none.
 const RISK: f64 = 0.05;
@@ -143,6 +144,17 @@ impl Specification {
         Ok(Self { name, risk, limits, envelopes })
     }
 
+    /// What moves the controls that it is of, by its first limit or else its first envelope.
+    #[must_use]
+    pub fn axis(&self) -> Axis {
+        let of_figure = |kind| {
+            if kinds_of(Axis::Linear).iter().any(|one| std::ptr::eq(*one, kind)) { Axis::Linear } else { Axis::Rotary }
+        };
+        let of_branch = |branch: &str| axis_of(branch).unwrap_or_default();
+        let figure = self.limits.first().map(|(kind, _)| of_figure(*kind));
+        figure.or_else(|| self.envelopes.first().map(|envelope| of_branch(&envelope.branch))).unwrap_or_default()
+    }
+
     /// The figures that have limits.
     #[must_use]
     pub fn limits(&self) -> &[(&'static FigureKind, Limits)] {
@@ -177,6 +189,15 @@ impl FileLimits {
     }
 }
 
+/// The axis that has such a branch.
+fn axis_of(branch: &str) -> Option<Axis> {
+    match branch {
+        "press" | "return" => Some(Axis::Linear),
+        "positive" | "negative" => Some(Axis::Rotary),
+        _ => None,
+    }
+}
+
 /// The size of a unit in a figure's own.
 fn factor(own: &str, unit: &str) -> Option<f64> {
     use Quantity::{Angle, Energy, Force, Number, Torque, Travel};
@@ -192,11 +213,8 @@ impl FileEnvelope {
     fn checked(self) -> Result<Envelope, SpecificationError> {
         let Self { branch, position, low, high, position_unit, load_unit } = self;
         let wrong = |reason| SpecificationError::Envelope(branch.clone(), reason);
-        let axis = match branch.as_str() {
-            "press" | "return" => Axis::Linear,
-            "positive" | "negative" => Axis::Rotary,
-            _ => return Err(wrong("there are the branches press, return, positive and negative")),
-        };
+        let axis =
+            axis_of(&branch).ok_or_else(|| wrong("there are the branches press, return, positive and negative"))?;
         if position.len() < 2 || low.len() != position.len() || high.len() != position.len() {
             return Err(wrong("position, low and high need two numbers or more, each as many as the others"));
         }

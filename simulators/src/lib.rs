@@ -8,9 +8,11 @@
 //! | MuJoCo's MJCF | [`mjcf()`] | inertia, friction, sinusoidal torques of the angle, springs, drag, bristles, backlash, a soft shaft |
 //! | URDF | [`urdf()`] | inertia, friction that is the same in both directions, end stops |
 //! | Isaac Lab's actuators | [`isaac_lab`] | the same, and what breaks the joint away |
+//! | FMI 3.0 | [`fmi::fmu`] | all that is the knob's |
 //!
 //! [`into_mjcf`] goes the other way: it writes what was identified into a joint of somebody's own MJCF.
 
+pub mod fmi;
 mod into_mjcf;
 mod isaac;
 mod joint;
@@ -22,5 +24,5 @@ mod xml;
 pub use into_mjcf::{IntoMjcfError, into_mjcf};
 pub use isaac::isaac_lab;
 pub use mjcf::mjcf;
-pub use said::{Export, left_out_mnm};
+pub use said::{Export, left_out_by_mnm, left_out_mnm};
 pub use urdf::urdf;

@@ -58,7 +58,7 @@ pub fn mjcf(model: &Model) -> Export {
     tendon(&joint, &mut text);
     actuators(&joint, &mut text);
     text.push_str("</mujoco>\n");
-    Export { text, said, left_out }
+    Export { content: text, said, left_out }
 }
 
 /// The hinge that is turned, and behind backlash or a soft shaft the one that friction and detents act on.

@@ -7,9 +7,9 @@ use crate::joint::Joint;
 
 /// A model in the format of a simulator.
 #[derive(Clone, Debug)]
-pub struct Export {
-    /// The file's text.
-    pub text: String,
+pub struct Export<Content = String> {
+    /// What the file holds.
+    pub content: Content,
     /// What the format says of the model, exactly.
     pub said: Model,
     /// What it leaves out or says less exactly, in words; empty if nothing.
@@ -21,12 +21,14 @@ pub struct Export {
 /// What a sensor misreads is no part of the knob and does not count; at rest friction is whatever holds the knob, in both.
 #[must_use]
 pub fn left_out_mnm(model: &Model, said: &Model, motions: &[Motion]) -> f64 {
-    let knob = Model {
-        effects: model.effects.iter().filter(|one| !is_misreading(one.kind().part)).copied().collect(),
-        ..model.clone()
-    };
-    let (all, some) = (knob.readings_mnm(motions), said.readings_mnm(motions));
-    let squares: f64 = all.iter().zip(&some).map(|(all, some)| (all - some).powi(2)).sum();
+    left_out_by_mnm(model, &said.readings_mnm(motions), motions)
+}
+
+/// [`left_out_mnm`] by what says `said_mnm` along the motion.
+#[must_use]
+pub fn left_out_by_mnm(model: &Model, said_mnm: &[f64], motions: &[Motion]) -> f64 {
+    let all = without_misreadings(model).readings_mnm(motions);
+    let squares: f64 = all.iter().zip(said_mnm).map(|(all, said)| (all - said).powi(2)).sum();
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     let count = motions.len().max(1) as f64;
     (squares / count).sqrt()
@@ -34,6 +36,18 @@ pub fn left_out_mnm(model: &Model, said: &Model, motions: &[Motion]) -> f64 {
 
 fn is_misreading(part: Part) -> bool {
     matches!(part, Part::Reading(_) | Part::ReadingDelay(_))
+}
+
+/// The knob, without what the sensor misreads of it.
+pub(crate) fn without_misreadings(model: &Model) -> Model {
+    let knob = model.effects.iter().filter(|effect| !is_misreading(effect.kind().part));
+    Model { effects: knob.copied().collect(), ..model.clone() }
+}
+
+/// What the sensor misreads, in words.
+pub(crate) fn misreadings(model: &Model) -> Vec<String> {
+    let misread = model.effects.iter().filter(|effect| is_misreading(effect.kind().part));
+    misread.map(|effect| format!("{}, which is the sensor's", effect.kind().name)).collect()
 }
 
 /// What a format says that has the effects `known`, with a friction of its own.

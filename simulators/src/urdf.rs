@@ -48,5 +48,5 @@ pub fn urdf(model: &Model) -> Export {
         );
     }
     text.push_str("  </joint>\n</robot>\n");
-    Export { text, said, left_out }
+    Export { content: text, said, left_out }
 }

@@ -44,7 +44,7 @@ fn what_is_left_out_is_told_as_torque() {
 
 #[test]
 fn names_end_neither_comments_nor_attributes() {
-    for text in [mjcf(&knob([0.1, 0.3])).text, urdf(&knob([0.1, 0.3])).text] {
+    for text in [mjcf(&knob([0.1, 0.3])).content, urdf(&knob([0.1, 0.3])).content] {
         roxmltree::Document::parse(&text).unwrap();
     }
 }

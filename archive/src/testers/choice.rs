@@ -55,18 +55,25 @@ impl FromStr for Assignments {
     fn from_str(text: &str) -> Result<Self, ChoiceError> {
         let pair = |part: &str| {
             let (word, value) = part.split_once('=').ok_or_else(|| ChoiceError::Form(text.to_owned()))?;
-            let known = ["angle", "torque", "travel", "force", "time", "contact"];
-            let word = word.trim();
-            if !known.contains(&word) {
-                return Err(ChoiceError::Word(word.to_owned()));
-            }
-            Ok((word.to_owned(), value.trim().to_owned()))
+            Ok((word.trim().to_owned(), value.trim().to_owned()))
         };
-        text.split(',').map(pair).collect::<Result<_, _>>().map(Self)
+        Self::new(text.split(',').map(pair).collect::<Result<_, _>>()?)
     }
 }
 
 impl Assignments {
+    /// Of words with their values.
+    ///
+    /// # Errors
+    /// [`ChoiceError::Word`] for one that means nothing here.
+    pub fn new(pairs: Vec<(String, String)>) -> Result<Self, ChoiceError> {
+        let known = ["angle", "torque", "travel", "force", "time", "contact"];
+        match pairs.iter().find(|(word, _)| !known.contains(&word.as_str())) {
+            Some((word, _)) => Err(ChoiceError::Word(word.clone())),
+            None => Ok(Self(pairs)),
+        }
+    }
+
     fn get(&self, word: &str) -> Option<&str> {
         self.0.iter().find(|(known, _)| known == word).map(|(_, value)| value.as_str())
     }

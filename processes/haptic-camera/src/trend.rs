@@ -1,6 +1,6 @@
 //! `trend`: how parameters change over a table's captures.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use analysis::{Cell, Row};
@@ -38,7 +38,9 @@ pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
             let captures = group.parameters.iter().map(|one| one.captures).max().unwrap_or(0);
             let words =
                 if names.is_empty() { "no drift told".to_owned() } else { format!("drift of {}", names.join(", ")) };
-            say(format!("{by} {}: {captures} captures; {words}", group.name));
+            let verdicts =
+                if group.verdicts.is_empty() { String::new() } else { format!("; {}", group.verdicts_in_words()) };
+            say(format!("{by} {}: {captures} captures; {words}{verdicts}", group.name));
         }
     }
     write_json(options.json.as_deref(), &trend)?;
@@ -50,9 +52,17 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
     let foreign = || format!("{} is no table of captures; make one with `haptic-camera table`", table.display());
     let file = foreign_files::open(table).with_context(foreign)?;
     let rows = SerializedFileReader::new(file).with_context(foreign)?;
-    let columns: Vec<String> = Row::columns().into_iter().map(|(name, _)| name).collect();
-    let known = rows.metadata().file_metadata().schema_descr().columns().iter().map(|column| column.name().to_owned());
-    ensure!(known.collect::<Vec<_>>() == columns, foreign());
+    let about = rows.metadata().file_metadata();
+    let columns: Vec<String> = about.schema_descr().columns().iter().map(|column| column.name().to_owned()).collect();
+    // A table with verdicts has more of them behind those of every table.
+    let of_every_table = Row::columns(None).into_iter().map(|(name, _)| name);
+    ensure!(of_every_table.eq(columns.iter().take(Row::columns(None).len()).cloned()), foreign());
+    let units: HashMap<&str, &str> = about
+        .key_value_metadata()
+        .into_iter()
+        .flatten()
+        .filter_map(|pair| Some((pair.key.strip_prefix("unit.")?, pair.value.as_deref()?)))
+        .collect();
     let mut trend = Trend {
         source: table.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         by,
@@ -62,15 +72,20 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
     let parameters: Vec<&String> =
         columns.iter().filter(|name| columns.contains(&format!("{name}{}", ENDS[0]))).collect();
     let mut groups: BTreeMap<String, Vec<Vec<Told>>> = BTreeMap::new();
+    let mut verdicts: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for row in rows.get_row_iter(None).with_context(foreign)? {
         let row = row.with_context(foreign)?;
         let cells: BTreeMap<&str, Cell> =
             row.get_column_iter().map(|(name, field)| (name.as_str(), cell(field))).collect();
-        if cells.get("error").is_some_and(|error| *error != Cell::Text(None)) {
+        let text = |name: &str| if let Some(Cell::Text(text)) = cells.get(name) { text.clone() } else { None };
+        if text("error").is_some() {
             trend.with_error += 1;
             continue;
         }
-        let name = if let Some(Cell::Text(Some(name))) = cells.get(by) { name.clone() } else { "not known".to_owned() };
+        let name = text(by).unwrap_or_else(|| "not known".to_owned());
+        if let Some(verdict) = text("verdict") {
+            *verdicts.entry(name.clone()).or_default().entry(verdict).or_default() += 1;
+        }
         let captured_at_ns = real(cells.get("captured_at_ns")).unwrap_or(0.0);
         let group = groups.entry(name).or_insert_with(|| vec![Vec::new(); parameters.len()]);
         for (told, name) in group.iter_mut().zip(&parameters) {
@@ -89,10 +104,11 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         .map(|(name, told)| {
             let parameter = |(name, told): (&&String, &Vec<_>)| {
                 let points: Vec<TrendPoint> = told.iter().filter_map(point).collect();
-                let unit = Row::unit_of(name).unwrap_or_default();
+                let unit = units.get(name.as_str()).copied().or_else(|| Row::unit_of(name, None)).unwrap_or_default();
                 (!points.is_empty()).then(|| TrendParameter::of(name, unit, points))
             };
-            TrendGroup { name, parameters: parameters.iter().zip(&told).filter_map(parameter).collect() }
+            let parameters = parameters.iter().zip(&told).filter_map(parameter).collect();
+            TrendGroup { parameters, verdicts: verdicts.remove(&name).unwrap_or_default(), name }
         })
         .collect();
     Ok(trend)

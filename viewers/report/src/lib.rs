@@ -180,7 +180,7 @@ pub fn sheet_page(page: &SheetPage<'_>) -> String {
 
 /// The page of units against a specification as HTML, complete from doctype to end: one line a unit, with reasons.
 #[must_use]
-pub fn verdicts_page(page: &VerdictsPage) -> String {
+pub fn verdicts_page(page: &VerdictsPage<'_>) -> String {
     sheet::verdicts_page(page).into_string()
 }
 

@@ -24,7 +24,7 @@ pub(super) fn run(
     spec: &std::path::Path,
     interrupted: &AtomicBool,
 ) -> anyhow::Result<Outcome> {
-    let specification = judge::load(spec)?;
+    let specification = analysis::load_specification(spec)?;
     let mut options = options.clone();
     options.request.duration_s = TURN.1;
     let mut curves: Vec<Curve> = Vec::new();

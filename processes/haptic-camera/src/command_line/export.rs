@@ -11,7 +11,8 @@ pub struct ExportOptions {
     #[arg(value_name = "CAPTURE|MODEL.toml|1…5")]
     pub source: String,
     /// Where it goes; the ending says as what: a capture as .csv or .parquet, a model's torque over the angle
-    /// as .csv or .h, a model for simulators as .xml (MuJoCo) or .urdf (with Isaac Lab's fields beside it)
+    /// as .csv or .h, a model for simulators as .xml (MuJoCo), .urdf (with Isaac Lab's fields beside it) or .fmu (FMI 3.0),
+    /// a model for SmartKnob's firmware as .json
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Points of a model's table
@@ -20,9 +21,17 @@ pub struct ExportOptions {
     /// Angle that a model's table goes over [default: one period of the detents, a turn without detents]
     #[arg(long, value_enum, value_name = "SPAN")]
     pub over: Option<TableSpan>,
+    /// Torque that SmartKnob's motor makes of a volt, mNm/V
+    #[arg(long, value_name = "MNM_PER_V", value_parser = positive)]
+    pub motor_mnm_per_v: Option<f64>,
     /// The capture along whose motion the torque is told that a simulator's format leaves out [default: the sweep linear-chirp]
     #[arg(long, value_name = "CAPTURE")]
     pub along: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "it is no number".to_owned())?;
+    if number.is_finite() && number > 0.0 { Ok(number) } else { Err("it must be more than zero".to_owned()) }
 }
 
 /// The angle that a table goes over.

@@ -86,7 +86,7 @@ impl Command {
                 .reading(&options.along)
                 .writing(Some(&options.out), options.kind())
                 .writing(options.isaac_lab().as_ref(), Kind::Json),
-            Self::Table(options) => files.writing(Some(&options.out), Kind::Data),
+            Self::Table(options) => files.reading(&options.spec).writing(Some(&options.out), Kind::Data),
             Self::Trend(options) => files
                 .reading([&options.table])
                 .writing(options.json.as_ref(), Kind::Json)
@@ -139,7 +139,8 @@ impl ExportOptions {
         let ending = self.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         match ending.as_deref() {
             Some("h") => Kind::Header,
-            Some("xml" | "urdf") => Kind::Simulator,
+            Some("xml" | "urdf" | "fmu") => Kind::Simulator,
+            Some("json") => Kind::Json,
             _ => Kind::Data,
         }
     }

@@ -14,6 +14,9 @@ pub struct TableOptions {
     /// Where the table goes
     #[arg(long, value_name = "FILE.parquet")]
     pub out: PathBuf,
+    /// Limits, as for `judge`: every row then has the figures of the sheet and the verdict too
+    #[arg(long, value_name = "SPEC.toml")]
+    pub spec: Option<PathBuf>,
     /// Captures that are fitted at once [default: one a core]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZero<usize>>,

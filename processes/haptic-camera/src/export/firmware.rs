@@ -58,7 +58,7 @@ fn constants(model: &Model, upper: &str, text: &mut String) {
 
 /// What SmartKnob's configuration takes.
 fn smart_knob(model: &Model, table: &TorqueOverAngle, upper: &str, text: &mut String) {
-    let Some(stiffness) = table.detent_stiffness_mnm_rad.filter(|_| table.is_period) else { return };
+    let Some(rest) = table.rest.filter(|_| table.is_period) else { return };
     let _ = write!(
         text,
         "\n/* SmartKnob (github.com/scottbez1/smartknob, firmware/src/motor_task.cpp): its motor is given 4 V per radian off the\n\
@@ -70,16 +70,20 @@ fn smart_knob(model: &Model, table: &TorqueOverAngle, upper: &str, text: &mut St
          #define {upper}_SMARTKNOB_DETENT_STRENGTH_UNIT(MOTOR_MNM_PER_V) \\\n    \
          ({upper}_DETENT_STIFFNESS_MNM_PER_RAD / (4.0f * (MOTOR_MNM_PER_V)))\n",
         float(table.span_rad),
-        float(stiffness)
+        float(rest.stiffness_mnm_rad)
     );
-    let stiffest = model.effect(end_stop::KIND.name).map(|stop| stop.values()[2].max(stop.values()[3]));
-    if let Some(stiffest) = stiffest {
+    if let Some(stiffest) = stiffest_end_stop_mnm_rad(model) {
         let _ = write!(
             text,
             "#define {upper}_SMARTKNOB_ENDSTOP_STRENGTH_UNIT(MOTOR_MNM_PER_V) \\\n    ({} / (4.0f * (MOTOR_MNM_PER_V)))\n",
             float(stiffest)
         );
     }
+}
+
+/// Stiffness of the stiffer end stop, mNm/rad, where the model has them.
+pub(super) fn stiffest_end_stop_mnm_rad(model: &Model) -> Option<f64> {
+    model.effect(end_stop::KIND.name).map(|stop| stop.values()[2].max(stop.values()[3]))
 }
 
 fn write_table(table: &TorqueOverAngle, upper: &str, text: &mut String) {

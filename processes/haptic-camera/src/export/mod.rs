@@ -3,6 +3,7 @@
 mod firmware;
 mod parquet_file;
 mod simulator;
+mod smartknob;
 mod torque_over_angle;
 
 use std::path::{Path, PathBuf};
@@ -24,8 +25,10 @@ use torque_over_angle::TorqueOverAngle;
 enum UsageError {
     #[error("{} has none of the endings that a capture can be exported as; name the file .csv or .parquet", .0.display())]
     Capture(PathBuf),
-    #[error("{} has none of the endings that a model can be exported as; name the file .csv, .h, .xml or .urdf", .0.display())]
+    #[error("{} has none of the endings that a model can be exported as; name the file .csv, .h, .xml, .urdf, .fmu or .json", .0.display())]
     Model(PathBuf),
+    #[error("SmartKnob's strengths are volts; say by --motor-mnm-per-v how much torque its motor makes of one")]
+    Motor,
 }
 
 /// Writes a capture or a model in another format.
@@ -37,7 +40,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let is_model = options.source.parse::<u32>().is_ok() || source.extension().is_some_and(|ending| ending == "toml");
     let wrong = match (is_model, ending.as_str()) {
-        (true, "csv" | "h" | "xml" | "urdf") | (false, "csv" | "parquet") => None,
+        (true, "csv" | "h" | "xml" | "urdf" | "fmu" | "json") | (false, "csv" | "parquet") => None,
         (true, _) => Some(UsageError::Model(options.out.clone())),
         (false, _) => Some(UsageError::Capture(options.out.clone())),
     };
@@ -49,6 +52,8 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
         (true, "h") => firmware_header(options),
         (true, "xml") => simulator::write_export(options, &simulators::mjcf(&knobs::named(&options.source)?)),
         (true, "urdf") => simulator::urdf(options),
+        (true, "fmu") => simulator::fmu(options),
+        (true, "json") => smartknob::write(options),
         (true, _) => model_table(options),
         (false, "parquet") => capture_as_parquet(source, &options.out),
         (false, _) => capture_as_csv(source, &options.out),

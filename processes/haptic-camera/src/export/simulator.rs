@@ -1,23 +1,31 @@
 //! Models for simulators, and how much torque they leave out.
 
+use anyhow::Context as _;
 use dynamics::excitation::{Drive, Excitation};
 use dynamics::{Motion, knobs};
-use simulators::{Export, isaac_lab, left_out_mnm};
+use simulators::{Export, fmi, isaac_lab, left_out_mnm};
 
 use crate::command_line::ExportOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, write};
+use crate::supervision::program_path;
+
+/// The library of the crate `knob-fmu`, which is built beside the programs.
+const FMU_LIBRARY: &str = "libhaptic_knob.so";
 
 /// Length and rate of the sweep along which left-out torque is told where no capture is named, s and Hz.
 const SWEEP_S: f64 = 6.0;
 const SWEEP_HZ: f64 = 2_000.0;
 
 /// Writes the file and tells what it leaves out.
-pub(super) fn write_export(options: &ExportOptions, export: &Export) -> anyhow::Result<Outcome> {
+pub(super) fn write_export<Content: AsRef<[u8]>>(
+    options: &ExportOptions,
+    export: &Export<Content>,
+) -> anyhow::Result<Outcome> {
     let model = knobs::named(&options.source)?;
     let (motions, motion) = motion(options)?;
-    write(&options.out, Kind::Simulator, &export.text)?;
+    write(&options.out, Kind::Simulator, &export.content)?;
     let left_out_mnm = left_out_mnm(&model, &export.said, &motions);
     say(format!("{}: leaves out {left_out_mnm:.6} mNm RMS along {motion}", options.out.display()));
     export.left_out.iter().for_each(|words| say(format!("- {words}")));
@@ -34,9 +42,19 @@ pub(super) fn urdf(options: &ExportOptions) -> anyhow::Result<Outcome> {
     Ok(done)
 }
 
+/// An FMU around the library that lies beside this program.
+pub(super) fn fmu(options: &ExportOptions) -> anyhow::Result<Outcome> {
+    let model = knobs::named(&options.source)?;
+    let place = program_path(FMU_LIBRARY)?;
+    let library = std::fs::read(&place).with_context(|| {
+        format!("{} cannot be read; build it with `cargo build --release -p knob-fmu`", place.display())
+    })?;
+    write_export(options, &fmi::fmu(&model, &library)?)
+}
+
 /// The motion along which torques are compared, and what it is called.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand samples")]
-fn motion(options: &ExportOptions) -> anyhow::Result<(Vec<Motion>, String)> {
+pub(super) fn motion(options: &ExportOptions) -> anyhow::Result<(Vec<Motion>, String)> {
     if let Some(capture) = &options.along {
         let loaded = load::load(capture)?;
         let motions = identification::knob_motion(&loaded.samples(), loaded.calibration.as_ref())?;

@@ -28,8 +28,17 @@ pub(super) struct TorqueOverAngle {
     pub(super) torque_mnm: Vec<f64>,
     /// Names of the effects that are in it.
     pub(super) effects: Vec<&'static str>,
-    /// Slope of the torque where it holds the knob best, mNm/rad; none where it nowhere does.
-    pub(super) detent_stiffness_mnm_rad: Option<f64>,
+    /// Where the torque holds the knob best; none where it nowhere does.
+    pub(super) rest: Option<Rest>,
+}
+
+/// A place where the torque holds the knob.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rest {
+    /// Where it is, rad.
+    pub(super) angle_rad: f64,
+    /// Slope of the torque there, mNm/rad.
+    pub(super) stiffness_mnm_rad: f64,
 }
 
 impl TorqueOverAngle {
@@ -61,14 +70,18 @@ impl TorqueOverAngle {
         let at = |index: u32, points: u32| span_rad * f64::from(index) / f64::from(points);
         let fine: Vec<f64> = (0..=FINE_POINTS).map(|index| torque_mnm(at(index, FINE_POINTS))).collect();
         let step_rad = span_rad / f64::from(FINE_POINTS);
-        let rests = fine.windows(2).filter(|pair| pair[0] <= 0.0 && pair[1] > 0.0);
+        let rests = (0_u32..).zip(fine.windows(2)).filter(|(_, pair)| pair[0] <= 0.0 && pair[1] > 0.0);
+        let rests = rests.map(|(index, pair)| Rest {
+            angle_rad: at(index, FINE_POINTS) - step_rad * pair[0] / (pair[1] - pair[0]),
+            stiffness_mnm_rad: (pair[1] - pair[0]) / step_rad,
+        });
         Ok(Self {
             axis: model.axis,
             span_rad,
             is_period,
             torque_mnm: (0..points).map(|index| torque_mnm(at(index, points))).collect(),
             effects: effects.iter().map(|effect| effect.kind().name).collect(),
-            detent_stiffness_mnm_rad: rests.map(|pair| (pair[1] - pair[0]) / step_rad).max_by(f64::total_cmp),
+            rest: rests.max_by(|a, b| a.stiffness_mnm_rad.total_cmp(&b.stiffness_mnm_rad)),
         })
     }
 

@@ -1,20 +1,15 @@
 //! `sheet`: the figures of a data sheet, from captures or from other people's testers' files.
 
 mod csv;
-mod files;
-mod smartknob;
 mod table;
 mod wall;
 
-use std::path::Path;
-
-use report::SheetPage;
+use analysis::{curve_files, curves};
 use sheet::Sheet;
 
 use crate::command_line::SheetOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
-pub use files::{curves, files_of};
 
 /// Reads the curves, makes the sheet, and writes what was asked for.
 ///
@@ -28,7 +23,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let choice = options.table.choice()?;
-    let files = files_of(&options.captures)?;
+    let files = curve_files(&options.captures)?;
     let sheet = Sheet::of(&curves(&files, choice.as_ref())?)?;
     if !to_output(options.json.as_deref()) {
         say(table::heading(&sheet, &files));
@@ -43,16 +38,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
         write(path, Kind::Figures, &csv::text(&sheet))?;
     }
     if let Some(path) = &options.report {
-        let name =
-            |file: &Path| operator::one_line(&file.file_name().map(|name| name.to_string_lossy()).unwrap_or_default());
-        let folder = files[0].parent().filter(|_| files.len() > 1);
-        let page = SheetPage {
-            sheet: &sheet,
-            title: folder.map_or_else(|| name(&files[0]), name),
-            sources: files.iter().map(|file| name(file)).collect(),
-            software_version: env!("CARGO_PKG_VERSION").to_owned(),
-        };
-        write(path, Kind::Page, &report::sheet_page(&page))?;
+        write(path, Kind::Page, &analysis::sheet_page(&sheet, &files))?;
     }
     Ok(Outcome::Done)
 }

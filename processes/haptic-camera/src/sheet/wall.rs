@@ -8,7 +8,7 @@ use report::{WallKnob, WallPage};
 use shared_types::Axis;
 use sheet::Sheet;
 
-use super::smartknob;
+use crate::smartknob;
 
 /// Speed at which a model is turned, rad/s: viscous friction is next to nothing.
 const SLOW_RAD_S: f64 = 0.01;
@@ -100,7 +100,7 @@ fn of_smartknob(knob: &smartknob::SmartKnob) -> WallKnob {
         ("peak", format!("{} V", short(knob.peak_v()))),
     ];
     WallKnob {
-        name: knob.name.to_owned(),
+        name: knob.name.clone().into_owned(),
         description: String::new(),
         sheet: knob.sheet(),
         reach_rad: knob.reach_rad(),

@@ -9,16 +9,16 @@ use sheet::{Capability, Index, QdasRow};
 
 use super::values::{Unit, column, studied, units};
 use crate::command_line::CapabilityOptions;
-use crate::judge::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
+use analysis::load_specification;
 
 /// Studies each limited figure and writes what was asked for.
 ///
 /// # Errors
 /// One sentence on what is wrong with a file, or with the number of units.
 pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
-    let specification = load(&options.spec)?;
+    let specification = load_specification(&options.spec)?;
     let studied = studied(&options.study, Some(&specification))?;
     let units = units(&options.study, &studied)?;
     let mut told: BTreeMap<&'static str, Capability> = BTreeMap::new();

@@ -7,9 +7,9 @@ use sheet::{Design, Gauge};
 
 use super::values::{Unit, column, studied, units};
 use crate::command_line::GaugeOptions;
-use crate::judge::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{to_output, write_json};
+use analysis::load_specification;
 
 /// %GRR up to which a gauge is good, and up to which it may do (AIAG, Measurement Systems Analysis, 4th edition).
 const GOOD_PERCENT: f64 = 10.0;
@@ -22,7 +22,7 @@ const CATEGORIES: u64 = 5;
 /// # Errors
 /// One sentence on what is wrong with a file, or with who measured what.
 pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
-    let specification = options.spec.as_deref().map(load).transpose()?;
+    let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let studied = studied(&options.study, specification.as_ref())?;
     let units = units(&options.study, &studied)?;
     let design = if options.nested { Design::Nested } else { Design::Crossed };

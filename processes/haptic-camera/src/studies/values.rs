@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use analysis::{curve_files, curves};
 use anyhow::{Context as _, bail};
 use foreign_files::{Column, Others, read_columns};
 use sheet::{FigureKind, Limits, Sheet, Specification, kinds};
 
 use crate::command_line::StudyOptions;
-use crate::sheet::{curves, files_of};
 
 /// A figure that is studied, with its limits.
 pub type Studied = (&'static FigureKind, Limits);
@@ -63,7 +63,7 @@ pub fn units(options: &StudyOptions, studied: &[Studied]) -> anyhow::Result<Vec<
         let [operator, part] = [1, 2].map(|above| folder(&file, above));
         Ok(Unit { part, operator, file: Some(file), values })
     };
-    files_of(&options.captures)?.into_iter().map(unit).collect()
+    curve_files(&options.captures)?.into_iter().map(unit).collect()
 }
 
 /// Name of the folder so many above the file.

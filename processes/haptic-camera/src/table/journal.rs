@@ -9,6 +9,7 @@ use analysis::{Cell, Row};
 use anyhow::{Context as _, bail};
 use archive::ArchiveError;
 use archive::whole_file::{Replace, write_whole};
+use sheet::Specification;
 
 use super::files::Seen;
 use super::parquet_file::Table;
@@ -20,7 +21,8 @@ const ROWS_AT_ONCE: usize = 4096;
 const ERROR: usize = 1;
 
 /// The rows of a table in the making.
-pub(super) struct Journal {
+pub(super) struct Journal<'spec> {
+    specification: Option<&'spec Specification>,
     table: PathBuf,
     place: PathBuf,
     file: File,
@@ -32,29 +34,44 @@ pub(super) struct Journal {
 /// A line: path, bytes and time of the file, then the row's cells as text, in which a number reads back to the last bit.
 type Line = (PathBuf, u64, String, Vec<Option<String>>);
 
-impl Journal {
-    /// The journal of a table, with the files whose rows it has; a line that was cut off is written again.
+impl<'spec> Journal<'spec> {
+    /// The journal of a table, with the files whose rows it has; a line that was cut off is written again, and so is everything
+    /// that was made by another specification, which the first line names.
     ///
     /// # Errors
     /// When there is a table already, or the journal cannot be read and written.
-    pub(super) fn open(table: &Path) -> anyhow::Result<(Self, HashSet<Seen>)> {
+    pub(super) fn open(
+        table: &Path,
+        specification: Option<&'spec Specification>,
+    ) -> anyhow::Result<(Self, HashSet<Seen>)> {
         let place = super::journal_beside(table);
         let unusable = || format!("{} cannot be used; choose another place for the table", place.display());
-        let file = File::options().read(true).append(true).create(true).open(&place).with_context(unusable)?;
+        let mut file = File::options().read(true).append(true).create(true).open(&place).with_context(unusable)?;
         if file.try_lock().is_err() {
             bail!("{} is in use by another call; wait for it, or choose another place for the table", place.display());
         }
-        let (mut lines, mut end, mut text) = (HashMap::new(), 0, String::new());
+        let (mut lines, mut text) = (HashMap::new(), String::new());
+        let columns = Row::columns(specification);
+        let head = format!("{specification:?}\n");
         let mut reader = BufReader::new(&file);
+        let is_ours = reader.read_line(&mut text).is_ok_and(|_| text == head);
+        if !is_ours {
+            file.set_len(0).with_context(unusable)?;
+            file.write_all(head.as_bytes()).with_context(unusable)?;
+        }
+        let mut end = head.len() as u64;
+        let mut reader = BufReader::new(&file);
+        reader.seek(SeekFrom::Start(end)).with_context(unusable)?;
+        text.clear();
         while reader.read_line(&mut text).with_context(unusable)? > 0 && text.ends_with('\n') {
-            let Some((seen, _)) = parsed(&text) else { break };
+            let Some((seen, _)) = parsed(&text, &columns) else { break };
             lines.insert(seen, end);
             end += text.len() as u64;
             text.clear();
         }
         file.set_len(end).with_context(unusable)?;
         let done = lines.keys().cloned().collect();
-        Ok((Self { table: table.to_owned(), place, file, lines, end }, done))
+        Ok((Self { specification, table: table.to_owned(), place, file, lines, end }, done))
     }
 
     pub(super) fn place(&self) -> &Path {
@@ -81,9 +98,9 @@ impl Journal {
     /// # Errors
     /// When the table cannot be written; the journal then stays.
     pub(super) fn into_table(mut self, files: &[Seen]) -> anyhow::Result<usize> {
-        let (table, lines, journal) = (&self.table, &self.lines, &mut self.file);
+        let (table, lines, journal, specification) = (&self.table, &self.lines, &mut self.file, self.specification);
         let wrong = write_whole(table, Replace::Nothing, |place| {
-            write_rows(place, files, lines, journal)
+            write_rows(place, files, lines, journal, specification)
                 .map_err(|error| ArchiveError::File { path: table.clone(), error: std::io::Error::other(error) })
         })?;
         std::fs::remove_file(&self.place).with_context(|| format!("{} cannot be removed", self.place.display()))?;
@@ -97,11 +114,14 @@ fn write_rows(
     files: &[Seen],
     lines: &HashMap<Seen, u64>,
     journal: &mut File,
+    specification: Option<&Specification>,
 ) -> anyhow::Result<usize> {
     let mut wrong = 0;
-    let mut table = Table::begin(place)?;
+    let columns = Row::columns(specification);
+    let mut table = Table::begin(place, specification)?;
     for files in files.chunks(ROWS_AT_ONCE) {
-        let rows = files.iter().map(|file| read_back(journal, lines[file])).collect::<anyhow::Result<Vec<_>>>()?;
+        let rows =
+            files.iter().map(|file| read_back(journal, lines[file], &columns)).collect::<anyhow::Result<Vec<_>>>()?;
         wrong += rows.iter().filter(|cells| matches!(cells[ERROR], Cell::Text(Some(_)))).count();
         table.add(&rows)?;
     }
@@ -117,14 +137,13 @@ fn written(cell: &Cell) -> Option<String> {
     }
 }
 
-fn parsed(line: &str) -> Option<(Seen, Vec<Cell>)> {
+fn parsed(line: &str, columns: &[(String, Cell)]) -> Option<(Seen, Vec<Cell>)> {
     let (path, bytes, written_ns, texts): Line = serde_json::from_str(line).ok()?;
-    let columns = Row::columns();
     if texts.len() != columns.len() {
         return None;
     }
-    let cell = |(text, (_, empty)): (Option<String>, (String, Cell))| {
-        let Some(text) = text else { return Some(empty) };
+    let cell = |(text, (_, empty)): (Option<String>, &(String, Cell))| {
+        let Some(text) = text else { return Some(empty.clone()) };
         Some(match empty {
             Cell::Text(_) => Cell::Text(Some(text)),
             Cell::Count(_) => Cell::Count(Some(text.parse().ok()?)),
@@ -135,10 +154,10 @@ fn parsed(line: &str) -> Option<(Seen, Vec<Cell>)> {
     Some((Seen { path, bytes, written_ns: written_ns.parse().ok()? }, cells))
 }
 
-fn read_back(journal: &mut File, start: u64) -> anyhow::Result<Vec<Cell>> {
+fn read_back(journal: &mut File, start: u64, columns: &[(String, Cell)]) -> anyhow::Result<Vec<Cell>> {
     journal.seek(SeekFrom::Start(start))?;
     let mut line = String::new();
     BufReader::new(journal).read_line(&mut line)?;
-    let (_, cells) = parsed(&line).context("the journal was changed meanwhile; make the table again")?;
+    let (_, cells) = parsed(&line, columns).context("the journal was changed meanwhile; make the table again")?;
     Ok(cells)
 }

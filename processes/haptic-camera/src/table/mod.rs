@@ -12,9 +12,10 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
 
-use analysis::Row;
+use analysis::{Row, load_specification};
 use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
+use sheet::Specification;
 
 use crate::command_line::TableOptions;
 use crate::outcome::{Outcome, remark, say};
@@ -28,7 +29,8 @@ use journal::Journal;
 pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
     let files = captures(&options.folders)?;
     ensure!(!files.is_empty(), "there is no .mcap or .csv file in the folders; name folders of captures");
-    let (mut journal, done) = Journal::open(&options.out)?;
+    let specification = options.spec.as_deref().map(load_specification).transpose()?;
+    let (mut journal, done) = Journal::open(&options.out, specification.as_ref())?;
     let left: Vec<&Seen> = files.iter().filter(|file| !done.contains(*file)).collect();
     if left.len() < files.len() {
         remark(format!(
@@ -39,7 +41,7 @@ pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
         ));
     }
     let bar = progress_bar(files.len(), files.len() - left.len());
-    let added = add_rows(&left, jobs(options.jobs), &mut journal, &bar);
+    let added = add_rows(&left, specification.as_ref(), jobs(options.jobs), &mut journal, &bar);
     bar.finish_and_clear();
     added?;
     let wrong = journal.into_table(&files)?;
@@ -52,7 +54,13 @@ fn jobs(asked: Option<NonZero<usize>>) -> usize {
 }
 
 /// Fits the captures on so many threads and keeps each row as it comes.
-fn add_rows(left: &[&Seen], jobs: usize, journal: &mut Journal, bar: &ProgressBar) -> anyhow::Result<()> {
+fn add_rows(
+    left: &[&Seen],
+    specification: Option<&Specification>,
+    jobs: usize,
+    journal: &mut Journal<'_>,
+    bar: &ProgressBar,
+) -> anyhow::Result<()> {
     let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
     // A thread waits while the journal is slower than it.
     let (sender, receiver) = sync_channel(jobs);
@@ -64,7 +72,7 @@ fn add_rows(left: &[&Seen], jobs: usize, journal: &mut Journal, bar: &ProgressBa
                 while !stopped.load(Ordering::Relaxed)
                     && let Some(file) = left.get(next.fetch_add(1, Ordering::Relaxed))
                 {
-                    if sender.send((*file, Row::of(&file.path))).is_err() {
+                    if sender.send((*file, Row::of(&file.path, specification))).is_err() {
                         break;
                     }
                 }

@@ -12,33 +12,38 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
+use sheet::Specification;
 
 /// A table that is being written.
-pub(super) struct Table {
+pub(super) struct Table<'spec> {
+    specification: Option<&'spec Specification>,
     file: SerializedFileWriter<BufWriter<File>>,
 }
 
-impl Table {
+impl<'spec> Table<'spec> {
     /// Begins a table at a place; the units of its columns go into its key-value metadata.
-    pub(super) fn begin(place: BufWriter<File>) -> Result<Self, ParquetError> {
-        let columns = Row::columns();
+    pub(super) fn begin(
+        place: BufWriter<File>,
+        specification: Option<&'spec Specification>,
+    ) -> Result<Self, ParquetError> {
+        let columns = Row::columns(specification);
         let fields = columns.iter().map(|(name, empty)| field(name, empty)).collect::<Result<Vec<_>, _>>()?;
         let schema = Arc::new(Type::group_type_builder("captures").with_fields(fields).build()?);
-        let units = columns
-            .iter()
-            .filter_map(|(name, _)| Some(KeyValue::new(format!("unit.{name}"), Row::unit_of(name)?.to_owned())));
+        let units = columns.iter().filter_map(|(name, _)| {
+            Some(KeyValue::new(format!("unit.{name}"), Row::unit_of(name, specification)?.to_owned()))
+        });
         let software = KeyValue::new("software".to_owned(), format!("haptic-camera {}", env!("CARGO_PKG_VERSION")));
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_key_value_metadata(Some(units.chain([software]).collect()))
             .build();
-        Ok(Self { file: SerializedFileWriter::new(place, schema, Arc::new(properties))? })
+        Ok(Self { specification, file: SerializedFileWriter::new(place, schema, Arc::new(properties))? })
     }
 
     /// Adds rows, each with a cell for every column.
     pub(super) fn add(&mut self, rows: &[Vec<Cell>]) -> Result<(), ParquetError> {
         let mut group = self.file.next_row_group()?;
-        for (place, (_, empty)) in Row::columns().iter().enumerate() {
+        for (place, (_, empty)) in Row::columns(self.specification).iter().enumerate() {
             let cells = rows.iter().map(|row| &row[place]);
             match empty {
                 Cell::Text(_) => write::<ByteArrayType>(&mut group, cells.map(text))?,

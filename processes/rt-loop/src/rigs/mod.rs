@@ -3,12 +3,15 @@
 //! To add one, implement [`Apparatus`] in a folder under `hal/`, write a file beside `plugin.rs` that makes it of a rig file, and
 //! add its [`RigKind`] to [`ALL`]; or leave this as it is, and hand a list of your own to [`run`](crate::run).
 
+mod ethercat;
 mod hand;
 mod plugin;
+mod scan;
 mod simulated;
 
 use dynamics::Model;
 use hal::{Apparatus, RigFile};
+pub use scan::{DriverError, Scan, ScanError, scan};
 
 use crate::plan::PlanError;
 use crate::request::{RigRequest, RunRequest};
@@ -26,6 +29,8 @@ pub struct RigKind {
     /// # Errors
     /// [`PlanError`], for what it cannot be asked.
     pub make: fn(&RigFile, &RunRequest) -> Result<Rig, PlanError>,
+    /// How it looks for its devices; `None` for a driver that cannot.
+    pub scan: Option<Scan>,
 }
 
 /// A rig ready for a run.
@@ -40,7 +45,7 @@ pub struct Rig {
 pub type Registry<'a> = &'a [&'static RigKind];
 
 /// Every driver of ours.
-pub static ALL: [&RigKind; 2] = [&simulated::KIND, &plugin::KIND];
+pub static ALL: [&RigKind; 3] = [&simulated::KIND, &plugin::KIND, &ethercat::KIND];
 
 /// The simulated rigs' files, by the names that `--apparatus` has for them.
 const SHIPPED: [(&str, &str); 2] = [("sim", hal::simulated::RIG_FILE), ("sim-linear", hal::simulated::LINEAR_RIG_FILE)];

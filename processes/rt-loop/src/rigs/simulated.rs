@@ -10,7 +10,7 @@ use crate::plan::{PlanError, mounted_knob};
 use crate::request::{RunRequest, SimulatedRequest, default_knob};
 
 pub(super) static KIND: RigKind =
-    RigKind { name: "simulated", description: "the simulated rig with any knob", template: RIG_FILE, make };
+    RigKind { name: "simulated", description: "the simulated rig with any knob", template: RIG_FILE, make, scan: None };
 
 /// Seed of the noise where none is asked for.
 const SEED: u64 = 1;

@@ -1,6 +1,7 @@
 //! The page of verdicts: one line a unit.
 
 use maud::{Markup, html};
+use serde::Serialize;
 use sheet::{FigureVerdict, Judgement, Verdict};
 
 use crate::numbers::{Digits, three};
@@ -8,29 +9,30 @@ use crate::page::document;
 
 /// Units with their verdicts.
 #[derive(Clone, Debug)]
-pub struct VerdictsPage {
+pub struct VerdictsPage<'a> {
     /// What the specification is of; may be empty.
-    pub name: String,
+    pub name: &'a str,
     /// Largest risk of a wrong verdict.
     pub risk: f64,
     /// The units in the order in which they were given.
-    pub units: Vec<JudgedUnit>,
+    pub units: &'a [JudgedUnit],
     /// Version of the program that made the page.
-    pub software_version: String,
+    pub software_version: &'a str,
 }
 
 /// A unit with its verdict.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct JudgedUnit {
     /// The unit's file or folder.
     pub unit: String,
     /// The verdict.
+    #[serde(flatten)]
     pub judgement: Judgement,
 }
 
-pub(crate) fn verdicts_page(page: &VerdictsPage) -> Markup {
+pub(crate) fn verdicts_page(page: &VerdictsPage<'_>) -> Markup {
     let count = |verdict| page.units.iter().filter(|unit| unit.judgement.verdict == verdict).count();
-    let title = if page.name.is_empty() { "Verdicts" } else { page.name.as_str() };
+    let title = if page.name.is_empty() { "Verdicts" } else { page.name };
     let content = html! {
         header {
             p.kind { "Units against a specification" }
@@ -46,7 +48,7 @@ pub(crate) fn verdicts_page(page: &VerdictsPage) -> Markup {
                 table.compared {
                     thead { tr { th { "unit" } th { "verdict" } th { "figures" } th { "reasons" } } }
                     tbody.plain.units {
-                        @for JudgedUnit { unit, judgement } in &page.units {
+                        @for JudgedUnit { unit, judgement } in page.units {
                             tr {
                                 th scope="row" { (unit) }
                                 td { span class=(class(judgement.verdict)) { (judgement.verdict.word()) } }

@@ -1,5 +1,7 @@
 //! What the page of a trend is made of; it serialises to what `trend --json` gives.
 
+use std::collections::BTreeMap;
+
 use identification::statistics::student_95;
 use serde::Serialize;
 
@@ -24,8 +26,20 @@ pub struct Trend {
 pub struct TrendGroup {
     /// The knob or the rig.
     pub name: String,
-    /// Its parameters, as the table has them.
+    /// Its parameters, and figures of the sheet, as the table has them.
     pub parameters: Vec<TrendParameter>,
+    /// Captures by their verdicts; empty of a table without a specification.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub verdicts: BTreeMap<String, usize>,
+}
+
+impl TrendGroup {
+    /// The verdicts as `3 fail, 20 pass`.
+    #[must_use]
+    pub fn verdicts_in_words(&self) -> String {
+        let words: Vec<String> = self.verdicts.iter().map(|(verdict, count)| format!("{count} {verdict}")).collect();
+        words.join(", ")
+    }
 }
 
 /// A parameter over time.

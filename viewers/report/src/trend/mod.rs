@@ -32,6 +32,12 @@ pub(crate) fn trend_page(trend: &Trend) -> Markup {
             h2 { "Parameters" }
             (table(trend, &names))
         }
+        @if trend.groups.iter().any(|group| !group.verdicts.is_empty()) {
+            section {
+                h2 { "Verdicts" }
+                @for group in &trend.groups { p { (group.name) ": " (group.verdicts_in_words()) } }
+            }
+        }
         section {
             h2 { "Over time" }
             @if drawn.len() < trend.groups.len() {

@@ -1,17 +1,18 @@
-//! SmartKnob's default knobs, as its firmware renders them at rest.
+//! SmartKnob's knobs, as its firmware renders them at rest, and the default ones.
 //!
 //! Facts from github scottbez1/smartknob: the list of configurations in `firmware/src/interface_task.cpp`, and the control law in
 //! `firmware/src/motor_task.cpp`: 4 · strength volt per radian off the middle of the position, without the first fifth of its
 //! width or the first degree, whichever is less; the next position's middle from `snap_point` widths on; at the ends
 //! the strength of the end stop; at most the supply of 5 V. What its motor makes of a volt the firmware does not say.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use shared_types::Axis;
 use sheet::{Branch, Sheet};
 
 /// Volt per radian and unit of strength.
-const V_PER_RAD: f64 = 4.0;
+pub const V_PER_RAD: f64 = 4.0;
 /// Share of a position's width that is without torque …
 const DEAD_SHARE: f64 = 0.2;
 /// … but at most this angle, rad.
@@ -24,7 +25,7 @@ const STEPS: u32 = 60;
 /// A configuration of the firmware.
 pub struct SmartKnob {
     /// Its text.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Number of positions; 0 for no bounds.
     pub positions: u32,
     /// Width of a position, degrees.
@@ -44,7 +45,7 @@ const fn knob(
     [detent_strength, endstop_strength]: [f64; 2],
     snap_point: f64,
 ) -> SmartKnob {
-    SmartKnob { name, positions, width_deg, detent_strength, endstop_strength, snap_point }
+    SmartKnob { name: Cow::Borrowed(name), positions, width_deg, detent_strength, endstop_strength, snap_point }
 }
 
 /// The configurations that the firmware ships. The last has detents at 4 of its 32 positions only; one of these is shown.
@@ -95,19 +96,8 @@ impl SmartKnob {
         let first = -0.8 * width;
         #[allow(clippy::cast_precision_loss, reason = "some hundred steps")]
         let angles: Vec<f64> = (0..steps).map(|index| first + index as f64 * step).collect();
-        let mut position = 0_u32;
-        let mut felt = |angle: f64| {
-            let off = |position: u32| angle - f64::from(position) * width;
-            let bounded = self.positions > 0;
-            if off(position) > self.snap_point * width && !(bounded && position + 1 == self.positions) {
-                position += 1;
-            } else if off(position) < -self.snap_point * width && position > 0 {
-                position -= 1;
-            }
-            let below = bounded && position == 0 && off(position) < 0.0;
-            let above = bounded && position + 1 == self.positions && off(position) > 0.0;
-            self.volts(off(position), if below || above { self.endstop_strength } else { self.detent_strength })
-        };
+        let mut turned = Turned { knob: self, position: 0 };
+        let mut felt = |angle: f64| turned.volts_at(angle);
         let there: Vec<f64> = angles.iter().map(|angle| felt(*angle)).collect();
         let mut back: Vec<f64> = angles.iter().rev().map(|angle| felt(*angle)).collect();
         back.reverse();
@@ -120,5 +110,32 @@ impl SmartKnob {
         };
         let curve = BTreeMap::from([("positive", branch(there)), ("negative", branch(back))]);
         Sheet { axis: Axis::Rotary, runs: 1, figures: BTreeMap::new(), detents: Vec::new(), curve }
+    }
+}
+
+/// A knob as it is turned: it keeps its position until the next one's is reached.
+pub struct Turned<'knob> {
+    /// The knob.
+    pub knob: &'knob SmartKnob,
+    /// The position that it is in, counted towards positive angle; the middle of position 0 is at angle 0.
+    pub position: i32,
+}
+
+impl Turned<'_> {
+    /// The volts against leaving the position at that angle, rad.
+    pub fn volts_at(&mut self, angle_rad: f64) -> f64 {
+        let knob = self.knob;
+        let width = knob.width_rad();
+        let ends = (knob.positions > 0).then(|| [0, i32::try_from(knob.positions - 1).unwrap_or(i32::MAX)]);
+        let off = |position: i32| angle_rad - f64::from(position) * width;
+        if off(self.position) > knob.snap_point * width && ends.is_none_or(|[_, last]| self.position < last) {
+            self.position += 1;
+        } else if off(self.position) < -knob.snap_point * width && ends.is_none_or(|[first, _]| self.position > first) {
+            self.position -= 1;
+        }
+        let off = off(self.position);
+        let beyond =
+            ends.is_some_and(|[first, last]| self.position == first && off < 0.0 || self.position == last && off > 0.0);
+        knob.volts(off, if beyond { knob.endstop_strength } else { knob.detent_strength })
     }
 }
