@@ -135,7 +135,7 @@ impl Places {
         clippy::cast_sign_loss,
         reason = "a number of cells, and a place among them"
     )]
-    pub(crate) fn of(samples: impl Iterator<Item = (f64, f64)> + Clone) -> Option<Self> {
+    pub(crate) fn of(samples: &(impl Iterator<Item = (f64, f64)> + Clone)) -> Option<Self> {
         let angles = || samples.clone().map(|(angle_rad, _)| angle_rad);
         let (lowest_rad, highest_rad) =
             (angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max));

@@ -228,7 +228,7 @@ impl<'a> Prepared<'a> {
         nonnegative.remove(positive);
         let sliding = |index: &usize| frame.mask[*index] > 0.0;
         let places =
-            Places::of((0..motion.len()).filter(sliding).map(|index| (motion.angle_rad[index], torque_mnm[index])))?;
+            Places::of(&(0..motion.len()).filter(sliding).map(|index| (motion.angle_rad[index], torque_mnm[index])))?;
         let [back, forth] = [negative, positive].map(|column| base.columns[column].iter().any(|value| *value != 0.0));
         measure(&columns, &nonnegative, &base.target, &places, back && forth, |spline| {
             spline.columns(motion.len(), |index| motion.at(index)).map(|column| frame.rows(&column)).collect()

@@ -67,8 +67,8 @@ pub(super) fn parse(entry: &toml::Table, axis: Axis, origin: &str) -> Result<Eff
             // A table is as drawn unless the file says otherwise.
             None if drawn.is_some() => 1.0,
             None if index >= of_first_line => 0.0,
-            None => return Err(reader.wrong(format!("lacks '{}'", parameter.name))),
-            Some(value) => number(value).ok_or_else(|| reader.wrong(not_a_number(parameter.name)))?,
+            None => return Err(reader.wrong(&format!("lacks '{}'", parameter.name))),
+            Some(value) => number(value).ok_or_else(|| reader.wrong(&not_a_number(parameter.name)))?,
         };
         if !parameter.minimum.permits(value) {
             return Err(ModelError::OutOfRange {
@@ -87,7 +87,7 @@ pub(super) fn parse(entry: &toml::Table, axis: Axis, origin: &str) -> Result<Eff
     match entry.get(ORIGIN) {
         None => Ok(effect),
         Some(toml::Value::String(text)) => Ok(effect.with_origin(text)),
-        Some(_) => Err(reader.wrong(format!("needs text for '{ORIGIN}'"))),
+        Some(_) => Err(reader.wrong(&format!("needs text for '{ORIGIN}'"))),
     }
 }
 
@@ -115,7 +115,7 @@ impl Entry<'_> {
                 || self.kind.parameters.iter().any(|parameter| parameter.name == key)
         };
         match self.entry.keys().find(|key| !known(key)) {
-            Some(key) => Err(self.wrong(format!("has no parameter '{key}'"))),
+            Some(key) => Err(self.wrong(&format!("has no parameter '{key}'"))),
             None => Ok(()),
         }
     }
@@ -127,24 +127,24 @@ impl Entry<'_> {
     fn table(&self, of: TableUse) -> Result<&'static TorqueTable, ModelError> {
         let period_rad = match self.entry.get(PERIOD) {
             None => None,
-            Some(value) => Some(number(value).ok_or_else(|| self.wrong(not_a_number(PERIOD)))?),
+            Some(value) => Some(number(value).ok_or_else(|| self.wrong(&not_a_number(PERIOD)))?),
         };
         TorqueTable::kept_for(of, &self.column(of.coordinate_name())?, &self.column(TORQUES)?, period_rad)
             .map_err(|reason| ModelError::Table { origin: self.origin.to_owned(), reason })
     }
 
     fn column(&self, key: &str) -> Result<Vec<f64>, ModelError> {
-        let values = self.entry.get(key).ok_or_else(|| self.wrong(format!("lacks '{key}'")))?;
+        let values = self.entry.get(key).ok_or_else(|| self.wrong(&format!("lacks '{key}'")))?;
         let numbers = values.as_array().and_then(|values| values.iter().map(number).collect());
-        numbers.ok_or_else(|| self.wrong(format!("needs a list of numbers for '{key}'")))
+        numbers.ok_or_else(|| self.wrong(&format!("needs a list of numbers for '{key}'")))
     }
 
-    fn wrong(&self, problem: String) -> ModelError {
+    fn wrong(&self, problem: &str) -> ModelError {
         let known = names(self.kind.parameters.iter().map(|parameter| parameter.name).chain(self.table_keys()));
         ModelError::WrongParameters {
             origin: self.origin.to_owned(),
             effect: self.kind.name,
-            problem: self.axis.words(&problem).into_owned(),
+            problem: self.axis.words(problem).into_owned(),
             known: self.axis.words(&known).into_owned(),
         }
     }

@@ -23,7 +23,7 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, rails: &Rails) -> Option<Fit
     } else {
         Vec::new()
     };
-    let places = Places::of(map.angle_rad.iter().copied().zip(map.torque_mnm.iter().copied()))?;
+    let places = Places::of(&map.angle_rad.iter().copied().zip(map.torque_mnm.iter().copied()))?;
     let motion = |at: usize| Motion {
         angle_rad: map.angle_rad[at],
         velocity_rad_s: f64::from(map.directions[at]),

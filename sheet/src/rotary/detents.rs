@@ -93,9 +93,8 @@ impl Side<'_> {
     pub(super) fn rest(&self, near: f64, pitch: f64) -> Option<f64> {
         let at: Vec<f64> = steps([near - NEAR * pitch, near + NEAR * pitch], pitch / STEPS).collect();
         let value = |at: f64| self.spline.value(at) - self.level;
-        let crossings = at.windows(2).filter_map(|pair| {
-            (value(pair[0]) < 0.0 && value(pair[1]) >= 0.0).then(|| crossing(value, [pair[0], pair[1]]))
-        });
+        let rises = at.windows(2).filter(|pair| value(pair[0]) < 0.0 && value(pair[1]) >= 0.0);
+        let crossings = rises.map(|pair| crossing(value, [pair[0], pair[1]]));
         crossings.min_by(|a, b| (a - near).abs().total_cmp(&(b - near).abs()))
     }
 
