@@ -23,7 +23,9 @@ fn file_name(loaded: &LoadedCapture) -> String {
 /// The report page of a fit of this capture, with the numbers in its captions.
 #[must_use]
 pub fn fit_page(loaded: &LoadedCapture, fit: &Fit) -> (String, FigureNumbers) {
-    report::fit_page_with_numbers(&FitPage { fit, capture: facts(loaded), truth: loaded.truth.as_ref() })
+    let (page, numbers) =
+        report::fit_page_with_numbers(&FitPage { fit, capture: facts(loaded), truth: loaded.truth.as_ref() });
+    (fit.axis.words(&page).into_owned(), numbers)
 }
 
 /// What a report page says of the capture besides the fit.

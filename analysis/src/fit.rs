@@ -13,8 +13,29 @@ use crate::{AnalysisError, facts, title};
 /// # Errors
 /// [`AnalysisError::Fit`], one sentence on why nothing can be told from it.
 pub fn fit(loaded: &LoadedCapture, preparation: PreparationMethod) -> Result<Fit, AnalysisError> {
-    let options = FitOptions { calibration: loaded.calibration.clone(), preparation, ..FitOptions::default() };
-    identification::fit(&loaded.samples(), &options)
+    let options = FitOptions { preparation, ..fit_options(loaded) };
+    fit_with(loaded, &options)
+}
+
+/// What a fit is told of a capture: what is known of its rig, and whether it has detents to look for.
+#[must_use]
+pub fn fit_options(loaded: &LoadedCapture) -> FitOptions {
+    let axis = loaded.capture.axis;
+    FitOptions {
+        calibration: loaded.calibration.clone(),
+        characteristic: !axis.is_rotary(),
+        is_quasi_static: loaded.is_quasi_static,
+        axis,
+        ..FitOptions::default()
+    }
+}
+
+/// Fits a capture as it is told.
+///
+/// # Errors
+/// [`AnalysisError::Fit`], one sentence on why nothing can be told from it.
+pub fn fit_with(loaded: &LoadedCapture, options: &FitOptions) -> Result<Fit, AnalysisError> {
+    identification::fit(&loaded.samples(), options)
         .map_err(|reason| AnalysisError::Fit { capture: loaded.capture.source.clone(), reason })
 }
 

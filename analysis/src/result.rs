@@ -1,9 +1,47 @@
 //! Results as JSON.
 
+use dynamics::Axis;
 use serde::Serialize;
+use serde_json::Value;
 
 /// What every result says under `made_by`; by it a file is known to be replaceable by a later one.
 pub const MADE_BY: &str = "haptic-camera";
+
+/// The result of what has an axis, in its names and units.
+///
+/// # Errors
+/// As [`to_json`].
+pub fn to_json_on(axis: Axis, result: &impl Serialize) -> Result<String, serde_json::Error> {
+    let text = to_json(result)?;
+    if axis.is_rotary() {
+        return Ok(text);
+    }
+    serde_json::to_string_pretty(&in_words_of(axis, serde_json::from_str(&text)?, false))
+}
+
+/// Keys that hold what others called something.
+const AS_GIVEN: [&str; 5] = ["title", "source", "capture", "captures", "model"];
+
+/// Keys, and texts that are no names, in the words of an axis; what a phase is measured in stays.
+fn in_words_of(axis: Axis, value: Value, is_phase: bool) -> Value {
+    match value {
+        Value::Object(map) => {
+            let entry = |(key, value): (String, Value)| {
+                let is_phase = is_phase || key.contains("phase");
+                let keep = value.is_string() && AS_GIVEN.contains(&key.as_str());
+                let value = if keep { value } else { in_words_of(axis, value, is_phase) };
+                (axis.words(&key).into_owned(), value)
+            };
+            Value::Object(map.into_iter().map(entry).collect())
+        }
+        Value::Array(values) => {
+            Value::Array(values.into_iter().map(|value| in_words_of(axis, value, is_phase)).collect())
+        }
+        Value::String(text) if is_phase && text == "rad" => Value::String(text),
+        Value::String(text) => Value::String(axis.words(&text).into_owned()),
+        other => other,
+    }
+}
 
 /// A result as JSON, under its keys and `made_by`.
 ///

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
-use shared_types::{ModelChange, RunDescription, Sample};
+use shared_types::{Axis, ModelChange, RunDescription, Sample};
 
 use crate::description::attachment;
 use crate::error::ArchiveError;
@@ -18,6 +18,8 @@ use crate::{columns, csv_file, mcap_file, memory};
 pub struct Capture {
     /// Where it was read from; empty for one made in memory.
     pub source: PathBuf,
+    /// Whether the control was turned; of one that was pressed or slid, the columns hold mm where they say rad, and N where mNm.
+    pub axis: Axis,
     /// Sample rate, Hz: as described in an archive, from the median interval of a table.
     pub rate_hz: f64,
     /// Number of each sample in its run; rows of a table are counted from 0.
@@ -78,7 +80,7 @@ impl Capture {
     /// # Errors
     /// [`ArchiveError`] for a file that cannot be read.
     pub fn is_one(path: &Path) -> Result<bool, ArchiveError> {
-        Ok(is_mcap(path)? || csv_file::has_header(path)?)
+        Ok(is_mcap(path)? || csv_file::axis_of(path)?.is_some())
     }
 
     /// A capture of evenly spaced samples from tick 0 on.
@@ -230,7 +232,7 @@ impl Capture {
             planned_ticks: self.len() as u64,
             ..RunDescription::default()
         };
-        RunDescription { rate_hz: self.rate_hz, ..self.description.clone().unwrap_or_else(unknown) }
+        RunDescription { rate_hz: self.rate_hz, axis: self.axis, ..self.description.clone().unwrap_or_else(unknown) }
     }
 
     #[allow(

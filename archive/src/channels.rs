@@ -5,7 +5,7 @@ use std::io::{Seek, Write};
 
 use serde::{Deserialize, Serialize};
 use shared_types::wire::WireMessage;
-use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, Sample};
+use shared_types::{Axis, FitUpdate, LoopStatus, ModelChange, ProcessHealth, Sample};
 
 use crate::schema::{FieldLayout, Layout};
 
@@ -116,8 +116,8 @@ impl Schema {
 }
 
 impl ChannelDefinition {
-    fn of<Payload: WireMessage>(topic: &str) -> Self {
-        Self::with_schema(topic, Payload::SCHEMA_NAME, Payload::schema_text())
+    fn of<Payload: WireMessage>(topic: &str, axis: Axis) -> Self {
+        Self::with_schema(topic, Payload::SCHEMA_NAME, axis.words(&Payload::schema_text()).into_owned())
     }
 
     fn with_schema(topic: &str, name: &str, text: String) -> Self {
@@ -131,13 +131,13 @@ impl ChannelDefinition {
         }
     }
 
-    /// The channels of a capture that this program writes.
-    pub(crate) fn all() -> [Self; 5] {
+    /// The channels of a capture that this program writes; their fields have the names of its axis.
+    pub(crate) fn all(axis: Axis) -> [Self; 5] {
         [
-            Self::of::<Sample>(SAMPLE_TOPIC),
-            Self::of::<FitUpdate>(FIT_TOPIC),
-            Self::of::<LoopStatus>(STATUS_TOPIC),
-            Self::of::<ProcessHealth>(HEALTH_TOPIC),
+            Self::of::<Sample>(SAMPLE_TOPIC, axis),
+            Self::of::<FitUpdate>(FIT_TOPIC, axis),
+            Self::of::<LoopStatus>(STATUS_TOPIC, axis),
+            Self::of::<ProcessHealth>(HEALTH_TOPIC, axis),
             Self::with_schema(MODELS_TOPIC, ModelChange::SCHEMA_NAME, ModelChange::SCHEMA_TEXT.to_owned()),
         ]
     }

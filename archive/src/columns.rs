@@ -4,8 +4,10 @@
 //! entry here. Its name carries its [unit](crate::unit_of).
 
 use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::LazyLock;
 
-use shared_types::{LoopState, Sample};
+use shared_types::{Axis, LoopState, Sample};
 
 use crate::capture::Capture;
 use crate::schema::FieldLayout;
@@ -23,6 +25,7 @@ pub enum Values<'a> {
 
 /// A column of a capture.
 pub(crate) struct Column {
+    /// Its name within the program, which is that of a rotary axis.
     pub(crate) name: &'static str,
     /// Whether every capture has it.
     pub(crate) required: bool,
@@ -94,6 +97,15 @@ static TOLD: [Column; 6] = [
     column!(flags, Codes, or 0),
 ];
 
+impl Column {
+    /// Its name in files about that axis.
+    pub(crate) fn name_on(&self, axis: Axis) -> &'static str {
+        static LINEAR: LazyLock<HashMap<&'static str, String>> =
+            LazyLock::new(|| all().map(|column| (column.name, Axis::Linear.words(column.name).into_owned())).collect());
+        if axis.is_rotary() { self.name } else { LINEAR.get(self.name).map_or(self.name, String::as_str) }
+    }
+}
+
 /// Every column, in the order of exports.
 fn all() -> impl Iterator<Item = &'static Column> {
     COUNTED.iter().chain(&MEASURED).chain(&TOLD)
@@ -106,13 +118,13 @@ pub(crate) fn of_samples() -> impl Iterator<Item = &'static Column> {
 
 /// The columns that a capture has, with their names.
 pub fn of(capture: &Capture) -> impl Iterator<Item = (&'static str, Values<'_>)> {
-    all().filter_map(|column| Some((column.name, (column.values)(capture)?)))
+    all().filter_map(|column| Some((column.name_on(capture.axis), (column.values)(capture)?)))
 }
 
 /// The measured columns that a capture has, with their names.
 pub(crate) fn measured(capture: &Capture) -> Vec<(&'static str, &[f64])> {
     let reals = |column: &Column| match (column.values)(capture)? {
-        Values::Reals(Cow::Borrowed(values)) => Some((column.name, values)),
+        Values::Reals(Cow::Borrowed(values)) => Some((column.name_on(capture.axis), values)),
         _ => None,
     };
     MEASURED.iter().filter_map(reals).collect()

@@ -4,6 +4,7 @@ use std::io::{Read as _, Write};
 use std::path::Path;
 
 use foreign_files::{Column, Others, read_columns};
+use shared_types::Axis;
 
 use crate::capture::Capture;
 use crate::columns::{self, MEASURED, Values};
@@ -11,13 +12,14 @@ use crate::error::ArchiveError;
 
 /// Reads a table; its columns may stand in any order.
 pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
+    let axis = axis_of(path)?.unwrap_or_default();
     let file = foreign_files::open(path).map_err(|error| ArchiveError::file(path, error))?;
     let wanted = MEASURED.each_ref().map(|column| match column.required {
-        true => Column::required(column.name),
-        false => Column::optional(column.name),
+        true => Column::required(column.name_on(axis)),
+        false => Column::optional(column.name_on(axis)),
     });
     let found = read_columns(file, wanted, Others::Refused).map_err(|error| ArchiveError::table(path, error))?;
-    let mut capture = Capture { source: path.to_owned(), ..Capture::default() };
+    let mut capture = Capture { source: path.to_owned(), axis, ..Capture::default() };
     for (column, values) in MEASURED.iter().zip(found) {
         if let Some(values) = values {
             (column.store)(&mut capture, Values::Reals(values.into()));
@@ -37,8 +39,8 @@ pub(crate) fn count(capture: &mut Capture) {
 /// Bytes among which the names of all columns are.
 const HEADER: u64 = 4096;
 
-/// Whether the first line that is no comment names every column that a capture must have.
-pub(crate) fn has_header(path: &Path) -> Result<bool, ArchiveError> {
+/// The axis on which the first line that is no comment names every column that a capture must have; `None` where it does not.
+pub(crate) fn axis_of(path: &Path) -> Result<Option<Axis>, ArchiveError> {
     let mut head = Vec::new();
     foreign_files::open(path)
         .and_then(|file| file.take(HEADER).read_to_end(&mut head))
@@ -46,7 +48,9 @@ pub(crate) fn has_header(path: &Path) -> Result<bool, ArchiveError> {
     let head = String::from_utf8_lossy(&head);
     let names = head.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
     let is_there = |name: &str| names.split(',').any(|cell| cell.trim_matches([' ', '"', '\u{feff}']) == name);
-    Ok(MEASURED.iter().filter(|column| column.required).all(|column| is_there(column.name)))
+    let has_all =
+        |axis: &Axis| MEASURED.iter().filter(|column| column.required).all(|column| is_there(column.name_on(*axis)));
+    Ok([Axis::Rotary, Axis::Linear].into_iter().find(has_all))
 }
 
 /// The rate of a table, Hz: ticks over the whole span, where the median interval says what a tick is.

@@ -77,6 +77,7 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         run_id,
         software_version,
         apparatus,
+        axis,
         knob,
         rate_hz,
         planned_ticks,
@@ -103,8 +104,9 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         ("realtime".to_owned(), realtime_in_words(*realtime)),
     ]);
     for field in Sample::fields() {
-        if let Some(unit) = unit_of(field.name) {
-            metadata.insert(format!("unit.{}", field.name), unit.to_owned());
+        let name = axis.words(field.name);
+        if let Some(unit) = unit_of(&name) {
+            metadata.insert(format!("unit.{name}"), unit.to_owned());
         }
     }
     for (code, meaning) in device_codes {
@@ -131,9 +133,20 @@ pub(crate) fn gaps_metadata(ledger: &SequenceLedger) -> Result<Option<mcap::reco
 #[must_use]
 pub fn unit_of(column: &str) -> Option<&'static str> {
     // The longest ending comes first: `_rad_s2` also ends like a shorter one would.
-    [("_rad_s2", "rad/s^2"), ("_rad_s", "rad/s"), ("_rad", "rad"), ("_mnm", "mNm"), ("_ns", "ns"), ("_s", "s")]
-        .into_iter()
-        .find_map(|(ending, unit)| column.ends_with(ending).then_some(unit))
+    [
+        ("_rad_s2", "rad/s^2"),
+        ("_rad_s", "rad/s"),
+        ("_rad", "rad"),
+        ("_mnm", "mNm"),
+        ("_mm_s2", "mm/s^2"),
+        ("_mm_s", "mm/s"),
+        ("_mm", "mm"),
+        ("_n", "N"),
+        ("_ns", "ns"),
+        ("_s", "s"),
+    ]
+    .into_iter()
+    .find_map(|(ending, unit)| column.ends_with(ending).then_some(unit))
 }
 
 fn realtime_in_words(bits: u32) -> String {

@@ -8,7 +8,7 @@ use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use shared_types::wire::CDR_LITTLE_ENDIAN_HEADER;
-use shared_types::{LoopState, ModelChange, RunDescription, Sample};
+use shared_types::{Axis, LoopState, ModelChange, RunDescription, Sample};
 
 use crate::capture::Capture;
 use crate::channels::Schemas;
@@ -93,6 +93,7 @@ struct Content<'a> {
     /// Channels of rendered models.
     model_channels: HashSet<u16>,
     models: Vec<ModelChange>,
+    axis: Axis,
     rows: Rows,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
@@ -106,6 +107,7 @@ impl<'a> Content<'a> {
             samples: HashMap::new(),
             model_channels: HashSet::new(),
             models: Vec::new(),
+            axis: Axis::default(),
             rows: Rows::new(),
             metadata: BTreeMap::new(),
             attachments: BTreeMap::new(),
@@ -151,6 +153,7 @@ impl<'a> Content<'a> {
             let layout = Layout::parse(&definition.schema_text)
                 .map_err(|error| ArchiveError::Schema { path: self.path.to_owned(), error })?;
             self.samples.insert(channel_id, sample_fields(self.path, &layout)?);
+            self.axis = axis_of(&layout);
         } else if definition.holds_models() {
             self.model_channels.insert(channel_id);
         }
@@ -158,7 +161,7 @@ impl<'a> Content<'a> {
     }
 
     fn into_capture(self) -> Result<Capture, ArchiveError> {
-        let Self { path, schemas: _, samples, model_channels: _, models, rows, metadata, attachments } = self;
+        let Self { path, schemas: _, samples, model_channels: _, models, axis, rows, metadata, attachments } = self;
         if samples.is_empty() {
             return Err(ArchiveError::NoSamples { path: path.to_owned() });
         }
@@ -173,6 +176,7 @@ impl<'a> Content<'a> {
         let gaps = recorded_gaps(&metadata).unwrap_or_else(|| rows.gaps());
         let mut capture = Capture {
             source: path.to_owned(),
+            axis,
             rate_hz,
             gaps,
             models,
@@ -198,13 +202,21 @@ pub(crate) fn recorded_gaps(metadata: &BTreeMap<String, BTreeMap<String, String>
     serde_json::from_str(metadata.get(GAPS_METADATA)?.get("gaps")?).ok()
 }
 
+/// The axis whose names a sample's fields have.
+fn axis_of(layout: &Layout) -> Axis {
+    let has_load = layout.field(&Axis::Linear.words("torque_mnm")).is_some();
+    if has_load { Axis::Linear } else { Axis::Rotary }
+}
+
 /// Where the fields of a sample lie, column by column; `None` for one that it does not have.
 type SampleFields = Vec<Option<FieldLayout>>;
 
 fn sample_fields(path: &Path, layout: &Layout) -> Result<SampleFields, ArchiveError> {
-    let find = |column: &Column| match layout.field(column.name) {
+    let axis = axis_of(layout);
+    let find = |column: &Column| match layout.field(column.name_on(axis)) {
         None if column.required => {
-            Err(ArchiveError::MissingField { path: path.to_owned(), field: column.name, found: layout.field_names() })
+            let field = column.name_on(axis);
+            Err(ArchiveError::MissingField { path: path.to_owned(), field, found: layout.field_names() })
         }
         field => Ok(field.cloned()),
     };

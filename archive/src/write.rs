@@ -84,7 +84,7 @@ impl<W: Write + Seek> CaptureWriter<W> {
         let mut mcap = options.create(output).map_err(|error| ArchiveError::write(&error))?;
         let mut channels = [0; 5];
         let mut definitions = BTreeMap::new();
-        for (id, definition) in channels.iter_mut().zip(ChannelDefinition::all()) {
+        for (id, definition) in channels.iter_mut().zip(ChannelDefinition::all(run.axis)) {
             *id = definition.register(&mut mcap).map_err(|error| ArchiveError::write(&error))?;
             definitions.insert(*id, definition);
         }

@@ -4,12 +4,17 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::Axis;
+
 /// A rig's calibration: what a capture must be corrected by, and how well each sensor sees.
 ///
 /// Kept beside every capture as TOML.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
+    /// Whether the rig turns; of one that presses or slides the file has the names and units of that.
+    #[serde(default, skip_serializing_if = "Axis::is_rotary")]
+    pub axis: Axis,
     /// Inertia that turns with the knob beyond the torque sensor (gripper, half the coupling), mNm·s²/rad.
     pub gripper_inertia: f64,
     /// Inertia on the motor's side of the torque sensor, mNm·s²/rad.
@@ -127,8 +132,16 @@ impl Calibration {
     /// # Errors
     /// [`CalibrationError`] with the parser's word for it, or the first value out of its range.
     pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
-        let read: Self = toml::from_str(text)
-            .map_err(|error| CalibrationError::Malformed(error.to_string().trim().replace('\n', " ")))?;
+        let malformed =
+            |error: toml::de::Error| CalibrationError::Malformed(error.to_string().trim().replace('\n', " "));
+        let table: toml::Table = text.parse().map_err(malformed)?;
+        let linear = table.get("axis").and_then(toml::Value::as_str) == Some("linear");
+        let read: Self = if linear {
+            let other = |key| CalibrationError::Malformed(format!("'{key}' is no name on a linear axis"));
+            Axis::Linear.table_within(table).map_err(other)?.try_into().map_err(malformed)?
+        } else {
+            toml::from_str(text).map_err(malformed)?
+        };
         read.check()?;
         Ok(read)
     }
@@ -189,7 +202,7 @@ impl Calibration {
     #[must_use]
     pub fn to_toml(&self) -> String {
         // A struct of numbers always has a TOML form.
-        toml::to_string(self).unwrap_or_default()
+        self.axis.words(&toml::to_string(self).unwrap_or_default()).into_owned()
     }
 
     /// The same rig as the hand on its gripper sees it, for whom the torque sensor reads minus what the rendered knob takes.

@@ -36,6 +36,23 @@ impl EffectKind {
     pub fn depends_only_on(&self, coordinate: Coordinate) -> bool {
         self.depends_on == [coordinate]
     }
+
+    /// How many times its law may occur in one effect.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        self.hypothesis.map_or(1, |hypothesis| hypothesis.lines)
+    }
+
+    /// Number of leading parameters that the first `columns` columns have.
+    #[must_use]
+    pub fn parameters_in(&self, columns: usize) -> usize {
+        let (all, lines) = (self.parameters.len(), self.lines());
+        match self.regressors {
+            None => all,
+            Some(regressors) if lines == 1 => all - (regressors.columns - columns),
+            Some(regressors) => all / lines * (columns * lines / regressors.columns),
+        }
+    }
 }
 
 /// A quantity on which an effect may depend.
@@ -313,9 +330,24 @@ impl Effect {
         &mut self.values[..self.kind.parameters.len()]
     }
 
-    /// The parameters with their values.
+    /// The parameters with their values, of the lines that occur.
     pub fn parameters(&self) -> impl Iterator<Item = (&'static ParameterKind, f64)> + '_ {
-        self.kind.parameters.iter().zip(self.values().iter().copied())
+        let each = self.kind.parameters.len() / self.kind.lines();
+        self.kind.parameters.iter().zip(self.values().iter().copied()).take(each * self.lines())
+    }
+
+    /// Number of its columns in a fit, of the lines that occur.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.kind.regressors.map_or(0, |regressors| regressors.columns / self.kind.lines() * self.lines())
+    }
+
+    /// How many times its law occurs; at least once.
+    fn lines(&self) -> usize {
+        let each = self.kind.parameters.len() / self.kind.lines();
+        let occurs = |line: &[f64]| line.iter().any(|value| *value != 0.0);
+        let last = self.values().chunks_exact(each.max(1)).rposition(occurs);
+        last.map_or(1, |last| last + 1).min(self.kind.lines())
     }
 
     /// Its torque that depends on neither acceleration nor the direction of sliding, mNm; zero where it has none.

@@ -59,6 +59,9 @@ pub struct Hypothesis {
     pub searched: &'static [Search],
     /// Numbers of leading columns that make a smaller version of the effect, rising; empty if it comes as a whole.
     pub nested: &'static [usize],
+    /// How many times the law may occur in one effect, each time with its own share of the columns and of the parameters; what
+    /// is zero does not occur.
+    pub lines: usize,
     /// Least travel in which it can be told from a spring, an offset or friction that rises with the angle, rad.
     pub least_travel_rad: f64,
     /// Whether the coefficients belong to the capture and not to the knob, like the phase of mains hum.

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::{Model, ModelError};
+use crate::{Axis, Model, ModelError};
 
 const FILES: [&str; 5] = [
     include_str!("../knobs/knob-1.toml"),
@@ -12,6 +12,9 @@ const FILES: [&str; 5] = [
     include_str!("../knobs/knob-4.toml"),
     include_str!("../knobs/knob-5.toml"),
 ];
+
+/// What the shipped dome is called.
+pub const DOME: &str = "dome";
 
 /// The paper's knob with the given number, 1 to 5.
 ///
@@ -26,13 +29,22 @@ pub fn paper_knob(number: u32) -> Result<Model, ModelError> {
     Model::from_toml(text, &format!("knob {number}"))
 }
 
-/// The model that an operator names: the number of a shipped knob, or a model file.
+/// What a rig presses if nothing else is asked for: a rubber dome under its plunger.
+///
+/// # Errors
+/// None in a build whose shipped file is whole, which a test sees to.
+pub fn dome() -> Result<Model, ModelError> {
+    Model::from_toml(include_str!("../knobs/dome.toml"), "the shipped dome")
+}
+
+/// The model that an operator names: the number of a shipped knob, the shipped dome, or a model file.
 ///
 /// # Errors
 /// [`ModelError`], for a number that no shipped knob has and a file that is no model.
 pub fn named(name: &str) -> Result<Model, ModelError> {
     match name.parse::<u32>() {
         Ok(number) => paper_knob(number),
+        Err(_) if name == DOME => dome(),
         Err(_) => Model::load(Path::new(name)),
     }
 }
@@ -57,10 +69,18 @@ impl Fixture {
         }
     }
 
-    /// The fixture as a model.
+    /// The fixture as a model of a rig with that axis.
     ///
     /// # Errors
     /// None in a build whose shipped files are whole, which a test sees to.
+    pub fn model_on(self, axis: Axis) -> Result<Model, ModelError> {
+        Ok(Model { axis, ..self.model()? })
+    }
+
+    /// The fixture as a model of a rig that turns.
+    ///
+    /// # Errors
+    /// As [`model_on`](Self::model_on).
     pub fn model(self) -> Result<Model, ModelError> {
         match self {
             Self::None => Model::from_toml(include_str!("../knobs/none.toml"), "the fixture 'none'"),

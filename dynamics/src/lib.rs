@@ -23,6 +23,7 @@
 //! # Ok::<(), dynamics::ModelError>(())
 //! ```
 
+mod axis;
 mod bristles;
 mod calibration;
 mod composition;
@@ -44,6 +45,7 @@ mod stiffness;
 mod toml_file;
 mod torque_table;
 
+pub use axis::{Axis, Quantity};
 pub use bristles::Bristles;
 pub use calibration::{Calibration, CalibrationError, CoggingHarmonic};
 pub use composition::{Composition, CompositionError, CompositionNote, Source, composition_notes};

@@ -1,14 +1,16 @@
 //! A model: a named list of effects.
 
-use crate::{Coordinate, Direction, Effect, Motion, ParameterKind, Part, StickLimits};
+use crate::{Axis, Coordinate, Direction, Effect, Motion, ParameterKind, Part, StickLimits};
 
 /// A knob as numbers: the list of its effects.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
     /// What the knob is called.
     pub name: String,
     /// What it is like, or where the numbers come from; may be empty.
     pub description: String,
+    /// Whether it is turned; a model of what is pressed or slid has mm where names say rad, and N where they say mNm.
+    pub axis: Axis,
     /// The effects that act together.
     pub effects: Vec<Effect>,
 }

@@ -197,7 +197,7 @@ type Named<'test> = (&'test str, &'test [f64]);
 
 fn model_of(effects: &[Named]) -> Model {
     let effect = |(name, values): &Named| Effect::new(effects::by_name(name).unwrap(), values);
-    Model { name: String::new(), description: String::new(), effects: effects.iter().map(effect).collect() }
+    Model { effects: effects.iter().map(effect).collect(), ..Model::default() }
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn write_seeds() -> std::io::Result<()> {
         }
     }
     seed("model", "every-effect", every_effect().as_bytes())?;
-    let hold = Excitation { drive: Drive::Position, amplitude: 0.5, shape: Shape::Hold };
+    let hold = Excitation { drive: Drive::Position, amplitude: 0.5, is_one_sided: false, shape: Shape::Hold };
     seed("rig_files", "hold", toml::to_string(&hold).expect("TOML").as_bytes())?;
     let run = description();
     seed("rig_files", "calibration", run.calibration_toml.as_bytes())?;

@@ -164,7 +164,7 @@ impl ApparatusError {
 /// called any more. What is called in a tick must not allocate, lock, log or block, and makes no system call but those that the
 /// description declares. A rig whose process dies must go torque-free by itself (a watchdog in its amplifier).
 pub trait Apparatus: Send {
-    /// What the rig says of itself; the watchdog's time may change by [`prepare`](Self::prepare).
+    /// What the rig says of itself; watchdog, codes and notes may change by [`prepare`](Self::prepare), also where that fails.
     fn description(&self) -> &RigDescription;
 
     /// Brings the rig to where switching it on takes no time: opens buses, finds the encoder's zero, arms the watchdog. It may
@@ -207,5 +207,10 @@ pub trait Apparatus: Send {
     /// met in its own phase paces the loop by it. At most a tenth of a period is taken at a time.
     fn shift_ns(&self) -> i64 {
         0
+    }
+
+    /// What on this machine stands in its way, in sentences that say what to do; asked before it is prepared.
+    fn obstacles(&self) -> Vec<String> {
+        Vec::new()
     }
 }

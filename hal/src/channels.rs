@@ -4,6 +4,9 @@ use serde::Deserialize;
 
 use crate::{Measurement, TorqueSource};
 
+/// The torque's source where nothing measures it.
+const COMMAND: &str = "command";
+
 /// Most channels of a device.
 pub const MOST_CHANNELS: usize = 16;
 
@@ -190,6 +193,13 @@ impl Channels {
         Ok(())
     }
 
+    /// The names of the channels that are read.
+    pub fn sources(&self) -> impl Iterator<Item = &String> {
+        let torque = (self.torque.source != COMMAND).then_some(&self.torque.source);
+        let acceleration = self.acceleration.as_ref().map(|channel| &channel.source);
+        std::iter::once(&self.angle.source).chain(torque).chain(acceleration)
+    }
+
     /// Finds the channels among those of a device, by name.
     ///
     /// # Errors
@@ -206,7 +216,7 @@ impl Channels {
         let of =
             |channel, given: &Channel| find(channel, &given.source, given.scale * f64::from(given.sign), given.offset);
         let Self { angle, torque, acceleration, motor } = self;
-        let is_commanded = torque.source == "command";
+        let is_commanded = torque.source == COMMAND;
         let torque_wire = match is_commanded {
             true => None,
             false => Some(find("torque", &torque.source, torque.scale * f64::from(torque.sign), torque.offset)?),
@@ -239,10 +249,13 @@ impl Wiring {
         }
     }
 
-    /// Whether the torque is the one that was commanded, since nothing measures it.
+    /// The same for a run at a rate: a torque that was commanded since the tick before is half a period old at the mean.
     #[must_use]
-    pub fn is_commanded(&self) -> bool {
-        self.torque.is_none()
+    pub fn at_rate(mut self, rate_hz: f64) -> Self {
+        if self.torque.is_none() {
+            self.torque_delay_s += 0.5 / rate_hz;
+        }
+        self
     }
 
     /// What the device is given so that the motor makes a torque, mNm.

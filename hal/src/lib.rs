@@ -6,13 +6,18 @@
 //!
 //! - [`simulated`]: a rig that needs no hardware.
 //! - [`plugin`]: a shared library with the C interface of `haptic_rig.h`.
+//! - [`ethercat`]: CiA 402 servo drives on EtherCAT, with whatever else is on their bus.
 
 mod apparatus;
 mod channels;
+pub mod ethercat;
 pub mod plugin;
 mod rig_file;
+mod scanned;
 pub mod simulated;
+mod wired;
 
 pub use apparatus::{Apparatus, ApparatusError, DeclaredCalls, Limits, Measurement, RigDescription, TorqueSource};
 pub use channels::{Channel, ChannelError, Channels, MOST_CHANNELS, RawMeasurement, Scaling, TorqueChannel, Wiring};
 pub use rig_file::{Rates, RigFile, RigFileError, Watchdog};
+pub use scanned::Scanned;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use dynamics::{Calibration, CalibrationError};
+use dynamics::{Axis, Calibration, CalibrationError};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
@@ -14,6 +14,9 @@ use crate::{Channels, DeclaredCalls, Limits};
 pub struct RigFile {
     /// The rig's name.
     pub name: String,
+    /// Whether it turns; the file of one that presses or slides has the names and units of that.
+    #[serde(default)]
+    pub axis: Axis,
     /// The driver that drives it.
     pub driver: String,
     /// What one run at a time may hold, whatever its runtime directory: a device node, an address.
@@ -95,8 +98,19 @@ impl RigFile {
     /// # Errors
     /// [`RigFileError`] for a text that is none, and for a key that no rig file has.
     pub fn parse(text: &str, path: &Path) -> Result<Self, RigFileError> {
-        let told = |error: toml::de::Error| RigFileError { path: path.to_owned(), reason: in_one_line(&error, text) };
-        let file = Self { path: path.to_owned(), ..toml::from_str(text).map_err(told)? };
+        let wrong = |reason: String| RigFileError { path: path.to_owned(), reason };
+        let told = |error: toml::de::Error| wrong(in_one_line(&error, text));
+        let table: toml::Table = text.parse().map_err(told)?;
+        let read: Self = if table.get("axis").and_then(toml::Value::as_str) == Some("linear") {
+            let axis = Axis::Linear;
+            let other =
+                |key: String| wrong(format!("'{key}' is no name on a linear axis; it would be '{}'", axis.words(&key)));
+            let within = axis.table_within(table).map_err(other)?;
+            within.try_into().map_err(|error: toml::de::Error| wrong(axis.words(error.message()).replace('\n', " ")))?
+        } else {
+            toml::from_str(text).map_err(told)?
+        };
+        let file = Self { path: path.to_owned(), ..read };
         file.check()?;
         Ok(file)
     }
@@ -176,8 +190,9 @@ impl RigFile {
             (None, Some(given)) => {
                 let mut table = neutral();
                 table.extend(given.clone());
-                Calibration::from_toml(&table.to_string())
-                    .map(Some)
+                // The names in it are those within the program by now.
+                let read = Calibration::from_toml(&table.to_string());
+                read.map(|calibration| Some(Calibration { axis: self.axis, ..calibration }))
                     .map_err(|error| self.error(format!("[calibration]: {error}")))
             }
             (None, None) => Ok(None),

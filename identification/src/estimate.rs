@@ -2,7 +2,9 @@
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use dynamics::{Effect, Model, Motion, effects};
+use dynamics::{Axis, Effect, Model, Motion, effects};
+
+use crate::characteristic::MeasuredCurve;
 
 /// A fitted parameter, or the reason why the data cannot tell it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -192,6 +194,12 @@ pub struct Fit {
     /// The comparison row by row, for plots; only where the knob slides.
     #[serde(skip)]
     pub points: Vec<Point>,
+    /// Torque over the angle where it was measured point by point, the mean of both directions and half their difference.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub characteristics: Vec<MeasuredCurve>,
+    /// Whether the knob turned.
+    #[serde(skip_serializing_if = "Axis::is_rotary")]
+    pub axis: Axis,
     /// The effects as fitted.
     #[serde(skip)]
     pub(crate) effects: Vec<Effect>,
@@ -209,7 +217,7 @@ impl Fit {
             "fitted to {} samples: residual {:.3} mNm, relative error {:.2} %",
             self.samples, self.residual_rms_mnm, self.relative_error_percent
         );
-        let mut model = Model { name: name.to_owned(), description: String::new(), effects: Vec::new() };
+        let mut model = Model { name: name.to_owned(), axis: self.axis, ..Model::default() };
         for effect in &self.effects {
             let mut effect = *effect;
             let kind = effect.kind();
@@ -231,7 +239,7 @@ impl Fit {
             }
             model.effects.push(effect);
         }
-        model.description = description;
+        model.description = self.axis.words(&description).into_owned();
         model
     }
 

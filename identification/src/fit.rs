@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use dynamics::{Effect, Part, effects};
 
 use crate::central_differences::central_differences;
+use crate::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::detents::{self, Detents, Found};
 use crate::estimate::{Fit, Harmonic, Preparation};
 use crate::fixed_preparation::FixedPreparation;
@@ -71,24 +72,32 @@ const WORTH_A_NOTE: f64 = 0.25;
 /// # Errors
 /// [`FitError`] where nothing can be told; what only some parameters lack is a reason in [`Fit::parameters`].
 pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
-    if let Some(sorted) = sorted(samples) {
-        let mut fit = fit_in_time(&sorted.samples(), options)?;
-        fit.notes.push("the samples were not in the order of time; the fit took them in that order".to_owned());
-        return Ok(fit);
-    }
-    fit_in_time(samples, options)
+    let mut fit = match sorted(samples) {
+        Some(sorted) => {
+            let mut fit = fit_in_time(&sorted.samples(), options)?;
+            fit.notes.push("the samples were not in the order of time; the fit took them in that order".to_owned());
+            fit
+        }
+        None => fit_in_time(samples, options)?,
+    };
+    fit.axis = options.axis;
+    Ok(fit)
 }
 
 /// [`fit`] of samples in the order of time.
 fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     samples.check()?;
+    if options.is_quasi_static {
+        let nothing = FitError::HardlyMoving { threshold_rad_s: 0.0, samples: 0 };
+        return quasi_static::fit(samples, options).ok_or(nothing);
+    }
     match fit_moving(samples, options) {
         Err(hardly @ FitError::HardlyMoving { .. }) if options.preparation == PreparationMethod::Automatic => {
             let (saturated, total) = (Rails::of(samples.torque_mnm).samples(), samples.t_s.len());
             if 2 * saturated > total {
                 return Err(FitError::Saturated { samples: saturated, total });
             }
-            quasi_static::fit(samples, !options.without_detents).ok_or(hardly)
+            quasi_static::fit(samples, options).ok_or(hardly)
         }
         result => result,
     }
@@ -112,6 +121,15 @@ fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitErr
     let exact = if as_given { KnobMotion::exact(&mut uniform, calibration) } else { None };
     let band = Band::of(&uniform, exact.is_some(), calibration);
     let first = Prepared::new(&uniform, exact, band, options)?;
+    if let Some(measured) = options.characteristic.then(|| first.measure(options)).flatten() {
+        let mut further_effects = options.further_effects.clone();
+        further_effects.extend(measured.effects);
+        let options = FitOptions { further_effects, without_detents: true, ..options.clone() };
+        let mut solved = first.solve(samples, &options);
+        solved.no_detents = Some(NO_DETENTS.to_owned());
+        let fit = first.report(solved, &uniform, samples, &options);
+        return Ok(Fit { characteristics: measured.curves, ..fit });
+    }
     let solved = first.solve(samples, options);
     let Some(wider) = first.band_for(&solved) else {
         return Ok(first.report(solved, &uniform, samples, options));
@@ -194,6 +212,29 @@ impl<'a> Prepared<'a> {
         }
     }
 
+    /// The torque over the angle, measured beside all that the fit has anyway.
+    fn measure(&self, options: &FitOptions) -> Option<Measured> {
+        let Self { band, motion, torque_mnm, frame } = self;
+        let base = Problem::new(frame, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        let friction = base.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
+        let [negative, positive] = [0, 1].map(|place| base.range(friction).start + place);
+        // One Coulomb friction for both directions: half of what differs between them is a torque that does not change with them.
+        let both =
+            base.columns[negative].iter().zip(&*base.columns[positive]).map(|(one, other)| one + other).collect();
+        let mut columns = base.columns.clone();
+        columns[negative] = both;
+        columns.remove(positive);
+        let mut nonnegative = base.nonnegative().to_vec();
+        nonnegative.remove(positive);
+        let sliding = |index: &usize| frame.mask[*index] > 0.0;
+        let places =
+            Places::of((0..motion.len()).filter(sliding).map(|index| (motion.angle_rad[index], torque_mnm[index])))?;
+        let [back, forth] = [negative, positive].map(|column| base.columns[column].iter().any(|value| *value != 0.0));
+        measure(&columns, &nonnegative, &base.target, &places, back && forth, |spline| {
+            spline.columns(motion.len(), |index| motion.at(index)).map(|column| frame.rows(&column)).collect()
+        })
+    }
+
     /// A wider band, if the detents found need it.
     fn band_for(&self, solved: &Solved<'_>) -> Option<Band> {
         if solved.no_detents.is_some() {
@@ -246,6 +287,8 @@ impl<'a> Prepared<'a> {
             },
             notes,
             points: comparison.points,
+            characteristics: Vec::new(),
+            axis: options.axis,
             effects,
         }
     }

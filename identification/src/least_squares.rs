@@ -240,6 +240,19 @@ impl LeastSquares {
         robust
     }
 
+    /// The same of many columns, enlarged by the rows over those that the fit left: what [`Self::robust`] looks at in the columns
+    /// instead grows with the fourth power of their number.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn robust_of_many<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> DMatrix<f64> {
+        let rows = self.residual.len();
+        let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
+        let (smooth, width, _) = smooth_scores(&scores);
+        let mut middle = DMatrix::zeros(columns.len(), columns.len());
+        vector::products(&smooth, 0, &mut middle);
+        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
+        &self.inverse * middle * &self.inverse * (kernel_scale(width) * freedom)
+    }
+
     /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.
     #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(crate) fn robust_deviation<C: Deref<Target = [f64]>>(&self, columns: &[C], coefficient: usize) -> f64 {

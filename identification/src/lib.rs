@@ -28,6 +28,7 @@ mod average;
 mod bends;
 pub mod calibration;
 mod central_differences;
+mod characteristic;
 pub mod checks;
 mod detents;
 pub mod diagnosis;
@@ -64,6 +65,7 @@ mod uniform;
 mod vector;
 
 pub use average::{Agreement, Average, Repeatability, Told, average};
+pub use characteristic::{CharacteristicPoint, MeasuredCurve};
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
 pub use knob_motion::knob_motion;

@@ -1,6 +1,6 @@
 //! What a fit may be told.
 
-use dynamics::{Calibration, Effect};
+use dynamics::{Axis, Calibration, Effect};
 
 /// What a fit may be told; nothing need be.
 #[derive(Clone, Debug, Default)]
@@ -11,6 +11,12 @@ pub struct FitOptions {
     pub further_effects: Vec<Effect>,
     /// Fit without looking for detents.
     pub without_detents: bool,
+    /// Measure the torque over the angle, one branch a direction, in place of detents: what is pressed has none.
+    pub characteristic: bool,
+    /// Whether the samples are a curve of torque over angle, in which time has no part.
+    pub is_quasi_static: bool,
+    /// Whether the knob turns; [`Fit::model`](crate::Fit::model) says so.
+    pub axis: Axis,
     /// How the capture is filtered before the fit.
     pub preparation: PreparationMethod,
     /// Where the acceleration comes from.

@@ -88,6 +88,11 @@ impl<'a> Problem<'a> {
         self.update_products(first);
     }
 
+    /// Which coefficients stay at or above zero.
+    pub(crate) fn nonnegative(&self) -> &[bool] {
+        &self.nonnegative
+    }
+
     /// Rows of the columns of the effect that is, or will be, at `index`.
     fn effect_rows(&mut self, index: usize, effect: &Effect) -> Vec<Column> {
         if effect.kind().name != effects::detent::KIND.name {

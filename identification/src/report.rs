@@ -256,9 +256,10 @@ impl Report<'_> {
         let torque = rms(&problem.target);
         (!solution.at_zero[column] && half * rms(&used) > HOPELESS * torque).then(|| {
             format!(
-                "the sweep excites it too little: its 95 % interval of ± {half:.4} is worth ± {:.3} mNm of a torque of \
-                 {torque:.3} mNm RMS; sweep faster, wider or longer",
-                half * rms(&used)
+                "the sweep excites it too little: in {} the interval amounts to {:.1} times the torque's RMS; sweep faster, \
+                 wider or longer",
+                plus_minus(solution.coefficients[column], half),
+                half * rms(&used) / torque
             )
         })
     }

@@ -6,10 +6,9 @@ use archive::testers::{ColumnChoice, Curve};
 use archive::{ArchiveError, Capture, attachment};
 use dynamics::{Calibration, CalibrationError, Model, ModelError};
 use identification::Samples;
-use shared_types::Axis;
 
 /// A capture with what is known of the rig that made it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LoadedCapture {
     /// The capture.
     pub capture: Capture,
@@ -19,6 +18,8 @@ pub struct LoadedCapture {
     pub calibration_file: Option<PathBuf>,
     /// The knob that the simulated rig turned; `None` for a real one or a table.
     pub truth: Option<Model>,
+    /// Whether it is a curve of load over position, in which time has no part.
+    pub is_quasi_static: bool,
 }
 
 /// A capture that cannot be loaded.
@@ -75,7 +76,7 @@ impl LoadedCapture {
             .transpose()?;
         let seen = |known: Calibration| if capture.is_rendered() { known.seen_from_the_hand() } else { known };
         let calibration = calibration.map(seen);
-        Ok(Self { capture, calibration, calibration_file, truth })
+        Ok(Self { capture, calibration, calibration_file, truth, is_quasi_static: false })
     }
 
     /// The columns that a fit takes.
@@ -90,6 +91,33 @@ impl LoadedCapture {
         }
     }
 
+    /// A capture, or the curve in a file of somebody's tester as one: then time has no part in it.
+    ///
+    /// # Errors
+    /// [`LoadError`], one sentence on what is wrong with a file.
+    pub fn load_measured(path: &Path) -> Result<Self, LoadError> {
+        if Capture::is_one(path)? {
+            return Self::load(path);
+        }
+        let curve = match Curve::load(path, None) {
+            // What a capture must have says more than what testers write.
+            Err(ArchiveError::UnknownTable { .. }) => return Self::load(path),
+            read => read?,
+        };
+        #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+        let counted = || (0..curve.len()).map(|row| row as f64).collect();
+        let rises = |t_s: &Vec<f64>| t_s.windows(2).all(|pair| pair[1] > pair[0]);
+        let capture = Capture::from_measured(Capture {
+            source: curve.source.clone(),
+            axis: curve.axis,
+            t_s: curve.t_s.clone().filter(rises).unwrap_or_else(counted),
+            angle_rad: curve.position.clone(),
+            torque_mnm: curve.load.clone(),
+            ..Capture::default()
+        })?;
+        Ok(Self { capture, is_quasi_static: true, ..Self::default() })
+    }
+
     /// Torque over angle, without the torque sensor's zero and delay.
     #[must_use]
     pub fn curve(&self) -> Curve {
@@ -98,7 +126,7 @@ impl LoadedCapture {
         let delay_s = self.calibration.as_ref().map_or(0.0, |known| known.torque_delay_s);
         Curve {
             source: source.clone(),
-            axis: Axis::Rotary,
+            axis: self.capture.axis,
             t_s: Some(t_s.clone()),
             position: earlier(t_s, angle_rad, delay_s),
             load: torque_mnm.iter().map(|torque_mnm| torque_mnm - zero_mnm).collect(),

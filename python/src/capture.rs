@@ -282,6 +282,6 @@ impl Capture {
 impl Capture {
     /// A capture made in memory.
     pub(crate) fn of(capture: archive::Capture) -> Self {
-        Self { loaded: Arc::new(LoadedCapture { capture, calibration: None, calibration_file: None, truth: None }) }
+        Self { loaded: Arc::new(LoadedCapture { capture, ..LoadedCapture::default() }) }
     }
 }

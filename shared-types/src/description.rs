@@ -1,6 +1,6 @@
 //! What a consumer must know about a run besides its samples.
 
-use dynamics::{Calibration, Excitation, Model, ModelError};
+use dynamics::{Axis, Calibration, Excitation, Model, ModelError};
 use serde::{Deserialize, Serialize};
 
 use crate::ModelChange;
@@ -35,6 +35,9 @@ pub struct RunDescription {
     pub software_version: String,
     /// The rig's name.
     pub apparatus: String,
+    /// Whether the rig turns, or presses and slides.
+    #[serde(default)]
+    pub axis: Axis,
     /// The name of the knob on the rig, as the operator gave it.
     pub knob: String,
     /// Sample rate, Hz.

@@ -28,7 +28,6 @@
 #[macro_use]
 pub mod wire;
 
-mod axis;
 #[cfg(feature = "services")]
 pub mod clean_up;
 mod command;
@@ -50,9 +49,9 @@ pub mod shared_memory;
 mod shared_memory_dir;
 mod status;
 
-pub use axis::{Axis, Quantity};
 pub use command::{CommandKind, ControlRequest, ControlResponse};
 pub use description::{ClockMapping, DescriptionError, RunDescription};
+pub use dynamics::{Axis, Quantity};
 pub use fit_update::{Convergence, Estimate, FitUpdate, Verdict};
 pub use health::{ProcessHealth, ProcessKind};
 pub use model_exchange::{MODEL_MAX_BYTES, ModelAnswer, ModelChange, ModelRequest};

@@ -17,6 +17,7 @@ mod capability;
 mod figure;
 mod gauge;
 mod noise;
+pub mod perception;
 mod pressed;
 mod qdas;
 mod quantiles;

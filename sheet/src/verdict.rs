@@ -1,8 +1,10 @@
 //! Whether a part is as it must be: pass, fail, or undecided where the interval straddles a limit.
 
 use serde::Serialize;
+use shared_types::Axis;
 
 use crate::figure::{Figure, FigureKind};
+use crate::perception::{Felt, felt_figure};
 use crate::quantiles::student_quantile;
 use crate::repeats::Sheet;
 use crate::specification::{Envelope, Limits, Specification};
@@ -60,6 +62,9 @@ pub struct FigureVerdict {
     pub limits: Limits,
     /// The verdict.
     pub verdict: Verdict,
+    /// By how much it lies beyond a limit, in thresholds of perception; `None` within its limits, and of a figure that is no load.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_limit: Option<Felt>,
 }
 
 /// The verdict on a branch of the curve.
@@ -117,10 +122,20 @@ impl Specification {
             .map(|(kind, limits)| {
                 let figure = sheet.figure(kind);
                 let (verdict, reason) = of_figure(guard, kind, figure, *limits);
-                reasons.extend(reason);
+                let beyond_limit = beyond(sheet, figure, *limits);
+                let felt = beyond_limit.map(|felt| format!("; {}", in_words(&felt))).unwrap_or_default();
+                reasons.extend(reason.map(|reason| reason + &felt));
                 let value = figure.and_then(|figure| figure.value);
                 let ci95 = figure.and_then(|figure| figure.ci95);
-                FigureVerdict { figure: kind.name, value, ci95, unit: kind.unit, limits: *limits, verdict }
+                FigureVerdict {
+                    figure: kind.name,
+                    value,
+                    ci95,
+                    unit: kind.unit,
+                    limits: *limits,
+                    verdict,
+                    beyond_limit,
+                }
             })
             .collect();
         let envelope: Vec<EnvelopeVerdict> = self
@@ -135,6 +150,26 @@ impl Specification {
         let all = figures.iter().map(|figure| figure.verdict).chain(envelope.iter().map(|branch| branch.verdict));
         Judgement { verdict: all.max().unwrap_or(Verdict::Pass), figures, envelope, reasons }
     }
+}
+
+/// By how much a figure lies beyond its limits, beside the largest load of the control.
+fn beyond(sheet: &Sheet, figure: Option<&Figure>, limits: Limits) -> Option<Felt> {
+    let figure = figure?;
+    let value = figure.value?;
+    let beyond = limits.min.map_or(0.0, |min| min - value).max(limits.max.map_or(0.0, |max| value - max));
+    let loads = sheet.curve.values().flat_map(|branch| &branch.load);
+    let largest = match sheet.axis {
+        // The end stops of a press are felt as such, its dome by its collapse.
+        Axis::Linear => sheet.figures.get("collapse_force").and_then(|collapse| collapse.value),
+        Axis::Rotary => None,
+    };
+    let largest = largest.unwrap_or_else(|| loads.fold(0.0, |most, load| load.abs().max(most)));
+    (beyond > 0.0).then(|| felt_figure(figure.kind.name, sheet.axis, beyond, largest)).flatten()
+}
+
+fn in_words(felt: &Felt) -> String {
+    let sense = if felt.thresholds < 1.0 { "a hand would hardly feel that" } else { "a hand would feel that" };
+    format!("{:.1} thresholds of perception beyond it: {sense}", felt.thresholds)
 }
 
 fn of_figure(guard: Guard, kind: &FigureKind, figure: Option<&Figure>, limits: Limits) -> (Verdict, Option<String>) {

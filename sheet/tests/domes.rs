@@ -73,7 +73,7 @@ fn the_figures_of_measured_domes_are_those_that_their_tester_publishes() {
 }
 
 #[test]
-fn the_interval_of_repeated_runs_holds_each_of_them_and_that_of_all_but_one_holds_the_one_in_95_percent() {
+fn the_interval_of_repeated_runs_holds_each_of_them_and_that_of_all_but_one_holds_the_one_as_often_as_it_says() {
     let Some(folder) = force_curves() else { return };
     let (mut own, mut next) = ([0_u32; 2], [0_u32; 2]);
     for set in std::fs::read_dir(folder.join("dome-lab")).unwrap() {
@@ -95,6 +95,7 @@ fn the_interval_of_repeated_runs_holds_each_of_them_and_that_of_all_but_one_hold
     }
     assert!(own[0] == own[1] && own[1] > 300, "{own:?}");
     let held = f64::from(next[0]) / f64::from(next[1]);
+    println!("{} of {} runs that were left out lie within the others' interval", next[0], next[1]);
     assert!((0.92..=0.99).contains(&held) && next[1] > 200, "{next:?} held: {held}");
 }
 

@@ -52,7 +52,9 @@ impl Joint {
                 }
                 name if name == karnopp_stick::KIND.name => joint.static_mnm = [values[0], values[1]],
                 name if name == detent::KIND.name => joint.sine(values[0], 1.0 / values[1], values[2]),
-                name if name == cogging::KIND.name => joint.sine(values[0], values[1], values[2]),
+                name if name == cogging::KIND.name => {
+                    values.chunks_exact(3).for_each(|line| joint.sine(line[0], line[1], line[2]));
+                }
                 name if name == mass_imbalance::KIND.name => joint.sine(values[0], 1.0, values[1]),
                 name if name == detent_harmonics::KIND.name => joint.harmonics(values),
                 name if name == return_spring::KIND.name => joint.spring = Some([values[0], values[1]]),

@@ -19,6 +19,7 @@ fn knob(viscous: [f64; 2]) -> Model {
             Effect::new(&detent::KIND, &[1.5, 0.034, 0.4]),
             Effect::new(&torque_offset::KIND, &[5.0]),
         ],
+        ..Model::default()
     }
 }
 

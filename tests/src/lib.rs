@@ -4,8 +4,10 @@
 //! benches of a test binary take turns, since they share the machine's cores.
 
 pub mod browser;
+pub mod ethercat;
 pub mod guide;
 pub mod live_view;
+pub mod rotary_plant;
 mod stopped_thread;
 pub mod trials;
 

@@ -7,6 +7,14 @@ use crate::{Role, effects, knobs};
 /// Parts or values that do not fit into a composed model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CompositionError {
+    /// Parts of what turns and of what is pressed or slid.
+    #[error(
+        "{label} does not move along the axis of the parts before it; take all from what turns, or all from what is pressed or slid"
+    )]
+    TwoAxes {
+        /// The source.
+        label: String,
+    },
     /// A source without the part asked for.
     #[error("{label} has no {role}; it has {has}{}", shipped(shipped_knobs))]
     NoSuchPart {

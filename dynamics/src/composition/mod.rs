@@ -18,7 +18,7 @@ mod error;
 mod nearest;
 mod notes;
 
-use crate::{Effect, Model, ParameterKind, Role, effects};
+use crate::{Axis, Effect, Model, ParameterKind, Role, effects};
 
 pub use self::error::CompositionError;
 pub use self::notes::{CompositionNote, composition_notes};
@@ -45,6 +45,7 @@ impl Source {
 /// Parts come first, then single values. Every effect is taken from one source; every value is changed once.
 #[derive(Clone, Debug, Default)]
 pub struct Composition {
+    axis: Option<Axis>,
     taken: Vec<Taken>,
 }
 
@@ -98,6 +99,9 @@ impl Composition {
 
     fn add(&mut self, effect: &Effect, source: &Source) -> Result<(), CompositionError> {
         let name = effect.kind().name;
+        if *self.axis.get_or_insert(source.model.axis) != source.model.axis {
+            return Err(CompositionError::TwoAxes { label: source.label.clone() });
+        }
         if let Some(before) = self.taken.iter().find(|taken| taken.effect.kind().name == name) {
             let (first, second) = (before.label.clone(), source.label.clone());
             return Err(CompositionError::Repeated { effect: name, first, second });
@@ -173,6 +177,7 @@ impl Composition {
             name: name.to_owned(),
             description: description.to_owned(),
             effects: in_order.map(|taken| taken.effect.with_origin(&taken.origin())).collect(),
+            axis: self.axis.unwrap_or_default(),
         }
     }
 }

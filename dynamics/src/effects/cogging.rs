@@ -1,69 +1,102 @@
-//! A second sinusoid of the angle, such as a motor's poles make.
+//! Further sinusoids of the angle, such as a motor's poles make.
 
 use std::f64::consts::TAU;
 
 use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Scene, Search};
 
-/// `cogging`: τ = H·sin(n·θ + η), its period unrelated to the detents'.
+/// Lines that an effect may have: a motor's poles, its slots, and a multiple of either.
+const LINES: usize = 3;
+/// Parameters of a line.
+const EACH: usize = 3;
+
+macro_rules! lines {
+    ($(($torque:literal, $per_turn:literal, $phase:literal, $least:ident)),*) => {
+        [
+            $(ParameterKind {
+                name: $torque,
+                unit: "mNm",
+                symbol: "H",
+                description: "largest torque",
+                minimum: Minimum::None,
+            },
+            ParameterKind {
+                name: $per_turn,
+                unit: "1",
+                symbol: "n",
+                description: "periods per turn",
+                minimum: Minimum::$least,
+            },
+            ParameterKind {
+                name: $phase,
+                unit: "rad",
+                symbol: "η",
+                description: "phase at angle zero",
+                minimum: Minimum::None,
+            }),*
+        ]
+    };
+}
+
+static PARAMETERS: [ParameterKind; LINES * EACH] = lines![
+    ("cogging_torque", "cogging_per_turn", "cogging_phase", AboveZero),
+    ("cogging_2_torque", "cogging_2_per_turn", "cogging_2_phase", Zero),
+    ("cogging_3_torque", "cogging_3_per_turn", "cogging_3_phase", Zero)
+];
+
+/// `cogging`: τ = Σ H·sin(n·θ + η) over at most three lines, their periods unrelated to the detents'.
 pub static KIND: EffectKind = EffectKind {
     name: "cogging",
-    description: "a sinusoid of the angle whose period has nothing to do with the detents",
+    description: "sinusoids of the angle whose periods have nothing to do with the detents",
     source: "poles and slots of a motor, or a second wheel",
     role: Role::Detents,
     depends_on: &[Coordinate::Angle],
-    parameters: &[
-        ParameterKind {
-            name: "cogging_torque",
-            unit: "mNm",
-            symbol: "H",
-            description: "largest torque",
-            minimum: Minimum::None,
-        },
-        ParameterKind {
-            name: "cogging_per_turn",
-            unit: "1",
-            symbol: "n",
-            description: "periods per turn",
-            minimum: Minimum::AboveZero,
-        },
-        ParameterKind {
-            name: "cogging_phase",
-            unit: "rad",
-            symbol: "η",
-            description: "phase at angle zero",
-            minimum: Minimum::None,
-        },
-    ],
-    part: Part::Torque(|values, motion| values[0] * (values[1] * motion.angle_rad + values[2]).sin()),
-    steepest_mnm_rad: Some(|effect| (effect.values()[0] * effect.values()[1]).abs()),
+    parameters: &PARAMETERS,
+    part: Part::Torque(|values, motion| {
+        let line = |line: &[f64]| line[0] * (line[1] * motion.angle_rad + line[2]).sin();
+        values.chunks_exact(EACH).filter(|line| line[0] != 0.0).map(line).sum()
+    }),
+    steepest_mnm_rad: Some(|effect| effect.values().chunks_exact(EACH).map(|line| (line[0] * line[1]).abs()).sum()),
     regressors: Some(Regressors {
-        columns: 2,
-        searched: &[1],
-        fill: |effect, motion, row| (row[0], row[1]) = (effect.values()[1] * motion.angle_rad).sin_cos(),
+        columns: 2 * LINES,
+        searched: &[1, 1 + EACH, 1 + 2 * EACH],
+        fill: |effect, motion, row| {
+            for (line, columns) in effect.values().chunks_exact(EACH).zip(row.chunks_exact_mut(2)) {
+                // A line without a period does not occur.
+                (columns[0], columns[1]) =
+                    if line[1] == 0.0 { (0.0, 0.0) } else { (line[1] * motion.angle_rad).sin_cos() };
+            }
+        },
         values: |coefficients, values| {
-            values[0] = coefficients[0].hypot(coefficients[1]);
-            values[2] = coefficients[1].atan2(coefficients[0]);
+            for (pair, line) in coefficients.chunks_exact(2).zip(values.chunks_exact_mut(EACH)) {
+                (line[0], line[2]) = (pair[0].hypot(pair[1]), pair[1].atan2(pair[0]));
+            }
         },
         nonnegative: &[],
     }),
     hypothesis: Some(Hypothesis {
-        searched: &[Search {
-            parameter: 1,
-            range: |scene| {
-                // Fewer than two periods over the travel are a bend.
-                let fewest = (2.0 * TAU / scene.travel_rad()).max(1.5);
-                let most = finest_per_turn(scene);
-                (most > fewest).then_some((fewest, most))
-            },
-            starts: |scene| Search::starts_over(finest_per_turn(scene) * scene.travel_rad() / TAU),
-            logarithmic: false,
-            same_as: None,
-        }],
+        searched: &[per_turn(1), per_turn(1 + EACH), per_turn(1 + 2 * EACH)],
         nested: &[],
+        lines: LINES,
         least_travel_rad: 0.0,
         per_capture: false,
     }),
 };
+
+/// The search for a line's periods per turn.
+const fn per_turn(parameter: usize) -> Search {
+    Search {
+        parameter,
+        range: |scene| {
+            // Fewer than two periods over the travel are a bend.
+            let fewest = (2.0 * TAU / scene.travel_rad()).max(1.5);
+            let most = finest_per_turn(scene);
+            (most > fewest).then_some((fewest, most))
+        },
+        starts: |scene| Search::starts_over(finest_per_turn(scene) * scene.travel_rad() / TAU),
+        logarithmic: false,
+        same_as: None,
+    }
+}
 
 /// Most periods per turn that pass slowly enough for the band.
 fn finest_per_turn(scene: &Scene) -> f64 {

@@ -82,6 +82,7 @@ pub static KIND: EffectKind = EffectKind {
             same_as: Some("detent_period"),
         }],
         nested: &[2, 4, 6, 10, 14, COLUMNS],
+        lines: 1,
         least_travel_rad: 0.0,
         per_capture: false,
     }),

@@ -82,6 +82,7 @@ pub static KIND: EffectKind = EffectKind {
             },
         ],
         nested: &[],
+        lines: 1,
         least_travel_rad: 0.0,
         per_capture: false,
     }),

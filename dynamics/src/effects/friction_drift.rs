@@ -43,6 +43,7 @@ pub static KIND: EffectKind = EffectKind {
             same_as: None,
         }],
         nested: &[],
+        lines: 1,
         least_travel_rad: 0.0,
         per_capture: false,
     }),

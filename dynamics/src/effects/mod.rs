@@ -3,6 +3,7 @@
 pub mod angle_characteristic;
 pub mod angle_dependent_inertia;
 pub mod backlash;
+pub mod bottom_out;
 pub mod cogging;
 pub mod detent;
 pub mod detent_harmonics;
@@ -25,6 +26,7 @@ pub mod return_spring;
 pub mod scratch;
 pub mod sensor_delay;
 pub mod shaft_compliance;
+pub mod snap_through;
 pub mod speed_characteristic;
 pub mod stribeck;
 pub mod torque_offset;
@@ -36,7 +38,7 @@ pub mod velocity_strengthening;
 use crate::EffectKind;
 
 /// Every effect, in the order in which a model lists them: first those that every fit looks for.
-pub static ALL: [&EffectKind; 32] = [
+pub static ALL: [&EffectKind; 34] = [
     &inertia::KIND,
     &angle_dependent_inertia::KIND,
     &friction::KIND,
@@ -51,6 +53,8 @@ pub static ALL: [&EffectKind; 32] = [
     &mass_imbalance::KIND,
     &return_spring::KIND,
     &end_stop::KIND,
+    &snap_through::KIND,
+    &bottom_out::KIND,
     &torque_ramp::KIND,
     &quadratic_drag::KIND,
     &eddy_current_damping::KIND,

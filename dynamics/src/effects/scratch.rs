@@ -47,6 +47,7 @@ pub static KIND: EffectKind = EffectKind {
     hypothesis: Some(Hypothesis {
         searched: &[edge(1), edge(2)],
         nested: &[],
+        lines: 1,
         least_travel_rad: 0.0,
         per_capture: false,
     }),

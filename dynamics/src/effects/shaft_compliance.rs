@@ -46,6 +46,7 @@ pub static KIND: EffectKind = EffectKind {
             Search { parameter: 1, range: Scene::coupling_dampings, starts: |_| 1, logarithmic: true, same_as: None },
         ],
         nested: &[],
+        lines: 1,
         least_travel_rad: 0.0,
         per_capture: false,
     }),

@@ -56,6 +56,7 @@ pub static KIND: EffectKind = EffectKind {
             Search { parameter: 2, range: |_| Some((0.5, 2.5)), starts: |_| 2, logarithmic: false, same_as: None },
         ],
         nested: &[],
+        lines: 1,
         least_travel_rad: 0.0,
         per_capture: false,
     }),

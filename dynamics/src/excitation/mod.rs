@@ -12,6 +12,8 @@ mod torque_ramp;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Axis;
+
 pub use chirp::{ChirpForm, ChirpSweep};
 use jet::Jet;
 pub use multisine::Multisine;
@@ -74,6 +76,9 @@ pub struct Excitation {
     pub drive: Drive,
     /// Largest commanded value, rad or mNm.
     pub amplitude: f64,
+    /// Whether it goes one way from the start and back, as what is pressed does: where a shape goes both ways, its square is taken.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_one_sided: bool,
     /// The shape over time.
     #[serde(flatten)]
     pub shape: Shape,
@@ -113,6 +118,8 @@ pub const NAMES: [&str; 9] = [
 pub const POSITION_AMPLITUDE_RAD: f64 = 1.0;
 /// Amplitude in mNm of a torque excitation unless told otherwise: the paper's 0.02 Nm.
 pub const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
+/// How far a position excitation presses unless told otherwise, mm: to the bottom of a dome, and not much beyond.
+pub const PRESSED_MM: f64 = 3.4;
 /// Amplitude in rad of `fast-multisine` and `tone` unless told otherwise: what the rig follows at their frequencies.
 pub const FAST_AMPLITUDE_RAD: f64 = 0.05;
 
@@ -142,7 +149,20 @@ impl Excitation {
             (Drive::Position, _) => POSITION_AMPLITUDE_RAD,
             (Drive::Torque, _) => TORQUE_AMPLITUDE_MNM,
         };
-        Ok(Self { drive, amplitude, shape })
+        Ok(Self { drive, amplitude, is_one_sided: false, shape })
+    }
+
+    /// The same on another axis: what is pressed is pressed and let go, as far as a dome goes or by a finger's force.
+    #[must_use]
+    pub fn on(self, axis: Axis) -> Self {
+        if axis.is_rotary() {
+            return self;
+        }
+        let amplitude = match self.drive {
+            Drive::Position => PRESSED_MM,
+            Drive::Torque => self.amplitude / axis.fingertip_way(),
+        };
+        Self { amplitude, is_one_sided: true, ..self }
     }
 
     /// The same excitation with another amplitude, in rad or mNm.
@@ -169,6 +189,12 @@ impl Excitation {
             Shape::SlowTurn(turn) => turn.at(time_s),
             Shape::TorqueRamp(ramp) => ramp.at(time_s),
             Shape::Hold => Jet::constant(0.0),
+        };
+        let unit = match self.shape {
+            // They go one way from zero by themselves.
+            Shape::SlowTurn(_) | Shape::Hold => unit,
+            _ if self.is_one_sided => unit * unit,
+            _ => unit,
         };
         Setpoint {
             value: self.amplitude * unit.value,

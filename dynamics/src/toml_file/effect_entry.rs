@@ -3,44 +3,51 @@
 use std::fmt::Write as _;
 
 use super::ModelError;
-use crate::{Effect, EffectKind, Part, TableUse, TorqueTable, effects};
+use crate::{Axis, Effect, EffectKind, Part, TableUse, TorqueTable, effects};
 
 const NAME: &str = "effect";
 const ORIGIN: &str = "origin";
 const TORQUES: &str = "torque_mnm";
 const PERIOD: &str = "period_rad";
 
-/// Appends the effect, with a comment on every parameter.
-pub(super) fn write(effect: &Effect, text: &mut String) {
+/// Appends the effect of a model of that axis, with a comment on every parameter.
+pub(super) fn write(effect: &Effect, axis: Axis, text: &mut String) {
     let kind = effect.kind();
-    let _ = writeln!(text, "\n# {}\n[[effects]]\n{NAME} = \"{}\"", kind.description, kind.name);
+    let _ = writeln!(text, "\n# {}\n[[effects]]\n{NAME} = \"{}\"", axis.words(kind.description), kind.name);
     if let Some(origin) = effect.origin() {
         let _ = writeln!(text, "{ORIGIN} = {}  # the knob that it was taken from", toml::Value::from(origin));
     }
     for (parameter, value) in effect.parameters() {
         let value = toml::Value::from(value);
-        let _ = writeln!(
-            text,
+        let line = format!(
             "{} = {value}  # {}, {}: {}",
             parameter.name, parameter.symbol, parameter.unit, parameter.description
         );
+        let _ = writeln!(text, "{}", axis.words(&line));
     }
     if let (Some(of), Some(table)) = (table_use(effect.kind()), effect.table()) {
         if let Some(period) = table.period_rad() {
             let period = toml::Value::from(period);
-            let _ = writeln!(text, "{PERIOD} = {period}  # rad: angle after which the table repeats");
+            let line = format!("{PERIOD} = {period}  # rad: angle after which the table repeats");
+            let _ = writeln!(text, "{}", axis.words(&line));
         }
         for (name, values, meaning) in [
             (of.coordinate_name(), table.points(), "the table's points, rising"),
             (TORQUES, table.points_mnm(), "mNm: torque at each of them"),
         ] {
-            let _ = writeln!(text, "# {meaning}\n{name} = {}", toml::Value::from(values.to_vec()));
+            let _ = writeln!(
+                text,
+                "# {}\n{} = {}",
+                axis.words(meaning),
+                axis.words(name),
+                toml::Value::from(values.to_vec())
+            );
         }
     }
 }
 
 /// Reads the effect.
-pub(super) fn parse(entry: &toml::Table, origin: &str) -> Result<Effect, ModelError> {
+pub(super) fn parse(entry: &toml::Table, axis: Axis, origin: &str) -> Result<Effect, ModelError> {
     let name = entry.get(NAME).and_then(toml::Value::as_str).ok_or_else(|| ModelError::Malformed {
         origin: origin.to_owned(),
         reason: "an [[effects]] table lacks its effect = \"name\"".to_owned(),
@@ -51,13 +58,15 @@ pub(super) fn parse(entry: &toml::Table, origin: &str) -> Result<Effect, ModelEr
         known: names(effects::ALL.iter().map(|kind| kind.name)),
     })?;
     let drawn = table_use(kind);
-    let reader = Entry { kind, drawn, entry, origin };
+    let reader = Entry { kind, drawn, entry, axis, origin };
     reader.check_keys()?;
     let mut effect = Effect::new(kind, &[]);
-    for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
+    let of_first_line = kind.parameters.len() / kind.lines();
+    for (index, (slot, parameter)) in effect.values_mut().iter_mut().zip(kind.parameters).enumerate() {
         let value = match entry.get(parameter.name) {
             // A table is as drawn unless the file says otherwise.
             None if drawn.is_some() => 1.0,
+            None if index >= of_first_line => 0.0,
             None => return Err(reader.wrong(format!("lacks '{}'", parameter.name))),
             Some(value) => number(value).ok_or_else(|| reader.wrong(not_a_number(parameter.name)))?,
         };
@@ -94,6 +103,7 @@ struct Entry<'file> {
     /// What it makes of a table, if one belongs to it.
     drawn: Option<TableUse>,
     entry: &'file toml::Table,
+    axis: Axis,
     origin: &'file str,
 }
 
@@ -130,11 +140,12 @@ impl Entry<'_> {
     }
 
     fn wrong(&self, problem: String) -> ModelError {
+        let known = names(self.kind.parameters.iter().map(|parameter| parameter.name).chain(self.table_keys()));
         ModelError::WrongParameters {
             origin: self.origin.to_owned(),
             effect: self.kind.name,
-            problem,
-            known: names(self.kind.parameters.iter().map(|parameter| parameter.name).chain(self.table_keys())),
+            problem: self.axis.words(&problem).into_owned(),
+            known: self.axis.words(&known).into_owned(),
         }
     }
 }

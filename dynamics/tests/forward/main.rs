@@ -16,5 +16,6 @@ fn model(effects: &[(&str, &[f64])]) -> Model {
         name: "test".to_owned(),
         description: String::new(),
         effects: effects.iter().map(|(name, values)| Effect::new(effects::by_name(name).unwrap(), values)).collect(),
+        ..Model::default()
     }
 }

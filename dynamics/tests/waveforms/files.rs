@@ -19,6 +19,7 @@ fn waveforms_tables_and_origins_survive_their_own_file() {
                 Effect::new(&effects::torque_table::KIND, &[-0.7]).with_table(table).with_origin("drawn.csv"),
                 effect("torque-ramp", &[3.0, 0.1, 0.2]),
             ],
+            ..Model::default()
         };
         let read = Model::from_toml(&model.to_toml(), "written").unwrap();
         assert_eq!(read, model);

@@ -12,7 +12,7 @@ fn steepest_secant(torque_mnm: impl Fn(f64) -> f64, from_rad: f64, to_rad: f64, 
 }
 
 fn model(effects: Vec<Effect>) -> Model {
-    Model { name: String::new(), description: String::new(), effects }
+    Model { effects, ..Model::default() }
 }
 
 #[test]

@@ -52,6 +52,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             name: format!("{inertia}"),
             description: String::new(),
             effects: vec![Effect::new(&effects::inertia::KIND, &[inertia])],
+            ..Model::default()
         };
         report("flywheel", &flywheel, &chirp, recommended, &Conditions::default())?;
     }

@@ -1,6 +1,6 @@
 //! What the simulated rig says of itself.
 
-use dynamics::Calibration;
+use dynamics::{Calibration, Model};
 
 use super::RigParameters;
 use super::cogging::Cogging;
@@ -14,7 +14,7 @@ const CALIBRATION_STREAM: u64 = 0xca11_b4a7_1015_0000;
 /// Slowest sample rate that it is run at, Hz; it has none of its own.
 const SLOWEST_HZ: f64 = 500.0;
 
-pub(super) fn describe(parameters: &RigParameters, knob_name: &str, seed: u64) -> RigDescription {
+pub(super) fn describe(parameters: &RigParameters, knob: &Model, seed: u64) -> RigDescription {
     RigDescription {
         name: "simulated rig".to_owned(),
         limits: Limits {
@@ -26,7 +26,7 @@ pub(super) fn describe(parameters: &RigParameters, knob_name: &str, seed: u64) -
             rate_hz: parameters.rate_limit_hz,
         },
         slowest_rate_hz: SLOWEST_HZ,
-        calibration: calibration(parameters, seed),
+        calibration: Calibration { axis: knob.axis, ..calibration(parameters, seed) },
         torque: TorqueSource::Sensor,
         takes_torque_at_exchange: false,
         stale_limit: 0,
@@ -36,7 +36,7 @@ pub(super) fn describe(parameters: &RigParameters, knob_name: &str, seed: u64) -
         codes: Vec::new(),
         notes: vec![
             ("seed".to_owned(), seed.to_string()),
-            ("mounted knob".to_owned(), knob_name.to_owned()),
+            ("mounted knob".to_owned(), knob.name.clone()),
             ("noise scale".to_owned(), parameters.noise_scale.to_string()),
             ("plant substep".to_owned(), format!("{} ns", parameters.substep_ns)),
             ("motor cogging".to_owned(), cogging_in_words(&parameters.motor_cogging)),
@@ -58,6 +58,7 @@ fn calibration(parameters: &RigParameters, seed: u64) -> Calibration {
     let mut error = Noise::new(seed ^ CALIBRATION_STREAM, parameters.calibration_error);
     let mut measured = |truth: f64| truth + error.sample(truth.abs());
     Calibration {
+        axis: dynamics::Axis::Rotary,
         gripper_inertia: measured(parameters.gripper_inertia),
         motor_inertia: measured(parameters.motor_inertia()),
         torque_sensor_stiffness_mnm_rad: measured(parameters.torque_sensor_stiffness_mnm_rad),

@@ -1,6 +1,6 @@
 //! A hand that holds the gripper: what turns a rendered knob.
 
-use dynamics::Excitation;
+use dynamics::{Axis, Excitation};
 
 use super::ParameterError;
 
@@ -45,6 +45,14 @@ impl Grip {
 }
 
 impl Grip {
+    /// The usual grip of what has that axis.
+    #[must_use]
+    pub fn on(axis: Axis) -> Self {
+        let Self { inertia, damping, stiffness_mnm_rad } = Self::default();
+        let square = axis.fingertip_way().powi(2);
+        Self { inertia: inertia / square, damping: damping / square, stiffness_mnm_rad: stiffness_mnm_rad / square }
+    }
+
     /// The inertia of a grip that can be, mNm·s²/rad.
     pub(super) fn validated(&self) -> Result<f64, ParameterError> {
         let fields = [

@@ -57,3 +57,6 @@ pub use sensors::Readings;
 
 /// The rig file of the simulated rig, which ships.
 pub const RIG_FILE: &str = include_str!("rig.toml");
+
+/// The rig file of a simulated rig that presses, which ships too.
+pub const LINEAR_RIG_FILE: &str = include_str!("linear-rig.toml");

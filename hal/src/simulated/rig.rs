@@ -58,7 +58,7 @@ impl SimulatedRig {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "both are positive; `as` saturates")]
         let substeps = |duration_s: f64| (duration_s / substep_s).round() as u64;
         Ok(Self {
-            description: describe(&parameters, &knob.name, seed),
+            description: describe(&parameters, &knob, seed),
             substep_ns: parameters.substep_ns,
             catch_up_limit: substeps(parameters.catch_up_limit_s),
             sensors: Sensors::new(&parameters, &knob, seed)?,

@@ -45,6 +45,7 @@ fn flywheel(inertia: f64) -> Model {
         name: "flywheel".to_owned(),
         description: String::new(),
         effects: vec![Effect::new(&effects::inertia::KIND, &[inertia])],
+        ..Model::default()
     }
 }
 

@@ -12,7 +12,7 @@ const STEP: f64 = 1e-3;
 
 /// Mean half width of the 95 % interval of the torque of `combined`, over the motion of all captures, mNm.
 pub(super) fn mean_half_width_mnm(combined: &Fit, fits: &[Fit]) -> f64 {
-    let base = Model { name: String::new(), description: String::new(), effects: combined.effects().to_vec() };
+    let base = Model { effects: combined.effects().to_vec(), ..Model::default() };
     let known = &combined.covariance;
     let shifted: Vec<Option<(Model, f64)>> =
         known.order.iter().enumerate().map(|(at, name)| shifted(&base, name, known.rows[at][at].sqrt())).collect();

@@ -3,18 +3,19 @@
 
 use std::f64::consts::TAU;
 
-use dynamics::{Coordinate, Direction, Effect, EffectKind, Part, TableUse, TorqueTable, effects};
+use dynamics::{Coordinate, effects};
 
 use super::both_cores::on_both_cores;
 use super::capture::Capture;
-use super::findings::{Characteristic, CharacteristicPoint};
+use super::findings::Characteristic;
 use super::judged::Judged;
 use super::search::{Found, Search};
 use super::separable::Separable;
 use super::verdict::LEFT;
 use super::worth::{FALSE_DISCOVERIES, takes_its_part};
 use super::{normal, placebo};
-use crate::least_squares::{LeastSquares, dot};
+use crate::characteristic::{CharacteristicPoint, Spline, held};
+use crate::least_squares::LeastSquares;
 use crate::statistics::{false_discovery_rate, student_95};
 
 /// Points of a spline that are tried: a scratch over a twentieth of the travel needs many.
@@ -29,76 +30,39 @@ const BEND_ROUNDS: usize = 3;
 /// Travel in turns from which a rest may repeat with every turn.
 const TURNS: f64 = 1.1;
 
-/// A spline through points over one coordinate, before their torques are known.
-struct Spline {
-    kind: &'static EffectKind,
-    of: TableUse,
-    points: Vec<f64>,
-    period_rad: Option<f64>,
+/// All splines that a capture could show.
+fn all_splines(capture: &Capture) -> Vec<Spline> {
+    let scene = capture.scene();
+    let turns = scene.travel_rad() > TURNS * TAU;
+    let over_angle = [effects::angle_characteristic::KIND.name, effects::friction_characteristic::KIND.name];
+    let mut all = Vec::new();
+    for kind in effects::ALL {
+        if over_angle.contains(&kind.name) {
+            all.push((kind, [scene.lowest_rad, scene.highest_rad], None));
+            all.extend(turns.then_some((kind, [0.0, TAU], Some(TAU))));
+        } else if kind.name == effects::speed_characteristic::KIND.name && !capture.is_map {
+            all.push((kind, [0.0, scene.highest_speed_rad_s], None));
+        }
+    }
+    let splines = all
+        .into_iter()
+        .flat_map(|(kind, range, period_rad)| POINTS.map(|count| Spline::new(kind, range, count, period_rad)));
+    splines.flatten().collect()
 }
 
-impl Spline {
-    /// All that a capture could show.
-    fn all(capture: &Capture) -> Vec<Self> {
-        let scene = capture.scene();
-        let turns = scene.travel_rad() > TURNS * TAU;
-        let over_angle = [effects::angle_characteristic::KIND.name, effects::friction_characteristic::KIND.name];
-        let mut all = Vec::new();
-        for kind in effects::ALL {
-            let (Part::TorqueTable(of) | Part::FrictionTable(of)) = kind.part else { continue };
-            if over_angle.contains(&kind.name) {
-                all.push((kind, of, (scene.lowest_rad, scene.highest_rad), None));
-                all.extend(turns.then_some((kind, of, (0.0, TAU), Some(TAU))));
-            } else if kind.name == effects::speed_characteristic::KIND.name && !capture.is_map {
-                all.push((kind, of, (0.0, scene.highest_speed_rad_s), None));
-            }
-        }
-        let splines = all.into_iter().flat_map(|(kind, of, (from, to), period_rad): (_, _, (f64, f64), _)| {
-            POINTS.map(|count| {
-                let intervals = f64::from(if period_rad.is_some() { count } else { count - 1 });
-                let points = (0..count).map(|point| from + (to - from) * f64::from(point) / intervals).collect();
-                Self { kind, of, points, period_rad }
-            })
-        });
-        splines.collect()
+/// Name of what a spline lies over, as locations call it.
+fn coordinate(spline: &Spline) -> &'static str {
+    match (spline.of.over, spline.period_rad) {
+        (Coordinate::Velocity, _) => "velocity",
+        (_, Some(_)) => "angle-within-turn",
+        _ => "angle",
     }
+}
 
-    /// Name of what it lies over, as locations call it.
-    fn coordinate(&self) -> &'static str {
-        match (self.of.over, self.period_rad) {
-            (Coordinate::Velocity, _) => "velocity",
-            (_, Some(_)) => "angle-within-turn",
-            _ => "angle",
-        }
-    }
-
-    fn effect(&self, torque_mnm: &[f64]) -> Option<Effect> {
-        let table = TorqueTable::kept_for(self.of, &self.points, torque_mnm, self.period_rad).ok()?;
-        Some(Effect::new(self.kind, &[1.0]).with_table(table))
-    }
-
-    /// Rows of the torque of every point alone, 1 mNm high.
-    fn rows(&self, capture: &Capture) -> Vec<Vec<f64>> {
-        let count = self.points.len();
-        let resists = matches!(self.kind.part, Part::FrictionTable(_));
-        let mut unit = vec![0.0; count];
-        let mut of_point = |point: usize| {
-            unit.fill(0.0);
-            unit[point] = 1.0;
-            let table = TorqueTable::through(self.of, &self.points, &unit, self.period_rad).ok();
-            let torque_mnm = |index: usize| {
-                let motion = capture.motion.at(index);
-                let sign = match motion.velocity_rad_s {
-                    _ if !resists => 1.0,
-                    0.0 => 0.0,
-                    velocity => Direction::of(velocity).sign(),
-                };
-                sign * table.as_ref().map_or(0.0, |table| self.of.torque_mnm(table, &motion))
-            };
-            capture.frame.rows(&(0..capture.motion.len()).map(torque_mnm).collect::<Vec<f64>>())
-        };
-        (0..count).map(&mut of_point).collect()
-    }
+/// Rows of the torque of every point alone, 1 mNm high.
+fn rows(spline: &Spline, capture: &Capture) -> Vec<Vec<f64>> {
+    let columns = spline.columns(capture.motion.len(), |index| capture.motion.at(index));
+    columns.map(|column| capture.frame.rows(&column)).collect()
 }
 
 impl Search<'_> {
@@ -120,7 +84,7 @@ impl Search<'_> {
         let finest = |spline: &Spline| {
             spline.kind.name == effects::angle_characteristic::KIND.name && spline.period_rad.is_none()
         };
-        let spline = Spline::all(self.train).into_iter().rfind(finest)?;
+        let spline = all_splines(self.train).into_iter().rfind(finest)?;
         let mut best = current.clone();
         // Without the bend the detents stood elsewhere.
         for _ in 0..BEND_ROUNDS {
@@ -138,7 +102,7 @@ impl Search<'_> {
     /// The spline that predicts the held-out capture best, if it is better than chance and than its freedom spent on nothing.
     fn best_characteristic(&self, current: &Judged, found: &Found) -> Option<(Judged, Characteristic)> {
         let present = Separable::new(current.structure.clone(), self.train);
-        let mut splines = Spline::all(self.train);
+        let mut splines = all_splines(self.train);
         let name_is_new = |spline: &Spline| current.structure.position(spline.kind.name).is_none();
         splines.retain(name_is_new);
         let indices: Vec<usize> = (0..splines.len()).collect();
@@ -156,7 +120,7 @@ impl Search<'_> {
         best.sort_by(|(one, _), (other, _)| other.1.evidence.total_cmp(&one.1.evidence));
         best.into_iter().find_map(|((index, judged), false_discovery_rate)| {
             let spline = &splines[*index];
-            let [train, heldout] = [self.train, self.heldout].map(|capture| spline.rows(capture));
+            let [train, heldout] = [self.train, self.heldout].map(|capture| rows(spline, capture));
             let placebo_rms = placebo::rms_of_columns([&train, &heldout], current, self.heldout);
             if judged.heldout_rms_mnm > placebo_rms {
                 return None;
@@ -164,7 +128,7 @@ impl Search<'_> {
             let nearest = found.partial.iter().max_by(|a, b| a.explains_percent.total_cmp(&b.explains_percent));
             let characteristic = Characteristic {
                 effect: spline.kind.name,
-                coordinate: spline.coordinate(),
+                coordinate: coordinate(spline),
                 points: points(spline, judged, &train),
                 train_rms_before: current.train_rms_mnm,
                 train_rms_after: judged.train_rms_mnm,
@@ -181,25 +145,11 @@ impl Search<'_> {
 
 /// The torques of a spline's points beside all that a fit has already, mNm.
 fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> Vec<f64> {
-    let rows = spline.rows(capture);
-    let squares = rows.iter().map(|row| dot(row, row)).sum::<f64>();
-    #[allow(clippy::cast_precision_loss, reason = "a number of points")]
-    let held = (HELD * squares / rows.len() as f64).sqrt();
     let base = present.columns();
-    let extended = |column: &[f64], place: Option<usize>| {
-        let mut column = column.to_vec();
-        column.extend((0..rows.len()).map(|row| if place == Some(row) { held } else { 0.0 }));
-        column
-    };
-    let columns: Vec<Vec<f64>> = base
-        .iter()
-        .map(|column| extended(column, None))
-        .chain(rows.iter().enumerate().map(|(place, row)| extended(row, Some(place))))
-        .collect();
+    let (columns, target) = held(&base, &rows(spline, capture), &capture.target(present.structure.delay_s()), |_| HELD);
     let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let mut nonnegative = present.structure.nonnegative();
     nonnegative.resize(slices.len(), false);
-    let target = extended(&capture.target(present.structure.delay_s()), None);
     normal::solve(&slices, &target, &nonnegative)[base.len()..].to_vec()
 }
 

@@ -162,7 +162,7 @@ fn coarse(structure: &Structure, capture: &Capture, step_rad: f64) -> Option<f64
     let places = of_angle(structure);
     let rest = places.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
     let torques: Vec<_> = places.iter().map(|index| structure.effects[*index]).collect();
-    let of_angle = Model { name: String::new(), description: String::new(), effects: torques };
+    let of_angle = Model { effects: torques, ..Model::default() };
     let target = residual(&rest, capture);
     let rows: Vec<(f64, f64, f64)> = capture
         .row_motions()

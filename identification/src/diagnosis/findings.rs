@@ -6,6 +6,7 @@ use dynamics::Model;
 use dynamics::simulate::RigMotor;
 
 use super::locate::Location;
+use crate::characteristic::CharacteristicPoint;
 
 /// What is missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -211,17 +212,6 @@ pub struct Characteristic {
     pub placebo_rms: f64,
     /// The effect of the catalogue that explains most of the same rest, if any explains some.
     pub nearest: Option<&'static str>,
-}
-
-/// A point of a measured characteristic.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct CharacteristicPoint {
-    /// Where, rad or rad/s.
-    pub at: f64,
-    /// Torque there, mNm.
-    pub torque_mnm: f64,
-    /// Its 95 % interval, the other effects being as they are; none where the capture hardly shows it.
-    pub ci95: Option<[f64; 2]>,
 }
 
 /// A capture on which rivals differ most.

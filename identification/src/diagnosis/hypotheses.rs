@@ -55,9 +55,9 @@ pub(crate) fn candidates(structure: &Structure) -> Vec<&'static EffectKind> {
 pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, heldout: &Capture) -> Option<Judged> {
     let train = base.capture;
     let hypothesis = kind.hypothesis?;
-    let grid = grid(&hypothesis, &train.scene_of(&base.structure))?;
+    let grid = grid(kind, &hypothesis, &train.scene_of(&base.structure))?;
     let mut starts: Vec<(f64, Effect)> = Vec::new();
-    let width = hypothesis.nested.last().copied().or(kind.regressors.map(|r| r.columns)).unwrap_or(0);
+    let width = hypothesis.nested.last().copied().unwrap_or(columns_of_a_line(kind));
     let coarse = (grid.len() > 1 && pointwise(kind)).then(|| Coarse::of(base));
     for point in grid {
         let effect = effect_at(kind, &hypothesis, &point);
@@ -82,7 +82,41 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
         fit.refine(2);
         Judged::separable(&fit, heldout)
     });
-    smaller.chain([Judged::separable(&best, heldout)]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+    let mut fitted: Vec<Judged> = smaller.chain([Judged::separable(&best, heldout)]).collect();
+    let mut lines = best;
+    while let Some(more) = with_a_line_more(&lines) {
+        let judged = Judged::separable(&more, heldout);
+        if fitted.iter().any(|fewer| fewer.evidence > judged.evidence) {
+            break;
+        }
+        fitted.push(judged);
+        lines = more;
+    }
+    fitted.into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+}
+
+/// Columns with which an effect's law occurs once.
+fn columns_of_a_line(kind: &EffectKind) -> usize {
+    kind.regressors.map_or(0, |regressors| regressors.columns / kind.lines())
+}
+
+/// The fit with the last effect's law once more, where what is left shows it best; `None` if it cannot occur again.
+fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
+    let index = fit.structure.effects.len().checked_sub(1)?;
+    let (effect, columns) = (fit.structure.effects[index], fit.structure.columns[index]);
+    let (kind, used) = (effect.kind(), effect.kind().parameters_in(columns));
+    let hypothesis = kind.hypothesis.filter(|hypothesis| hypothesis.lines > 1 && used < kind.parameters.len())?;
+    let coarse = Coarse::of(fit);
+    let probes = grid(kind, &hypothesis, &fit.capture.scene_of(&fit.structure))?;
+    let probes = probes.iter().map(|point| effect_at(kind, &hypothesis, point));
+    let (_, probe) = probes.map(|probe| (coarse.gain(&probe), probe)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let mut more = effect;
+    let each = kind.parameters.len() / kind.lines();
+    more.values_mut()[used..used + each].copy_from_slice(&probe.values()[..each]);
+    let mut fit =
+        Separable::new(fit.structure.without(index).with(more, columns + columns_of_a_line(kind)), fit.capture);
+    fit.refine(ROUNDS);
+    Some(fit)
 }
 
 /// How far the fit of a coupling goes.
@@ -102,7 +136,7 @@ pub(crate) fn coupled(
     effort: Effort,
 ) -> Option<Judged> {
     let hypothesis = kind.hypothesis?;
-    let grid = grid(&hypothesis, &train.scene_of(base))?;
+    let grid = grid(kind, &hypothesis, &train.scene_of(base))?;
     let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
     // The skew that the structure needed without the coupling tells nothing.
     let unskewed = Structure { skew_s: 0.0, ..base.clone() };
@@ -204,7 +238,7 @@ pub(crate) fn beside_coupling(
     let mut promising: Vec<(f64, Structure)> = Vec::new();
     for kind in kinds {
         let Some(hypothesis) = kind.hypothesis else { continue };
-        let starts = grid(&hypothesis, &scene).unwrap_or_default();
+        let starts = grid(kind, &hypothesis, &scene).unwrap_or_default();
         let best = starts
             .iter()
             .map(|point| {
@@ -213,7 +247,7 @@ pub(crate) fn beside_coupling(
             })
             .max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((gain, effect)) = best {
-            let width = hypothesis.nested.get(2).copied().or(kind.regressors.map(|r| r.columns)).unwrap_or(0);
+            let width = hypothesis.nested.get(2).copied().unwrap_or(columns_of_a_line(kind));
             promising.push((gain, base.with(effect, width)));
         }
     }
@@ -244,10 +278,12 @@ fn coupled_anew(structure: &Structure, captures: [&Capture; 2]) -> Option<Judged
     Some(judged)
 }
 
-/// All combinations of the searched parameters' starts; `None` if the capture cannot show one of them.
-fn grid(hypothesis: &Hypothesis, scene: &dynamics::Scene) -> Option<Vec<Vec<f64>>> {
+/// All combinations of the searched parameters' starts, the law occurring once; `None` if the capture cannot show one of
+/// them.
+fn grid(kind: &EffectKind, hypothesis: &Hypothesis, scene: &dynamics::Scene) -> Option<Vec<Vec<f64>>> {
     let mut grid: Vec<Vec<f64>> = vec![Vec::new()];
-    for search in hypothesis.searched {
+    let of_a_line = kind.parameters.len() / kind.lines();
+    for search in hypothesis.searched.iter().filter(|search| search.parameter < of_a_line) {
         let values = search.values(scene);
         if values.is_empty() {
             return None;

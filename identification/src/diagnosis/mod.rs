@@ -30,8 +30,7 @@ mod worth;
 pub use commanded::CommandedTorque;
 pub use error::DiagnosisError;
 pub use findings::{
-    Characteristic, CharacteristicPoint, Diagnosis, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step,
-    Value, Verdict,
+    Characteristic, Diagnosis, ForwardFromCommand, NextExperiment, Partial, Rival, Row, Step, Value, Verdict,
 };
 pub use locate::Location;
 pub use verdict::FORWARD_WINDOW_S;

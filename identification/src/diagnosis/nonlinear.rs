@@ -4,7 +4,7 @@
 //! Every value is searched, by Levenberg and Marquardt, first on slow motion and then on wider bands: on the whole band
 //! at once the search stops in the first of many valleys.
 
-use dynamics::{Minimum, Model, Part};
+use dynamics::{Minimum, Model, Part, Search};
 use nalgebra::{DMatrix, DVector};
 
 use super::capture::Capture;
@@ -219,7 +219,9 @@ impl<'a> Nonlinear<'a> {
         let scene = capture.scene_of(structure);
         let searches = effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
         let mut squares = None;
-        let at_bound = searches.iter().filter(|search| search.same_as.is_none()).find(|search| {
+        let used = effect.kind().parameters_in(structure.columns[index]);
+        let free = |search: &&Search| search.same_as.is_none() && search.parameter < used;
+        let at_bound = searches.iter().filter(free).find(|search| {
             let Some((least, largest)) = (search.range)(&scene) else { return false };
             let value = effect.values()[search.parameter];
             let width = if search.logarithmic { value } else { largest - least };
@@ -333,8 +335,8 @@ fn values(structure: &Structure, capture: &Capture) -> Vec<Value> {
             continue;
         }
         let searches = kind.hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
-        let unused = kind.regressors.map_or(0, |regressors| regressors.columns - structure.columns[index]);
-        for (parameter, parameter_kind) in kind.parameters.iter().enumerate() {
+        let used = kind.parameters_in(structure.columns[index]);
+        for (parameter, parameter_kind) in kind.parameters.iter().enumerate().take(used) {
             let now = effect.values()[parameter];
             let value = |range: (f64, f64), scale, logarithmic| Value {
                 searched: Searched::Parameter { effect: index, parameter, range },
@@ -347,9 +349,6 @@ fn values(structure: &Structure, capture: &Capture) -> Vec<Value> {
                 if let Some(range) = (search.range)(&scene).filter(|_| search.same_as.is_none()) {
                     values.push(value(range, 0.05 * (range.1 - range.0), search.logarithmic));
                 }
-                continue;
-            }
-            if parameter >= kind.parameters.len() - unused {
                 continue;
             }
             let positive = parameter_kind.minimum == Minimum::AboveZero;

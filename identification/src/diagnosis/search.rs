@@ -373,7 +373,8 @@ impl Search<'_> {
         if !is_periodic || judged.structure.position(effects::detent::KIND.name).is_some() {
             return None;
         }
-        let [amplitude, per_turn, phase] = *effect.values() else { return None };
+        // Other lines will be found again beside the detents.
+        let [amplitude, per_turn, phase, ..] = *effect.values() else { return None };
         let detent = Effect::new(&effects::detent::KIND, &[amplitude, 1.0 / per_turn, phase]);
         let base = judged.structure.without(judged.structure.effects.len() - 1);
         Some(self.settled(base.with(detent, 2)))

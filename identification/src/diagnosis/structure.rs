@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
+use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene, Search};
 
 use super::capture::Capture;
 
@@ -42,7 +42,7 @@ impl Searched {
 
 impl Structure {
     pub(crate) fn new(effects: &[Effect]) -> Self {
-        let columns = effects.iter().map(|effect| regressors(effect).map_or(0, |r| r.columns)).collect();
+        let columns = effects.iter().map(Effect::columns).collect();
         Self { effects: effects.to_vec(), columns, skew_s: 0.0 }
     }
 
@@ -93,7 +93,7 @@ impl Structure {
     }
 
     pub(crate) fn model(&self) -> Model {
-        Model { name: String::new(), description: String::new(), effects: self.effects.clone() }
+        Model { effects: self.effects.clone(), ..Model::default() }
     }
 
     pub(crate) fn is_coupled(&self) -> bool {
@@ -140,18 +140,22 @@ impl Structure {
 
     /// Number of values that the data had to settle, the skew apart.
     pub(crate) fn freedom(&self) -> usize {
-        let searched = |effect: &Effect| {
+        let searched = |(effect, columns): (&Effect, &usize)| {
             effect.kind().hypothesis.map_or_else(
                 || regressors(effect).map_or(0, |r| r.searched.len()),
-                |hypothesis| hypothesis.searched.iter().filter(|search| search.same_as.is_none()).count(),
+                |hypothesis| {
+                    let used = effect.kind().parameters_in(*columns);
+                    let free = |search: &&Search| search.same_as.is_none() && search.parameter < used;
+                    hypothesis.searched.iter().filter(free).count()
+                },
             )
         };
         // One limit for both directions is tried.
         let limits = usize::from(self.is_coupled() && self.sticks());
         // A measured table has its points' torques and no scale of its own.
         let of_table = |effect: &Effect| effect.table().map_or(0, |table| table.points().len() - 1);
-        let each = |(effect, width): (&Effect, usize)| width + searched(effect) + of_table(effect);
-        limits + self.effects.iter().zip(self.widths()).map(each).sum::<usize>()
+        let each = |(of, width): ((&Effect, &usize), usize)| width + searched(of) + of_table(of.0);
+        limits + self.effects.iter().zip(&self.columns).zip(self.widths()).map(each).sum::<usize>()
     }
 
     /// Writes fitted coefficients into the effects' values.
@@ -188,7 +192,9 @@ impl Structure {
                 }
                 continue;
             };
-            for search in hypothesis.searched.iter().filter(|search| search.same_as.is_none()) {
+            let used = effect.kind().parameters_in(self.columns[index]);
+            let free = |search: &&Search| search.same_as.is_none() && search.parameter < used;
+            for search in hypothesis.searched.iter().filter(free) {
                 if let Some(range) = (search.range)(scene) {
                     all.push(Searched::Parameter { effect: index, parameter: search.parameter, range });
                 }

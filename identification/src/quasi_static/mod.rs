@@ -5,16 +5,18 @@
 //! counted per turn where a whole turn was covered.
 
 mod block_sums;
+mod characteristic;
 mod ladder;
 mod passes;
 mod sinusoids;
 
-use dynamics::{Effect, effects};
+use dynamics::{Axis, Effect, effects};
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::smallest_step;
 use crate::motion::scatter;
+use crate::options::FitOptions;
 use crate::samples::{FEWEST_SAMPLES, Samples};
 use crate::saturation::Rails;
 use crate::statistics::{NORMAL_95, median, rms};
@@ -34,48 +36,28 @@ struct Map {
 }
 
 /// Fits friction and the ladder of sinusoids to checked samples; `None` if the knob did not wander slowly through its travel.
-pub(crate) fn fit(samples: &Samples<'_>, look_for_detents: bool) -> Option<Fit> {
+pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
     let rails = Rails::of(samples.torque_mnm);
-    let map = Map::of(samples, &rails)?;
+    let map = Map::of(samples, &rails, options.is_quasi_static)?;
+    if options.characteristic {
+        return characteristic::fit(samples, &map, &rails);
+    }
+    let look_for_detents = !options.without_detents;
     let mut sums = BlockSums::new(map.torque_mnm.clone());
-    let frictions: Vec<(&'static str, i8)> = [("coulomb_negative", -1), ("coulomb_positive", 1)]
-        .into_iter()
-        .filter(|(_, direction)| map.directions.iter().filter(|d| **d == *direction).count() >= FEWEST_ROWS)
-        .collect();
-    for (_, direction) in &frictions {
-        sums.push(map.directions.iter().map(|d| if d == direction { f64::from(*d) } else { 0.0 }).collect());
+    let frictions = map.frictions();
+    for friction in &frictions {
+        sums.push(map.friction_column(*friction));
     }
     let grid = Grid::of(&map.angle_rad);
     let wavenumbers = if look_for_detents { ladder::climb(&mut sums, &map.angle_rad, &grid) } else { Vec::new() };
     let fitted = Fitted::of(sums, &map, frictions.len(), &wavenumbers)?;
 
     let none = if look_for_detents { fitted.no_detents(&grid) } else { "detents were not asked for".to_owned() };
-    let mut notes = vec![format!(
-        "the knob turned too slowly for its speed to be told: torque against angle and direction was fitted, from {} passes",
-        map.passes()
-    )];
-    notes.extend(rails.note("torque", "mNm"));
+    let mut notes = map.notes(&rails);
     if !wavenumbers.is_empty() && !grid.whole_turn {
         notes.push("less than a whole turn was covered: counts per turn are not whole numbers by rule".to_owned());
     }
-    let residual = &fitted.residual;
-    Some(Fit {
-        covariance: Covariance::default(),
-        parameters: fitted.parameters(&frictions, &none),
-        residual_rms_mnm: rms(residual),
-        relative_error_percent: 100.0 * rms(residual) / rms(&map.torque_mnm),
-        mean_ci95_mnm: critical() * fitted.mean_prediction_sd(&fitted.covariance),
-        mean_ci95_textbook_mnm: NORMAL_95 * fitted.mean_prediction_sd(&fitted.textbook),
-        samples: samples.t_s.len(),
-        rows: map.torque_mnm.len(),
-        torque_delay_s: 0.0,
-        detent_harmonics: fitted.harmonics.clone(),
-        detent_aliases_rad: Vec::new(),
-        preparation: preparation(samples, map.torque_mnm.len()),
-        notes,
-        points: fitted.points(samples, &map),
-        effects: fitted.effects(&frictions),
-    })
+    Some(fitted.told(samples, &map, &frictions, &none, notes))
 }
 
 /// A map's rows as a motion: of the speed only its direction and its mean can be told, of the acceleration nothing.
@@ -89,7 +71,7 @@ pub(crate) struct SlowMotion {
 impl SlowMotion {
     /// Of checked samples; `None` if the knob did not wander slowly through its travel.
     pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
-        let map = Map::of(samples, &Rails::of(samples.torque_mnm))?;
+        let map = Map::of(samples, &Rails::of(samples.torque_mnm), false)?;
         let speed_rad_s = map.mean_speed_rad_s(samples);
         Some(Self {
             time_s: map.index.iter().map(|at| samples.t_s[*at]).collect(),
@@ -113,9 +95,10 @@ impl Map {
         if time_s > 0.0 { way_rad / time_s } else { 0.0 }
     }
 
-    fn of(samples: &Samples<'_>, rails: &Rails) -> Option<Self> {
+    /// Of checked samples; those of a curve have no duration that would make them too fast.
+    fn of(samples: &Samples<'_>, rails: &Rails, is_curve: bool) -> Option<Self> {
         let step = smallest_step(samples.angle_rad);
-        let duration_s = samples.t_s.last()? - samples.t_s.first()?;
+        let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
         let directions = passes::directions(samples.angle_rad, duration_s, step)?;
         let index: Vec<usize> = (0..directions.len()).filter(|at| directions[*at] != 0 && !rails.holds(*at)).collect();
         (index.len() >= FEWEST_SAMPLES).then(|| Self {
@@ -124,6 +107,27 @@ impl Map {
             torque_mnm: index.iter().map(|at| samples.torque_mnm[*at]).collect(),
             index,
         })
+    }
+
+    /// The frictions of the directions that have rows enough.
+    fn frictions(&self) -> Vec<(&'static str, i8)> {
+        [("coulomb_negative", -1), ("coulomb_positive", 1)]
+            .into_iter()
+            .filter(|(_, direction)| self.directions.iter().filter(|d| **d == *direction).count() >= FEWEST_ROWS)
+            .collect()
+    }
+
+    fn friction_column(&self, (_, direction): (&'static str, i8)) -> Vec<f64> {
+        self.directions.iter().map(|d| if *d == direction { f64::from(*d) } else { 0.0 }).collect()
+    }
+
+    fn notes(&self, rails: &Rails) -> Vec<String> {
+        let mut notes = vec![format!(
+            "the knob turned too slowly for its speed to be told: torque against angle and direction was fitted, from {} passes",
+            self.passes()
+        )];
+        notes.extend(rails.note("torque", "mNm"));
+        notes
     }
 
     /// Number of passes: runs of one direction.
@@ -172,6 +176,36 @@ impl Fitted {
             harmonics,
             period_half_widths_rad,
         })
+    }
+
+    /// The fit as it is told.
+    fn told(
+        &self,
+        samples: &Samples<'_>,
+        map: &Map,
+        frictions: &[(&'static str, i8)],
+        no_detents: &str,
+        notes: Vec<String>,
+    ) -> Fit {
+        Fit {
+            covariance: Covariance::default(),
+            parameters: self.parameters(frictions, no_detents),
+            residual_rms_mnm: rms(&self.residual),
+            relative_error_percent: 100.0 * rms(&self.residual) / rms(&map.torque_mnm),
+            mean_ci95_mnm: critical() * self.mean_prediction_sd(&self.covariance),
+            mean_ci95_textbook_mnm: NORMAL_95 * self.mean_prediction_sd(&self.textbook),
+            samples: samples.t_s.len(),
+            rows: map.torque_mnm.len(),
+            torque_delay_s: 0.0,
+            detent_harmonics: self.harmonics.clone(),
+            detent_aliases_rad: Vec::new(),
+            preparation: preparation(samples, map.torque_mnm.len()),
+            notes,
+            points: self.points(samples, map),
+            characteristics: Vec::new(),
+            axis: Axis::default(),
+            effects: self.effects(frictions),
+        }
     }
 
     fn no_detents(&self, grid: &Grid) -> String {

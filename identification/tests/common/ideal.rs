@@ -12,7 +12,7 @@ pub fn knob(values: &[f64; 8]) -> Model {
         Effect::new(&effects::friction::KIND, &values[1..5]),
         Effect::new(&effects::detent::KIND, &values[5..]),
     ];
-    Model { name: String::new(), description: String::new(), effects }
+    Model { effects, ..Model::default() }
 }
 
 /// An ideal capture of 30,000 samples at 5 kHz: exact motion, torque plus uniform noise of ±`noise_mnm`.

@@ -33,7 +33,7 @@ pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     let mut findings =
         vec![priority(), memory_locking(), cores(), scheduler_guard(), shared_memory(), leftovers(), programs()];
     if let Some(path) = &options.rig {
-        findings.push(rig_file(path));
+        findings.extend(rig_file(path));
     }
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_width(80).set_content_arrangement(comfy_table::ContentArrangement::Dynamic);
@@ -120,21 +120,24 @@ fn leftovers() -> Finding {
     Finding { subject: "rig", good: true, found }
 }
 
-/// Whether the rig's driver can be had as its file says; its amplifier stays off.
-fn rig_file(path: &Path) -> Finding {
+/// Whether the rig's driver can be had as its file says, and what stands in its way; its amplifier stays off.
+fn rig_file(path: &Path) -> Vec<Finding> {
     let mut request = RunRequest { torque: true, ..RunRequest::default() };
     request.rig.rig = Some(path.to_owned());
     let made = rt_loop::rigs::file(&request.rig).and_then(|file| {
         request.pace.rate_hz = file.rates.map_or(request.pace.rate_hz, |rates| rates.fastest_hz);
         Plan::new(&request)
     });
-    let found = match &made {
+    let amiss = |found: String| Finding { subject: "rig", good: false, found };
+    match made {
         Ok(plan) => {
-            format!("'{}' can be driven; `haptic-camera rig check {}` brings it up", plan.rig.name, path.display())
+            let found =
+                format!("'{}' can be driven; `haptic-camera rig check {}` brings it up", plan.rig.name, path.display());
+            let file = Finding { subject: "rig file", good: true, found };
+            std::iter::once(file).chain(plan.apparatus.obstacles().into_iter().map(amiss)).collect()
         }
-        Err(error) => error.to_string(),
-    };
-    Finding { subject: "rig file", good: made.is_ok(), found }
+        Err(error) => vec![Finding { subject: "rig file", good: false, found: error.to_string() }],
+    }
 }
 
 fn programs() -> Finding {

@@ -6,7 +6,7 @@ use analysis::{ToldAverage, ToldFit, common_truth, titles};
 use anyhow::Context as _;
 use archive::whole_file::Replace;
 use dynamics::Model;
-use identification::{Fit, PreparationMethod};
+use identification::{Fit, FitOptions, MeasuredCurve, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use report::{AveragePage, FigureNumbers};
 
@@ -14,7 +14,7 @@ use crate::command_line;
 use crate::harmonic_table::harmonic_table;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, replace, to_output, write, write_json};
+use crate::outputs::{Kind, replace, to_output, write, write_json_on};
 use crate::parameter_table::{parameter_table, reasons};
 use crate::repeatability::{agreement_line, repeatability_table};
 
@@ -30,8 +30,8 @@ pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
 }
 
 fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded = load::load(capture)?;
-    let fit = analysis::fit(&loaded, options.preparation.into())?;
+    let loaded = load::load_measured(capture)?;
+    let fit = fit_as_asked(&loaded, options)?;
     if !to_output(options.json.as_deref()) {
         show(&loaded, &fit);
     }
@@ -48,11 +48,16 @@ fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result
     Ok(Outcome::Done)
 }
 
+fn fit_as_asked(loaded: &LoadedCapture, options: &command_line::FitOptions) -> anyhow::Result<Fit> {
+    let usual = analysis::fit_options(loaded);
+    let characteristic = options.characteristic || usual.characteristic;
+    Ok(analysis::fit_with(loaded, &FitOptions { characteristic, preparation: options.preparation.into(), ..usual })?)
+}
+
 /// One model of several captures of the same knob.
 fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded = captures.iter().map(|path| load::load(path)).collect::<anyhow::Result<Vec<_>>>()?;
-    let prepared = |one| analysis::fit(one, options.preparation.into());
-    let fits = loaded.iter().map(prepared).collect::<Result<Vec<Fit>, _>>()?;
+    let loaded = captures.iter().map(|path| load::load_measured(path)).collect::<anyhow::Result<Vec<_>>>()?;
+    let fits = loaded.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
     let average = identification::average(&fits).context("there is no capture to fit")?;
     let each: Vec<&LoadedCapture> = loaded.iter().collect();
     let truth = common_truth(&each);
@@ -64,18 +69,15 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
         say("");
         say(repeatability_table(&average));
     }
-    write_json(options.json.as_deref(), &ToldAverage::of(&average, &each, &fits))?;
+    write_json_on(average.fit.axis, options.json.as_deref(), &ToldAverage::of(&average, &each, &fits))?;
     if let Some(path) = &options.out {
         write(path, Kind::FittedModel, &average.model(&titles(&each)).to_toml())?;
     }
     write_into(options, &average.model(&titles(&each)))?;
     if let Some(path) = &options.report {
         let captures = loaded.iter().map(analysis::facts).collect();
-        write(
-            path,
-            Kind::Page,
-            &report::average_page(&AveragePage { average: &average, fits: &fits, captures, truth }),
-        )?;
+        let page = report::average_page(&AveragePage { average: &average, fits: &fits, captures, truth });
+        write(path, Kind::Page, &average.fit.axis.words(&page))?;
     }
     Ok(Outcome::Done)
 }
@@ -104,7 +106,7 @@ pub fn write_numbers(
     fit: &Fit,
     figures: FigureNumbers,
 ) -> anyhow::Result<()> {
-    write_json(path, &ToldFit::of(loaded, fit, figures))
+    write_json_on(fit.axis, path, &ToldFit::of(loaded, fit, figures))
 }
 
 /// Fits a capture with all that is known of its rig.
@@ -121,16 +123,40 @@ pub fn show(loaded: &LoadedCapture, fit: &Fit) {
 }
 
 fn show_fit(truth: Option<&Model>, fit: &Fit) {
-    say(parameter_table(fit, truth));
-    say(format!(
-        "residual {:.3} mNm RMS, {:.2} % of the torque; mean 95 % interval ±{:.3} mNm",
+    let say = |text: &dyn std::fmt::Display| say(fit.axis.words(&text.to_string()));
+    say(&parameter_table(fit, truth));
+    let decimals = decimals(fit.mean_ci95_mnm);
+    say(&format!(
+        "residual {:.decimals$} mNm RMS, {:.2} % of the torque; mean 95 % interval ±{:.decimals$} mNm",
         fit.residual_rms_mnm, fit.relative_error_percent, fit.mean_ci95_mnm
     ));
+    for curve in &fit.characteristics {
+        say(&characteristic_line(curve));
+    }
     if let Some(table) = harmonic_table(fit) {
-        say("");
-        say(table);
+        say(&"");
+        say(&table);
     }
     for line in reasons(fit).iter().chain(&fit.notes) {
-        say(format!("- {line}"));
+        say(&format!("- {line}"));
     }
+}
+
+/// Three decimals, or as many as show a small number.
+fn decimals(value: f64) -> usize {
+    if value > 0.0 && value < 0.005 { 5 } else { 3 }
+}
+
+/// A measured curve in a line; its points are in the JSON and in the model file.
+fn characteristic_line(MeasuredCurve { effect, points }: &MeasuredCurve) -> String {
+    let torques = || points.iter().map(|point| point.torque_mnm);
+    let halves = points.iter().filter_map(|point| point.ci95).map(|[low, high]| 0.5 * (high - low));
+    let widest = halves.fold(0.0, f64::max);
+    let decimals = decimals(widest);
+    format!(
+        "{effect}: {} points, {:.decimals$} to {:.decimals$} mNm, each known to ±{widest:.decimals$} mNm or better",
+        points.len(),
+        torques().fold(f64::INFINITY, f64::min),
+        torques().fold(f64::NEG_INFINITY, f64::max),
+    )
 }

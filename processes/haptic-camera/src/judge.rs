@@ -30,11 +30,16 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
         write(path, Kind::Page, &judgements.page())?;
     }
     write_json(options.json.as_deref(), &judgements)?;
-    Ok(match judgements.verdict {
+    Ok(outcome(judgements.verdict))
+}
+
+/// What a verdict makes of a command.
+pub fn outcome(verdict: Verdict) -> Outcome {
+    match verdict {
         Verdict::Pass => Outcome::Done,
         Verdict::Undecided => Outcome::Undecided,
         Verdict::Fail => Outcome::OutOfSpecification,
-    })
+    }
 }
 
 fn line(JudgedUnit { unit, judgement }: &JudgedUnit) -> String {

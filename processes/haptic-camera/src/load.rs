@@ -6,14 +6,25 @@ use loaded_capture::LoadedCapture;
 
 use crate::outcome::remark;
 
+/// The same of a capture or of a file of somebody's tester.
+///
+/// # Errors
+/// One sentence on what is wrong with a file.
+pub fn load_measured(path: &Path) -> anyhow::Result<LoadedCapture> {
+    Ok(told(LoadedCapture::load_measured(path)?))
+}
+
 /// Loads a capture, and tells where its calibration came from if that was another file.
 ///
 /// # Errors
 /// One sentence on what is wrong with a file.
 pub fn load(path: &Path) -> anyhow::Result<LoadedCapture> {
-    let loaded = LoadedCapture::load(path)?;
+    Ok(told(LoadedCapture::load(path)?))
+}
+
+fn told(loaded: LoadedCapture) -> LoadedCapture {
     if let Some(file) = &loaded.calibration_file {
         remark(format!("the rig's calibration is that of {}", file.display()));
     }
-    Ok(loaded)
+    loaded
 }

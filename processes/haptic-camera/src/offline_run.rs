@@ -63,7 +63,11 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
         status: LoopStatus { run_id: description.run_id, rate_hz, ..status },
         recorder_exit: Some(0),
         restarts: Vec::new(),
-        rig: RigWords { name: description.apparatus.clone(), codes: description.device_codes.clone() },
+        rig: RigWords {
+            name: description.apparatus.clone(),
+            axis: description.axis,
+            codes: description.device_codes.clone(),
+        },
         models,
         interrupted: stop.load(Ordering::Acquire),
         achieved: watch.map(|watch| watch.rule.achieved()),

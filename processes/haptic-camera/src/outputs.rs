@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use archive::ArchiveError;
 use archive::whole_file::{self, Replace, write_bytes};
+use dynamics::Axis;
 use serde::Serialize;
 
 use crate::outcome::say;
@@ -156,8 +157,16 @@ pub fn to_output(json: Option<&Path>) -> bool {
 /// # Errors
 /// When the file cannot be written.
 pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
+    write_json_on(Axis::Rotary, path, result)
+}
+
+/// The same of what has an axis, in its names and units.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_json_on(axis: Axis, path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
-    let text = analysis::to_json(result)? + "\n";
+    let text = analysis::to_json_on(axis, result)? + "\n";
     if to_output(Some(path)) {
         say(text.trim_end());
         return Ok(());

@@ -17,7 +17,7 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
     let model = Model::load(&options.model)?;
     let like = load::load(&options.like)?;
     let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, options.drive.into())?;
-    say(match options.drive {
+    let differs = match options.drive {
         SimulationDrive::Motion => format!(
             "the model's torque differs by {rms_difference:.3} of {captured_rms:.3} mNm RMS from the capture's: relative \
              error {:.2} %",
@@ -26,7 +26,8 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         SimulationDrive::Torque => {
             format!("the model's angle differs by {rms_difference:.4} rad RMS from the capture's")
         }
-    });
+    };
+    say(model.axis.words(&differs));
     if let Some(out) = &options.out {
         if options.writes_table() {
             capture.write_csv(out)?;

@@ -13,6 +13,7 @@ static PENDULUM: RigKind = RigKind {
     description: "a pendulum on a motor, as an example",
     template: "name = \"my pendulum\"\ndriver = \"pendulum\"\n",
     make,
+    scan: None,
 };
 
 fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {

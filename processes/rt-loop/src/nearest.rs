@@ -165,12 +165,13 @@ fn lower_torque(model: &mut Model, room_mnm: f64, share: f64) -> bool {
         _ => value,
     });
     let mut viscous = false;
+    let fastest_rad_s = FASTEST_RAD_S * model.axis.fingertip_way();
     for effect in &mut model.effects {
         if effect.kind().name == dynamics::effects::friction::KIND.name
             && let [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive] = effect.values_mut()
         {
             for (coulomb_mnm, damping) in [(coulomb_negative, viscous_negative), (coulomb_positive, viscous_positive)] {
-                let most = (room_mnm - *coulomb_mnm) / FASTEST_RAD_S;
+                let most = (room_mnm - *coulomb_mnm) / fastest_rad_s;
                 if most > 0.0 && *damping > most {
                     *damping = most;
                     viscous = true;

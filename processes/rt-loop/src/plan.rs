@@ -2,9 +2,9 @@
 
 use dynamics::excitation::ExcitationError;
 use dynamics::knobs::Fixture;
-use dynamics::{Calibration, CalibrationError, Drive, Excitation, Model, ModelError, knobs};
+use dynamics::{Axis, Calibration, CalibrationError, Drive, Excitation, Model, ModelError, knobs};
 use hal::plugin::PluginRigError;
-use hal::{Apparatus, Limits, RigDescription, RigFileError, TorqueSource};
+use hal::{Apparatus, Limits, RigDescription, RigFile, RigFileError, TorqueSource};
 use shared_types::rig::{monotonic_time_ns, wall_clock_time_ns};
 use shared_types::{ClockMapping, MODEL_MAX_BYTES, RunDescription};
 
@@ -29,12 +29,12 @@ const RENDERING_RATES_HZ: [f64; 12] =
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// A rig that is not there.
-    #[error("no rig called '{asked}' ships; --apparatus takes '{known}', and --rig a file")]
+    #[error("no rig called '{asked}' ships; --apparatus takes {known}, and --rig a file")]
     UnknownRig {
         /// The name asked for.
         asked: String,
-        /// The one that ships.
-        known: &'static str,
+        /// Those that ship.
+        known: String,
     },
     /// A driver that is not there.
     #[error("the rig '{rig}' asks for the driver '{asked}'; there are {known}")]
@@ -86,6 +86,20 @@ pub enum PlanError {
     /// A knob that cannot be had.
     #[error(transparent)]
     Knob(#[from] ModelError),
+    /// A model of what moves along the other axis.
+    #[error(
+        "the model '{model}' is of a control with a {is} axis, and the rig '{rig}' has a {has} one; choose another of either"
+    )]
+    OtherAxis {
+        /// The model's name.
+        model: String,
+        /// Its axis.
+        is: Axis,
+        /// The rig's name.
+        rig: String,
+        /// The rig's axis.
+        has: Axis,
+    },
     /// A knob that the simulated rig cannot turn.
     #[error("the knob cannot be put on the simulated rig: {0}")]
     Unmountable(String),
@@ -138,6 +152,9 @@ pub enum PlanError {
          `haptic-camera calibrate friction` first"
     )]
     Uncalibrated,
+    /// What cannot be done on a rig that presses or slides, in the words of that.
+    #[error("{0}")]
+    OnLinearAxis(String),
     /// A duration that is no length of a run.
     #[error("a run of {0} s cannot be done; give a duration above 0 and up to a day ({LONGEST_DURATION_S} s)")]
     Duration(f64),
@@ -204,6 +221,7 @@ impl Plan {
             run_id: wall_clock_time_ns() ^ (u64::from(std::process::id()) << 32),
             software_version: env!("CARGO_PKG_VERSION").to_owned(),
             apparatus: self.rig.name.clone(),
+            axis: self.rig.calibration.axis,
             knob: self.knob.clone(),
             rate_hz: self.control.rate_hz,
             planned_ticks: self.control.planned_ticks,
@@ -246,7 +264,14 @@ impl Plan {
     /// As [`new`](Self::new).
     pub fn with_drivers(request: &RunRequest, registry: Registry<'_>) -> Result<Self, PlanError> {
         let file = rigs::file(&request.rig)?;
-        let kind = rigs::driver(registry, &file)?;
+        Self::on_rig(request, registry, &file).map_err(|error| match file.axis {
+            Axis::Rotary => error,
+            Axis::Linear => PlanError::OnLinearAxis(Axis::Linear.words(&error.to_string()).into_owned()),
+        })
+    }
+
+    fn on_rig(request: &RunRequest, registry: Registry<'_>, file: &RigFile) -> Result<Self, PlanError> {
+        let kind = rigs::driver(registry, file)?;
         if !(request.duration_s > 0.0 && request.duration_s <= LONGEST_DURATION_S) {
             return Err(PlanError::Duration(request.duration_s));
         }
@@ -256,11 +281,11 @@ impl Plan {
             return Err(PlanError::Core { asked: core, last });
         }
         let drive = if request.torque { Drive::Torque } else { Drive::Position };
-        let mut excitation = Excitation::named(&request.sweep, drive)?;
+        let mut excitation = Excitation::named(&request.sweep, drive)?.on(file.axis);
         if let Some(amplitude) = request.amplitude {
             excitation = excitation.with_amplitude(amplitude)?;
         }
-        let Rig { apparatus, simulated_knob } = (kind.make)(&file, request)?;
+        let Rig { apparatus, simulated_knob } = (kind.make)(file, request)?;
         let mut rig = RigDescription { name: file.name.clone(), ..apparatus.description().clone() };
         if simulated_knob.is_some() {
             if let Some(limits) = file.limits {
@@ -274,6 +299,7 @@ impl Plan {
         if let Some(path) = &request.rig.calibration {
             rig.calibration = Calibration::load(path)?;
         }
+        rig.calibration.axis = file.axis;
         let rate_hz = request.pace.rate_hz;
         let slowest = rig.slowest_rate_hz.max(SLOWEST_RATE_HZ);
         if !(rate_hz >= slowest && rate_hz <= rig.limits.rate_hz) {
@@ -330,17 +356,18 @@ fn check_servo(
 
 /// The model asked for, made ready to be rendered on the rig.
 fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) -> Result<Rendering, PlanError> {
-    let model = mounted_knob(&asked.model)?;
+    let axis = rig.calibration.axis;
+    let model = mounted_knob(&asked.model, axis, &rig.name)?;
     if rig.torque == TorqueSource::Motor {
         return Err(PlanError::NoTorqueSensor(rig.name.clone()));
     }
     if rig.calibration.motor_coulomb_mnm.is_none() {
         return Err(PlanError::Uncalibrated);
     }
-    let gains = RenderGains::at_rate(rate_hz);
+    let gains = RenderGains::at_rate(rate_hz).on(axis);
     let later_s = |rate_hz: f64| if rig.takes_torque_at_exchange { rate_hz.recip() } else { 0.0 };
     let holds = |rate_hz| {
-        let bounds = Bounds::of(&RenderGains::at_rate(rate_hz), &rig.calibration, &rig.limits, rate_hz);
+        let bounds = Bounds::of(&RenderGains::at_rate(rate_hz).on(axis), &rig.calibration, &rig.limits, rate_hz);
         bounds.delayed(later_s(rate_hz)).holds_rest()
     };
     let too_slow = || PlanError::TooSlow {
@@ -369,16 +396,21 @@ fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) 
     };
     let renderer =
         Renderer::new(rendered, gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
+    let remarks = remarks.iter().map(|remark| axis.words(remark).into_owned()).collect();
     Ok(Rendering { model, renderer, gains, remarks, admission, without_remarks: asked.without_remarks })
 }
 
-/// The model of what is put on a rig: a knob, or what it is tried with instead.
+/// The model of what is put on a rig of that axis: a knob, or what it is tried with instead.
 ///
 /// # Errors
-/// [`ModelError`], for a number that no shipped knob has and a file that is no model.
-pub(crate) fn mounted_knob(name: &str) -> Result<Model, ModelError> {
-    if let Some(fixture) = Fixture::named(name) {
-        return fixture.model();
+/// [`PlanError::Knob`], for a number that no shipped knob has and a file that is no model; [`PlanError::OtherAxis`].
+pub(crate) fn mounted_knob(name: &str, axis: Axis, rig: &str) -> Result<Model, PlanError> {
+    let model = match Fixture::named(name) {
+        Some(fixture) => fixture.model_on(axis)?,
+        None => knobs::named(name)?,
+    };
+    if model.axis == axis {
+        return Ok(model);
     }
-    knobs::named(name)
+    Err(PlanError::OtherAxis { model: model.name, is: model.axis, rig: rig.to_owned(), has: axis })
 }

@@ -7,14 +7,18 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser};
+use dynamics::Axis;
+use dynamics::knobs::DOME;
 use hal::simulated::Cogging;
 use serde::{Deserialize, Serialize};
 
 /// Longest run, s: a day. That of a run which the operator is to end.
 pub const LONGEST_DURATION_S: f64 = 86_400.0;
 
-/// What the simulated rig turns where nothing is asked for.
-pub const DEFAULT_KNOB: &str = "3";
+/// What the simulated rig turns, or presses, where nothing is asked for.
+pub(crate) fn default_knob(axis: Axis) -> &'static str {
+    if axis.is_rotary() { "3" } else { DOME }
+}
 
 /// What a run is to be.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
@@ -75,7 +79,7 @@ pub struct RigRequest {
     /// The rig, as its file describes it [default: the simulated one]
     #[arg(long, value_name = "FILE.toml")]
     pub rig: Option<PathBuf>,
-    /// A rig that ships, by its name: `sim` is the simulated one
+    /// A rig that ships, by its name: `sim` is the simulated one, `sim-linear` one that presses
     #[arg(long, default_value = "sim", conflicts_with = "rig")]
     pub apparatus: String,
     /// The rig's calibration, instead of the one that it comes with
@@ -163,11 +167,10 @@ impl RunRequest {
     /// What is on the rig, as the operator named it.
     #[must_use]
     pub fn knob_name(&self) -> &str {
-        let is_simulated = || crate::rigs::file(&self.rig).is_ok_and(|file| file.driver == "simulated");
-        match &self.knob {
-            Some(knob) => knob,
-            None if is_simulated() => DEFAULT_KNOB,
-            None => "unnamed",
+        match (&self.knob, crate::rigs::file(&self.rig)) {
+            (Some(knob), _) => knob,
+            (None, Ok(file)) if file.driver == "simulated" => default_knob(file.axis),
+            (None, _) => "unnamed",
         }
     }
 

@@ -37,7 +37,8 @@ const GIVES_UP: Duration = Duration::from_secs(2);
 ///
 /// ```no_run
 /// # use rt_loop::rigs::RigKind;
-/// # static MINE: RigKind = RigKind { name: "mine", description: "", template: "", make: |_, _| unimplemented!() };
+/// # static MINE: RigKind =
+/// #     RigKind { name: "mine", description: "", template: "", make: |_, _| unimplemented!(), scan: None };
 /// fn main() -> std::process::ExitCode {
 ///     rt_loop::program(&[&MINE])
 /// }
@@ -85,7 +86,8 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     let device = plan.rig.device.as_ref();
     let _device = device.map(|device| DeviceLock::take(&plan.rig.name, device)).transpose()?;
     let Some(apparatus) = prepare(plan.apparatus, &plan.rig, &must_end)? else { return Ok(()) };
-    plan.rig.watchdog_s = apparatus.description().watchdog_s;
+    let RigDescription { watchdog_s, codes, notes, .. } = apparatus.description().clone();
+    plan.rig = RigDescription { watchdog_s, codes, notes, ..plan.rig };
     plan.apparatus = apparatus;
     let rig = plan.rig.clone();
     let control =
@@ -210,7 +212,11 @@ fn prepare(
         Err(ApparatusError::Stopped) => {
             anyhow::bail!("the rig '{}' did not come up within {LONGEST_PREPARATION_S} s; check its supply", rig.name)
         }
-        Err(error) => anyhow::bail!("the rig did not come up: {}", rig.explain(error)),
+        // Only now the driver may know what its codes mean.
+        Err(error) => {
+            let told = RigDescription { name: rig.name.clone(), ..apparatus.description().clone() };
+            anyhow::bail!("the rig did not come up: {}", told.explain(error))
+        }
     }
 }
 

@@ -10,6 +10,7 @@ const RATE_HZ: f64 = 10_000.0;
 
 fn calibration() -> Calibration {
     Calibration {
+        axis: dynamics::Axis::Rotary,
         gripper_inertia: 0.004,
         motor_inertia: 0.014,
         torque_sensor_stiffness_mnm_rad: 5e5,

@@ -47,7 +47,7 @@ fn every_part_that_passes_its_bound_comes_to_it() {
     ];
     for (inertia, other) in beside {
         let effects: Vec<Effect> = [Some(inertia), other].into_iter().flatten().collect();
-        let model = Model { name: "tried".to_owned(), description: String::new(), effects };
+        let model = Model { name: "tried".to_owned(), description: String::new(), effects, ..Model::default() };
         let nearest = admission.nearest(&model).unwrap();
         assert!(admission.admit(&model).is_err() && admission.admit(&nearest.model).is_ok(), "{model:?}");
         assert!(!nearest.clipped.is_empty());

@@ -26,9 +26,16 @@ pub(super) struct SplineBranch {
 }
 
 impl SplineBranch {
-    /// Of the rows in one direction, those in cells of `cell` rad as their mean, with knots every `knot` rad; `None` of too few.
+    /// Of the rows in one direction, those in cells of `cell` rad as their mean, with knots every `knot` rad and hinges at those
+    /// angles; `None` of too few.
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a number of cells")]
-    pub(super) fn of(curve: &Curve, directions: &[i8], direction: i8, knot: f64, cell: f64) -> Option<Self> {
+    pub(super) fn of(
+        curve: &Curve,
+        directions: &[i8],
+        direction: i8,
+        [knot, cell]: [f64; 2],
+        hinges: &[f64],
+    ) -> Option<Self> {
         let mut cells: std::collections::BTreeMap<i64, [f64; 3]> = std::collections::BTreeMap::new();
         let rows = curve.position.iter().zip(&curve.load).zip(directions);
         for ((angle, load), _) in rows.filter(|(_, of)| **of == direction) {
@@ -39,7 +46,7 @@ impl SplineBranch {
         let angles = column(|[sum, _, count]| sum / count);
         let loads = column(|[_, loads, count]| loads / count);
         let rows = column(|[.., count]| *count);
-        let fit = SplineFit::new(&angles, &rows, knot)?;
+        let fit = SplineFit::new(&angles, &rows, knot, hinges)?;
         let spline = fit.solve(&loads);
         let smooth: Vec<f64> = angles.iter().map(|angle| spline.value(*angle)).collect();
         let mut left: Vec<f64> = loads.iter().zip(&smooth).map(|(load, smooth)| load - smooth).collect();

@@ -9,6 +9,8 @@ const HYSTERESIS: f64 = 0.3;
 /// Share of a pitch within which a branch's rest lies from that of the mean of both.
 const NEAR: f64 = 0.4;
 
+/// Times that the place of a rest is halved: to a millionth of a pitch.
+const HALVES: u32 = 14;
 /// Share of a pitch that a rest must be away from the ends, where a spline is held on one side only.
 const MARGIN: f64 = 0.25;
 
@@ -72,6 +74,15 @@ pub(super) fn rests(branches: [&Spline; 2], range: [f64; 2], pitch: f64) -> Vec<
     rests
 }
 
+/// Where a function rises through zero between two places, by halves: it may bend sharply there.
+fn crossing(value: impl Fn(f64) -> f64, [mut below, mut above]: [f64; 2]) -> f64 {
+    for _ in 0..HALVES {
+        let middle = 0.5 * (below + above);
+        if value(middle) < 0.0 { below = middle } else { above = middle }
+    }
+    0.5 * (below + above)
+}
+
 impl Side<'_> {
     /// Torque against the turning, less the running friction.
     fn detent_torque(&self, at: f64) -> f64 {
@@ -83,8 +94,7 @@ impl Side<'_> {
         let at: Vec<f64> = steps([near - NEAR * pitch, near + NEAR * pitch], pitch / STEPS).collect();
         let value = |at: f64| self.spline.value(at) - self.level;
         let crossings = at.windows(2).filter_map(|pair| {
-            let (before, after) = (value(pair[0]), value(pair[1]));
-            (before < 0.0 && after >= 0.0).then(|| pair[0] + (pair[1] - pair[0]) * before / (before - after))
+            (value(pair[0]) < 0.0 && value(pair[1]) >= 0.0).then(|| crossing(value, [pair[0], pair[1]]))
         });
         crossings.min_by(|a, b| (a - near).abs().total_cmp(&(b - near).abs()))
     }

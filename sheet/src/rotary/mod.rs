@@ -34,6 +34,8 @@ const CELLS_PER_DETENT: f64 = 240.0;
 /// Times the knots that predict best: where a branch bends, its own noise is then larger than what the spline makes of the bend,
 /// and only noise is in the intervals.
 const UNDERSMOOTHED: f64 = 1.5;
+/// Times that hinges are put where the branches with the hinges before them rest.
+const BEND_ROUNDS: usize = 3;
 /// Detents in a turn that stand for those of a control without any.
 const DETENTS_OF_NONE: f64 = 6.0;
 /// Time by which the ends of free travel are told, s.
@@ -69,8 +71,8 @@ pub(crate) struct TurnedDetent {
 pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     let directions = directions::directions(curve)?;
     let pitch = pitch(curve);
-    let [back, there] = branches(curve, &directions, pitch.as_ref().map_or(TAU / DETENTS_OF_NONE, |pitch| *pitch))
-        .ok_or(CurveError::OneWay)?;
+    let about = pitch.as_ref().map_or(TAU / DETENTS_OF_NONE, |pitch| *pitch);
+    let [back, there] = branches(curve, &directions, about).ok_or(CurveError::OneWay)?;
     let knot = there.knot();
     let range = [back.ends[0].max(there.ends[0]), back.ends[1].min(there.ends[1])];
     if range[1] - range[0] < ROWS_PER_KNOT * knot {
@@ -78,6 +80,9 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     }
     let rests = pitch.as_ref().ok().map(|pitch| rests([&back.spline, &there.spline], range, *pitch));
     let frame = Frame { range, knot, pitch: pitch.as_ref().ok().copied(), rests: rests.unwrap_or_default() };
+    let [back, there] = frame.bent([back, there], |direction, hinges| {
+        SplineBranch::of(curve, &directions, direction, [knot, about / CELLS_PER_DETENT], hinges)
+    });
     let found = frame.look([&back.spline, &there.spline]);
 
     let mut signs = Signs::new();
@@ -148,7 +153,7 @@ fn is_stop(kind: &FigureKind) -> bool {
 fn branches(curve: &Curve, directions: &[i8], pitch: f64) -> Option<[SplineBranch; 2]> {
     let with = |knots: f64| {
         let branch =
-            |direction| SplineBranch::of(curve, directions, direction, pitch / knots, pitch / CELLS_PER_DETENT);
+            |direction| SplineBranch::of(curve, directions, direction, [pitch / knots, pitch / CELLS_PER_DETENT], &[]);
         Some([branch(-1)?, branch(1)?])
     };
     let candidates = KNOTS_PER_DETENT.iter().filter_map(|knots| Some((*knots, with(*knots)?)));
@@ -210,14 +215,8 @@ impl Frame {
     /// Everything that a pair of branches, negative and positive, shows.
     fn look(&self, branches: [&Spline; 2]) -> Look {
         let mut look = Look::default();
-        let whole = self.whole_pitches();
-        let level = |spline: &Spline, range| mean(steps(range, 0.25 * self.knot).map(|at| spline.value(at)));
-        let sides = [(-1.0, branches[0]), (1.0, branches[1])].map(|(sign, spline)| Side {
-            spline,
-            sign,
-            level: level(spline, whole),
-        });
-        let friction = 0.5 * (level(branches[1], self.range) - level(branches[0], self.range));
+        let sides = self.sides(branches);
+        let friction = 0.5 * (self.level(branches[1], self.range) - self.level(branches[0], self.range));
         look.figures.insert(RUNNING_FRICTION.name, friction);
         look.figures.insert(HYSTERESIS_ENERGY.name, 2.0 * TAU * friction);
         for (kind, angle) in self.stops(branches) {
@@ -227,6 +226,37 @@ impl Frame {
             self.look_at_detents(&sides, pitch, &mut look);
         }
         look
+    }
+
+    fn level(&self, spline: &Spline, range: [f64; 2]) -> f64 {
+        mean(steps(range, 0.25 * self.knot).map(|at| spline.value(at)))
+    }
+
+    fn sides<'a>(&self, branches: [&'a Spline; 2]) -> [Side<'a>; 2] {
+        let whole = self.whole_pitches();
+        [(-1.0, branches[0]), (1.0, branches[1])].map(|(sign, spline)| Side {
+            spline,
+            sign,
+            level: self.level(spline, whole),
+        })
+    }
+
+    /// The branches with a hinge at each rest, where detents of unequal height meet at a sharp bend, if that predicts better what
+    /// they were not fitted to; `of` makes the branch of a direction with hinges.
+    fn bent(&self, smooth: [SplineBranch; 2], of: impl Fn(i8, &[f64]) -> Option<SplineBranch>) -> [SplineBranch; 2] {
+        let Some(pitch) = self.pitch else { return smooth };
+        let hinged = |branches: &[SplineBranch; 2]| {
+            let [back, there] = self
+                .sides([&branches[0].spline, &branches[1].spline])
+                .map(|side| self.rests.iter().filter_map(|near| side.rest(*near, pitch)).collect::<Vec<f64>>());
+            Some([of(-1, &back)?, of(1, &there)?])
+        };
+        let error = |pair: &[SplineBranch; 2]| pair[0].cross_validation + pair[1].cross_validation;
+        let mut bent = None;
+        for _ in 0..BEND_ROUNDS {
+            bent = hinged(bent.as_ref().unwrap_or(&smooth));
+        }
+        bent.filter(|bent| error(bent) < error(&smooth)).unwrap_or(smooth)
     }
 
     /// The angles over which the torque's mean is that of whole detents.

@@ -1,9 +1,13 @@
-//! Torque over angle as a cubic spline with even knots, by least squares.
+//! Torque over angle as a cubic spline with even knots, by least squares, which may bend sharply where detents meet.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Coefficients that reach over one place, less one.
 const BAND: usize = 3;
 /// Weight of a bend where there are no rows, relative to that of the rows: enough to bridge holes, far too little to be seen elsewhere.
 const STIFFNESS: f64 = 1e-7;
+/// How far a hinge reaches either way, in knots.
+const REACH: f64 = 2.0;
 
 /// A cubic spline with even knots (C. de Boor, A Practical Guide to Splines, 1978, chapter IX).
 #[derive(Clone, Debug)]
@@ -11,6 +15,14 @@ pub(super) struct Spline {
     first: f64,
     knot: f64,
     coefficients: Vec<f64>,
+    /// Where it bends sharply, rising, with the height of each hinge.
+    hinges: Vec<(f64, f64)>,
+}
+
+/// A hinge of height one: |u|·(1 − u²)³, which is as smooth as the spline but for the sharp bend in its middle.
+fn hinge(at: f64, middle: f64, knot: f64) -> f64 {
+    let away = (at - middle).abs() / (REACH * knot);
+    if away < 1.0 { away * (1.0 - away * away).powi(3) } else { 0.0 }
 }
 
 /// The four basis functions that reach over a place `share` of the way between two knots.
@@ -47,10 +59,13 @@ impl Spline {
 
     /// The value at a place.
     pub(super) fn value(&self, at: f64) -> f64 {
-        self.weighted(at, basis)
+        let near = self.hinges.partition_point(|(middle, _)| *middle < at - REACH * self.knot);
+        let within = self.hinges[near..].iter().take_while(|(middle, _)| *middle < at + REACH * self.knot);
+        let bent: f64 = within.map(|(middle, height)| height * hinge(at, *middle, self.knot)).sum();
+        self.weighted(at, basis) + bent
     }
 
-    /// The slope at a place.
+    /// The slope at a place; in the middle of a hinge the mean of the slopes on both sides.
     pub(super) fn slope(&self, at: f64) -> f64 {
         self.weighted(at, slopes) / self.knot
     }
@@ -66,14 +81,27 @@ pub(super) struct SplineFit {
     weights: Vec<f64>,
     /// Rows of the Cholesky factor from its diagonal to the left.
     factor: Vec<[f64; BAND + 1]>,
+    hinges: Option<Hinges>,
+}
+
+/// The hinges of a least-squares problem.
+#[derive(Debug)]
+struct Hinges {
+    middles: Vec<f64>,
+    /// The spline through each hinge: what it shares with the others.
+    shared: Vec<Vec<f64>>,
+    /// What that leaves of it at every row.
+    own: Vec<Vec<f64>>,
+    factor: Cholesky<f64, Dyn>,
 }
 
 impl SplineFit {
-    /// For rows at those places with those weights, with knots every `knot` from the first place on.
+    /// For rows at those places with those weights, with knots every `knot` from the first place on, and hinges at those rising
+    /// places; without any where the rows do not tell all of them.
     ///
     /// `None` for fewer rows than coefficients.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of pieces")]
-    pub(super) fn new(at: &[f64], weights: &[f64], knot: f64) -> Option<Self> {
+    pub(super) fn new(at: &[f64], weights: &[f64], knot: f64, hinges: &[f64]) -> Option<Self> {
         let first = at.iter().copied().fold(f64::INFINITY, f64::min);
         let last = at.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let pieces = (((last - first) / knot).ceil() as usize).max(1);
@@ -99,17 +127,60 @@ impl SplineFit {
                 }
             }
         }
-        Some(Self { first, knot, pieces, places, weights: weights.to_vec(), factor: cholesky(normal)? })
+        let weights = weights.to_vec();
+        let mut fit = Self { first, knot, pieces, places, weights, factor: cholesky(normal)?, hinges: None };
+        fit.hinges = fit.hinges_at(at, hinges);
+        Some(fit)
+    }
+
+    fn hinges_at(&self, at: &[f64], middles: &[f64]) -> Option<Hinges> {
+        if middles.is_empty() {
+            return None;
+        }
+        let (mut shared, mut own) = (Vec::new(), Vec::new());
+        for middle in middles {
+            let column: Vec<f64> = at.iter().map(|at| hinge(*at, *middle, self.knot)).collect();
+            let coefficients = self.coefficients(&column);
+            let spline = self.spline(coefficients.clone(), Vec::new());
+            own.push(at.iter().zip(&column).map(|(at, hinge)| hinge - spline.value(*at)).collect::<Vec<f64>>());
+            shared.push(coefficients);
+        }
+        let count = middles.len();
+        let gram = DMatrix::from_fn(count, count, |row, column| self.product(&own[row], &own[column]));
+        Some(Hinges { middles: middles.to_vec(), shared, own, factor: Cholesky::new(gram)? })
+    }
+
+    /// Weighted product of two columns.
+    fn product(&self, one: &[f64], other: &[f64]) -> f64 {
+        one.iter().zip(other).zip(&self.weights).map(|((one, other), weight)| weight * one * other).sum()
+    }
+
+    fn spline(&self, coefficients: Vec<f64>, hinges: Vec<(f64, f64)>) -> Spline {
+        Spline { first: self.first, knot: self.knot, coefficients, hinges }
     }
 
     /// Number of coefficients.
     pub(super) fn width(&self) -> usize {
-        self.pieces + BAND
+        self.pieces + BAND + self.hinges.as_ref().map_or(0, |hinges| hinges.middles.len())
     }
 
     /// The spline through the loads.
     pub(super) fn solve(&self, loads: &[f64]) -> Spline {
-        let mut solution = vec![0.0; self.width()];
+        let mut coefficients = self.coefficients(loads);
+        let Some(Hinges { middles, shared, own, factor }) = &self.hinges else {
+            return self.spline(coefficients, Vec::new());
+        };
+        let told = DVector::from_iterator(own.len(), own.iter().map(|own| self.product(own, loads)));
+        let heights = factor.solve(&told);
+        for (shared, height) in shared.iter().zip(&heights) {
+            coefficients.iter_mut().zip(shared).for_each(|(coefficient, shared)| *coefficient -= height * shared);
+        }
+        self.spline(coefficients, middles.iter().copied().zip(heights.iter().copied()).collect())
+    }
+
+    /// Coefficients of the smooth spline through the loads.
+    fn coefficients(&self, loads: &[f64]) -> Vec<f64> {
+        let mut solution = vec![0.0; self.pieces + BAND];
         for (((piece, share), weight), load) in self.places.iter().zip(&self.weights).zip(loads) {
             for (offset, basis) in basis(*share).iter().enumerate() {
                 solution[piece + offset] += weight * basis * load;
@@ -124,7 +195,7 @@ impl SplineFit {
             let known: f64 = (row + 1..=last).map(|after| self.factor[after][after - row] * solution[after]).sum();
             solution[row] = (solution[row] - known) / self.factor[row][0];
         }
-        Spline { first: self.first, knot: self.knot, coefficients: solution }
+        solution
     }
 }
 
@@ -157,11 +228,24 @@ mod tests {
     fn a_cubic_comes_back_exactly_with_its_slope() {
         let cubic = |x: f64| 1.0 - 2.0 * x + 0.5 * x * x + 0.25 * x.powi(3);
         let at: Vec<f64> = (0..200).map(|index| 0.02 * f64::from(index)).collect();
-        let fit = SplineFit::new(&at, &vec![1.0; 200], 0.25).unwrap();
+        let fit = SplineFit::new(&at, &vec![1.0; 200], 0.25, &[]).unwrap();
         let spline = fit.solve(&at.iter().map(|x| cubic(*x)).collect::<Vec<_>>());
         for x in [0.0, 0.33, 1.7, 3.9] {
             assert!((spline.value(x) - cubic(x)).abs() < 1e-4, "{} {}", spline.value(x), cubic(x));
             assert!((spline.slope(x) - (-2.0 + x + 0.75 * x * x)).abs() < 2e-3);
         }
+    }
+
+    #[test]
+    fn a_sharp_bend_is_followed_where_a_hinge_is() {
+        let bent = |x: f64| (x - 1.93).max(0.0) - 0.3 * (x - 1.93).min(0.0);
+        let at: Vec<f64> = (0..400).map(|index| 0.01 * f64::from(index)).collect();
+        let loads: Vec<f64> = at.iter().map(|x| bent(*x)).collect();
+        let largest = |hinges: &[f64]| {
+            let spline = SplineFit::new(&at, &vec![1.0; 400], 0.25, hinges).unwrap().solve(&loads);
+            at.iter().map(|x| (spline.value(*x) - bent(*x)).abs()).fold(0.0, f64::max)
+        };
+        assert!(largest(&[]) > 0.02, "{}", largest(&[]));
+        assert!(largest(&[1.93]) < 0.1 * largest(&[]), "{}", largest(&[1.93]));
     }
 }

@@ -50,7 +50,8 @@ pub struct Capture {
 }
 
 /// The names that capture `index` of a run hides, by what was asked for: a list of names with commas, `none`,
-/// `outside-library`, `pair`, `single`, or `mixed` (in turn: each effect once, one without, two outside, two pairs).
+/// `outside-library`, `triple`, `pair`, `single`, or `mixed` (in turn: each effect once, one without, two outside, two
+/// pairs).
 ///
 /// # Errors
 /// If a name is none of an effect.
@@ -62,12 +63,13 @@ pub fn hidden(asked: &str, index: usize, draw: &mut Draw) -> Result<Vec<&'static
         "none" => vec![],
         "outside-library" => outside_at(index),
         "single" => vec![catalogue[index % catalogue.len()]],
-        "pair" => pair(draw),
+        "pair" => together(2, draw),
+        "triple" => together(3, draw),
         "mixed" => match (index % round).checked_sub(catalogue.len()) {
             None => vec![catalogue[index % round]],
             Some(0) => vec![],
             Some(place @ (1 | 2)) => outside_at(2 * (index / round) + place - 1),
-            Some(_) => pair(draw),
+            Some(_) => together(2, draw),
         },
         list => {
             let mut names = Vec::new();
@@ -83,20 +85,23 @@ pub fn hidden(asked: &str, index: usize, draw: &mut Draw) -> Result<Vec<&'static
     })
 }
 
-fn pair(draw: &mut Draw) -> Vec<&'static Kind> {
+/// So many effects, each distinguishable from each other one.
+fn together(count: usize, draw: &mut Draw) -> Vec<&'static Kind> {
     let catalogue = catalogue();
-    loop {
-        let [first, second] = [0, 0].map(|_: i32| catalogue[draw.below(catalogue.len())]);
-        if distinguishable(first.name, second.name) {
-            return vec![first, second];
+    let mut kinds: Vec<&'static Kind> = Vec::new();
+    while kinds.len() < count {
+        let next = catalogue[draw.below(catalogue.len())];
+        if kinds.iter().all(|kind| distinguishable(kind.name, next.name)) {
+            kinds.push(next);
         }
     }
+    kinds
 }
 
 /// Knobs and motions are drawn anew so often when an effect cannot reach its strength on them.
 const TRIES: usize = 60;
-/// A pair of effects is drawn anew so often.
-const TRIES_PER_PAIR: usize = 12;
+/// Effects that are hidden together are drawn anew so often.
+const TRIES_TOGETHER: usize = 12;
 /// The held-out capture must show an effect of at least this part of its size in the training capture.
 const LEAST_HELD_OUT: f64 = 0.25;
 
@@ -113,8 +118,8 @@ impl Capture {
             if let Some(bench) = Bench::draw(&names, family, strength, &mut draw) {
                 return Ok(bench.capture(name, family, strength, &mut draw));
             }
-            if attempt % TRIES_PER_PAIR == 0 {
-                // Two effects may ask for opposite knobs: another pair then. Other choices stay what they are.
+            if attempt % TRIES_TOGETHER == 0 {
+                // Two effects may ask for opposite knobs: others then. Other choices stay what they are.
                 names = hidden(asked, index, &mut draw)?;
             }
         }

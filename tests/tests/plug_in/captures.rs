@@ -2,27 +2,10 @@
 
 use archive::Capture;
 use serde_json::Value;
+use tests::rotary_plant::is_the_plants;
 use tests::{Bench, printed};
 
 use super::{rig, without};
-
-/// Its numbers, as its source has them, and the largest half width that an interval may have, as a share.
-const TRUTH: [(&str, f64); 7] = [
-    ("inertia", 0.06),
-    ("coulomb_negative", 3.0),
-    ("coulomb_positive", 3.0),
-    ("viscous_negative", 0.25),
-    ("viscous_positive", 0.25),
-    ("detent_amplitude", 4.0),
-    ("detent_period", 1.0 / 24.0),
-];
-/// What the motor drives, all told: a share of it is what the motor's torque is not known by in inertia.
-const DRIVEN_INERTIA: f64 = 0.08;
-/// Most that half an interval may be of its value: a wide one would hold anything.
-const WIDEST_SHARE: f64 = 0.1;
-/// Half widths of the 95 % interval within which the truth must lie: of the dozens of intervals here one in twenty misses it by
-/// right, and one in fifteen thousand by twice as much.
-const HALF_WIDTHS: f64 = 2.0;
 
 /// Captures the plant; gives the capture and its fit's parameters.
 fn captured(bench: &Bench, file: &str) -> (Capture, Value) {
@@ -34,22 +17,6 @@ fn captured(bench: &Bench, file: &str) -> (Capture, Value) {
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
     let fit: Value = serde_json::from_slice(&output.stdout).unwrap();
     (Capture::load(&archive).unwrap(), fit["parameters"].clone())
-}
-
-/// Asserts that every parameter is the plant's, but for a share by which the torque's scale is not known.
-fn is_the_plants(parameters: &Value, of_scale: f64, what: &str) {
-    for (name, truth) in TRUTH {
-        let told = &parameters[name];
-        let [value, low, high] =
-            [&told["value"], &told["ci95"][0], &told["ci95"][1]].map(|number| number.as_f64().unwrap());
-        let half_width = (high - low) / 2.0;
-        assert!(half_width < WIDEST_SHARE * truth, "{what}: {name} {value} ± {half_width}");
-        let permitted = HALF_WIDTHS * half_width + of_scale * if name == "inertia" { DRIVEN_INERTIA } else { truth };
-        assert!(
-            (value - truth).abs() <= permitted,
-            "{what}: {name} is {value} ± {half_width}, but the plant has {truth}"
-        );
-    }
 }
 
 #[test]

@@ -115,6 +115,7 @@ fn spring() -> Diagnosis {
                 Effect::new(&effects::inertia::KIND, &[0.0173]),
                 Effect::new(&effects::return_spring::KIND, &[3.0417, 0.2731]),
             ],
+            ..Model::default()
         },
         chain: Vec::new(),
         rows: [rows(0.2), rows(0.2)],
@@ -133,7 +134,7 @@ fn empty(verdict: Verdict) -> Diagnosis {
         where_after: Vec::new(),
         next_experiment: None,
         notes: Vec::new(),
-        model: Model { name: String::new(), description: String::new(), effects: Vec::new() },
+        model: Model { effects: Vec::new(), ..Model::default() },
         forward_from_command: None,
         rows: [Vec::new(), Vec::new()],
         ..spring()

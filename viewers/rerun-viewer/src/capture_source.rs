@@ -118,7 +118,7 @@ fn curves(fit: &Fit, calibration: Option<&Calibration>) -> Option<KnobModel> {
 /// The torque of the effects as fitted, at the motion that the fit made out; nothing where the knob may stick.
 fn torque(fit: &Fit, calibration: Option<&Calibration>) -> Vec<ModelTorque> {
     let zero_mnm = calibration.map_or(0.0, |known| known.torque_zero_mnm);
-    let model = Model { name: String::new(), description: String::new(), effects: fit.effects().to_vec() };
+    let model = Model { effects: fit.effects().to_vec(), ..Model::default() };
     fit.points
         .iter()
         .map(|point| ModelTorque {

@@ -183,6 +183,7 @@ pub(crate) mod tests {
     /// The calibration of some rig.
     pub(crate) fn calibration() -> Calibration {
         Calibration {
+            axis: dynamics::Axis::Rotary,
             gripper_inertia: 0.004,
             motor_inertia: 0.016,
             torque_sensor_stiffness_mnm_rad: 5e5,

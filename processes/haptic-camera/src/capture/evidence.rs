@@ -122,7 +122,7 @@ mod tests {
             acceleration_rad_s2: accelerated.then(|| vec![0.5; samples]),
             ..Capture::from_columns(100.0, angle, vec![1.0; samples])
         };
-        LoadedCapture { capture, calibration: None, calibration_file: None, truth: None }
+        LoadedCapture { capture, ..LoadedCapture::default() }
     }
 
     #[test]

@@ -30,9 +30,9 @@ const HELD_OUT_OF_MULTISINE: &str = "stepped-amplitude";
 const STOPPED: i32 = 1;
 
 /// A finished capture and the motion that it was made with.
-struct Taken {
+pub(super) struct Taken {
     experiment: Experiment,
-    loaded: LoadedCapture,
+    pub(super) loaded: LoadedCapture,
     path: PathBuf,
 }
 
@@ -115,7 +115,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
 }
 
 /// Makes one capture more; `None` when there is no archive.
-fn one_more(
+pub(super) fn one_more(
     options: &CaptureOptions,
     experiment: Experiment,
     index: usize,
@@ -170,6 +170,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         name: analysis::title(&first.loaded),
         description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
         effects: found.model.effects.clone(),
+        ..Model::default()
     };
     write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));

@@ -22,6 +22,13 @@ pub struct CaptureOptions {
     /// sensor is settled.
     #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_hyphen_values = true)]
     pub until_ci: Option<Share>,
+    /// Judge the unit by a specification, slow turn after slow turn, and stop as soon as the verdict is certain; exit status as of
+    /// `judge`. Every turn is a capture of its own
+    #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["diagnose", "until_ci", "torque"])]
+    pub spec: Option<PathBuf>,
+    /// Most slow turns for a verdict
+    #[arg(long, requires = "spec", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub turns: u32,
     /// Archive and view
     #[command(flatten)]
     pub run: RunOptions,

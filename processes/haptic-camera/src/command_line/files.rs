@@ -14,6 +14,7 @@ impl Command {
         match self {
             Self::Capture(options) => files
                 .reading(&options.request.knob)
+                .reading(&options.spec)
                 .reading(&options.request.rig.rig)
                 .reading(&options.request.rig.calibration)
                 .writing(options.json.as_ref(), Kind::Json)

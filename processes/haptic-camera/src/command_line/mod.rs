@@ -45,7 +45,7 @@ pub use recover::RecoverOptions;
 pub use replay::ReplayOptions;
 pub use rig::RigOptions;
 pub use rig_test::RigTestOptions;
-pub use rigs::{RigCheckOptions, RigCommand, RigCommissionOptions, RigNewOptions};
+pub use rigs::{RigCheckOptions, RigCommand, RigCommissionOptions, RigNewOptions, RigScanOptions};
 pub use run::RunOptions;
 pub use sheet::SheetOptions;
 pub use simulate::{SimulateOptions, SimulationDrive};

@@ -13,6 +13,8 @@ pub enum RigCommand {
     New(RigNewOptions),
     /// List the drivers that a rig file may name
     List,
+    /// Look for devices on a network interface or a tty, and write a rig file for what is there
+    Scan(RigScanOptions),
     /// Turn a rig for the first time, with little torque: signs, scales, inertia
     Commission(RigCommissionOptions),
 }
@@ -43,6 +45,17 @@ pub struct RigNewOptions {
     /// Where the rig file goes
     #[arg(long, value_name = "FILE.toml")]
     pub out: PathBuf,
+}
+
+/// Options of `rig scan`.
+#[derive(Debug, Args)]
+pub struct RigScanOptions {
+    /// What is looked at: a network interface or a tty
+    #[arg(value_name = "TARGET")]
+    pub target: String,
+    /// Where a rig file for what is found goes
+    #[arg(long, value_name = "FILE.toml")]
+    pub out: Option<PathBuf>,
 }
 
 /// Options of `rig commission`.

@@ -11,12 +11,13 @@ use dynamics::{Model, knobs};
 use identification::{Fit, Parameters};
 use loaded_capture::LoadedCapture;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
+use sheet::perception::felt_differences;
 
 use crate::command_line::CompareOptions;
 use crate::fit::fit_capture;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outputs::{Kind, to_output, write, write_json_on};
 use crate::parameter_table::true_value;
 
 /// Longest name of a model that stands over a column, letters.
@@ -28,12 +29,18 @@ const LONGEST_NAME: usize = 24;
 /// One sentence on what is wrong with a capture, a model or a file.
 pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let compared = compare(&options.subjects)?;
+    let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
+    let axis = axes.next().unwrap_or_default();
+    anyhow::ensure!(
+        axes.all(|other| other == axis),
+        "some of these turn and some are pressed; compare those of one kind"
+    );
     if !to_output(options.json.as_deref()) {
-        table::lines(&compared).iter().for_each(say);
+        table::lines(&compared).iter().for_each(|line| say(axis.words(line)));
     }
-    write_json(options.json.as_deref(), &compared)?;
+    write_json_on(axis, options.json.as_deref(), &compared)?;
     if let Some(path) = &options.report {
-        write(path, Kind::Page, &report::comparison_page(&compared))?;
+        write(path, Kind::Page, &axis.words(&report::comparison_page(&compared)))?;
     }
     Ok(Outcome::Done)
 }
@@ -80,7 +87,7 @@ fn compare(given: &[String]) -> anyhow::Result<Comparison> {
             subjects.push(Subject::Model { file: name.clone(), model: knobs::named(name)? });
             continue;
         }
-        let loaded = load::load(&PathBuf::from(name))?;
+        let loaded = load::load_measured(&PathBuf::from(name))?;
         let fit = fit_capture(&loaded)?;
         let group = Group::of(&loaded);
         let same = subjects.iter_mut().find_map(|subject| match subject {
@@ -100,9 +107,22 @@ fn compare(given: &[String]) -> anyhow::Result<Comparison> {
         knobs: knobs.collect::<anyhow::Result<Vec<_>>>()?,
         software_version: env!("CARGO_PKG_VERSION").to_owned(),
     };
+    feel(&mut compared);
     number(&mut compared);
     name_apart(&mut compared);
     Ok(compared)
+}
+
+/// Tells by how many thresholds of perception each knob differs from the first of them.
+fn feel(compared: &mut Comparison) {
+    let Some((Some(reference), others)) = compared.knobs.split_first_mut().map(|(first, rest)| (&first.model, rest))
+    else {
+        return;
+    };
+    for knob in others {
+        let model = knob.model.as_ref().filter(|model| model.axis == reference.axis);
+        knob.felt = model.map(|model| felt_differences(reference, model).into_iter().collect()).unwrap_or_default();
+    }
 }
 
 /// Numbers captures in the order in which they stand, which need not be that in which they were given.

@@ -2,6 +2,7 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
+use sheet::perception::Felt;
 
 use crate::repeatability::digits;
 
@@ -32,7 +33,27 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
     }
     lines.push("± is half the 95 % interval".to_owned());
     lines.extend(compared.knobs.iter().flat_map(origins));
+    if let Some(first) = compared.knobs.first() {
+        lines.extend(compared.knobs.iter().filter_map(|knob| felt(knob, &first.name)));
+    }
     lines
+}
+
+/// What a hand would feel of the difference to the first knob, strongest first.
+fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
+    let mut felt: Vec<_> = knob.felt.iter().collect();
+    felt.sort_by(|one, other| other.1.thresholds.total_cmp(&one.1.thresholds));
+    let (felt, hardly): (Vec<_>, Vec<_>) = felt.into_iter().partition(|(_, felt)| felt.thresholds >= 1.0);
+    let list = |of: Vec<(&&str, &Felt)>| {
+        of.iter().map(|(name, felt)| format!("{name} {:.1}", felt.thresholds)).collect::<Vec<_>>().join(", ")
+    };
+    let told = match (felt.is_empty(), hardly.is_empty()) {
+        (true, true) => return None,
+        (true, false) => format!("nothing that a hand would feel ({})", list(hardly)),
+        (false, true) => list(felt),
+        (false, false) => format!("{}; hardly felt {}", list(felt), list(hardly)),
+    };
+    Some(format!("{} beside {first}, in thresholds of perception by a model of people: {told}", knob.name))
 }
 
 fn width(table: &Table) -> usize {

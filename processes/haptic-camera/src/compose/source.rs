@@ -25,5 +25,10 @@ fn drawn(path: &Path) -> anyhow::Result<Model> {
         .with_context(|| format!("the table {} cannot be read; check the path", path.display()))?;
     let table = TorqueTable::kept_from_csv(text).with_context(|| path.display().to_string())?;
     let effect = Effect::new(&effects::torque_table::KIND, &[1.0]).with_table(table);
-    Ok(Model { name: path.display().to_string(), description: String::new(), effects: vec![effect] })
+    Ok(Model {
+        name: path.display().to_string(),
+        description: String::new(),
+        effects: vec![effect],
+        ..Model::default()
+    })
 }

@@ -64,7 +64,8 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
 fn capture_as_csv(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
     let loaded = load::load(source)?;
     loaded.capture.write_csv(out)?;
-    say(format!("{}: {} samples; angles in rad, torque in mNm, time in s", out.display(), loaded.capture.len()));
+    let units = loaded.capture.axis.words("angles in rad, torque in mNm, time in s");
+    say(format!("{}: {} samples; {units}", out.display(), loaded.capture.len()));
     if let Some(calibration) = &loaded.calibration {
         let beside = calibration_beside(out);
         write(&beside, Kind::Calibration, &(CALIBRATION_MARK.to_owned() + &calibration.to_toml()))?;

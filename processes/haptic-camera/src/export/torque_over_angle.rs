@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use dynamics::{Effect, Model, Motion, Role};
+use dynamics::{Axis, Effect, Model, Motion, Role};
 
 use crate::command_line::TableSpan;
 
@@ -12,9 +12,14 @@ const SAME_PERIOD: f64 = 1e-9;
 /// Points in which a rest and the slope there are looked for.
 const FINE_POINTS: u32 = 1 << 14;
 
+/// Travel over which a pressed control is tabulated, mm: that of a key.
+const TRAVEL_MM: f64 = 4.0;
+
 /// Torque that the knob takes at rest, over one period of its detents or a turn.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TorqueOverAngle {
+    /// Whether the control turns.
+    pub(super) axis: Axis,
     /// Angle that the table goes over, rad; it begins at zero.
     pub(super) span_rad: f64,
     /// Whether that is one period of the detents.
@@ -48,9 +53,10 @@ impl TorqueOverAngle {
             Some(TableSpan::Period) => period_rad.ok_or_else(|| {
                 anyhow::anyhow!("{} has no detents of one single period; take --over turn", model.name)
             })?,
+            None if !model.axis.is_rotary() => TRAVEL_MM,
             None => period_rad.unwrap_or(TAU),
         };
-        let is_period = over != Some(TableSpan::Turn) && period_rad.is_some();
+        let is_period = over != Some(TableSpan::Turn) && period_rad.is_some() && model.axis.is_rotary();
         // A spring or a stop does not repeat with the detents.
         let taken = |effect: &&Effect| {
             effect.kind().steepest_mnm_rad.is_some() && (!is_period || effect.kind().role == Role::Detents)
@@ -70,6 +76,7 @@ impl TorqueOverAngle {
             stiffness_mnm_rad: (pair[1] - pair[0]) / step_rad,
         });
         Ok(Self {
+            axis: model.axis,
             span_rad,
             is_period,
             torque_mnm: (0..points).map(|index| torque_mnm(at(index, points))).collect(),
@@ -86,7 +93,7 @@ impl TorqueOverAngle {
 
     /// Two columns; over a period the last point repeats the first, as `compose --detents` reads it.
     pub(super) fn to_csv(&self) -> String {
-        let mut text = "angle_rad,torque_mnm\n".to_owned();
+        let mut text = self.axis.words("angle_rad,torque_mnm\n").into_owned();
         let points = self.torque_mnm.len();
         let repeated = usize::from(self.is_period);
         for index in 0..points + repeated {
@@ -99,7 +106,9 @@ impl TorqueOverAngle {
     pub(super) fn in_words(&self) -> String {
         let over = if self.is_period { "one period of the detents" } else { "one turn" };
         let (points, span_rad) = (self.torque_mnm.len(), self.span_rad);
-        format!("{} at {points} points over {over}, {span_rad:.6} rad", self.effects.join(" + "))
+        let span = self.axis.words(&format!("{span_rad:.6} rad")).into_owned();
+        let over = if self.axis.is_rotary() { over } else { "its travel" };
+        format!("{} at {points} points over {over}, {span}", self.effects.join(" + "))
     }
 }
 

@@ -5,14 +5,15 @@ mod commission;
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
+use std::sync::atomic::Ordering;
 
 use anyhow::Context as _;
 use rt_loop::request::{Pace, RigRequest, RunRequest};
 
-use crate::command_line::{RigCommand, RigNewOptions};
+use crate::command_line::{RigCommand, RigNewOptions, RigScanOptions};
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, write};
-use crate::supervision::program;
+use crate::supervision::{listen_for_interrupt, program};
 
 /// Sample rate of a rig whose file names none, Hz.
 const USUAL_RATE_HZ: f64 = 10_000.0;
@@ -26,6 +27,7 @@ pub fn run(command: &RigCommand) -> anyhow::Result<Outcome> {
         RigCommand::Check(options) => check::run(options),
         RigCommand::New(options) => new(options),
         RigCommand::List => list(),
+        RigCommand::Scan(options) => scan(options),
         RigCommand::Commission(options) => commission::run(options),
     }
 }
@@ -53,6 +55,25 @@ fn list() -> anyhow::Result<Outcome> {
     anyhow::ensure!(listed.status.success(), "the control loop does not list its drivers");
     String::from_utf8_lossy(&listed.stdout).lines().for_each(|line| say(line.replace('\t', "  ")));
     Ok(Outcome::Done)
+}
+
+/// Lists the devices at a target, and writes a rig file for them.
+fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
+    let interrupted = listen_for_interrupt()?;
+    let stop = || interrupted.load(Ordering::Relaxed);
+    let found = rt_loop::rigs::scan(&rt_loop::rigs::ALL, &options.target, &stop)?;
+    found.lines.iter().for_each(say);
+    match (&options.out, &found.rig_file) {
+        (Some(out), Some(text)) => {
+            write(out, Kind::Data, text)?;
+            say(format!("rig file {}", out.display()));
+            Ok(Outcome::Done)
+        }
+        (Some(_), None) => {
+            anyhow::bail!("{} has no device that a rig could be made of; no rig file is written", options.target)
+        }
+        (None, _) => Ok(Outcome::Done),
+    }
 }
 
 /// A run on the rig of a file that commands torques, none unless told otherwise.

@@ -11,7 +11,7 @@ use crate::until_ci::{Knowledge, Share};
 pub(super) fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
     let known = link.fit().map_or_else(String::new, |fit| {
         let residual = if fit.residual_rms_mnm.is_finite() {
-            format!(", residual {:.2} mNm", fit.residual_rms_mnm)
+            link.rig().axis.words(&format!(", residual {:.2} mNm", fit.residual_rms_mnm)).into_owned()
         } else {
             String::new()
         };
@@ -43,11 +43,11 @@ pub(super) fn rendering_line(link: &LoopLink) -> String {
     let status = link.status();
     let contact = if status.flags & Sample::STUCK == 0 { "sliding" } else { "stuck" };
     let model = link.models().last().map_or("", |model| model.name.as_str());
+    let felt = format!("{:+.3} rad, {contact}, hand {:+.1} mNm", status.angle_rad, link.hand_torque_mnm());
     format!(
-        "{:5.1} s, {:+.3} rad, {contact}, hand {:+.1} mNm, late by {:.3} ms at most, {} missed, {model}",
+        "{:5.1} s, {}, late by {:.3} ms at most, {} missed, {model}",
         link.elapsed_s(),
-        status.angle_rad,
-        link.hand_torque_mnm(),
+        link.rig().axis.words(&felt),
         status.max_lateness_ns as f64 / 1e6,
         status.missed_ticks
     )

@@ -87,7 +87,7 @@ impl LoopLink {
             if let Ok(Some(known)) = run.calibration() {
                 self.torque_zero_mnm = known.torque_zero_mnm;
             }
-            self.rig = RigWords { name: run.apparatus, codes: run.device_codes };
+            self.rig = RigWords { name: run.apparatus, axis: run.axis, codes: run.device_codes };
         }
         while let Ok(Some(json)) = self.model_changes.receive() {
             // A word that is not understood is told by the recorder, which needs it.

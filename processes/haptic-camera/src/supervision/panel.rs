@@ -35,7 +35,7 @@ pub(super) fn below(link: &LoopLink, until: Option<Share>) -> String {
     let residual = link.fit().map(|fit| fit.residual_rms_mnm).filter(|residual| residual.is_finite());
     let residual = residual.map_or_else(|| "-".to_owned(), |residual| format!("{residual:.3} mNm RMS"));
     let _ = write!(text, "residual  {residual}\nlateness  {}\nlosses    {}", lateness(link.status()), losses(link));
-    text
+    link.rig().axis.words(&text).into_owned()
 }
 
 fn table(fit: Option<&FitUpdate>, until: Option<Share>) -> String {

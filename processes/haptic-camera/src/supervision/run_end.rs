@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use archive::parts::fallback_dir;
+use dynamics::Axis;
 use hal::ApparatusError;
 use shared_types::{Fault, LoopStatus, ProcessKind};
 
@@ -35,6 +36,8 @@ pub(crate) struct RunEnd {
 pub(crate) struct RigWords {
     /// The rig's name.
     pub(crate) name: String,
+    /// Whether it turns.
+    pub(crate) axis: Axis,
     /// What its own codes mean.
     pub(crate) codes: Vec<(i32, String)>,
 }
@@ -46,7 +49,7 @@ impl RigWords {
         Some(match (fault, status.device_code.cast_signed()) {
             (Fault::Apparatus, code) if code != 0 => self.explain(code),
             (Fault::Apparatus | Fault::Sensor | Fault::Stale, _) => format!("the rig '{}': {fault}", self.name),
-            _ => fault.to_string(),
+            _ => self.axis.words(&fault.to_string()).into_owned(),
         })
     }
 

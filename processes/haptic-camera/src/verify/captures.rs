@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use dynamics::{Model, Motion};
+use dynamics::excitation::PRESSED_MM;
+use dynamics::{Axis, Model, Motion};
 use identification::checks::breakaways;
 use identification::diagnosis::{DiagnoseOptions, diagnose};
 use identification::{Fit, FitOptions};
@@ -27,7 +28,7 @@ const SWEEP_HZ: f64 = 3.0;
 const SPEED_SHARE: f64 = 0.9;
 /// Length of a sweep, s.
 const SWEEP_S: f64 = 10.0;
-/// Amplitude of the creep, rad, and its length, s.
+/// Amplitude of the creep, rad, and its length, s; what is pressed creeps to its bottom.
 const CREEP: (f64, f64) = (0.1, 15.0);
 /// How long the knob is held, s.
 const HOLD_S: f64 = 10.0;
@@ -59,14 +60,17 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         captures.push(path.clone());
         load::load(&path)
     };
-    let amplitude_rad = driving_speed_rad_s(model).map_or(AMPLITUDE_RAD, |speed_rad_s| {
-        (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(AMPLITUDE_RAD)
-    });
+    let (widest, creep_to) = match model.axis {
+        Axis::Rotary => (AMPLITUDE_RAD, CREEP.0),
+        Axis::Linear => (PRESSED_MM, PRESSED_MM),
+    };
+    let amplitude_rad = driving_speed_rad_s(model)
+        .map_or(widest, |speed_rad_s| (SPEED_SHARE * speed_rad_s / (std::f64::consts::TAU * SWEEP_HZ)).min(widest));
     let firm = |sweep: &str| HandRequest { hand: sweep.to_owned(), hand_torque: None, grip: GRIP };
     let holding = |torque_mnm| HandRequest { hand_torque: Some(torque_mnm), grip: 1.0, ..firm("none") };
     let train = capture("sweep", firm("linear-chirp"), Some(amplitude_rad), SWEEP_S)?;
     let heldout = capture("heldout", firm("stepped-amplitude"), Some(amplitude_rad), SWEEP_S)?;
-    let creep = capture("creep", firm("slow-turn"), Some(CREEP.0), CREEP.1)?;
+    let creep = capture("creep", firm("slow-turn"), Some(creep_to), CREEP.1)?;
 
     let held_still = match holding_torque_mnm(model) {
         Some(torque_mnm) => Some(held_still(torque_mnm, &capture("hold", holding(torque_mnm), None, HOLD_S)?)),
@@ -109,11 +113,9 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
 }
 
 fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
-    let options = FitOptions {
-        calibration: train.calibration.clone(),
-        further_effects: further_effects(model),
-        ..FitOptions::default()
-    };
+    // The model says what the torque over the angle is: nothing is left to be measured.
+    let options =
+        FitOptions { further_effects: further_effects(model), characteristic: false, ..analysis::fit_options(train) };
     identification::fit(&train.samples(), &options).context("the rendered knob cannot be fitted")
 }
 

@@ -124,7 +124,12 @@ pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshol
 /// residual there, to which comes what the fitted model differs from the intended one for the row's motion.
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 pub(super) fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
-    let fitted = fit.model(&model.name);
+    let mut fitted = fit.model(&model.name);
+    // Parameters that cannot be told apart make the torque together: what the fit left in them is taken as it is.
+    for effect in fitted.effects.iter_mut().filter(|effect| !matches!(effect.kind().part, Part::Inertia(_))) {
+        let left = fit.effects().iter().find(|left| left.kind().name == effect.kind().name);
+        *effect = left.copied().unwrap_or(*effect);
+    }
     let mut sums = [0.0; 2];
     for point in &fit.points {
         let motion = point.motion();

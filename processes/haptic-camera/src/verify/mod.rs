@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use crate::command_line::ReplayOptions;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outputs::{Kind, to_output, write, write_json_on};
 use crate::supervision::{Shown, SupervisedRun, archive_stem};
 use compare::Verified;
 
@@ -186,11 +186,15 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     let captured = captures::verify(&model, options.pace.rate_hz, &mut make)?;
     let verification = &captured.verification;
     if !to_output(options.json.as_deref()) {
-        table::lines(verification).iter().for_each(say);
+        table::lines(verification).iter().for_each(|line| say(model.axis.words(line)));
     }
-    write_json(options.json.as_deref(), &Told { verification, capture: analysis::facts(&captured.train) })?;
+    write_json_on(
+        model.axis,
+        options.json.as_deref(),
+        &Told { verification, capture: analysis::facts(&captured.train) },
+    )?;
     if let Some(path) = &options.report {
-        write(path, Kind::Page, &page::page(&model, &captured))?;
+        write(path, Kind::Page, &model.axis.words(&page::page(&model, &captured)))?;
         if !to_output(options.json.as_deref()) {
             say(format!("report   {}", path.display()));
         }

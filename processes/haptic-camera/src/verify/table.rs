@@ -43,12 +43,12 @@ pub fn lines(verification: &Verification) -> Vec<String> {
 }
 
 fn row(parameter: &Verified) -> [String; 6] {
-    let number = |value: f64| format!("{value:.4}");
+    let number = |value: f64| format!("{value:.*}", decimals(parameter.intended));
     [
         parameter.name.to_owned(),
         number(parameter.intended),
         parameter.rendered.map_or_else(|| "-".to_owned(), number),
-        parameter.ci95.map_or_else(String::new, |[low, high]| format!("{low:.4} to {high:.4}")),
+        parameter.ci95.map_or_else(String::new, |[low, high]| format!("{} to {}", number(low), number(high))),
         parameter.difference_percent.map_or_else(String::new, |percent| format!("{percent:+.2} %")),
         match parameter.passed {
             Some(true) => String::new(),
@@ -56,6 +56,13 @@ fn row(parameter: &Verified) -> [String; 6] {
             None => "not told".to_owned(),
         },
     ]
+}
+
+/// Four decimals, or as many as give a small number four digits.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most twelve digits")]
+fn decimals(value: f64) -> usize {
+    let size = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    (3.0 - size).clamp(4.0, 12.0) as usize
 }
 
 /// What was seen of a gap.

@@ -36,7 +36,8 @@ impl Holding<'_> {
     /// Whether every swing dies away at this rate, of the knob as it turns and, unless the gripper is bare, as it sticks.
     #[must_use]
     pub fn is_stable(&self, rate_hz: f64) -> bool {
-        self.calms(self.knob_inertia, rate_hz) && (self.gains.free_gripper || self.calms(HEAVIEST, rate_hz))
+        let heaviest = HEAVIEST / self.calibration.axis.fingertip_way().powi(2);
+        self.calms(self.knob_inertia, rate_hz) && (self.gains.free_gripper || self.calms(heaviest, rate_hz))
     }
 
     /// The slowest rate from which on it does at every rate up to `fastest_hz`, with the gains of each; `None` if there is none.

@@ -88,6 +88,7 @@ impl ServoGains {
         let crossover_rad_s = gains.derivative_mnm_s_rad / REFERENCE_INERTIA;
         let slower = (LARGEST_PHASE_LAG / (crossover_rad_s * delay_s)).min(1.0);
         Self {
+            integral_limit_mnm: gains.integral_limit_mnm / calibration.axis.fingertip_way(),
             proportional_mnm_rad: heavier * slower * slower * gains.proportional_mnm_rad,
             derivative_mnm_s_rad: heavier * slower * gains.derivative_mnm_s_rad,
             integral_mnm_rad_s: heavier * slower.powi(3) * gains.integral_mnm_rad_s,
@@ -209,6 +210,7 @@ mod tests {
     /// Rotor and gripper of 1 and 3 mNm·s²/rad on a spring of 3·(2π·100 Hz)²/4 mNm/rad: 100 Hz against each other.
     fn calibration() -> Calibration {
         Calibration {
+            axis: dynamics::Axis::Rotary,
             motor_inertia: 1.0,
             gripper_inertia: 3.0,
             torque_sensor_stiffness_mnm_rad: 0.75 * (std::f64::consts::TAU * 100.0).powi(2),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use dynamics::{Drive, Excitation};
+use dynamics::{Axis, Drive, Excitation};
 use foreign_files::{Column, Others, read_columns};
 use hal::simulated::{Grip, Hand, Intention};
 
@@ -12,14 +12,14 @@ use crate::request::HandRequest;
 /// Time after which the hand begins to move, s: the run begins some tenths of a second after the amplifier was switched on.
 const HAND_BEGINS_S: f64 = 0.5;
 
-/// The hand on the simulated rig, whose sweep goes to `amplitude_rad`; `None` when nobody holds the gripper.
-pub(super) fn hand(asked: &HandRequest, amplitude_rad: Option<f64>) -> Result<Option<Hand>, PlanError> {
+/// The hand on the simulated rig of that axis, whose sweep goes to `amplitude_rad`; `None` when nobody holds the gripper.
+pub(super) fn hand(asked: &HandRequest, axis: Axis, amplitude_rad: Option<f64>) -> Result<Option<Hand>, PlanError> {
     let unusable = |reason: String| PlanError::Hand(reason);
     let HandRequest { hand, hand_torque, grip } = asked;
     if !(grip.is_finite() && *grip > 0.0) {
         return Err(unusable(format!("a grip of {grip} must be more than zero, and finite")));
     }
-    let usual = Grip::default();
+    let usual = Grip::on(axis);
     let grip = Grip { damping: grip * usual.damping, stiffness_mnm_rad: grip * usual.stiffness_mnm_rad, ..usual };
     let intention = match (hand_torque, hand.as_str()) {
         (Some(torque_mnm), _) if torque_mnm.is_finite() => Intention::Torque(*torque_mnm),
@@ -29,7 +29,7 @@ pub(super) fn hand(asked: &HandRequest, amplitude_rad: Option<f64>) -> Result<Op
             recorded_motion(Path::new(file)).map_err(unusable)?
         }
         (None, sweep) => {
-            let motion = Excitation::named(sweep, Drive::Position)?;
+            let motion = Excitation::named(sweep, Drive::Position)?.on(axis);
             Intention::Motion(match amplitude_rad {
                 Some(amplitude_rad) => motion.with_amplitude(amplitude_rad)?,
                 None => motion,

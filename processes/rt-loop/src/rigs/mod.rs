@@ -3,12 +3,15 @@
 //! To add one, implement [`Apparatus`] in a folder under `hal/`, write a file beside `plugin.rs` that makes it of a rig file, and
 //! add its [`RigKind`] to [`ALL`]; or leave this as it is, and hand a list of your own to [`run`](crate::run).
 
+mod ethercat;
 mod hand;
 mod plugin;
+mod scan;
 mod simulated;
 
 use dynamics::Model;
 use hal::{Apparatus, RigFile};
+pub use scan::{DriverError, Scan, ScanError, scan};
 
 use crate::plan::PlanError;
 use crate::request::{RigRequest, RunRequest};
@@ -26,6 +29,8 @@ pub struct RigKind {
     /// # Errors
     /// [`PlanError`], for what it cannot be asked.
     pub make: fn(&RigFile, &RunRequest) -> Result<Rig, PlanError>,
+    /// How it looks for its devices; `None` for a driver that cannot.
+    pub scan: Option<Scan>,
 }
 
 /// A rig ready for a run.
@@ -40,21 +45,24 @@ pub struct Rig {
 pub type Registry<'a> = &'a [&'static RigKind];
 
 /// Every driver of ours.
-pub static ALL: [&RigKind; 2] = [&simulated::KIND, &plugin::KIND];
+pub static ALL: [&RigKind; 3] = [&simulated::KIND, &plugin::KIND, &ethercat::KIND];
 
-/// The simulated rig's file, by the name that `--apparatus` has for it.
-const SHIPPED: (&str, &str) = ("sim", hal::simulated::RIG_FILE);
+/// The simulated rigs' files, by the names that `--apparatus` has for them.
+const SHIPPED: [(&str, &str); 2] = [("sim", hal::simulated::RIG_FILE), ("sim-linear", hal::simulated::LINEAR_RIG_FILE)];
 
 /// The file of the rig that is asked for: one that is given, or one that ships.
 ///
 /// # Errors
 /// [`PlanError::RigFile`], and [`PlanError::UnknownRig`] with those that ship.
 pub fn file(asked: &RigRequest) -> Result<RigFile, PlanError> {
-    let (name, text) = SHIPPED;
-    match &asked.rig {
-        Some(path) => Ok(RigFile::load(path)?),
-        None if asked.apparatus == name => Ok(RigFile::parse(text, std::path::Path::new(""))?),
-        None => Err(PlanError::UnknownRig { asked: asked.apparatus.clone(), known: name }),
+    let shipped = SHIPPED.iter().find(|(name, _)| asked.apparatus == *name);
+    match (&asked.rig, shipped) {
+        (Some(path), _) => Ok(RigFile::load(path)?),
+        (None, Some((_, text))) => Ok(RigFile::parse(text, std::path::Path::new(""))?),
+        (None, None) => Err(PlanError::UnknownRig {
+            asked: asked.apparatus.clone(),
+            known: SHIPPED.map(|(name, _)| format!("'{name}'")).join(" and "),
+        }),
     }
 }
 

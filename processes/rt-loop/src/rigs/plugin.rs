@@ -12,6 +12,7 @@ pub(super) static KIND: RigKind = RigKind {
     description: "a shared library with the C interface of haptic_rig.h",
     template: TEMPLATE,
     make,
+    scan: None,
 };
 
 fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {

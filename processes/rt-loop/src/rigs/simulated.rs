@@ -7,10 +7,10 @@ use hal::simulated::{RIG_FILE, RigParameters, SimulatedRig};
 use super::hand::hand;
 use super::{Rig, RigKind};
 use crate::plan::{PlanError, mounted_knob};
-use crate::request::{DEFAULT_KNOB, RunRequest, SimulatedRequest};
+use crate::request::{RunRequest, SimulatedRequest, default_knob};
 
 pub(super) static KIND: RigKind =
-    RigKind { name: "simulated", description: "the simulated rig with any knob", template: RIG_FILE, make };
+    RigKind { name: "simulated", description: "the simulated rig with any knob", template: RIG_FILE, make, scan: None };
 
 /// Seed of the noise where none is asked for.
 const SEED: u64 = 1;
@@ -31,9 +31,11 @@ fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
     let SimulatedRequest { seed, motor_cogging, hand: asked } = &request.rig.simulated;
     let (knob, hand) = match (&request.rendering, asked) {
         // Whatever is rendered, nothing but a hand is on the gripper.
-        (Some(_), Some(asked)) => (Fixture::None.model()?, hand(asked, request.amplitude)?),
-        (Some(_), None) => (Fixture::None.model()?, None),
-        (None, _) => (mounted_knob(request.knob.as_deref().unwrap_or(DEFAULT_KNOB))?, None),
+        (Some(_), Some(asked)) => (Fixture::None.model_on(file.axis)?, hand(asked, file.axis, request.amplitude)?),
+        (Some(_), None) => (Fixture::None.model_on(file.axis)?, None),
+        (None, _) => {
+            (mounted_knob(request.knob.as_deref().unwrap_or(default_knob(file.axis)), file.axis, &file.name)?, None)
+        }
     };
     let motor_cogging = if motor_cogging.is_empty() { parameters.motor_cogging.clone() } else { motor_cogging.clone() };
     let parameters = RigParameters { motor_cogging, ..parameters };

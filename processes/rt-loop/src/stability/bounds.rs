@@ -1,6 +1,6 @@
 //! What can be rendered on a rig, as numbers.
 
-use dynamics::{Calibration, Coordinate, Direction, Effect, Model, Motion};
+use dynamics::{Axis, Calibration, Coordinate, Direction, Effect, Model, Motion};
 use hal::Limits;
 
 use super::contact::Contact;
@@ -58,6 +58,8 @@ impl std::fmt::Display for Bounded {
 pub struct Bounds {
     port: Port,
     hands: Hands,
+    /// See [`dynamics::Axis::fingertip_way`].
+    fingertip_way: f64,
     /// Least inertia: rotor and gripper, mNm·s²/rad.
     pub least_inertia: f64,
     /// Largest torque, mNm.
@@ -75,7 +77,8 @@ impl Bounds {
     pub fn of(gains: &RenderGains, calibration: &Calibration, limits: &Limits, rate_hz: f64) -> Self {
         Self {
             port: Port::new(*gains, calibration, rate_hz),
-            hands: Hands::default(),
+            hands: Hands::on(calibration.axis),
+            fingertip_way: calibration.axis.fingertip_way(),
             least_inertia: calibration.motor_inertia + calibration.gripper_inertia,
             largest_torque_mnm: MODEL_SHARE * limits.motor_torque_mnm,
         }
@@ -98,11 +101,9 @@ impl Bounds {
     /// accelerations of a hand.
     #[must_use]
     pub fn largest_inertia(&self, damping: f64) -> f64 {
-        let of_motor = self.largest_torque_mnm / FASTEST_RAD_S2;
-        let safe = self.largest(self.least_inertia, 10.0, |inertia| LinearModel::Sliding {
-            inertia,
-            damping,
-            stiffness_mnm_rad: 0.0,
+        let of_motor = self.largest_torque_mnm / (FASTEST_RAD_S2 * self.fingertip_way);
+        let safe = self.largest(self.least_inertia, 10.0 / self.fingertip_way.powi(2), |inertia| {
+            LinearModel::Sliding { inertia, damping, stiffness_mnm_rad: 0.0 }
         });
         safe.min(of_motor)
     }
@@ -110,13 +111,23 @@ impl Bounds {
     /// Largest rise of torque with speed at this inertia, mNm·s/rad.
     #[must_use]
     pub fn largest_damping(&self, inertia: f64) -> f64 {
-        self.largest(1e-3, 1e3, |damping| LinearModel::Sliding { inertia, damping, stiffness_mnm_rad: 0.0 })
+        let square = self.fingertip_way.powi(2);
+        self.largest(1e-3 / square, 1e3 / square, |damping| LinearModel::Sliding {
+            inertia,
+            damping,
+            stiffness_mnm_rad: 0.0,
+        })
     }
 
     /// Steepest rise of torque with angle at this inertia and damping, mNm/rad.
     #[must_use]
     pub fn largest_stiffness_mnm_rad(&self, inertia: f64, damping: f64) -> f64 {
-        self.largest(1.0, 1e5, |stiffness_mnm_rad| LinearModel::Sliding { inertia, damping, stiffness_mnm_rad })
+        let square = self.fingertip_way.powi(2);
+        self.largest(1.0 / square, 1e5 / square, |stiffness_mnm_rad| LinearModel::Sliding {
+            inertia,
+            damping,
+            stiffness_mnm_rad,
+        })
     }
 
     /// The largest value up to which every one on the way is safe, on a ladder of 2 % steps, less the margin.
@@ -220,14 +231,15 @@ fn damping_in_contact(model: &Model) -> f64 {
     let both = |effect: &&Effect| {
         [Coordinate::Angle, Coordinate::Velocity].iter().all(|on| effect.kind().depends_on.contains(on))
     };
+    let way = model.axis.fingertip_way();
     let steepest = |effect: &Effect| {
         let rise = |angle_rad: f64, speed_rad_s: f64| {
             let at =
                 |velocity_rad_s| effect.free_torque_mnm(&Motion { angle_rad, velocity_rad_s, ..Motion::default() });
             ((at(speed_rad_s) - at(0.0)) / speed_rad_s).max((at(0.0) - at(-speed_rad_s)) / speed_rad_s)
         };
-        let angles = (-ANGLES..=ANGLES).map(|step| f64::from(step) / f64::from(ANGLES) * LOOKED_AT_RAD);
-        angles.map(|angle_rad| rise(angle_rad, FASTEST_RAD_S / f64::from(SPEEDS))).fold(0.0, f64::max)
+        let angles = (-ANGLES..=ANGLES).map(|step| f64::from(step) / f64::from(ANGLES) * looked_at(model.axis));
+        angles.map(|angle_rad| rise(angle_rad, way * FASTEST_RAD_S / f64::from(SPEEDS))).fold(0.0, f64::max)
     };
     model.effects.iter().filter(both).map(steepest).sum()
 }
@@ -235,7 +247,7 @@ fn damping_in_contact(model: &Model) -> f64 {
 /// The parameter whose share in the steepest rise of torque over speed is the largest.
 fn steepest_over_speed(model: &Model) -> Option<&'static str> {
     let demands = |effect: &Effect| {
-        let alone = Model { name: String::new(), description: String::new(), effects: vec![*effect] };
+        let alone = Model { effects: vec![*effect], axis: model.axis, ..Model::default() };
         Demands::of(&alone).largest_damping
     };
     let steepest = model.effects.iter().map(|effect| (effect, demands(effect)));
@@ -265,8 +277,14 @@ struct Demands {
     drives_from_rad_s: Option<f64>,
 }
 
-/// Angles over which a model is looked at either way, rad: a turn.
-const LOOKED_AT_RAD: f64 = std::f64::consts::TAU;
+/// How far a model is looked at either way: a turn, rad, or nearly twice the way of a dome, mm.
+fn looked_at(axis: Axis) -> f64 {
+    match axis {
+        Axis::Rotary => std::f64::consts::TAU,
+        Axis::Linear => 6.0,
+    }
+}
+
 /// Step of looking, rad: a thirtieth of the finest detent that a finger counts.
 const LOOKED_AT_STEP_RAD: f64 = 2e-4;
 /// Fastest that a hand turns a knob, rad/s.
@@ -279,10 +297,11 @@ const SPEEDS: u32 = 400;
 impl Demands {
     #[allow(clippy::cast_possible_truncation, reason = "some ten thousand steps")]
     fn of(model: &Model) -> Self {
-        let steps = (LOOKED_AT_RAD / LOOKED_AT_STEP_RAD) as i32;
+        let step_rad = LOOKED_AT_STEP_RAD * model.axis.fingertip_way();
+        let steps = (looked_at(model.axis) / step_rad) as i32;
         let (mut free_mnm, mut held_mnm) = (0.0_f64, 0.0_f64);
         for step in -steps..=steps {
-            let motion = Motion { angle_rad: f64::from(step) * LOOKED_AT_STEP_RAD, ..Motion::default() };
+            let motion = Motion { angle_rad: f64::from(step) * step_rad, ..Motion::default() };
             let torque_mnm = model.place_torque_mnm(&motion);
             free_mnm = free_mnm.max(torque_mnm.abs());
             let limits = model.stick_limits(&motion);
@@ -312,7 +331,7 @@ impl Demands {
         // Rendered friction never drives.
         let braking_mnm =
             |speed_rad_s| friction_mnm(speed_rad_s).max(0.0) + direction.sign() * model.drag_mnm(&motion(speed_rad_s));
-        let step_rad_s = FASTEST_RAD_S / f64::from(SPEEDS);
+        let step_rad_s = model.axis.fingertip_way() * FASTEST_RAD_S / f64::from(SPEEDS);
         let mut before_mnm = braking_mnm(0.0);
         let mut largest_mnm = before_mnm;
         self.coulomb_mnm = self.coulomb_mnm.min(before_mnm);

@@ -1,7 +1,7 @@
 //! What a hand feels of the loop, frequency by frequency.
 
 use biquad::Coefficients;
-use dynamics::Calibration;
+use dynamics::{Axis, Calibration};
 use num_complex::Complex64;
 
 use crate::control::notch;
@@ -63,7 +63,7 @@ pub struct Port {
     actuator_delay_s: f64,
 }
 
-/// Time that the current takes after a command, s: an amplifier of 3 kHz.
+/// Time that the current takes after a command where the calibration does not know, s: an amplifier of 3 kHz.
 pub(crate) const ACTUATOR_DELAY_S: f64 = 53e-6;
 /// Damping of the torque sensor, as a share of the critical: a metal spring hardly damps.
 pub(crate) const SENSOR_DAMPING_RATIO: f64 = 0.01;
@@ -81,7 +81,7 @@ impl Port {
             torque_delay_s: calibration.torque_delay_s.max(0.0),
             resonance_hz: gains.notch_hz,
             rate_hz,
-            actuator_delay_s: ACTUATOR_DELAY_S,
+            actuator_delay_s: calibration.command_delay_s.unwrap_or(ACTUATOR_DELAY_S),
         }
     }
 
@@ -199,6 +199,21 @@ pub struct Hands {
     pub relaxation_per_s: f64,
     /// Largest damping, mNm·s/rad.
     pub damping: f64,
+}
+
+impl Hands {
+    /// The class of those that hold what has that axis.
+    #[must_use]
+    pub fn on(axis: Axis) -> Self {
+        let hands = Self::default();
+        let square = axis.fingertip_way().powi(2);
+        Self {
+            stiffness_mnm_rad: hands.stiffness_mnm_rad / square,
+            inertia: hands.inertia / square,
+            damping: hands.damping / square,
+            ..hands
+        }
+    }
 }
 
 impl Default for Hands {

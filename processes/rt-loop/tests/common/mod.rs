@@ -71,7 +71,7 @@ impl Bench {
             Effect::new(&effects::friction::KIND, &[0.0, 0.0, viscous, viscous]),
             Effect::new(&effects::detent::KIND, &[detent_amplitude_mnm, 0.034, 0.0]),
         ];
-        let model = Model { name: "sliding".to_owned(), description: String::new(), effects };
+        let model = Model { name: "sliding".to_owned(), description: String::new(), effects, ..Model::default() };
         self.admission.admit(&model).unwrap().rendered
     }
 

@@ -222,7 +222,12 @@ pub fn let_go(stiffness_mnm_rad: f64, gains: RenderGains) -> [f64; 2] {
 }
 
 fn wheel_model(inertia: f64, stiffness_mnm_rad: f64) -> dynamics::Model {
-    let mut model = dynamics::Model { name: "wheel".to_owned(), description: String::new(), effects: Vec::new() };
+    let mut model = dynamics::Model {
+        name: "wheel".to_owned(),
+        description: String::new(),
+        effects: Vec::new(),
+        ..dynamics::Model::default()
+    };
     model.effects.push(dynamics::Effect::new(&dynamics::effects::inertia::KIND, &[inertia]));
     if stiffness_mnm_rad > 0.0 {
         let amplitude_mnm = 100.0;

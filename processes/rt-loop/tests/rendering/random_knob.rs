@@ -9,7 +9,8 @@ use crate::numbers::Numbers;
 
 /// A knob whose inertia, friction, stick and detents are drawn over decades; each but the inertia may be missing.
 pub fn random_knob(numbers: &mut Numbers, largest_inertia: f64) -> Model {
-    let mut knob = Model { name: "random".to_owned(), description: String::new(), effects: Vec::new() };
+    let mut knob =
+        Model { name: "random".to_owned(), description: String::new(), effects: Vec::new(), ..Model::default() };
     knob.effects.push(Effect::new(&effects::inertia::KIND, &[numbers.between(0.02, largest_inertia)]));
     if numbers.unit() < 0.8 {
         let [coulomb, viscous] = [numbers.between(0.1, 60.0), numbers.between(1e-3, 5.0)];

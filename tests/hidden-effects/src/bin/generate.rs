@@ -33,7 +33,7 @@ struct Arguments {
     /// Effect over noise.
     #[arg(long, default_value_t = 3.0)]
     strength: f64,
-    /// Names with commas, or mixed, single, pair, none, outside-library.
+    /// Names with commas, or mixed, single, pair, triple, none, outside-library.
     #[arg(long, default_value = "mixed")]
     effects: String,
 }

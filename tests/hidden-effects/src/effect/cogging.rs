@@ -1,4 +1,4 @@
-//! Magnets of the motor that pull towards its teeth.
+//! Magnets of the motor that pull towards its teeth, in one to three lines.
 
 use serde_json::{Value, json};
 
@@ -13,11 +13,29 @@ pub(super) static KIND: Kind = Kind {
     // The base model would take it for detents if the knob had none of its own.
     wish: |_| Wish { detents: Some(true), ..Wish::default() },
     draw: |scene, draw| {
-        Box::new(Cogging { periods_per_turn: unrelated_periods(scene.knob, draw), phase_rad: draw.phase() })
+        let mut lines: Vec<Line> = Vec::new();
+        let count = 1 + draw.below(3);
+        while lines.len() < count {
+            let periods_per_turn = unrelated_periods(scene.knob, draw);
+            if lines.iter().all(|line| (line.periods_per_turn - periods_per_turn).abs() > CLOSEST) {
+                let share = if lines.is_empty() { 1.0 } else { draw.uniform(0.4, 1.0) };
+                lines.push(Line { share, periods_per_turn, phase_rad: draw.phase() });
+            }
+        }
+        Box::new(Cogging { lines })
     },
 };
 
+/// Lines that are closer than so many periods per turn look like one over the travel.
+const CLOSEST: f64 = 4.0;
+
 struct Cogging {
+    lines: Vec<Line>,
+}
+
+struct Line {
+    /// Amplitude over that of the first line.
+    share: f64,
     periods_per_turn: f64,
     phase_rad: f64,
 }
@@ -40,10 +58,12 @@ impl Acts for Cogging {
     }
 
     fn parameters(&self, size: f64, _: &Knob) -> Value {
-        json!({"amplitude_mnm": size, "periods_per_turn": self.periods_per_turn, "phase_rad": self.phase_rad})
+        let line = |line: &Line| json!({"amplitude_mnm": size * line.share, "periods_per_turn": line.periods_per_turn, "phase_rad": line.phase_rad});
+        json!({"lines": self.lines.iter().map(line).collect::<Vec<_>>()})
     }
 
     fn body_torque(&self, size: f64, state: &State) -> f64 {
-        size * (self.periods_per_turn * state.angle_rad + self.phase_rad).sin()
+        let line = |line: &Line| line.share * (line.periods_per_turn * state.angle_rad + line.phase_rad).sin();
+        size * self.lines.iter().map(line).sum::<f64>()
     }
 }

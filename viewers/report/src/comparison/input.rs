@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use dynamics::Model;
 use identification::{Agreement, Repeatability};
 use serde::Serialize;
+use sheet::perception::Felt;
 
 use crate::CaptureFacts;
 
@@ -52,6 +53,9 @@ pub struct ComparedKnob {
     /// What the paper prints of this knob; `None` of a knob that is not the paper's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<PaperKnob>,
+    /// How much each parameter differs from the first knob's, in thresholds of perception; empty of the first.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub felt: BTreeMap<&'static str, Felt>,
     /// What a reader should know besides.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,

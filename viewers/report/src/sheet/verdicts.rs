@@ -47,7 +47,7 @@ pub(crate) fn verdicts_page(page: &VerdictsPage<'_>) -> Markup {
             div.scroll {
                 table.compared {
                     thead { tr { th { "unit" } th { "verdict" } th { "figures" } th { "reasons" } } }
-                    tbody.plain {
+                    tbody.plain.units {
                         @for JudgedUnit { unit, judgement } in page.units {
                             tr {
                                 th scope="row" { (unit) }
@@ -92,7 +92,11 @@ fn words(figure: &FigureVerdict) -> String {
             format!("{} {unit}", Digits::of_interval(value, half).plus_minus(value, half))
         },
     );
-    let limit =
-        |word: &str, limit: Option<f64>| limit.map_or_else(String::new, |limit| format!(", {word} {}", three(limit)));
-    format!("{value}{}{}", limit("at least", figure.limits.min), limit("at most", figure.limits.max))
+    let limits = match (figure.limits.min, figure.limits.max) {
+        (Some(min), Some(max)) => format!(", may be {} to {}", three(min), three(max)),
+        (Some(min), None) => format!(", at least {}", three(min)),
+        (None, Some(max)) => format!(", at most {}", three(max)),
+        (None, None) => String::new(),
+    };
+    format!("{value}{limits}")
 }

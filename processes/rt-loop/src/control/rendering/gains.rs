@@ -1,5 +1,6 @@
 //! How firmly the virtual body is held to the rotor.
 
+use dynamics::Axis;
 use serde::{Deserialize, Serialize};
 
 /// What holds the virtual body to the rotor.
@@ -74,6 +75,15 @@ impl RenderGains {
                 slack: SLACK,
             }
         }
+    }
+}
+
+impl RenderGains {
+    /// The same for a rig of that axis: hands and rigs that press are like those that turn, at the fingertips.
+    #[must_use]
+    pub fn on(self, axis: Axis) -> Self {
+        let square = axis.fingertip_way().powi(2);
+        Self { stiffness_mnm_rad: self.stiffness_mnm_rad / square, damping: self.damping / square, ..self }
     }
 }
 

@@ -16,6 +16,11 @@ pub struct RenderedModel {
     motor_viscous: f64,
 }
 
+/// An inertia with four decimals, or with four digits where it is small.
+fn digits(inertia: f64) -> String {
+    if inertia < 0.001 { format!("{inertia:.3e}") } else { format!("{inertia:.4}") }
+}
+
 /// Why a model cannot be rendered at all, whatever the rig.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unrenderable {
@@ -29,8 +34,8 @@ pub enum Unrenderable {
     },
     /// An inertia that the gripper alone already has.
     #[error(
-        "an inertia of {inertia} mNm·s²/rad cannot be rendered: gripper and rotor have {least:.4} already; the least that \
-         would do is inertia = {least:.4}"
+        "an inertia of {inertia} mNm·s²/rad cannot be rendered: gripper and rotor have {least} already; the least that \
+         would do is inertia = {least}", least = digits(*least)
     )]
     Inertia {
         /// The model's, mNm·s²/rad.

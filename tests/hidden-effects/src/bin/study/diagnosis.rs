@@ -115,12 +115,13 @@ impl Judged {
         self.outcome.said.as_ref().ok()
     }
 
-    /// The one hidden effect, `none`, `outside-library`, or `pair`.
+    /// The one hidden effect, `none`, `outside-library`, `pair`, or `triple`.
     pub fn truth(&self) -> &str {
         match self.case.answer.effects.as_slice() {
             [] => &self.case.answer.verdict,
             [one] => one,
-            _ => "pair",
+            [_, _] => "pair",
+            _ => "triple",
         }
     }
 

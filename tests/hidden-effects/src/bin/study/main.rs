@@ -48,7 +48,7 @@ struct Arguments {
     /// Captures of each family and strength.
     #[arg(long, default_value_t = 20)]
     count: usize,
-    /// What they hide: mixed, single, pair, none, outside-library, or names with commas.
+    /// What they hide: mixed, single, pair, triple, none, outside-library, or names with commas.
     #[arg(long, default_value = "mixed")]
     effects: String,
     /// Diagnoses that run at the same time.

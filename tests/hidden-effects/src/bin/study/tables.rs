@@ -75,7 +75,7 @@ fn by_effect(judged: &[Judged], strengths: &[Option<f64>]) {
     print!("{:<24}", "");
     strengths.iter().flatten().for_each(|strength| print!("{strength:>13}"));
     println!();
-    for truth in catalogue().iter().map(|kind| kind.name).chain(["pair"]) {
+    for truth in catalogue().iter().map(|kind| kind.name).chain(["pair", "triple"]) {
         if !judged.iter().any(|j| j.truth() == truth) {
             continue;
         }
@@ -111,11 +111,13 @@ fn by_effect(judged: &[Judged], strengths: &[Option<f64>]) {
 
 fn summary(judged: &[Judged], strengths: &[Option<f64>]) {
     type Measure = (&'static str, fn(&[&Judged]) -> String);
-    let measures: [Measure; 11] = [
-        ("one effect: first name", |all| share(&of(all, 1), Judged::first_right)),
-        ("one effect: exact set", |all| share(&of(all, 1), Judged::exact)),
-        ("two effects: first name", |all| share(&of(all, 2), Judged::first_right)),
-        ("two effects: exact set", |all| share(&of(all, 2), Judged::exact)),
+    let measures: [Measure; 13] = [
+        ("one effect: first", |all| share(&of(all, 1), Judged::first_right)),
+        ("one effect: exact", |all| share(&of(all, 1), Judged::exact)),
+        ("two effects: first", |all| share(&of(all, 2), Judged::first_right)),
+        ("two effects: exact", |all| share(&of(all, 2), Judged::exact)),
+        ("three effects: first", |all| share(&of(all, 3), Judged::first_right)),
+        ("three effects: exact", |all| share(&of(all, 3), Judged::exact)),
         ("outside called so", |all| share(&outside(all), Judged::exact)),
         ("wrong without doubt *", |all| share(all, Judged::wrong_without_doubt)),
         ("gap closed, median **", |all| {

@@ -1,4 +1,6 @@
-//! What a control moves along, and in which units.
+//! What a control moves along, in which units, and in which words that is said.
+
+mod words;
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +16,7 @@ const POUND_G: f64 = 453.592_37;
 /// Position and load are one quantity each in the mathematics; only their names and units differ.
 ///
 /// ```
-/// use shared_types::Axis;
+/// use dynamics::Axis;
 ///
 /// assert_eq!((Axis::Rotary.position_unit(), Axis::Rotary.load_unit()), ("rad", "mNm"));
 /// assert_eq!((Axis::Linear.position_unit(), Axis::Linear.load_unit()), ("mm", "N"));
@@ -30,6 +32,24 @@ pub enum Axis {
 }
 
 impl Axis {
+    /// Whether it is turned.
+    #[must_use]
+    pub fn is_rotary(&self) -> bool {
+        *self == Self::Rotary
+    }
+
+    /// Way of a fingertip that moves the usual knob by 1 rad, in this axis's unit: its rim is 20 mm from its axis.
+    ///
+    /// What is known of hands and of what they hold as numbers of a knob holds of what they press or slide as well: positions and speeds
+    /// times this, loads over it, inertia, damping and stiffness over its square. Energies are the same.
+    #[must_use]
+    pub fn fingertip_way(self) -> f64 {
+        match self {
+            Self::Rotary => 1.0,
+            Self::Linear => 20.0,
+        }
+    }
+
     /// What its position is.
     #[must_use]
     pub fn position(self) -> Quantity {
@@ -58,6 +78,15 @@ impl Axis {
     #[must_use]
     pub fn load_unit(self) -> &'static str {
         self.load().unit()
+    }
+}
+
+impl std::fmt::Display for Axis {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(match self {
+            Self::Rotary => "rotary",
+            Self::Linear => "linear",
+        })
     }
 }
 
@@ -145,7 +174,7 @@ impl Quantity {
     /// The size of a unit in the instrument's; `None` for a unit that is not one of this quantity.
     ///
     /// ```
-    /// use shared_types::Quantity;
+    /// use dynamics::Quantity;
     ///
     /// assert_eq!(Quantity::Torque.factor("Ncm"), Some(10.0));
     /// assert_eq!(Quantity::Torque.factor("mm"), None);

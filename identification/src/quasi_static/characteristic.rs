@@ -1,0 +1,64 @@
+//! A slow curve measured point by point: what is pressed has no sinusoids.
+
+use dynamics::Motion;
+use nalgebra::{DMatrix, DVector};
+
+use super::block_sums::BlockSums;
+use super::{Fitted, Map};
+use crate::characteristic::{Measured, NO_DETENTS, Places, measure};
+use crate::estimate::Fit;
+use crate::samples::Samples;
+use crate::saturation::Rails;
+
+/// Fits friction and the torque over the angle to a map; `None` where its rows tell no point.
+///
+/// Of friction a curve tells one number, half the mean distance between its branches: what differs between the directions besides
+/// cannot be told from a torque that does not change with them.
+pub(super) fn fit(samples: &Samples<'_>, map: &Map, rails: &Rails) -> Option<Fit> {
+    let frictions = map.frictions();
+    let columns: Vec<Vec<f64>> = frictions.iter().map(|friction| map.friction_column(*friction)).collect();
+    let both_ways = frictions.len() == 2;
+    let base: Vec<Vec<f64>> = if both_ways {
+        vec![map.directions.iter().map(|direction| f64::from(*direction)).collect()]
+    } else {
+        Vec::new()
+    };
+    let places = Places::of(map.angle_rad.iter().copied().zip(map.torque_mnm.iter().copied()))?;
+    let motion = |at: usize| Motion {
+        angle_rad: map.angle_rad[at],
+        velocity_rad_s: f64::from(map.directions[at]),
+        ..Motion::default()
+    };
+    let rows = map.angle_rad.len();
+    let measured = measure(&base, &vec![true; base.len()], &map.torque_mnm, &places, both_ways, |spline| {
+        spline.columns(rows, motion).collect()
+    })?;
+    let Measured { effects, curves, columns: all, solution, covariance, .. } = measured;
+    let known = if both_ways { frictions.as_slice() } else { &[] };
+    let mut sums = BlockSums::new(map.torque_mnm.clone());
+    let of_friction = columns.into_iter().take(known.len());
+    let of_points = all.into_iter().skip(base.len()).map(|mut column| {
+        column.truncate(rows);
+        column
+    });
+    of_friction.chain(of_points).for_each(|column| sums.push(column));
+    // Both frictions are the one that was fitted.
+    let fitted = |column: usize| column.saturating_sub(known.len().saturating_sub(base.len()));
+    let width = sums.width();
+    let spread =
+        |matrix: &DMatrix<f64>| DMatrix::from_fn(width, width, |row, column| matrix[(fitted(row), fitted(column))]);
+    let coefficients = DVector::from_fn(width, |column, _| solution.coefficients[fitted(column)]);
+    let fitted = Fitted {
+        residual: sums.residual(&coefficients),
+        sums,
+        coefficients,
+        covariance: spread(&covariance),
+        textbook: spread(&solution.textbook_covariance()),
+        harmonics: Vec::new(),
+        period_half_widths_rad: [0.0; 2],
+    };
+    let mut fit = fitted.told(samples, map, known, NO_DETENTS, map.notes(rails));
+    fit.effects.extend(effects);
+    fit.characteristics = curves;
+    Some(fit)
+}

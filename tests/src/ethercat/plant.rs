@@ -1,0 +1,74 @@
+//! Rotor and knob on one shaft, as numbers: Coulomb and viscous friction, and detents.
+
+use crate::rotary_plant::{COULOMB_MNM, DETENT_MNM, DETENTS_PER_TURN, KNOB_INERTIA, ROTOR_INERTIA, VISCOUS};
+
+/// Longest step, s.
+const STEP_S: f64 = 10e-6;
+/// Most time that is made up at once, s: who was stopped for longer goes on from there.
+const LONGEST_S: f64 = 0.5;
+
+/// The plant; mNm, rad, s.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    pub angle_rad: f64,
+    pub velocity_rad_s: f64,
+    pub acceleration_rad_s2: f64,
+    /// What the motor makes of what it is told.
+    pub motor_mnm: f64,
+    /// Between rotor and knob.
+    pub sensor_mnm: f64,
+    at_ns: u64,
+    random: u64,
+}
+
+impl Plant {
+    pub fn at_rest(now_ns: u64) -> Self {
+        Self {
+            angle_rad: 0.0,
+            velocity_rad_s: 0.0,
+            acceleration_rad_s2: 0.0,
+            motor_mnm: 0.0,
+            sensor_mnm: 0.0,
+            at_ns: now_ns,
+            random: 1,
+        }
+    }
+
+    /// Lets it turn until `now_ns`; time does not go back.
+    #[allow(clippy::cast_precision_loss, reason = "nanoseconds of a short while")]
+    pub fn turn_to(&mut self, now_ns: u64) {
+        let mut left_s = (now_ns.saturating_sub(self.at_ns) as f64 * 1e-9).min(LONGEST_S);
+        self.at_ns = self.at_ns.max(now_ns);
+        while left_s > 0.0 {
+            let step_s = left_s.min(STEP_S);
+            self.step(step_s);
+            left_s -= step_s;
+        }
+    }
+
+    /// Kicks by the smooth torques, brakes by Coulomb friction without ever turning round, then drifts.
+    fn step(&mut self, step_s: f64) {
+        let inertia = ROTOR_INERTIA + KNOB_INERTIA;
+        let before = self.velocity_rad_s;
+        let detent_mnm = DETENT_MNM * (DETENTS_PER_TURN * self.angle_rad).sin();
+        let kicked = before + step_s * (self.motor_mnm - VISCOUS * before - detent_mnm) / inertia;
+        let brake = step_s * COULOMB_MNM / inertia;
+        self.velocity_rad_s = if kicked.abs() <= brake { 0.0 } else { kicked - brake.copysign(kicked) };
+        self.angle_rad += 0.5 * step_s * (before + self.velocity_rad_s);
+        if step_s > 0.5 * STEP_S {
+            self.acceleration_rad_s2 = (self.velocity_rad_s - before) / step_s;
+        }
+        self.sensor_mnm = self.motor_mnm - ROTOR_INERTIA * self.acceleration_rad_s2;
+    }
+
+    /// Noise of unit variance.
+    #[allow(clippy::cast_precision_loss, reason = "53 bits of it")]
+    pub fn noise(&mut self) -> f64 {
+        let mut uniform = || {
+            self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.random >> 11) as f64 / 9_007_199_254_740_992.0
+        };
+        let (radius, turn) = (1.0 - uniform(), uniform());
+        (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
+    }
+}

@@ -1,0 +1,74 @@
+//! What a capture of the plant tells, at the rates of drives.
+
+use archive::Capture;
+use serde_json::Value;
+use tests::printed;
+use tests::rotary_plant::is_the_plants;
+
+use super::{RIG, Wired};
+
+/// The rig's file for torques that are held over a period and read so long afterwards, as a share of it.
+///
+/// A held torque stands for its middle: what is read at its end is half a period old, and the acceleration with it.
+fn held(text: &str, rate_hz: f64, read_at: f64) -> String {
+    let delay_s = (read_at - 0.5) / rate_hz;
+    let [torque, acceleration] = ["scale = 0.001\n", "scale = 0.5\n"];
+    assert!(text.contains(torque) && text.contains(acceleration));
+    let delayed = |line: &str| format!("{line}delay_s = {delay_s}\n");
+    text.replace(torque, &delayed(torque)).replace(acceleration, &delayed(acceleration))
+}
+
+/// Captures at a rate and fits; gives the capture and its fit's parameters.
+fn fitted(wired: &Wired, rate_hz: &str) -> (Capture, Value) {
+    let (said, status, capture) = wired.capture(rate_hz, "10");
+    assert_eq!(status, Some(0), "{said}");
+    let archive = wired.bench.only_archive("out").unwrap();
+    let output = wired.bench.run(&["fit", &archive.to_string_lossy(), "--json", "-"]).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let fit: Value = serde_json::from_slice(&output.stdout).unwrap();
+    eprintln!("{rate_hz} Hz: {}", fit["parameters"]);
+    (capture.unwrap(), fit["parameters"].clone())
+}
+
+#[test]
+fn the_plant_behind_a_drive_is_captured_as_it_is_at_one_two_and_four_kilohertz() {
+    let Some(wired) = Wired::new(&[]) else { return };
+    for rate_hz in ["1000", "2000", "4000"] {
+        wired.rig(|text| held(&text, rate_hz.parse().unwrap(), 1.0));
+        let (capture, parameters) = fitted(&wired, rate_hz);
+        is_the_plants(&parameters, 0.0, rate_hz);
+        assert!(capture.gaps.is_empty(), "{rate_hz}");
+        let run = capture.description.unwrap();
+        assert_eq!((run.apparatus.as_str(), run.knob.as_str()), ("servo", "unnamed"));
+        assert_eq!(run.simulated_knob_toml, None, "nobody knows what a real knob is");
+        let note = |name: &str| run.notes.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str());
+        assert_eq!(note("watchdog"), Some("0.5 s, read back"));
+        assert_eq!(note("rated torque"), Some("100 mNm"), "as the drive tells");
+        assert_eq!(note("encoder"), Some("524288 counts per turn"), "as the drive tells");
+        assert!(run.device_codes.iter().any(|(code, meaning)| *code == 0x2310 && meaning.contains("over current")));
+    }
+}
+
+#[test]
+fn ticks_follow_the_drives_clock() {
+    let Some(wired) = Wired::new(&["--clock-ppm", "80"]) else { return };
+    // Frames pass 0.3 of a period after SYNC0, at which inputs are taken.
+    wired.rig(|text| held(&text, 1e3, 0.7).replace("[settings]\n", "[settings]\ndistributed_clocks = true\n"));
+    let (capture, parameters) = fitted(&wired, "1000");
+    is_the_plants(&parameters, 0.0, "distributed clocks");
+    let after_s = capture.measured_after_s.unwrap();
+    let late = after_s.iter().filter(|after_s| (**after_s + 0.3e-3).abs() > 0.1e-3).count();
+    assert!(late * 10 < after_s.len(), "{late} of {} ticks are out of phase", after_s.len());
+}
+
+#[test]
+fn the_torque_may_come_from_the_motors_current() {
+    let Some(wired) = Wired::new(&["--same-source"]) else { return };
+    wired.rig(|text| {
+        let of_motor = "source = \"drive.torque\"\nof_motor = true\n";
+        held(&text, 2e3, 1.0).replace("source = \"sensor.0x6000:11\"\nscale = 0.001\n", of_motor)
+    });
+    assert!(RIG.contains("source = \"sensor.0x6000:11\"\nscale = 0.001\n"));
+    let (_, parameters) = fitted(&wired, "2000");
+    is_the_plants(&parameters, 0.01, "torque from the motor's current");
+}
