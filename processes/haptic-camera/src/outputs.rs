@@ -174,20 +174,20 @@ pub fn write_json_on(axis: Axis, path: Option<&Path>, result: &impl Serialize) -
     write(path, Kind::Json, &text)
 }
 
-/// Writes a file; whole or not at all.
+/// Writes a text file; whole or not at all.
 ///
 /// # Errors
 /// When something lies there that is not to be replaced, or the folder cannot be written to.
-pub fn write(path: &Path, kind: Kind, content: &(impl AsRef<[u8]> + ?Sized)) -> anyhow::Result<()> {
-    replace(path, kind.replaces(), content)
+pub fn write(path: &Path, kind: Kind, text: &str) -> anyhow::Result<()> {
+    replace(path, kind.replaces(), text)
 }
 
 /// The same with what it may replace.
 ///
 /// # Errors
 /// As [`write()`].
-pub fn replace(path: &Path, replace: Replace, content: &(impl AsRef<[u8]> + ?Sized)) -> anyhow::Result<()> {
-    write_bytes(path, replace, content.as_ref()).map_err(|error| match error {
+pub fn replace(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
+    write_bytes(path, replace, text.as_bytes()).map_err(|error| match error {
         ArchiveError::Occupied { .. } => error.into(),
         // The folder is missing, or closed to the user.
         error => {

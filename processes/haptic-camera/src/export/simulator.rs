@@ -1,6 +1,7 @@
 //! Models for simulators, and how much torque they leave out.
 
 use anyhow::Context as _;
+use archive::whole_file::write_bytes;
 use dynamics::excitation::{Drive, Excitation};
 use dynamics::{Motion, knobs};
 use simulators::{Export, fmi, isaac_lab, left_out_mnm};
@@ -25,7 +26,7 @@ pub(super) fn write_export<Content: AsRef<[u8]>>(
 ) -> anyhow::Result<Outcome> {
     let model = knobs::named(&options.source)?;
     let (motions, motion) = motion(options)?;
-    write(&options.out, Kind::Simulator, &export.content)?;
+    write_bytes(&options.out, Kind::Simulator.replaces(), export.content.as_ref())?;
     let left_out_mnm = left_out_mnm(&model, &export.said, &motions);
     say(format!("{}: leaves out {left_out_mnm:.6} mNm RMS along {motion}", options.out.display()));
     export.left_out.iter().for_each(|words| say(format!("- {words}")));
