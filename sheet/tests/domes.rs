@@ -95,7 +95,6 @@ fn the_interval_of_repeated_runs_holds_each_of_them_and_that_of_all_but_one_hold
     }
     assert!(own[0] == own[1] && own[1] > 300, "{own:?}");
     let held = f64::from(next[0]) / f64::from(next[1]);
-    println!("{} of {} runs that were left out lie within the others' interval", next[0], next[1]);
     assert!((0.92..=0.99).contains(&held) && next[1] > 200, "{next:?} held: {held}");
 }
 

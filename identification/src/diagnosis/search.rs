@@ -27,19 +27,20 @@ const MOST_EFFECTS: usize = 4;
 /// Effects that are tried together with a coupling where none alone is worth it.
 const HIDING: usize = 3;
 
-/// Rivals of each effect that are tried in its place once others were added.
-const EXCHANGED: usize = 4;
-
 /// Share of the held-out torque's square that the model must explain, but for a factor, for that factor to be a unit's.
 const WELL_PREDICTED: f64 = 0.5;
 
+#[derive(Clone, Copy)]
 pub(crate) struct Search<'a> {
     pub(crate) train: &'a Capture,
     pub(crate) heldout: &'a Capture,
     pub(crate) options: &'a DiagnoseOptions<'a>,
+    /// Neither unequal detents nor couplings, which cost most, are tried.
+    pub(crate) detents_are_equal: bool,
 }
 
 /// Everything that was found on the way.
+#[derive(Clone)]
 pub(crate) struct Found {
     /// The model without further effects, and then with each more.
     pub(crate) chain: Vec<Judged>,
@@ -175,12 +176,17 @@ impl Search<'_> {
             partial: Vec::new(),
             characteristics: Vec::new(),
         };
-        loop {
-            self.extend(&mut found);
-            if !self.exchange(&mut found) {
-                return found;
+        let bare = found.clone();
+        self.extend(&mut found);
+        if found.added.contains(&effects::unequal_detents::KIND.name) {
+            // With two values for each detent they imitate a few other effects together.
+            let mut equal = bare;
+            Search { detents_are_equal: true, ..*self }.extend(&mut equal);
+            if equal.named().evidence > found.named().evidence {
+                return equal;
             }
         }
+        found
     }
 
     fn extend(&self, found: &mut Found) {
@@ -225,58 +231,6 @@ impl Search<'_> {
         }
     }
 
-    /// Puts a rival in the place of an effect that was chosen before others were known, if the model has more evidence so.
-    fn exchange(&self, found: &mut Found) -> bool {
-        let last = found.named().clone();
-        if found.added.len() < 2 || last.structure.is_coupled() {
-            return false;
-        }
-        let unequal = effects::unequal_detents::KIND.name;
-        for step in 0..found.added.len() {
-            let later = found.added[step + 1..].to_vec();
-            // What takes the place of other effects cannot be put beside them.
-            if later.contains(&unequal) {
-                continue;
-            }
-            let rivals: Vec<Judged> = found.rivals[step]
-                .iter()
-                .filter(|rival| !rival.structure.is_coupled() && !later.contains(&rival.newest()))
-                .filter(|rival| rival.newest() != unequal)
-                .take(EXCHANGED)
-                .cloned()
-                .collect();
-            let mut tried = on_both_cores(&rivals, |rival| {
-                let mut chain = vec![found.chain[step].clone()];
-                for name in later.iter().copied().chain([rival.newest()]) {
-                    let of = if name == rival.newest() { &rival.structure } else { &last.structure };
-                    let index = of.position(name)?;
-                    let before = chain.last()?.structure.clone();
-                    chain.push(self.settled(before.with(of.effects[index], of.columns[index])));
-                }
-                let judged = chain.last()?;
-                let is_better = judged.evidence > last.evidence + EVIDENCE
-                    && judged.heldout_rms_mnm < last.heldout_rms_mnm
-                    && self.disqualified(judged).is_none()
-                    && !self.is_nothing(judged);
-                is_better.then_some(chain)
-            });
-            tried.sort_by(|a, b| a[a.len() - 1].evidence.total_cmp(&b[b.len() - 1].evidence));
-            let Some(chain) = tried.pop() else { continue };
-            let mut rivals = found.rivals.split_off(step);
-            rivals[0].insert(0, found.chain[step + 1].clone());
-            rivals.rotate_left(1);
-            found.chain.truncate(step + 1);
-            found.added.truncate(step);
-            found.false_discovery_rates.truncate(step);
-            for (judged, rivals) in chain.into_iter().skip(1).zip(rivals) {
-                let name = judged.newest();
-                self.add(found, judged, rivals.into_iter().filter(|rival| rival.newest() != name).collect());
-            }
-            return true;
-        }
-        false
-    }
-
     /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them
     /// alone: each better than what is there, than a null test and, stretch after stretch, than chance.
     fn discovery(&self, current: &Judged, tried: &[Judged]) -> Option<usize> {
@@ -317,7 +271,10 @@ impl Search<'_> {
 
     /// Adds two effects at once where neither alone is worth it and much is left: one may hide the other.
     fn add_pair(&self, found: &mut Found, current: &Judged, tried: &[Judged]) -> bool {
-        if current.train_over_floor() < LEFT || current.structure.is_coupled() || found.rivals.len() + 2 > MOST_EFFECTS
+        if current.train_over_floor() < LEFT
+            || current.structure.is_coupled()
+            || self.detents_are_equal
+            || found.rivals.len() + 2 > MOST_EFFECTS
         {
             return false;
         }
@@ -380,6 +337,9 @@ impl Search<'_> {
             say(kind);
             judged
         });
+        if self.detents_are_equal {
+            return tried;
+        }
         tried.extend(self.unequal_detents(current));
         let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
         let closes =

@@ -70,7 +70,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, DiagnosisError> {
     let captures = prepare(train, heldout, options)?;
     let [train_capture, given] = &captures;
-    let search = Search { train: train_capture, heldout: given, options };
+    let search = Search { train: train_capture, heldout: given, options, detents_are_equal: false };
     let base = search.base(train)?;
     // Detents that differ from the model's seem to be elsewhere.
     let may_be_moved = heldout.is_some() && !search.detents_are_unequal(&base);
@@ -79,7 +79,7 @@ pub fn diagnose(
     let mut rounds = 0;
     loop {
         let moved = zero.map(|zero| zero.taken_out_of(given));
-        let mut search = Search { train: train_capture, heldout: moved.as_ref().unwrap_or(given), options };
+        let mut search = Search { heldout: moved.as_ref().unwrap_or(given), ..search };
         let mut base = match base.take() {
             Some(base) if zero.is_none() => base,
             _ => search.base(train)?,

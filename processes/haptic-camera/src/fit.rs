@@ -77,7 +77,7 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
     if let Some(path) = &options.report {
         let captures = loaded.iter().map(analysis::facts).collect();
         let page = report::average_page(&AveragePage { average: &average, fits: &fits, captures, truth });
-        write(path, Kind::Page, average.fit.axis.words(&page).as_bytes())?;
+        write(path, Kind::Page, &average.fit.axis.words(&page))?;
     }
     Ok(Outcome::Done)
 }

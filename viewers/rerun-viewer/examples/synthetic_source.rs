@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 use iceoryx2::port::update_connections::UpdateConnections as _;
 use shared_types::services::{self, SAMPLES_PER_BLOCK};
 use shared_types::{
-    BlockHeader, ClockMapping, Estimate, FitUpdate, LoopState, LoopStatus, ProcessHealth, ProcessKind, RunDescription,
-    Sample, Verdict, realtime, rig,
+    Axis, BlockHeader, ClockMapping, Estimate, FitUpdate, LoopState, LoopStatus, ProcessHealth, ProcessKind,
+    RunDescription, Sample, Verdict, realtime, rig,
 };
 
 const RATE_HZ: f64 = 10_000.0;
@@ -122,6 +122,7 @@ fn description(run_id: u64, planned_ticks: u64) -> RunDescription {
         run_id,
         software_version: env!("CARGO_PKG_VERSION").to_owned(),
         apparatus: "sim".to_owned(),
+        axis: Axis::Rotary,
         knob: "Knob 3".to_owned(),
         rate_hz: RATE_HZ,
         planned_ticks,

@@ -40,7 +40,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     }
     write_json_on(axis, options.json.as_deref(), &compared)?;
     if let Some(path) = &options.report {
-        write(path, Kind::Page, axis.words(&report::comparison_page(&compared)).as_bytes())?;
+        write(path, Kind::Page, &axis.words(&report::comparison_page(&compared)))?;
     }
     Ok(Outcome::Done)
 }

@@ -194,7 +194,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         &Told { verification, capture: analysis::facts(&captured.train) },
     )?;
     if let Some(path) = &options.report {
-        write(path, Kind::Page, model.axis.words(&page::page(&model, &captured)).as_bytes())?;
+        write(path, Kind::Page, &model.axis.words(&page::page(&model, &captured)))?;
         if !to_output(options.json.as_deref()) {
             say(format!("report   {}", path.display()));
         }
