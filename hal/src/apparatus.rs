@@ -69,7 +69,8 @@ pub struct RigDescription {
     pub calibration: Calibration,
     /// Where its torque comes from.
     pub torque: TorqueSource,
-    /// Whether a torque takes effect with the next [`exchange`](Apparatus::exchange) only, a tick later than it was computed.
+    /// Whether a torque acts a tick later than in a rig that reads and drives at the tick: where it takes effect with the next
+    /// [`exchange`](Apparatus::exchange) only, or what is measured is a tick old.
     pub takes_torque_at_exchange: bool,
     /// Most ticks in a row without anything new.
     pub stale_limit: u32,
@@ -164,7 +165,7 @@ impl ApparatusError {
 /// called any more. What is called in a tick must not allocate, lock, log or block, and makes no system call but those that the
 /// description declares. A rig whose process dies must go torque-free by itself (a watchdog in its amplifier).
 pub trait Apparatus: Send {
-    /// What the rig says of itself; the watchdog's time may change by [`prepare`](Self::prepare).
+    /// What the rig says of itself; the watchdog's time and the notes may change by [`prepare`](Self::prepare).
     fn description(&self) -> &RigDescription;
 
     /// Brings the rig to where switching it on takes no time: opens buses, finds the encoder's zero, arms the watchdog. It may

@@ -190,6 +190,13 @@ impl Channels {
         Ok(())
     }
 
+    /// The names of the device's channels that are read.
+    #[must_use]
+    pub fn sources(&self) -> Vec<&str> {
+        let acceleration = self.acceleration.as_ref().map(|channel| channel.source.as_str());
+        [self.angle.source.as_str(), self.torque.source.as_str()].into_iter().chain(acceleration).collect()
+    }
+
     /// Finds the channels among those of a device, by name.
     ///
     /// # Errors

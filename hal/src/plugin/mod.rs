@@ -13,17 +13,12 @@ use interface::{OpenRig, Raw};
 use serde::Deserialize;
 
 use crate::channels::Wiring;
-use crate::{
-    Apparatus, ApparatusError, Limits, Measurement, RawMeasurement, RigDescription, RigFile, RigFileError, TorqueSource,
-};
+use crate::{Apparatus, ApparatusError, Measurement, RawMeasurement, RigDescription, RigFile, RigFileError};
 
 /// The interface that a library implements.
 pub const HEADER: &str = include_str!("haptic_rig.h");
 /// A rig file to begin with.
 pub const TEMPLATE: &str = include_str!("template.toml");
-
-/// Slowest sample rate of a rig that does not say, Hz.
-const SLOWEST_HZ: f64 = 500.0;
 
 /// What the driver itself takes of the settings; the library gets all of them.
 #[derive(Deserialize)]
@@ -63,56 +58,33 @@ impl PluginRig {
     /// # Errors
     /// [`PluginRigError`], in a sentence that names the rig.
     pub fn open(file: &RigFile, rate_hz: f64) -> Result<Self, PluginRigError> {
-        let missing = |what: &str| file.error(format!("a plug-in needs {what}; `haptic-camera rig new` writes one"));
         let Settings { library } = settings(file)?;
         // A name without a folder would be looked for where the system keeps its libraries.
         let beside = file.beside(&library);
         let path = std::path::absolute(&beside).unwrap_or(beside);
-        let limits = file.limits.ok_or_else(|| missing("[limits]"))?;
-        let watchdog = file.watchdog.ok_or_else(|| missing("[watchdog]"))?;
-        let channels = file.channels.as_ref().ok_or_else(|| missing("[channels]"))?;
-        let calibration = file.calibration()?.ok_or_else(|| missing("[calibration] with motor_inertia"))?;
+        let hardware = file.of_hardware("plugin")?;
+        let watchdog = hardware.watchdog;
         let of_library = |error| PluginRigError::Library { name: file.name.clone(), error };
         let mut library = OpenRig::open(&path, &as_text(file, rate_hz, watchdog.timeout_s)?).map_err(of_library)?;
         let described = library.describe().map_err(of_library)?;
-        let mut wiring = channels.wire(&described.channels).map_err(|error| file.error(error))?;
+        let mut wiring = hardware.channels.wire(&described.channels).map_err(|error| file.error(error))?;
         if wiring.is_commanded() {
             // What was commanded since the tick before is half a period old at the mean.
             wiring.torque_delay_s += 0.5 / rate_hz;
         }
-        let rates = file.rates;
-        let fastest_hz = rates.map_or(limits.rate_hz, |rates| rates.fastest_hz.min(limits.rate_hz));
         let device = file.device.clone().unwrap_or_else(|| {
             std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone()).to_string_lossy().into_owned()
         });
-        let mut notes = vec![
-            ("driver".to_owned(), "plugin".to_owned()),
-            ("library".to_owned(), path.display().to_string()),
-            ("watchdog asked for".to_owned(), format!("{} s", watchdog.timeout_s)),
-        ];
-        notes.extend(described.name.map(|name| ("device".to_owned(), name)));
-        if wiring.torque_source == TorqueSource::Motor {
-            let note = "the motor's: friction and cogging include the motor's own, and inertia what the calibration does not know \
-                        of it";
-            notes.push(("torque".to_owned(), note.to_owned()));
-        }
+        let own = [("library".to_owned(), path.display().to_string())];
+        let of_device = described.name.map(|name| ("device".to_owned(), name));
         let description = RigDescription {
-            name: file.name.clone(),
-            limits: Limits { rate_hz: fastest_hz, ..limits },
-            slowest_rate_hz: rates.map_or(SLOWEST_HZ, |rates| rates.slowest_hz),
-            calibration: dynamics::Calibration {
-                torque_delay_s: calibration.torque_delay_s + wiring.torque_delay_s,
-                acceleration_delay_s: calibration.acceleration_delay_s + wiring.acceleration_delay_s,
-                ..calibration
-            },
-            torque: wiring.torque_source,
             takes_torque_at_exchange: !library.takes_torque_at_once(),
-            stale_limit: watchdog.stale_ticks,
             watchdog_s: described.watchdog_s,
             device: Some(device),
             calls: file.declared_calls(),
             codes: described.codes,
-            notes,
+            notes: hardware.notes(&wiring, own.into_iter().chain(of_device)),
+            ..hardware.description(&wiring)
         };
         Ok(Self { description, library, wiring, shift_ns: 0, asked_watchdog_s: watchdog.timeout_s, is_on: false })
     }

@@ -86,7 +86,8 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     let device = plan.rig.device.as_ref();
     let _device = device.map(|device| DeviceLock::take(&plan.rig.name, device)).transpose()?;
     let Some(apparatus) = prepare(plan.apparatus, &plan.rig, &must_end)? else { return Ok(()) };
-    plan.rig.watchdog_s = apparatus.description().watchdog_s;
+    let RigDescription { watchdog_s, notes, .. } = apparatus.description();
+    (plan.rig.watchdog_s, plan.rig.notes) = (*watchdog_s, notes.clone());
     plan.apparatus = apparatus;
     let rig = plan.rig.clone();
     let control =

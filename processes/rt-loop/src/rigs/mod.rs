@@ -4,6 +4,7 @@
 //! add its [`RigKind`] to [`ALL`]; or leave this as it is, and hand a list of your own to [`run`](crate::run).
 
 mod hand;
+mod moteus;
 mod plugin;
 mod scan;
 mod simulated;
@@ -44,7 +45,7 @@ pub struct Rig {
 pub type Registry<'a> = &'a [&'static RigKind];
 
 /// Every driver of ours.
-pub static ALL: [&RigKind; 2] = [&simulated::KIND, &plugin::KIND];
+pub static ALL: [&RigKind; 3] = [&simulated::KIND, &plugin::KIND, &moteus::KIND];
 
 /// The simulated rig's file, by the name that `--apparatus` has for it.
 const SHIPPED: (&str, &str) = ("sim", hal::simulated::RIG_FILE);

@@ -1,0 +1,129 @@
+//! The way to a controller: lines over a tty, or frames over SocketCAN. Nothing here waits.
+
+use std::fs::File;
+use std::io::{self, ErrorKind, Read as _, Write as _};
+use std::os::fd::{AsFd, BorrowedFd};
+
+use moteus_protocol::CanFdFrame;
+
+use super::can;
+use super::tty::{self, Lines};
+
+/// Most frames that are taken from a CAN socket at once, each by a call of its own.
+const CAN_FRAMES_AT_ONCE: u32 = 4;
+/// The system calls that a tick makes: what has come is read, a command is written, and one more at the end of a run.
+pub(super) const CALLS: [&str; 2] = ["read", "write"];
+
+/// What came.
+pub(super) enum Heard {
+    /// A frame.
+    Frame(CanFdFrame),
+    /// The adapter, or the controller, did not take what it was sent.
+    Refused,
+    /// A line whose checksum is wrong.
+    WrongChecksum,
+    /// A line that is none of the protocol's.
+    Garbage,
+}
+
+/// The port is gone.
+#[derive(Debug)]
+pub(super) struct PortGone;
+
+/// An open port.
+pub(super) struct Link {
+    port: File,
+    /// `None` over CAN.
+    lines: Option<Lines>,
+}
+
+impl Link {
+    /// Opens a tty by its path, or a CAN interface by its name, where it hears `id` alone if one is given.
+    pub(super) fn open(port: &str, baud: u32, id: Option<i8>) -> io::Result<Self> {
+        match can::is_interface(port) {
+            true => Ok(Self { port: can::open(port, id)?, lines: None }),
+            false => Ok(Self { port: tty::open(port, baud)?, lines: Some(Lines::new()) }),
+        }
+    }
+
+    /// Most system calls in a tick.
+    pub(super) fn calls_per_tick(port: &str) -> u32 {
+        let writes = 2;
+        writes + if can::is_interface(port) { CAN_FRAMES_AT_ONCE } else { 1 }
+    }
+
+    /// What carries the frames, for people.
+    pub(super) fn in_words(&self) -> &'static str {
+        match &self.lines {
+            None => "SocketCAN",
+            Some(lines) if lines.has_checksums() => "UART",
+            Some(_) => "fdcanusb",
+        }
+    }
+
+    /// Sends a frame, as far as the port takes it at once: what does not go out shows as an answer that does not come.
+    pub(super) fn send(&mut self, frame: &CanFdFrame) -> Result<(), PortGone> {
+        let (sent, length) = match &mut self.lines {
+            Some(lines) => {
+                let (line, length) = lines.encode(frame);
+                (self.port.write(&line[..length]), length)
+            }
+            None => {
+                let wire = can::encode(frame);
+                (self.port.write(&wire), wire.len())
+            }
+        };
+        match sent {
+            Ok(sent) if sent == length => Ok(()),
+            Ok(_) => {
+                if let Some(lines) = &mut self.lines {
+                    lines.cut_off();
+                }
+                Ok(())
+            }
+            Err(error) if is_momentary(&error) => Ok(()),
+            Err(_) => Err(PortGone),
+        }
+    }
+
+    /// Gives what has come to `take`, without waiting for more.
+    pub(super) fn receive(&mut self, mut take: impl FnMut(Heard)) -> Result<(), PortGone> {
+        let Self { port, lines } = self;
+        let Some(lines) = lines else { return receive_frames(port, take) };
+        match port.read(lines.room()) {
+            // A tty that has nothing says so; one that ends is unplugged.
+            Ok(0) => return Err(PortGone),
+            Ok(bytes) => lines.came(bytes),
+            Err(error) if is_momentary(&error) => {}
+            Err(_) => return Err(PortGone),
+        }
+        while let Some(heard) = lines.next() {
+            take(heard);
+        }
+        Ok(())
+    }
+}
+
+fn receive_frames(port: &mut File, mut take: impl FnMut(Heard)) -> Result<(), PortGone> {
+    for _ in 0..CAN_FRAMES_AT_ONCE {
+        let mut wire = [0; can::WIRE_BYTES];
+        match port.read(&mut wire) {
+            Ok(length) => take(can::decode(&wire[..length]).map_or(Heard::Refused, Heard::Frame)),
+            Err(error) if is_momentary(&error) => return Ok(()),
+            Err(_) => return Err(PortGone),
+        }
+    }
+    Ok(())
+}
+
+/// Whether another try may do better: nothing there, no room, or a CAN queue that is full.
+fn is_momentary(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
+        || error.raw_os_error() == Some(libc::ENOBUFS)
+}
+
+impl AsFd for Link {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.port.as_fd()
+    }
+}

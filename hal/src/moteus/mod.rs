@@ -1,0 +1,301 @@
+//! A motor behind a moteus controller, over an fdcanusb adapter, its UART, or SocketCAN.
+//!
+//! One frame a tick commands the torque and asks for what the sensors read; the answer is taken at the next tick. So a torque acts
+//! one period later than in a rig that reads and drives at the tick: the measurement is as much older than the tick as the
+//! command is later, whatever the way there takes. Frames are sent as whose they are: the answer names its question, which dates
+//! it.
+//!
+//! The torque goes in the controller's position mode with all gains at zero, since that mode alone takes the watchdog's time with
+//! every command. [`MoteusRig::prepare`] lets the watchdog run out once and sees that it does.
+//!
+//! <https://mjbots.github.io/moteus/protocol/registers/>
+
+mod bring_up;
+mod can;
+mod codes;
+mod conversation;
+mod link;
+mod registers;
+mod scan;
+mod tty;
+
+use std::time::Duration;
+
+use bring_up::{BroughtUp, bring_up};
+use conversation::{Conversation, gone};
+use link::{CALLS, Heard, Link};
+use moteus_protocol::Mode;
+use nix::time::{ClockId, clock_gettime};
+use registers::{Address, CHANNELS, Drive, Query, Reply};
+pub use scan::{ScanError, is_port, scan};
+use serde::Deserialize;
+
+use crate::channels::Wiring;
+use crate::{
+    Apparatus, ApparatusError, DeclaredCalls, Measurement, RawMeasurement, RigDescription, RigFile, RigFileError,
+    TorqueSource,
+};
+
+/// A rig file to begin with.
+pub const TEMPLATE: &str = include_str!("template.toml");
+
+/// Bits a second of a controller's UART, as it comes.
+const USUAL_BAUD: u32 = 921_600;
+/// As whose a run's frames are sent, by turns: 1 to this.
+const TAGS: u8 = 16;
+/// Time in which the controller switches on, ns; then it must drive.
+const SWITCHES_ON_WITHIN_NS: u64 = 500_000_000;
+
+/// What the driver takes of a rig file's settings.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    port: String,
+    id: i8,
+    #[serde(default)]
+    can_prefix: u16,
+    #[serde(default = "usual_baud")]
+    baud: u32,
+}
+
+fn usual_baud() -> u32 {
+    USUAL_BAUD
+}
+
+/// A motor behind a moteus controller.
+pub struct MoteusRig {
+    description: RigDescription,
+    settings: Settings,
+    wiring: Wiring,
+    query: Query,
+    drive: Drive,
+    watchdog_s: f64,
+    period: Duration,
+    /// Open once the rig is prepared.
+    link: Option<Link>,
+    /// Half the way to the controller and back, ns: by so much later than it was sent a frame is answered.
+    one_way_ns: u64,
+    /// When the frame of each tag was sent.
+    sent_ns: [u64; TAGS as usize],
+    /// The tag of the newest frame.
+    tag: u8,
+    /// When it was switched on.
+    enabled_ns: u64,
+    is_on: bool,
+    /// Whether it was seen driving since.
+    drives: bool,
+    /// Whether the port took the newest command.
+    is_gone: bool,
+    /// Ticks in a row without an answer.
+    unanswered: u32,
+    /// What came instead.
+    unheard: i32,
+    counter_ms: Option<i32>,
+    /// The torque of the newest command, and of the one before, mNm.
+    torque_mnm: [f64; 2],
+}
+
+impl MoteusRig {
+    /// The rig that a file describes, for a run at `rate_hz`; its port is opened when it is prepared.
+    ///
+    /// # Errors
+    /// [`RigFileError`] for what is missing in the file, and for a port that is not there.
+    pub fn new(file: &RigFile, rate_hz: f64) -> Result<Self, RigFileError> {
+        let settings: Settings = file.settings()?;
+        let Settings { port, id, .. } = &settings;
+        if *id < 1 {
+            return Err(file.error(format!("[settings] id is {id}, but a controller has one from 1 to 127")));
+        }
+        if !is_port(port) {
+            return Err(file.error(format!(
+                "[settings] port is '{port}', which is neither a tty nor a CAN interface of this machine; check the cable, or look for \
+                 it in /dev/serial/by-id"
+            )));
+        }
+        let hardware = file.of_hardware("moteus")?;
+        let names: Vec<String> = CHANNELS.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let mut wiring = hardware.channels.wire(&names).map_err(|error| file.error(error))?;
+        if wiring.torque_source == TorqueSource::Motor {
+            // What acted since the answer before is half a period old at the mean.
+            wiring.torque_delay_s += 0.5 / rate_hz;
+        }
+        let query = Query::of(&hardware.channels.sources()).ok_or_else(|| {
+            file.error("[channels] names more channels than an answer of the controller holds; leave one out")
+        })?;
+        let most_torque_nm = wiring.of_motor(hardware.limits.motor_torque_mnm).abs();
+        let device = std::fs::canonicalize(port).map_or_else(|_| port.clone(), |path| path.to_string_lossy().into());
+        let calls = CALLS.map(str::to_owned).into();
+        let description = RigDescription {
+            takes_torque_at_exchange: true,
+            device: Some(device),
+            calls: DeclaredCalls { names: calls, per_tick: Link::calls_per_tick(port) },
+            codes: codes::all(),
+            notes: hardware.notes(&wiring, [("port".to_owned(), port.clone()), ("controller".to_owned(), id.to_string())]),
+            ..hardware.description(&wiring)
+        };
+        let watchdog_s = hardware.watchdog.timeout_s;
+        Ok(Self {
+            description,
+            wiring,
+            query,
+            drive: Drive::new(most_torque_nm, watchdog_s),
+            watchdog_s,
+            period: Duration::from_secs_f64(rate_hz.recip()),
+            settings,
+            link: None,
+            one_way_ns: 0,
+            sent_ns: [0; TAGS as usize],
+            tag: TAGS,
+            enabled_ns: 0,
+            is_on: false,
+            drives: false,
+            is_gone: false,
+            unanswered: 0,
+            unheard: codes::SILENCE,
+            counter_ms: None,
+            torque_mnm: [0.0; 2],
+        })
+    }
+
+    fn address(&self) -> Address {
+        Address { id: self.settings.id, prefix: self.settings.can_prefix }
+    }
+
+    /// Commands a torque, and asks what the sensors read.
+    fn command(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
+        self.tag = self.tag % TAGS + 1;
+        let torque_nm = self.wiring.of_motor(torque_mnm);
+        let frame = self.query.commanding(self.address(), self.tag.cast_signed(), &self.drive, torque_nm);
+        let link = self.link.as_mut().ok_or(ApparatusError::Device(codes::NOT_OPENED))?;
+        self.sent_ns[usize::from(self.tag - 1)] = now_ns();
+        self.torque_mnm = [torque_mnm, self.torque_mnm[0]];
+        link.send(&frame).map_err(gone)
+    }
+
+    /// The newest answer; what came instead is noted.
+    fn answer(&mut self) -> Result<Option<Reply>, ApparatusError> {
+        let address = self.address();
+        let Self { link, unheard, .. } = self;
+        let link = link.as_mut().ok_or(ApparatusError::Device(codes::NOT_OPENED))?;
+        let mut newest = None;
+        let received = link.receive(|heard| match heard {
+            Heard::Frame(frame) if address.sent(&frame) => newest = Some(Reply::of(&frame)),
+            Heard::Frame(_) => {}
+            Heard::Refused => *unheard = codes::REFUSED,
+            Heard::WrongChecksum => *unheard = codes::CHECKSUM,
+            Heard::Garbage => *unheard = codes::GARBAGE,
+        });
+        received.map_err(gone)?;
+        Ok(newest)
+    }
+
+    /// Refuses an answer of a controller that does not drive as it was told to.
+    fn check(&mut self, reply: &Reply) -> Result<(), ApparatusError> {
+        bring_up::refuse_fault(reply)?;
+        let began_anew = |before: i32| reply.counter_ms.is_some_and(|now| now.wrapping_sub(before) < 0);
+        if self.counter_ms.is_some_and(began_anew) {
+            return Err(ApparatusError::Device(codes::RESTARTED));
+        }
+        self.counter_ms = reply.counter_ms.or(self.counter_ms);
+        match reply.mode {
+            Some(Mode::Position) => self.drives = true,
+            Some(Mode::Timeout) => return Err(ApparatusError::Device(codes::WATCHDOG)),
+            _ if self.drives => return Err(ApparatusError::Device(codes::RESTARTED)),
+            _ if now_ns().saturating_sub(self.enabled_ns) > SWITCHES_ON_WITHIN_NS => {
+                return Err(ApparatusError::Device(codes::NOT_DRIVING));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// When the sensors were read that an answer tells, ns.
+    fn read_ns(&self, reply: &Reply) -> u64 {
+        // An answer that does not say what it answers is that to the newest question.
+        let tag = u8::try_from(reply.tag).ok().filter(|tag| (1..=TAGS).contains(tag)).unwrap_or(self.tag);
+        self.sent_ns[usize::from(tag - 1)] + self.one_way_ns
+    }
+}
+
+/// CLOCK_MONOTONIC, ns.
+fn now_ns() -> u64 {
+    // The clock is there on every Linux.
+    clock_gettime(ClockId::CLOCK_MONOTONIC).map_or(0, |time| {
+        u64::try_from(Duration::from(time).as_nanos()).unwrap_or(u64::MAX)
+    })
+}
+
+impl Apparatus for MoteusRig {
+    fn description(&self) -> &RigDescription {
+        &self.description
+    }
+
+    fn prepare(&mut self, stop: &dyn Fn() -> bool) -> Result<(), ApparatusError> {
+        let Settings { port, id, baud, .. } = &self.settings;
+        let link = Link::open(port, *baud, Some(*id)).map_err(|_| ApparatusError::Device(codes::NOT_OPENED))?;
+        let address = self.address();
+        let mut talk = Conversation { link: self.link.insert(link), address, stop };
+        let brought_up = bring_up(&mut talk, &self.query, &self.drive, self.watchdog_s, self.period);
+        if brought_up.is_err() {
+            // Whatever keeps it from coming up, it is not left driving.
+            let _ = talk.stop_motor();
+        }
+        let BroughtUp { round_trip, notes } = brought_up?;
+        self.one_way_ns = u64::try_from(round_trip.as_nanos() / 2).unwrap_or(0);
+        self.description.notes.extend(notes);
+        self.description.watchdog_s = Some(self.watchdog_s);
+        Ok(())
+    }
+
+    fn enable(&mut self) -> Result<(), ApparatusError> {
+        // Answers to what was asked while it was prepared are no measurements.
+        self.answer()?;
+        self.is_on = true;
+        self.enabled_ns = now_ns();
+        (self.unanswered, self.unheard, self.counter_ms, self.drives) = (0, codes::SILENCE, None, false);
+        self.command(0.0)
+    }
+
+    fn disable(&mut self) {
+        if std::mem::take(&mut self.is_on) {
+            let stop = self.address().stop(0);
+            if let Some(link) = &mut self.link {
+                // Where it does not go out the watchdog does the same.
+                let _ = link.send(&stop);
+            }
+        }
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "clocks differ by less than 2^53 ns")]
+    fn exchange(&mut self, due_ns: u64, _torque_mnm: f64) -> Result<Measurement, ApparatusError> {
+        if std::mem::take(&mut self.is_gone) {
+            return Err(ApparatusError::Device(codes::PORT_GONE));
+        }
+        // At the time of the answer the command before acted still.
+        let acting_mnm = self.torque_mnm[1];
+        let Some(reply) = self.answer()? else {
+            self.unanswered += 1;
+            if self.unanswered > self.description.stale_limit {
+                return Err(ApparatusError::Device(self.unheard));
+            }
+            return Ok(Measurement { is_stale: true, ..Measurement::default() });
+        };
+        self.check(&reply)?;
+        (self.unanswered, self.unheard) = (0, codes::SILENCE);
+        let after_ns = self.read_ns(&reply).wrapping_sub(due_ns).cast_signed();
+        let read = RawMeasurement { values: reply.values, valid: reply.valid, after_s: after_ns as f64 * 1e-9 };
+        Ok(self.wiring.measurement(&read, acting_mnm))
+    }
+
+    fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
+        let sent = self.command(torque_mnm);
+        self.is_gone = sent.is_err();
+        sent
+    }
+}
+
+impl Drop for MoteusRig {
+    fn drop(&mut self) {
+        self.disable();
+    }
+}
