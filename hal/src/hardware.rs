@@ -77,6 +77,11 @@ impl Hardware<'_> {
                         of it";
             ("torque".to_owned(), note.to_owned())
         });
-        [("driver".to_owned(), self.driver.to_owned())].into_iter().chain(own).chain([watchdog]).chain(of_motor).collect()
+        [("driver".to_owned(), self.driver.to_owned())]
+            .into_iter()
+            .chain(own)
+            .chain([watchdog])
+            .chain(of_motor)
+            .collect()
     }
 }

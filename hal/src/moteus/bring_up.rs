@@ -14,8 +14,9 @@ const SWITCHES_ON_WITHIN: Duration = Duration::from_secs(2);
 /// Most of its time that the watchdog may take, and how much later an answer may come.
 const WATCHDOG_SHARE: f64 = 1.25;
 const WATCHDOG_LEEWAY: Duration = Duration::from_millis(20);
-/// Questions by which the way to the controller and back is timed.
+/// Questions by which the way to the controller and back is timed, and the rest between two: as in a run, in which both ends sleep.
 const TIMED_QUESTIONS: u16 = 64;
+const REST: Duration = Duration::from_millis(1);
 /// What is known of a controller that is up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BroughtUp {
@@ -25,13 +26,13 @@ pub(super) struct BroughtUp {
     pub(super) notes: Vec<(String, String)>,
 }
 
-/// Brings a controller up and leaves it stopped.
+/// Brings a controller up and leaves it stopped; half of its answers at least must come within `longest_wait`.
 pub(super) fn bring_up(
     talk: &mut Conversation<'_>,
     query: &Query,
     drive: &Drive,
     watchdog_s: f64,
-    period: Duration,
+    longest_wait: Duration,
 ) -> Result<BroughtUp, ApparatusError> {
     let identity = identify(talk)?;
     talk.stop_motor()?;
@@ -42,7 +43,7 @@ pub(super) fn bring_up(
     }
     let on_timeout = let_go_on_timeout(talk)?;
     let round_trip = round_trip(talk, query)?;
-    if round_trip >= period {
+    if round_trip >= longest_wait {
         return Err(ApparatusError::Device(codes::SLOW));
     }
     try_watchdog(talk, query, drive, watchdog_s)?;
@@ -63,8 +64,11 @@ pub(super) fn bring_up(
 /// When nobody does, or one whose registers mean something else.
 pub(super) fn identify(talk: &mut Conversation<'_>) -> Result<String, ApparatusError> {
     let found = talk.integers(Register::ModelNumber, 3)?;
-    let of = |wanted: Register| found.iter().find(|(register, _)| *register == wanted.address()).map(|(_, value)| *value);
-    if of(Register::RegisterMapVersion).is_some_and(|version| version > 0 && version != i32::from(CURRENT_REGISTER_MAP_VERSION)) {
+    let of =
+        |wanted: Register| found.iter().find(|(register, _)| *register == wanted.address()).map(|(_, value)| *value);
+    if of(Register::RegisterMapVersion)
+        .is_some_and(|version| version > 0 && version != i32::from(CURRENT_REGISTER_MAP_VERSION))
+    {
         return Err(ApparatusError::Device(codes::OTHER_REGISTERS));
     }
     let firmware = of(Register::FirmwareVersion).unwrap_or(0).to_le_bytes();
@@ -79,7 +83,7 @@ pub(super) fn identify(talk: &mut Conversation<'_>) -> Result<String, ApparatusE
 }
 
 fn ask(talk: &mut Conversation<'_>, query: &Query) -> Result<Reply, ApparatusError> {
-    let answer = talk.ask(&query.frame(talk.address, 1))?;
+    let answer = talk.ask(&query.frame(talk.address))?;
     Ok(Reply::of(&answer))
 }
 
@@ -143,8 +147,9 @@ fn try_watchdog(
 pub(super) fn round_trip(talk: &mut Conversation<'_>, query: &Query) -> Result<Duration, ApparatusError> {
     let mut times = Vec::new();
     let mut unheard = codes::SILENCE;
-    let question = query.frame(talk.address, 1);
+    let question = query.frame(talk.address);
     for _ in 0..TIMED_QUESTIONS {
+        std::thread::sleep(REST);
         let asked = Instant::now();
         if talk.ask_once(&question, PATIENCE, &mut unheard)?.is_some() {
             times.push(asked.elapsed());

@@ -60,9 +60,7 @@ pub(super) fn open(name: &str, id: Option<i8>) -> io::Result<File> {
 fn set_option<Value>(socket: &Socket, name: i32, value: &Value) -> io::Result<()> {
     let length = u32::try_from(size_of_val(value)).unwrap_or_default();
     // SAFETY: the option's value lives beyond the call, and its length is told.
-    match unsafe {
-        libc::setsockopt(socket.as_raw_fd(), libc::SOL_CAN_RAW, name, (&raw const *value).cast(), length)
-    } {
+    match unsafe { libc::setsockopt(socket.as_raw_fd(), libc::SOL_CAN_RAW, name, (&raw const *value).cast(), length) } {
         0 => Ok(()),
         _ => Err(io::Error::last_os_error()),
     }

@@ -38,7 +38,10 @@ pub(super) const UNNAMED_FAULT: i32 = 1014;
 const MEANINGS: [(i32, &str); 32] = [
     (32, "calibration fault: the encoder saw no magnet; check the magnet and run `moteus_tool --calibrate`"),
     (33, "motor driver fault: most often the supply sagged; check supply and wiring of the motor"),
-    (34, "over voltage: braking raised the supply; use one that takes current back, or set servo.max_voltage and flux braking"),
+    (
+        34,
+        "over voltage: braking raised the supply; use one that takes current back, or set servo.max_voltage and flux braking",
+    ),
     (35, "encoder fault: its readings fit no magnet; check the magnet's distance and centre"),
     (36, "motor not configured: run `moteus_tool --calibrate`"),
     (37, "PWM cycle overrun: an error of the firmware; update it"),
@@ -53,7 +56,10 @@ const MEANINGS: [(i32, &str); 32] = [
     (46, "timing violation: an error of the firmware; update it"),
     (47, "servo.bemf_feedforward asks for an acceleration limit; set it to 0"),
     (48, "invalid limits: servopos.position_min or position_max lie outside what the position can be"),
-    (NOT_OPENED, "its port cannot be opened; check [settings] port, the cable, and that this user may use it (group dialout)"),
+    (
+        NOT_OPENED,
+        "its port cannot be opened; check [settings] port, the cable, and that this user may use it (group dialout)",
+    ),
     (PORT_GONE, "its port is gone; check the cable of the adapter"),
     (SILENCE, "the controller does not answer; check its supply, its cable and [settings] id"),
     (GARBAGE, "what came from the port is no answer; check that [settings] port is a moteus adapter, and the baud"),
@@ -63,10 +69,16 @@ const MEANINGS: [(i32, &str); 32] = [
     (RESTARTED, "the controller began anew, or stopped by itself; check its supply"),
     (NOT_DRIVING, "the controller does not switch on; look at its fault with tview"),
     (NO_WATCHDOG, "the controller goes on driving without commands: its watchdog does not work; update the firmware"),
-    (HOLDS_ON_TIMEOUT, "its servo.timeout_mode is not 0 and cannot be set: it would not let go of the torque; set it with tview"),
-    (SLOW, "answers take longer than the period; give a slower --rate-hz, or a faster adapter"),
+    (
+        HOLDS_ON_TIMEOUT,
+        "its servo.timeout_mode is not 0 and cannot be set: it would not let go of the torque; set it with tview",
+    ),
+    (SLOW, "answers take too long; give a slower --rate-hz, a faster adapter, or the machine less to do"),
     (OTHER_REGISTERS, "its firmware has another register map than this program knows (5); update the one or the other"),
-    (NO_CHANNEL, "it gives no number for a channel that the rig file names; check [channels] and the pins' configuration"),
+    (
+        NO_CHANNEL,
+        "it gives no number for a channel that the rig file names; check [channels] and the pins' configuration",
+    ),
     (UNNAMED_FAULT, "it is in a fault and gives no code; look at it with tview"),
 ];
 

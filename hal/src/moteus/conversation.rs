@@ -1,10 +1,8 @@
 //! Questions to a controller and their answers, on an ordinary thread that may wait.
 
-use std::os::fd::AsFd as _;
 use std::time::{Duration, Instant};
 
 use moteus_protocol::{CanFdFrame, Register, diagnostic};
-use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 
 use super::codes;
 use super::link::{Heard, Link, PortGone};
@@ -15,8 +13,8 @@ use crate::ApparatusError;
 pub(super) const PATIENCE: Duration = Duration::from_millis(50);
 /// How often a question is asked until it is given up.
 const TRIES: u32 = 5;
-/// As whom it asks: no tag that a run has.
-const ASKER: i8 = 0;
+/// As whom it asks, by turns: none that a run has.
+const TAGS: std::ops::RangeInclusive<i8> = 32..=95;
 /// The controller's stream for people, over which its configuration is read and set.
 const STREAM: u8 = 1;
 
@@ -25,9 +23,14 @@ pub(super) struct Conversation<'a> {
     pub(super) link: &'a mut Link,
     pub(super) address: Address,
     pub(super) stop: &'a dyn Fn() -> bool,
+    tag: i8,
 }
 
-impl Conversation<'_> {
+impl<'a> Conversation<'a> {
+    pub(super) fn new(link: &'a mut Link, address: Address, stop: &'a dyn Fn() -> bool) -> Self {
+        Self { link, address, stop, tag: *TAGS.start() }
+    }
+
     /// The controller's answer to a question, asked until it comes.
     pub(super) fn ask(&mut self, question: &CanFdFrame) -> Result<CanFdFrame, ApparatusError> {
         let mut unheard = codes::SILENCE;
@@ -49,16 +52,15 @@ impl Conversation<'_> {
         if (self.stop)() {
             return Err(ApparatusError::Stopped);
         }
-        // What has come meanwhile answers nothing.
-        self.link.receive(|_| {}).map_err(gone)?;
-        self.link.send(question).map_err(gone)?;
+        self.tag = if self.tag == *TAGS.end() { *TAGS.start() } else { self.tag + 1 };
+        self.link.send(&self.address.sent_as(self.tag, question)).map_err(gone)?;
         let until = Instant::now() + patience;
         loop {
             let mut answer = None;
-            let address = self.address;
+            let (address, tag) = (self.address, self.tag);
             self.link
                 .receive(|heard| match heard {
-                    Heard::Frame(frame) if address.sent(&frame) => answer = Some(frame),
+                    Heard::Frame(frame) if address.answers(tag, &frame) => answer = Some(frame),
                     Heard::Frame(_) => {}
                     Heard::Refused => *unheard = codes::REFUSED,
                     Heard::WrongChecksum => *unheard = codes::CHECKSUM,
@@ -69,36 +71,27 @@ impl Conversation<'_> {
             if answer.is_some() || left.is_zero() {
                 return Ok(answer);
             }
-            self.wait(left);
+            self.link.wait(left);
         }
-    }
-
-    /// Waits until something comes.
-    fn wait(&self, most: Duration) {
-        let timeout = PollTimeout::try_from(most).unwrap_or(PollTimeout::ZERO);
-        // A wait that a signal ends early is looked at again by whoever waits.
-        let _ = poll(&mut [PollFd::new(self.link.as_fd(), PollFlags::POLLIN)], timeout);
     }
 
     /// Integers of `count` registers from `register` on, as far as the controller has them.
     pub(super) fn integers(&mut self, register: Register, count: u8) -> Result<Vec<(u16, i32)>, ApparatusError> {
-        let answer = self.ask(&self.address.read_integers(ASKER, register, count))?;
+        let answer = self.ask(&self.address.read_integers(register, count))?;
         Ok(registers(&answer).map(|(register, value)| (register, value.to_i32())).collect())
     }
 
     /// Switches the motor off, and clears a fault.
     pub(super) fn stop_motor(&mut self) -> Result<(), ApparatusError> {
-        self.link.send(&self.address.stop(ASKER)).map_err(gone)
+        self.link.send(&self.address.stop()).map_err(gone)
     }
 
     /// What the controller says to a line on its stream; `None` where it does not listen there.
     pub(super) fn command_line(&mut self, line: &str) -> Result<Option<String>, ApparatusError> {
         let mut unheard = 0;
-        let said = self.address.bytes(ASKER, |data| {
-            diagnostic::write_client_to_server(STREAM, line.as_bytes(), data)
-        });
+        let said = self.address.bytes(|data| diagnostic::write_client_to_server(STREAM, line.as_bytes(), data));
         self.ask_once(&said, Duration::ZERO, &mut unheard)?;
-        let poll = self.address.bytes(ASKER, |data| diagnostic::write_client_poll(STREAM, 48, data));
+        let poll = self.address.bytes(|data| diagnostic::write_client_poll(STREAM, 48, data));
         let mut heard = String::new();
         for _ in 0..TRIES {
             let Some(answer) = self.ask_once(&poll, PATIENCE, &mut unheard)? else { return Ok(None) };

@@ -1,18 +1,18 @@
-//! The way to a controller: lines over a tty, or frames over SocketCAN. Nothing here waits.
+//! The way to a controller: lines over a tty, or frames over SocketCAN.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read as _, Write as _};
-use std::os::fd::{AsFd, BorrowedFd};
+use std::os::fd::AsFd as _;
+use std::time::Duration;
 
 use moteus_protocol::CanFdFrame;
+use nix::poll::{PollFd, PollFlags, ppoll};
 
 use super::can;
 use super::tty::{self, Lines};
 
-/// Most frames that are taken from a CAN socket at once, each by a call of its own.
-const CAN_FRAMES_AT_ONCE: u32 = 4;
-/// The system calls that a tick makes: what has come is read, a command is written, and one more at the end of a run.
-pub(super) const CALLS: [&str; 2] = ["read", "write"];
+/// The system calls that are made: to send, to wait until something comes, and to look what it is.
+pub(super) const CALLS: [&str; 3] = ["write", "ppoll", "read"];
 
 /// What came.
 pub(super) enum Heard {
@@ -44,12 +44,6 @@ impl Link {
             true => Ok(Self { port: can::open(port, id)?, lines: None }),
             false => Ok(Self { port: tty::open(port, baud)?, lines: Some(Lines::new()) }),
         }
-    }
-
-    /// Most system calls in a tick.
-    pub(super) fn calls_per_tick(port: &str) -> u32 {
-        let writes = 2;
-        writes + if can::is_interface(port) { CAN_FRAMES_AT_ONCE } else { 1 }
     }
 
     /// What carries the frames, for people.
@@ -86,10 +80,16 @@ impl Link {
         }
     }
 
+    /// Sleeps until something comes, so long at most.
+    pub(super) fn wait(&self, most: Duration) {
+        // A wait that a signal ends early is looked at again by whoever waits.
+        let _ = ppoll(&mut [PollFd::new(self.port.as_fd(), PollFlags::POLLIN)], Some(most.into()), None);
+    }
+
     /// Gives what has come to `take`, without waiting for more.
     pub(super) fn receive(&mut self, mut take: impl FnMut(Heard)) -> Result<(), PortGone> {
         let Self { port, lines } = self;
-        let Some(lines) = lines else { return receive_frames(port, take) };
+        let Some(lines) = lines else { return receive_frame(port, take) };
         match port.read(lines.room()) {
             // A tty that has nothing says so; one that ends is unplugged.
             Ok(0) => return Err(PortGone),
@@ -104,14 +104,12 @@ impl Link {
     }
 }
 
-fn receive_frames(port: &mut File, mut take: impl FnMut(Heard)) -> Result<(), PortGone> {
-    for _ in 0..CAN_FRAMES_AT_ONCE {
-        let mut wire = [0; can::WIRE_BYTES];
-        match port.read(&mut wire) {
-            Ok(length) => take(can::decode(&wire[..length]).map_or(Heard::Refused, Heard::Frame)),
-            Err(error) if is_momentary(&error) => return Ok(()),
-            Err(_) => return Err(PortGone),
-        }
+fn receive_frame(port: &mut File, take: impl FnOnce(Heard)) -> Result<(), PortGone> {
+    let mut wire = [0; can::WIRE_BYTES];
+    match port.read(&mut wire) {
+        Ok(length) => take(can::decode(&wire[..length]).map_or(Heard::Refused, Heard::Frame)),
+        Err(error) if is_momentary(&error) => {}
+        Err(_) => return Err(PortGone),
     }
     Ok(())
 }
@@ -120,10 +118,4 @@ fn receive_frames(port: &mut File, mut take: impl FnMut(Heard)) -> Result<(), Po
 fn is_momentary(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
         || error.raw_os_error() == Some(libc::ENOBUFS)
-}
-
-impl AsFd for Link {
-    fn as_fd(&self) -> BorrowedFd<'_> {
-        self.port.as_fd()
-    }
 }

@@ -1,9 +1,10 @@
 //! A motor behind a moteus controller, over an fdcanusb adapter, its UART, or SocketCAN.
 //!
-//! One frame a tick commands the torque and asks for what the sensors read; the answer is taken at the next tick. So a torque acts
-//! one period later than in a rig that reads and drives at the tick: the measurement is as much older than the tick as the
-//! command is later, whatever the way there takes. Frames are sent as whose they are: the answer names its question, which dates
-//! it.
+//! One frame a tick gives the torque of the tick before and asks for what the sensors read; the answer is waited for, a share of the
+//! period at most. The wait sleeps: what carries bytes through a tty is a worker of the kernel's, which a loop that spins would keep
+//! from its core. Half way between the two the sensors were read. An answer that
+//! takes much longer than answers do was held up on the way, nobody knows on which: it counts as none, rather than be dated
+//! wrongly. Frames are sent as whose they are, so that an answer that comes late is not taken for the next one.
 //!
 //! The torque goes in the controller's position mode with all gains at zero, since that mode alone takes the watchdog's time with
 //! every command. [`MoteusRig::prepare`] lets the watchdog run out once and sees that it does.
@@ -42,7 +43,18 @@ pub const TEMPLATE: &str = include_str!("template.toml");
 /// Bits a second of a controller's UART, as it comes.
 const USUAL_BAUD: u32 = 921_600;
 /// As whose a run's frames are sent, by turns: 1 to this.
-const TAGS: u8 = 16;
+const TAGS: i8 = 16;
+/// Share of a period for which an answer is waited for: the rest is for the control step, and for a loop that begins late.
+const WAITED_SHARE: f64 = 0.6;
+/// Most looks for an answer: `OK` comes before it, and either may come in pieces.
+const MOST_LOOKS: u32 = 8;
+/// System calls of a tick at most: a command, and each look's wait and read; and the command that stops, at the end.
+const CALLS_PER_TICK: u32 = 2 + 2 * MOST_LOOKS;
+/// Typical round trips after which an answer is too late to be dated, unless that is less than this share of a period.
+const LATE_ROUND_TRIPS: u64 = 2;
+const DATED_SHARE: f64 = 0.125;
+/// Share by which the typical round trip follows each answer, up or down: so it is their median.
+const FOLLOWS: u64 = 16;
 /// Time in which the controller switches on, ns; then it must drive.
 const SWITCHES_ON_WITHIN_NS: u64 = 500_000_000;
 
@@ -70,29 +82,27 @@ pub struct MoteusRig {
     query: Query,
     drive: Drive,
     watchdog_s: f64,
-    period: Duration,
+    longest_wait: Duration,
     /// Open once the rig is prepared.
     link: Option<Link>,
-    /// Half the way to the controller and back, ns: by so much later than it was sent a frame is answered.
-    one_way_ns: u64,
-    /// When the frame of each tag was sent.
-    sent_ns: [u64; TAGS as usize],
-    /// The tag of the newest frame.
-    tag: u8,
+    /// Time from a question to its answer, the median, ns.
+    typical_ns: u64,
+    /// Time after which an answer can be dated whatever is typical, ns.
+    dated_ns: u64,
+    /// As whose the newest frame was sent.
+    tag: i8,
     /// When it was switched on.
     enabled_ns: u64,
     is_on: bool,
     /// Whether it was seen driving since.
     drives: bool,
-    /// Whether the port took the newest command.
-    is_gone: bool,
     /// Ticks in a row without an answer.
     unanswered: u32,
     /// What came instead.
     unheard: i32,
     counter_ms: Option<i32>,
-    /// The torque of the newest command, and of the one before, mNm.
-    torque_mnm: [f64; 2],
+    /// The torque of the newest command, mNm.
+    torque_mnm: f64,
 }
 
 impl MoteusRig {
@@ -124,13 +134,13 @@ impl MoteusRig {
         })?;
         let most_torque_nm = wiring.of_motor(hardware.limits.motor_torque_mnm).abs();
         let device = std::fs::canonicalize(port).map_or_else(|_| port.clone(), |path| path.to_string_lossy().into());
-        let calls = CALLS.map(str::to_owned).into();
         let description = RigDescription {
             takes_torque_at_exchange: true,
             device: Some(device),
-            calls: DeclaredCalls { names: calls, per_tick: Link::calls_per_tick(port) },
+            calls: DeclaredCalls { names: CALLS.map(str::to_owned).into(), per_tick: CALLS_PER_TICK },
             codes: codes::all(),
-            notes: hardware.notes(&wiring, [("port".to_owned(), port.clone()), ("controller".to_owned(), id.to_string())]),
+            notes: hardware
+                .notes(&wiring, [("port".to_owned(), port.clone()), ("controller".to_owned(), id.to_string())]),
             ..hardware.description(&wiring)
         };
         let watchdog_s = hardware.watchdog.timeout_s;
@@ -140,20 +150,19 @@ impl MoteusRig {
             query,
             drive: Drive::new(most_torque_nm, watchdog_s),
             watchdog_s,
-            period: Duration::from_secs_f64(rate_hz.recip()),
+            longest_wait: Duration::from_secs_f64(WAITED_SHARE / rate_hz),
             settings,
             link: None,
-            one_way_ns: 0,
-            sent_ns: [0; TAGS as usize],
+            typical_ns: 0,
+            dated_ns: nanoseconds(Duration::from_secs_f64(DATED_SHARE / rate_hz)),
             tag: TAGS,
             enabled_ns: 0,
             is_on: false,
             drives: false,
-            is_gone: false,
             unanswered: 0,
             unheard: codes::SILENCE,
             counter_ms: None,
-            torque_mnm: [0.0; 2],
+            torque_mnm: 0.0,
         })
     }
 
@@ -164,22 +173,21 @@ impl MoteusRig {
     /// Commands a torque, and asks what the sensors read.
     fn command(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
         self.tag = self.tag % TAGS + 1;
-        let torque_nm = self.wiring.of_motor(torque_mnm);
-        let frame = self.query.commanding(self.address(), self.tag.cast_signed(), &self.drive, torque_nm);
-        let link = self.link.as_mut().ok_or(ApparatusError::Device(codes::NOT_OPENED))?;
-        self.sent_ns[usize::from(self.tag - 1)] = now_ns();
-        self.torque_mnm = [torque_mnm, self.torque_mnm[0]];
-        link.send(&frame).map_err(gone)
+        let frame = self.query.commanding(self.address(), self.tag, &self.drive, self.wiring.of_motor(torque_mnm));
+        self.torque_mnm = torque_mnm;
+        self.link.as_mut().ok_or(ApparatusError::Device(codes::NOT_OPENED))?.send(&frame).map_err(gone)
     }
 
-    /// The newest answer; what came instead is noted.
+    /// The answer to the newest command, if it has come; what came instead is noted.
     fn answer(&mut self) -> Result<Option<Reply>, ApparatusError> {
         let address = self.address();
-        let Self { link, unheard, .. } = self;
+        let Self { link, unheard, tag, .. } = self;
         let link = link.as_mut().ok_or(ApparatusError::Device(codes::NOT_OPENED))?;
         let mut newest = None;
         let received = link.receive(|heard| match heard {
-            Heard::Frame(frame) if address.sent(&frame) => newest = Some(Reply::of(&frame)),
+            Heard::Frame(frame) if address.answers(*tag, &frame) => newest = Some(Reply::of(&frame)),
+            // That to an earlier one.
+            Heard::Frame(frame) if address.is_from(&frame) => *unheard = codes::SLOW,
             Heard::Frame(_) => {}
             Heard::Refused => *unheard = codes::REFUSED,
             Heard::WrongChecksum => *unheard = codes::CHECKSUM,
@@ -187,6 +195,41 @@ impl MoteusRig {
         });
         received.map_err(gone)?;
         Ok(newest)
+    }
+
+    /// The answer to what was sent at `sent_ns`, and when it came, unless that is too late.
+    fn wait(&mut self, sent_ns: u64) -> Result<Option<(Reply, u64)>, ApparatusError> {
+        let longest_ns = nanoseconds(self.longest_wait);
+        for _ in 0..MOST_LOOKS {
+            let left_ns = (sent_ns + longest_ns).saturating_sub(now_ns());
+            if let (Some(link), 1..) = (&self.link, left_ns) {
+                link.wait(Duration::from_nanos(left_ns));
+            }
+            if let Some(reply) = self.answer()? {
+                let came_ns = now_ns();
+                self.check(&reply)?;
+                let can_be_dated = self.is_timely(came_ns - sent_ns);
+                return Ok(can_be_dated.then_some((reply, came_ns)));
+            }
+            if left_ns == 0 {
+                return Ok(None);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether an answer after this time was not held up on the way.
+    fn is_timely(&mut self, round_trip_ns: u64) -> bool {
+        let longest_ns = self.dated_ns.max(LATE_ROUND_TRIPS * self.typical_ns);
+        let step_ns = self.typical_ns / FOLLOWS;
+        self.typical_ns = match round_trip_ns > self.typical_ns {
+            true => self.typical_ns + step_ns,
+            false => self.typical_ns - step_ns,
+        };
+        if round_trip_ns > longest_ns {
+            self.unheard = codes::SLOW;
+        }
+        round_trip_ns <= longest_ns
     }
 
     /// Refuses an answer of a controller that does not drive as it was told to.
@@ -208,21 +251,16 @@ impl MoteusRig {
         }
         Ok(())
     }
-
-    /// When the sensors were read that an answer tells, ns.
-    fn read_ns(&self, reply: &Reply) -> u64 {
-        // An answer that does not say what it answers is that to the newest question.
-        let tag = u8::try_from(reply.tag).ok().filter(|tag| (1..=TAGS).contains(tag)).unwrap_or(self.tag);
-        self.sent_ns[usize::from(tag - 1)] + self.one_way_ns
-    }
 }
 
 /// CLOCK_MONOTONIC, ns.
 fn now_ns() -> u64 {
     // The clock is there on every Linux.
-    clock_gettime(ClockId::CLOCK_MONOTONIC).map_or(0, |time| {
-        u64::try_from(Duration::from(time).as_nanos()).unwrap_or(u64::MAX)
-    })
+    clock_gettime(ClockId::CLOCK_MONOTONIC).map_or(0, |time| nanoseconds(time.into()))
+}
+
+fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
 
 impl Apparatus for MoteusRig {
@@ -234,14 +272,14 @@ impl Apparatus for MoteusRig {
         let Settings { port, id, baud, .. } = &self.settings;
         let link = Link::open(port, *baud, Some(*id)).map_err(|_| ApparatusError::Device(codes::NOT_OPENED))?;
         let address = self.address();
-        let mut talk = Conversation { link: self.link.insert(link), address, stop };
-        let brought_up = bring_up(&mut talk, &self.query, &self.drive, self.watchdog_s, self.period);
+        let mut talk = Conversation::new(self.link.insert(link), address, stop);
+        let brought_up = bring_up(&mut talk, &self.query, &self.drive, self.watchdog_s, self.longest_wait);
         if brought_up.is_err() {
             // Whatever keeps it from coming up, it is not left driving.
             let _ = talk.stop_motor();
         }
         let BroughtUp { round_trip, notes } = brought_up?;
-        self.one_way_ns = u64::try_from(round_trip.as_nanos() / 2).unwrap_or(0);
+        self.typical_ns = nanoseconds(round_trip);
         self.description.notes.extend(notes);
         self.description.watchdog_s = Some(self.watchdog_s);
         Ok(())
@@ -258,7 +296,7 @@ impl Apparatus for MoteusRig {
 
     fn disable(&mut self) {
         if std::mem::take(&mut self.is_on) {
-            let stop = self.address().stop(0);
+            let stop = self.address().stop();
             if let Some(link) = &mut self.link {
                 // Where it does not go out the watchdog does the same.
                 let _ = link.send(&stop);
@@ -267,30 +305,22 @@ impl Apparatus for MoteusRig {
     }
 
     #[allow(clippy::cast_precision_loss, reason = "clocks differ by less than 2^53 ns")]
-    fn exchange(&mut self, due_ns: u64, _torque_mnm: f64) -> Result<Measurement, ApparatusError> {
-        if std::mem::take(&mut self.is_gone) {
-            return Err(ApparatusError::Device(codes::PORT_GONE));
-        }
+    fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         // At the time of the answer the command before acted still.
-        let acting_mnm = self.torque_mnm[1];
-        let Some(reply) = self.answer()? else {
+        let acting_mnm = self.torque_mnm;
+        let sent_ns = now_ns();
+        self.command(torque_mnm)?;
+        let Some((reply, came_ns)) = self.wait(sent_ns)? else {
             self.unanswered += 1;
             if self.unanswered > self.description.stale_limit {
                 return Err(ApparatusError::Device(self.unheard));
             }
             return Ok(Measurement { is_stale: true, ..Measurement::default() });
         };
-        self.check(&reply)?;
         (self.unanswered, self.unheard) = (0, codes::SILENCE);
-        let after_ns = self.read_ns(&reply).wrapping_sub(due_ns).cast_signed();
+        let after_ns = (sent_ns.midpoint(came_ns)).wrapping_sub(due_ns).cast_signed();
         let read = RawMeasurement { values: reply.values, valid: reply.valid, after_s: after_ns as f64 * 1e-9 };
         Ok(self.wiring.measurement(&read, acting_mnm))
-    }
-
-    fn write_torque(&mut self, torque_mnm: f64) -> Result<(), ApparatusError> {
-        let sent = self.command(torque_mnm);
-        self.is_gone = sent.is_err();
-        sent
     }
 }
 

@@ -72,8 +72,8 @@ impl Query {
     }
 
     /// A frame to the controller that asks and commands nothing.
-    pub(super) fn frame(&self, address: Address, tag: i8) -> CanFdFrame {
-        let mut frame = address.frame(tag);
+    pub(super) fn frame(&self, address: Address) -> CanFdFrame {
+        let mut frame = address.frame(0);
         self.format.serialize(&mut frame);
         frame
     }
@@ -97,6 +97,9 @@ fn nothing() -> QueryFormat {
     format
 }
 
+/// As whom frames are sent whose answers nobody waits for.
+const UNHEARD: i8 = 126;
+
 /// Whom frames go to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Address {
@@ -115,15 +118,15 @@ impl Address {
     }
 
     /// A frame that switches the motor off, and clears a fault.
-    pub(super) fn stop(self, tag: i8) -> CanFdFrame {
-        let mut frame = self.frame(tag);
+    pub(super) fn stop(self) -> CanFdFrame {
+        let mut frame = self.frame(UNHEARD);
         StopCommand::serialize(&mut frame);
         frame
     }
 
     /// A frame that reads integers from `register` on.
-    pub(super) fn read_integers(self, tag: i8, register: Register, count: u8) -> CanFdFrame {
-        let mut frame = self.frame(tag);
+    pub(super) fn read_integers(self, register: Register, count: u8) -> CanFdFrame {
+        let mut frame = self.frame(0);
         let mut writer = moteus_protocol::WriteCanData::new(&mut frame);
         writer.write_u8(moteus_protocol::READ_INT32);
         writer.write_u8(count);
@@ -132,14 +135,28 @@ impl Address {
     }
 
     /// A frame with these bytes.
-    pub(super) fn bytes(self, tag: i8, fill: impl FnOnce(&mut [u8; 64]) -> u8) -> CanFdFrame {
-        let mut frame = self.frame(tag);
+    pub(super) fn bytes(self, fill: impl FnOnce(&mut [u8; 64]) -> u8) -> CanFdFrame {
+        let mut frame = self.frame(0);
         frame.size = fill(&mut frame.data);
         frame
     }
 
+    /// A frame, sent as `tag`.
+    pub(super) fn sent_as(self, tag: i8, frame: &CanFdFrame) -> CanFdFrame {
+        let mut sent = frame.clone();
+        sent.arbitration_id = self.frame(tag).arbitration_id;
+        sent
+    }
+
+    /// Whether a frame is the controller's answer to what was sent as `tag`. One to nobody is taken for it: then whoever answers
+    /// does not say what.
+    pub(super) fn answers(self, tag: i8, frame: &CanFdFrame) -> bool {
+        let (from, to, _) = parse_arbitration_id(frame.arbitration_id);
+        from == self.id && (to == tag || to == 0)
+    }
+
     /// Whether a frame comes from the controller.
-    pub(super) fn sent(self, frame: &CanFdFrame) -> bool {
+    pub(super) fn is_from(self, frame: &CanFdFrame) -> bool {
         parse_arbitration_id(frame.arbitration_id).0 == self.id
     }
 }
@@ -185,8 +202,6 @@ impl Drive {
 /// An answer to a query.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reply {
-    /// As whose the command was sent that it answers.
-    pub(super) tag: i8,
     pub(super) mode: Option<Mode>,
     pub(super) fault: i32,
     /// Milliseconds since the controller began, wrapping round.
@@ -200,9 +215,7 @@ pub(super) struct Reply {
 impl Reply {
     /// What a frame of the controller's answers.
     pub(super) fn of(frame: &CanFdFrame) -> Self {
-        let tag = parse_arbitration_id(frame.arbitration_id).1;
-        let mut reply =
-            Self { tag, mode: None, fault: 0, counter_ms: None, values: [f64::NAN; MOST_CHANNELS], valid: 0 };
+        let mut reply = Self { mode: None, fault: 0, counter_ms: None, values: [f64::NAN; MOST_CHANNELS], valid: 0 };
         for (register, value) in registers(frame) {
             if register == Register::Mode.address() {
                 reply.mode = u8::try_from(value.to_i32()).ok().and_then(|mode| Mode::try_from(mode).ok());
@@ -263,7 +276,8 @@ mod tests {
         frame.data[..bytes.len()].copy_from_slice(&bytes);
         frame.size = u8::try_from(bytes.len()).unwrap();
         let reply = Reply::of(&frame);
-        assert_eq!((reply.tag, reply.mode, reply.fault, reply.counter_ms), (5, Some(Mode::Position), 34, None));
+        assert_eq!((reply.mode, reply.fault, reply.counter_ms), (Some(Mode::Position), 34, None));
+        assert!(ADDRESS.answers(5, &frame) && !ADDRESS.answers(4, &frame));
         assert_eq!((reply.values[0], reply.valid), (0.5, 1));
     }
 

@@ -47,8 +47,8 @@ pub fn is_port(port: &str) -> bool {
 /// # Errors
 /// [`ScanError`].
 pub fn scan(port: &str, stop: &dyn Fn() -> bool) -> Result<Scanned, ScanError> {
-    let mut link = Link::open(port, USUAL_BAUD, None)
-        .map_err(|reason| ScanError::NotOpened { port: port.to_owned(), reason })?;
+    let mut link =
+        Link::open(port, USUAL_BAUD, None).map_err(|reason| ScanError::NotOpened { port: port.to_owned(), reason })?;
     look(&mut link, port, stop).map_err(|error| {
         let code = error.device_code();
         let meaning = codes::all().into_iter().find(|(known, _)| Some(*known) == code).map(|(_, meaning)| meaning);
@@ -63,10 +63,10 @@ fn look(link: &mut Link, port: &str, stop: &dyn Fn() -> bool) -> Result<Scanned,
     let mut unheard = codes::SILENCE;
     for id in 1..=LAST_ID {
         let address = Address { id, prefix: 0 };
-        let mut talk = Conversation { link, address, stop };
+        let mut talk = Conversation::new(link, address, stop);
         // The first is waited for longer: what it is answered with tells whether the port asks for checksums.
         let patience = if id == 1 { PATIENCE } else { EACH };
-        let question = query.frame(address, 1);
+        let question = query.frame(address);
         let before = unheard;
         let mut answer = talk.ask_once(&question, patience, &mut unheard)?;
         if answer.is_none() && unheard != before {
@@ -94,7 +94,9 @@ fn look(link: &mut Link, port: &str, stop: &dyn Fn() -> bool) -> Result<Scanned,
 /// The template for a controller that was found.
 fn rig_file(port: &str, id: i8) -> String {
     let port = toml::Value::String(port.to_owned());
-    TEMPLATE.replace("port = \"/dev/ttyACM0\"", &format!("port = {port}")).replace("\nid = 1\n", &format!("\nid = {id}\n"))
+    TEMPLATE
+        .replace("port = \"/dev/ttyACM0\"", &format!("port = {port}"))
+        .replace("\nid = 1\n", &format!("\nid = {id}\n"))
 }
 
 #[cfg(test)]

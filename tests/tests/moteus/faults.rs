@@ -9,7 +9,8 @@ use super::{Server, rig};
 /// A capture of three seconds; what was told.
 fn told(bench: &Bench, file: &str) -> String {
     let _ = std::fs::remove_dir_all(bench.path("out"));
-    let output = bench.run(&["capture", "--rig", file, "--rate-hz", "1000", "--duration-s", "3", "--no-viewer", "--out", "out"]);
+    let output =
+        bench.run(&["capture", "--rig", file, "--rate-hz", "1000", "--duration-s", "3", "--no-viewer", "--out", "out"]);
     let output = output.unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
     assert_eq!(bench.leftovers(), Vec::<String>::new());
@@ -31,7 +32,8 @@ fn is_whole(bench: &Bench, told: &str) {
 fn the_next_run_begins(bench: &Bench, file: &str) {
     let _server = Server::start(bench, &[]);
     let _ = std::fs::remove_dir_all(bench.path("out"));
-    let output = bench.run(&["capture", "--rig", file, "--rate-hz", "1000", "--duration-s", "1", "--no-viewer", "--out", "out"]);
+    let output =
+        bench.run(&["capture", "--rig", file, "--rate-hz", "1000", "--duration-s", "1", "--no-viewer", "--out", "out"]);
     let output = output.unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
 }
@@ -83,7 +85,8 @@ fn a_port_that_goes_in_a_run_is_told() {
     let bench = Bench::new().unwrap();
     let mut server = Server::start(&bench, &[]);
     let file = rig(&bench, |text| text);
-    let arguments = ["capture", "--rig", &file, "--rate-hz", "1000", "--duration-s", "3", "--no-viewer", "--out", "out"];
+    let arguments =
+        ["capture", "--rig", &file, "--rate-hz", "1000", "--duration-s", "3", "--no-viewer", "--out", "out"];
     let child = bench.start(&arguments).unwrap();
     bench.wait_for_process("recorder").unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1500));
@@ -101,7 +104,8 @@ fn a_control_loop_that_is_killed_leaves_no_torque_beyond_the_watchdogs_time() {
     let bench = Bench::new().unwrap();
     let server = Server::start(&bench, &[]);
     let file = rig(&bench, |text| text.replace("timeout_s = 0.5 ", "timeout_s = 0.2 "));
-    let arguments = ["capture", "--rig", &file, "--rate-hz", "1000", "--duration-s", "5", "--no-viewer", "--out", "out"];
+    let arguments =
+        ["capture", "--rig", &file, "--rate-hz", "1000", "--duration-s", "5", "--no-viewer", "--out", "out"];
     let child = bench.start(&arguments).unwrap();
     bench.wait_for_process("recorder").unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1500));
@@ -140,7 +144,10 @@ fn a_port_without_a_controller_is_told_and_its_preparation_can_be_stopped() {
     let bench = Bench::new().unwrap();
     let _server = Server::start(&bench, &[]);
     let file = rig(&bench, |text| text.replace("\nid = 1\n", "\nid = 7\n"));
-    told_once(&told(&bench, &file), "code 1002: the controller does not answer; check its supply, its cable and [settings] id");
+    told_once(
+        &told(&bench, &file),
+        "code 1002: the controller does not answer; check its supply, its cable and [settings] id",
+    );
     let file = rig(&bench, |text| text.replace("port = \"", "port = \"/nowhere"));
     told_once(&told(&bench, &file), "which is neither a tty nor a CAN interface of this machine");
 }

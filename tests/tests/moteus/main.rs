@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 #![allow(clippy::print_stderr, reason = "a test that skips says so")]
 
+mod allocation;
 mod captures;
 mod commands;
 mod faults;
@@ -23,7 +24,14 @@ struct Server {
 impl Server {
     /// The compiled server, at the bench's `port`.
     fn start(bench: &Bench, arguments: &[&str]) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_moteus_server"));
+        let server = env!("CARGO_BIN_EXE_moteus_server");
+        // Like a controller it waits for no other task, where that is permitted.
+        let may_go_first =
+            Command::new("chrt").args(["-f", "60", "true"]).status().is_ok_and(|status| status.success());
+        let mut command = Command::new(if may_go_first { "chrt" } else { server });
+        if may_go_first {
+            command.args(["-f", "60", server]);
+        }
         command.args(["--link", &bench.path("port").to_string_lossy()]).args(arguments);
         Self::of(command)
     }
@@ -89,5 +97,6 @@ fn rig(bench: &Bench, edit: impl Fn(String) -> String) -> String {
 fn with_sensor(text: String) -> String {
     let from_current = "source = \"torque\"";
     assert!(text.contains(from_current) && text.contains("of_motor = true"));
-    text.replace(from_current, "source = \"aux1_analog1\"\noffset = -500.0").replace("of_motor = true", "of_motor = false")
+    text.replace(from_current, "source = \"aux1_analog1\"\noffset = -500.0")
+        .replace("of_motor = true", "of_motor = false")
 }

@@ -12,7 +12,8 @@ fn python() -> Option<PathBuf> {
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let python = std::env::var_os("HAPTIC_CAMERA_PYTHON")
         .map_or_else(|| repository.join("target/python/bin/python"), PathBuf::from);
-    let has_it = Command::new(&python).args(["-c", "import moteus"]).output().is_ok_and(|output| output.status.success());
+    let has_it =
+        Command::new(&python).args(["-c", "import moteus"]).output().is_ok_and(|output| output.status.success());
     if !has_it {
         eprintln!("SKIPPED: {} has no package moteus; run `scripts/set-up tests`", python.display());
     }

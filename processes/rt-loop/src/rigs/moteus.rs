@@ -12,11 +12,7 @@ pub(super) static KIND: RigKind = RigKind {
     description: "a moteus controller over fdcanusb, UART or SocketCAN",
     template: TEMPLATE,
     make,
-    scan: Some(Scan {
-        target: "a tty or a CAN interface",
-        knows: is_port,
-        look: |port, stop| Ok(scan(port, stop)?),
-    }),
+    scan: Some(Scan { target: "a tty or a CAN interface", knows: is_port, look: |port, stop| Ok(scan(port, stop)?) }),
 };
 
 fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {

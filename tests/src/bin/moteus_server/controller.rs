@@ -110,7 +110,8 @@ impl Controller {
 
     /// Whether it has this trouble now.
     pub fn has_trouble(&self, now_s: f64, trouble: Trouble) -> bool {
-        self.trouble == Some(trouble) && self.first_torque_s.is_some_and(|first_s| now_s - first_s > self.trouble_after_s)
+        self.trouble == Some(trouble)
+            && self.first_torque_s.is_some_and(|first_s| now_s - first_s > self.trouble_after_s)
     }
 
     fn enter(&mut self, mode: u8) {
@@ -138,8 +139,9 @@ impl Controller {
         for request in requests {
             match request {
                 Request::Read { kind, first, count } => {
-                    let values: Vec<f64> =
-                        (*first..first + count).map(|register| self.told(register, torque_nm, mode_before, now_s)).collect();
+                    let values: Vec<f64> = (*first..first + count)
+                        .map(|register| self.told(register, torque_nm, mode_before, now_s))
+                        .collect();
                     answer(&mut reply, *kind, *first, &values);
                 }
                 Request::Said { channel: 1, text } => self.hear(&String::from_utf8_lossy(text)),

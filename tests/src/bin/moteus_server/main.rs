@@ -54,8 +54,13 @@ fn main() -> anyhow::Result<()> {
     controller.trouble = arguments.trouble;
     controller.trouble_after_s = arguments.after;
     println!("ready");
-    let mut server =
-        Server { port: File::from(ends.master), id: arguments.id, uart: arguments.uart, begun: Instant::now(), controller };
+    let mut server = Server {
+        port: File::from(ends.master),
+        id: arguments.id,
+        uart: arguments.uart,
+        begun: Instant::now(),
+        controller,
+    };
     let mut waiting = Vec::new();
     loop {
         let timeout = PollTimeout::from(1_u8);

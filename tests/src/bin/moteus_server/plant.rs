@@ -52,9 +52,8 @@ impl Plant {
     fn step(&mut self, step_s: f64) {
         let inertia = self.rotor_inertia + self.knob_inertia;
         let before = self.velocity_rad_s;
-        let smooth_mnm = self.motor_mnm
-            - self.viscous * before
-            - self.detent_mnm * (self.detents_per_turn * self.angle_rad).sin();
+        let smooth_mnm =
+            self.motor_mnm - self.viscous * before - self.detent_mnm * (self.detents_per_turn * self.angle_rad).sin();
         let kicked = before + step_s * smooth_mnm / inertia;
         let brake = step_s * self.coulomb_mnm / inertia;
         self.velocity_rad_s = if kicked.abs() <= brake { 0.0 } else { kicked - brake.copysign(kicked) };
