@@ -16,8 +16,9 @@ const TRUTH: [(&str, f64); 7] = [
     ("detent_amplitude", 4.0),
     ("detent_period", 1.0 / 24.0),
 ];
-/// Most that half an interval may be of its value: a wide one would hold anything.
-const WIDEST_SHARE: f64 = 0.1;
+/// Most that half an interval may be of its value: a wide one would hold anything. A machine with other work to do answers late, and
+/// what came late is left out.
+const WIDEST_SHARE: f64 = 0.25;
 /// Half widths of the 95 % interval within which the truth must lie: one in twenty misses it by right, one in fifteen thousand by
 /// twice as much.
 const HALF_WIDTHS: f64 = 2.0;
@@ -62,7 +63,7 @@ fn a_plant_behind_a_controller_without_a_torque_sensor_is_captured_as_it_is() {
     assert_eq!(run.simulated_knob_toml, None);
     let note =
         |wanted: &str| run.notes.iter().find(|(name, _)| name == wanted).map(|(_, value)| value.clone()).unwrap();
-    assert_eq!(note("watchdog"), "0.5 s, read back");
+    assert_eq!(note("watchdog"), "1 s, read back");
     assert!(note("torque").contains("the motor's"));
     assert!(note("round trip").contains("µs"), "{:?}", run.notes);
     assert!(note("when the watchdog runs out").contains("let go; servo.timeout_mode was 12"), "{:?}", run.notes);

@@ -32,7 +32,7 @@ fn a_new_controller_is_checked_and_commissioned() {
     let file = rig(&bench, |text| text);
     let output = bench.run(&["rig", "check", &file, "--duration-s", "2"]).unwrap();
     // Whether the rate is held is the machine's.
-    for words in ["watchdog 0.5 s, read back", "angle", "µs after the tick"] {
+    for words in ["watchdog 1 s, read back", "angle", "µs after the tick"] {
         assert!(printed(&output).contains(words), "{}", printed(&output));
     }
     let output = bench.run(&["rig", "commission", &file]).unwrap();

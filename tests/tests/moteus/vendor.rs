@@ -30,7 +30,7 @@ fn a_server_of_the_vendors_codec_is_captured() {
         let _server = Server::of(command);
         let file = rig(&bench, |text| text);
         let output = bench
-            .run(&["capture", "--rig", &file, "--rate-hz", "500", "--duration-s", "6", "--no-viewer", "--out", "out"])
+            .run(&["capture", "--rig", &file, "--rate-hz", "1000", "--duration-s", "6", "--no-viewer", "--out", "out"])
             .unwrap();
         assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
         eprintln!("{}", printed(&output));
