@@ -20,13 +20,13 @@ const REST: Duration = Duration::from_millis(1);
 /// What is known of a controller that is up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BroughtUp {
-    /// Median time from a question to its answer.
+    /// Time from a question to its answer, as [`round_trip`] has it.
     pub(super) round_trip: Duration,
     /// Facts worth keeping with a capture.
     pub(super) notes: Vec<(String, String)>,
 }
 
-/// Brings a controller up and leaves it stopped; half of its answers at least must come within `longest_wait`.
+/// Brings a controller up and leaves it stopped; a quarter of its answers at least must come within `longest_wait`.
 pub(super) fn bring_up(
     talk: &mut Conversation<'_>,
     query: &Query,
@@ -34,7 +34,11 @@ pub(super) fn bring_up(
     watchdog_s: f64,
     longest_wait: Duration,
 ) -> Result<BroughtUp, ApparatusError> {
-    let identity = identify(talk)?;
+    let identity = match identify(talk) {
+        // One that does not say what it is may drive all the same: whether it answers at all is asked next.
+        Err(ApparatusError::Device(codes::SILENCE)) => format!("moteus {}", talk.address.id),
+        identified => identified?,
+    };
     talk.stop_motor()?;
     let reply = ask(talk, query)?;
     refuse_fault(&reply)?;
@@ -51,7 +55,7 @@ pub(super) fn bring_up(
     let notes = [
         ("device", identity),
         ("link", talk.link.in_words().to_owned()),
-        ("round trip", format!("{:.0} µs, median", 1e6 * round_trip.as_secs_f64())),
+        ("round trip", format!("{:.0} µs, lower quartile", 1e6 * round_trip.as_secs_f64())),
         ("when the watchdog runs out", on_timeout),
     ];
     let notes = notes.map(|(name, value)| (name.to_owned(), value)).into();
@@ -143,7 +147,7 @@ fn try_watchdog(
     }
 }
 
-/// Median time from a question to its answer.
+/// Time from a question to its answer: the lower quartile, since the ordinary thread that asks is held up by others itself.
 pub(super) fn round_trip(talk: &mut Conversation<'_>, query: &Query) -> Result<Duration, ApparatusError> {
     let mut times = Vec::new();
     let mut unheard = codes::SILENCE;
@@ -156,5 +160,5 @@ pub(super) fn round_trip(talk: &mut Conversation<'_>, query: &Query) -> Result<D
         }
     }
     times.sort_unstable();
-    times.get(times.len() / 2).copied().ok_or(ApparatusError::Device(unheard))
+    times.get(times.len() / 4).copied().ok_or(ApparatusError::Device(unheard))
 }

@@ -57,27 +57,19 @@ impl Link {
 
     /// Sends a frame, as far as the port takes it at once: what does not go out shows as an answer that does not come.
     pub(super) fn send(&mut self, frame: &CanFdFrame) -> Result<(), PortGone> {
-        let (sent, length) = match &mut self.lines {
-            Some(lines) => {
-                let (line, length) = lines.encode(frame);
-                (self.port.write(&line[..length]), length)
-            }
-            None => {
-                let wire = can::encode(frame);
-                (self.port.write(&wire), wire.len())
-            }
+        let written = match &mut self.lines {
+            Some(lines) => self.port.write(lines.to_send(frame)),
+            None => self.port.write(&can::encode(frame)),
         };
-        match sent {
-            Ok(sent) if sent == length => Ok(()),
-            Ok(_) => {
-                if let Some(lines) = &mut self.lines {
-                    lines.cut_off();
-                }
-                Ok(())
-            }
-            Err(error) if is_momentary(&error) => Ok(()),
-            Err(_) => Err(PortGone),
+        let bytes = match written {
+            Ok(bytes) => bytes,
+            Err(error) if is_momentary(&error) => 0,
+            Err(_) => return Err(PortGone),
+        };
+        if let Some(lines) = &mut self.lines {
+            lines.went(bytes);
         }
+        Ok(())
     }
 
     /// Sleeps until something comes, so long at most.

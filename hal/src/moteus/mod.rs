@@ -185,7 +185,10 @@ impl MoteusRig {
         let link = link.as_mut().ok_or(ApparatusError::Device(codes::NOT_OPENED))?;
         let mut newest = None;
         let received = link.receive(|heard| match heard {
-            Heard::Frame(frame) if address.answers(*tag, &frame) => newest = Some(Reply::of(&frame)),
+            Heard::Frame(frame) if address.answers(*tag, &frame) => match Reply::of(&frame) {
+                reply if reply.mode.is_some() => newest = Some(reply),
+                _ => *unheard = codes::GARBAGE,
+            },
             // That to an earlier one.
             Heard::Frame(frame) if address.is_from(&frame) => *unheard = codes::SLOW,
             Heard::Frame(_) => {}

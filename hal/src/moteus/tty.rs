@@ -49,13 +49,23 @@ pub(super) struct Lines {
     taken: usize,
     /// The controller speaks by itself, over its UART: it checks what it is sent, and so are its answers.
     checksums: bool,
-    /// The line before was cut off.
-    broken: bool,
+    /// What is to be sent: a line, of which the port may have taken the first part only.
+    line: [u8; MAX_LINE_LENGTH],
+    sent: usize,
+    length: usize,
 }
 
 impl Lines {
     pub(super) fn new() -> Self {
-        Self { waiting: Box::new([0; BUFFER_BYTES]), filled: 0, taken: 0, checksums: false, broken: false }
+        Self {
+            waiting: Box::new([0; BUFFER_BYTES]),
+            filled: 0,
+            taken: 0,
+            checksums: false,
+            line: [0; MAX_LINE_LENGTH],
+            sent: 0,
+            length: 0,
+        }
     }
 
     /// Whether answers have checksums, as a controller's own UART has it.
@@ -63,20 +73,21 @@ impl Lines {
         self.checksums
     }
 
-    /// The line that sends a frame, and its length.
-    pub(super) fn encode(&mut self, frame: &CanFdFrame) -> ([u8; MAX_LINE_LENGTH + 1], usize) {
-        let mut line = [b'\n'; MAX_LINE_LENGTH + 1];
-        // What is left of a line that was cut off ends here, and is refused by itself.
-        let start = usize::from(std::mem::take(&mut self.broken));
-        let options = EncodeOptions { disable_brs: false, checksum: self.checksums };
-        // A buffer of this length is always enough, as the codec promises.
-        let length = encode_can_send(frame, &options, &mut line[start..]).unwrap_or(0);
-        (line, start + length)
+    /// What is to be written to send a frame. What is left of the line before goes first, and the frame is dropped: half a line
+    /// would be taken for another command.
+    pub(super) fn to_send(&mut self, frame: &CanFdFrame) -> &[u8] {
+        if self.sent == self.length {
+            let options = EncodeOptions { disable_brs: false, checksum: self.checksums };
+            // A buffer of this length is always enough, as the codec promises.
+            (self.sent, self.length) = (0, encode_can_send(frame, &options, &mut self.line).unwrap_or(0));
+        }
+        &self.line[self.sent..self.length]
     }
 
-    /// The line that was sent last went out in part.
-    pub(super) fn cut_off(&mut self) {
-        self.broken = true;
+    /// So many bytes of it have gone.
+    pub(super) fn went(&mut self, bytes: usize) {
+        // Nothing has gone of a line that did not begin: the next frame may take its place.
+        (self.sent, self.length) = if self.sent + bytes == 0 { (0, 0) } else { (self.sent + bytes, self.length) };
     }
 
     /// Where further bytes go.
@@ -159,8 +170,12 @@ mod tests {
         let mut frame = CanFdFrame::new();
         frame.arbitration_id = 1;
         (frame.data[0], frame.size) = (0x20, 1);
-        let (line, length) = lines.encode(&frame);
-        assert!(line[..length].starts_with(b"can send 0001 20 BF *") && line[length - 1] == b'\n');
+        let line = lines.to_send(&frame).to_vec();
+        assert!(line.starts_with(b"can send 0001 20 BF *") && line.ends_with(b"\n"));
+        lines.went(3);
+        assert_eq!(lines.to_send(&CanFdFrame::new()), &line[3..], "the rest of the line before goes first");
+        lines.went(line.len() - 3);
+        assert_ne!(lines.to_send(&CanFdFrame::new()), line);
     }
 
     #[test]

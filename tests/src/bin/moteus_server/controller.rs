@@ -62,6 +62,13 @@ pub struct Controller {
     pub events: Vec<String>,
 }
 
+/// What a control cycle measured.
+struct Measured {
+    mode: u8,
+    torque_nm: f64,
+    sensor_mnm: f64,
+}
+
 impl Controller {
     pub fn new() -> Self {
         Self {
@@ -124,8 +131,12 @@ impl Controller {
     /// What it answers to these requests at this time.
     pub fn serve(&mut self, requests: &[Request], now_s: f64) -> Vec<u8> {
         self.turn_to(now_s);
-        // The torque is that of the last control cycle, before this command.
-        let torque_nm = 1e-3 * (self.plant.motor_mnm + TORQUE_NOISE_MNM * self.normal());
+        // What is told is what was measured in the last control cycle, before this command.
+        let measured = Measured {
+            mode: self.mode,
+            torque_nm: 1e-3 * (self.plant.motor_mnm + TORQUE_NOISE_MNM * self.normal()),
+            sensor_mnm: self.plant.sensor_mnm(),
+        };
         let commanded: Vec<(u32, f64)> = requests
             .iter()
             .filter_map(|request| match request {
@@ -133,15 +144,13 @@ impl Controller {
                 _ => None,
             })
             .collect();
-        let mode_before = self.mode;
         self.command(&commanded, now_s);
         let mut reply = Vec::new();
         for request in requests {
             match request {
                 Request::Read { kind, first, count } => {
-                    let values: Vec<f64> = (*first..first + count)
-                        .map(|register| self.told(register, torque_nm, mode_before, now_s))
-                        .collect();
+                    let values: Vec<f64> =
+                        (*first..first + count).map(|register| self.told(register, &measured, now_s)).collect();
                     answer(&mut reply, *kind, *first, &values);
                 }
                 Request::Said { channel: 1, text } => self.hear(&String::from_utf8_lossy(text)),
@@ -189,7 +198,8 @@ impl Controller {
         }
     }
 
-    fn told(&self, register: u32, torque_nm: f64, mode: u8, now_s: f64) -> f64 {
+    fn told(&self, register: u32, measured: &Measured, now_s: f64) -> f64 {
+        let &Measured { mode, torque_nm, sensor_mnm } = measured;
         let turned = self.plant.position() - self.origin_rev;
         match register {
             0x000 => f64::from(mode),
@@ -202,7 +212,7 @@ impl Controller {
             0x00e => 30.0,
             0x00f => f64::from(self.fault),
             // A torque sensor of ±500 mNm on the pin's whole range.
-            0x060 => 0.5 + self.plant.sensor_mnm() / 1000.0,
+            0x060 => 0.5 + sensor_mnm / 1000.0,
             0x070 => (1e3 * (now_s - self.began_s)).floor(),
             0x100 => 1.0,
             0x101 => f64::from(0x01_03_04),
