@@ -51,7 +51,7 @@ pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
 /// use identification::statistics::plus_minus;
 ///
 /// assert_eq!(plus_minus(-0.091_634, 0.000_021), "-0.091634 ± 0.000021");
-/// assert_eq!(plus_minus(1234.5, 67.8), "1235 ± 68");
+/// assert_eq!(plus_minus(1234.6, 67.8), "1235 ± 68");
 /// ```
 #[must_use]
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of decimals from 0 to 12")]

@@ -118,7 +118,7 @@ fn a_scratch_is_named_and_located() {
 #[test]
 fn what_has_no_name_is_measured_and_part_of_the_model() {
     let mut measured = 0;
-    for seed in 0..4 {
+    for seed in 0..2 {
         let (found, _) = diagnosed(4200 + seed, "friction-step", 5.0);
         assert_eq!(found.verdict, Verdict::OutsideLibrary, "seed {seed}: {}", found.summary);
         for characteristic in &found.characteristics {
@@ -129,5 +129,5 @@ fn what_has_no_name_is_measured_and_part_of_the_model() {
             );
         }
     }
-    assert!(measured >= 3, "{measured}");
+    assert!(measured >= 2, "{measured}");
 }

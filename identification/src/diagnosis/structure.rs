@@ -291,18 +291,24 @@ impl Structure {
     pub(crate) fn friction(&self, capture: &Capture, coulomb_only: bool) -> Vec<f64> {
         let motion = &capture.motion;
         let deflections = self.bristles().map(|bristles| deflections(bristles, capture));
+        let is_friction = |effect: &&Effect| matches!(effect.kind().part, Part::Friction(_) | Part::FrictionTable(_));
+        let frictions: Vec<&Effect> = self.effects.iter().filter(is_friction).collect();
+        let sum = |motion: &Motion, direction| -> f64 {
+            frictions.iter().map(|effect| effect.friction_mnm(motion, direction)).sum()
+        };
         let at = |index: usize| {
             let now = motion.at(index);
             let still = Motion { velocity_rad_s: 0.0, ..now };
-            let side = if now.velocity_rad_s == 0.0 { 0.0 } else { 1.0 };
-            let bent = deflections.as_ref().map_or(now.velocity_rad_s.signum() * side, |all| all[index]);
-            let each = self.effects.iter().map(|effect| {
-                let direction = Direction::of(now.velocity_rad_s);
-                let coulomb = bent.abs() * effect.friction_mnm(&still, Direction::of(bent));
-                let rest = effect.friction_mnm(&now, direction) - effect.friction_mnm(&still, direction);
-                if coulomb_only { coulomb } else { coulomb + rest }
-            });
-            each.sum()
+            let direction = Direction::of(now.velocity_rad_s);
+            match &deflections {
+                Some(bent) => {
+                    let coulomb = bent[index].abs() * sum(&still, Direction::of(bent[index]));
+                    if coulomb_only { coulomb } else { coulomb + sum(&now, direction) - sum(&still, direction) }
+                }
+                None if now.velocity_rad_s == 0.0 => 0.0,
+                None if coulomb_only => sum(&still, direction),
+                None => sum(&now, direction),
+            }
         };
         (0..motion.len()).map(at).collect()
     }
