@@ -47,7 +47,7 @@ pub enum TorqueSource {
     Motor,
 }
 
-/// System calls that a rig makes within a tick, none of which may block.
+/// System calls that a rig makes within a tick. None of them may block, but for a wait that ends within a share of the period.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DeclaredCalls {
     /// Their names, as the kernel has them: `ioctl`, `sendto`.
