@@ -7,6 +7,7 @@ use moteus_protocol::{CURRENT_REGISTER_MAP_VERSION, Mode, Register};
 use super::codes;
 use super::conversation::{Conversation, PATIENCE};
 use super::registers::{Drive, Query, Reply};
+use super::seconds;
 use crate::ApparatusError;
 
 /// Longest time in which a controller switches on: it measures the zero of its current sensors meanwhile.
@@ -140,7 +141,7 @@ fn try_watchdog(
             return Err(ApparatusError::Device(codes::NOT_DRIVING));
         }
     }
-    std::thread::sleep(Duration::from_secs_f64(WATCHDOG_SHARE * watchdog_s) + WATCHDOG_LEEWAY);
+    talk.rest(seconds(WATCHDOG_SHARE * watchdog_s).saturating_add(WATCHDOG_LEEWAY))?;
     match ask(talk, query)?.mode {
         Some(Mode::Timeout | Mode::Stopped) => Ok(()),
         _ => Err(ApparatusError::Device(codes::NO_WATCHDOG)),

@@ -75,6 +75,18 @@ impl<'a> Conversation<'a> {
         }
     }
 
+    /// Says nothing for so long.
+    pub(super) fn rest(&self, time: Duration) -> Result<(), ApparatusError> {
+        let begun = Instant::now();
+        while begun.elapsed() < time {
+            if (self.stop)() {
+                return Err(ApparatusError::Stopped);
+            }
+            std::thread::sleep(PATIENCE.min(time.saturating_sub(begun.elapsed())));
+        }
+        Ok(())
+    }
+
     /// Integers of `count` registers from `register` on, as far as the controller has them.
     pub(super) fn integers(&mut self, register: Register, count: u8) -> Result<Vec<(u16, i32)>, ApparatusError> {
         let answer = self.ask(&self.address.read_integers(register, count))?;

@@ -34,7 +34,6 @@ use serde::Deserialize;
 use crate::channels::Wiring;
 use crate::{
     Apparatus, ApparatusError, DeclaredCalls, Measurement, RawMeasurement, RigDescription, RigFile, RigFileError,
-    TorqueSource,
 };
 
 /// A rig file to begin with.
@@ -85,7 +84,7 @@ pub struct MoteusRig {
     longest_wait: Duration,
     /// Open once the rig is prepared.
     link: Option<Link>,
-    /// Time from a question to its answer, the median, ns.
+    /// Time from a question to its answer, which follows the median, ns.
     typical_ns: u64,
     /// Time after which an answer can be dated whatever is typical, ns.
     dated_ns: u64,
@@ -125,10 +124,9 @@ impl MoteusRig {
         let hardware = file.of_hardware("moteus")?;
         let names: Vec<String> = CHANNELS.iter().map(|(name, _)| (*name).to_owned()).collect();
         let mut wiring = hardware.channels.wire(&names).map_err(|error| file.error(error))?;
-        if wiring.torque_source == TorqueSource::Motor {
-            // What acted since the answer before is half a period old at the mean.
-            wiring.torque_delay_s += 0.5 / rate_hz;
-        }
+        // A torque is held from one command to the next, and the answer tells what was measured just before it changes, by the
+        // current or by a sensor: half a period old at the mean.
+        wiring.torque_delay_s += 0.5 / rate_hz;
         let query = Query::of(&hardware.channels.sources()).ok_or_else(|| {
             file.error("[channels] names more channels than an answer of the controller holds; leave one out")
         })?;
@@ -150,11 +148,11 @@ impl MoteusRig {
             query,
             drive: Drive::new(most_torque_nm, watchdog_s),
             watchdog_s,
-            longest_wait: Duration::from_secs_f64(WAITED_SHARE / rate_hz),
+            longest_wait: seconds(WAITED_SHARE / rate_hz),
             settings,
             link: None,
             typical_ns: 0,
-            dated_ns: nanoseconds(Duration::from_secs_f64(DATED_SHARE / rate_hz)),
+            dated_ns: nanoseconds(seconds(DATED_SHARE / rate_hz)),
             tag: TAGS,
             enabled_ns: 0,
             is_on: false,
@@ -260,6 +258,11 @@ impl MoteusRig {
 fn now_ns() -> u64 {
     // The clock is there on every Linux.
     clock_gettime(ClockId::CLOCK_MONOTONIC).map_or(0, |time| nanoseconds(time.into()))
+}
+
+/// A time, none where it is no time: a rate that cannot be is refused elsewhere.
+fn seconds(time_s: f64) -> Duration {
+    Duration::try_from_secs_f64(time_s).unwrap_or_default()
 }
 
 fn nanoseconds(time: Duration) -> u64 {

@@ -74,7 +74,7 @@ fn a_plant_behind_a_controller_without_a_torque_sensor_is_captured_as_it_is() {
 fn a_torque_sensor_may_be_on_an_analogue_pin_and_the_port_a_uart() {
     let bench = Bench::new().unwrap();
     let _server = Server::start(&bench, &["--uart"]);
-    let (capture, parameters) = captured(&bench, &rig(&bench, with_sensor));
+    let (capture, parameters) = captured(&bench, &rig(&bench, |text| with_sensor(&text)));
     is_the_plants(&parameters);
     let notes = capture.description.unwrap().notes;
     assert!(notes.contains(&("link".to_owned(), "UART".to_owned())), "{notes:?}");

@@ -36,7 +36,8 @@ fn a_new_controller_is_checked_and_commissioned() {
         assert!(printed(&output).contains(words), "{}", printed(&output));
     }
     let output = bench.run(&["rig", "commission", &file]).unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    // Whether the interval is narrow is the machine's too.
+    assert!(printed(&output).contains("are driven by the motor, whatever turns with it"), "{}", printed(&output));
 }
 
 #[test]
@@ -44,7 +45,7 @@ fn what_an_owner_captured_can_be_replayed_where_there_is_a_torque_sensor() {
     let bench = Bench::new().unwrap();
     let _server = Server::start(&bench, &[]);
     let calibrated = |text: String| {
-        with_sensor(text)
+        with_sensor(&text)
             .replace("gripper_inertia = 0.0 ", "motor_coulomb_mnm = 0.0\nmotor_viscous = 0.0\ngripper_inertia = 0.06 ")
     };
     let file = rig(&bench, calibrated);

@@ -91,13 +91,14 @@ fn rig(bench: &Bench, edit: impl Fn(String) -> String) -> String {
     let text = std::fs::read_to_string(bench.path("rig.toml")).unwrap();
     let slow = text.replace("timeout_s = 0.1 ", "timeout_s = 1.0 ").replace("stale_ticks = 20 ", "stale_ticks = 800 ");
     let slow = slow.replace("following_error_rad = 0.5", "following_error_rad = 5.0");
+    let slow = slow.replace("speed_rad_s = 60.0", "speed_rad_s = 200.0");
     assert_ne!(slow, text);
     std::fs::write(bench.path("rig.toml"), edit(slow)).unwrap();
     "rig.toml".to_owned()
 }
 
 /// The same with a torque sensor on an analogue pin.
-fn with_sensor(text: String) -> String {
+fn with_sensor(text: &str) -> String {
     let from_current = "source = \"torque\"";
     assert!(text.contains(from_current) && text.contains("of_motor = true"));
     text.replace(from_current, "source = \"aux1_analog1\"\noffset = -500.0")

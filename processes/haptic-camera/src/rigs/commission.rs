@@ -137,7 +137,7 @@ fn of_all(tries: &[Found], inertia: impl Fn(&Found) -> Inertia) -> Option<Inerti
     })
 }
 
-/// Tells what the tries have in common, and writes it into the rig's file.
+/// Tells what the tries have in common, and writes it into the rig's file: the motor's inertia where a sensor parts it from the knob's.
 fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let Some(((last, driven), motor)) =
         tries.last().zip(of_all(tries, |found| found.driven)).zip(of_all(tries, Found::motor))
@@ -160,11 +160,20 @@ fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<O
         ));
         return Ok(Outcome::Failed);
     }
-    let known = Known { motor_inertia: motor.value, angle_step_rad: last.angle_step_rad };
     let path: &Path = options.out.as_deref().unwrap_or(&options.file);
+    let has_sensor = last.behind.is_some();
+    let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
     in_file::write(&options.file, path, &known)?;
-    let if_free = if last.behind.is_none() { ", if nothing was on the gripper" } else { "" };
-    say(format!("written  motor_inertia = {} under [calibration] of {}{if_free}", told(motor), path.display()));
+    if has_sensor {
+        say(format!("written  motor_inertia = {} under [calibration] of {}", told(motor), path.display()));
+    } else {
+        // What was on the gripper nothing tells here.
+        say(format!(
+            "write    motor_inertia = {:.5} under [calibration] of {}, if nothing was on the gripper",
+            motor.value,
+            path.display()
+        ));
+    }
     Ok(Outcome::Done)
 }
 

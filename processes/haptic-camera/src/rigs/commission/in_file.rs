@@ -10,7 +10,7 @@ use crate::outputs::replace;
 
 /// What is known of a rig once it has turned.
 pub(super) struct Known {
-    pub(super) motor_inertia: f64,
+    pub(super) motor_inertia: Option<f64>,
     pub(super) angle_step_rad: Option<f64>,
 }
 
@@ -31,12 +31,11 @@ fn with(text: &str, known: &Known) -> anyhow::Result<String> {
     let mut document: DocumentMut = text.parse().context("it is no TOML")?;
     anyhow::ensure!(
         !document.contains_key("calibration_file"),
-        "its calibration is in another file (calibration_file): write motor_inertia = {} there",
-        rounded(known.motor_inertia)
+        "its calibration is in another file (calibration_file): write what was found there"
     );
     let table = document.entry("calibration").or_insert(toml_edit::table());
-    let steps = known.angle_step_rad.map(|step_rad| ("angle_step_rad", rounded(step_rad)));
-    for (key, number) in [("motor_inertia", rounded(known.motor_inertia))].into_iter().chain(steps) {
+    let found = [("motor_inertia", known.motor_inertia), ("angle_step_rad", known.angle_step_rad)];
+    for (key, number) in found.into_iter().filter_map(|(key, number)| Some((key, rounded(number?)))) {
         match table.get_mut(key).and_then(Item::as_value_mut) {
             // What a maker says of an encoder is exacter than what was seen.
             Some(before) if before.as_float().is_some_and(|before| (before / number - 1.0).abs() < SAME_SHARE) => {}
@@ -66,7 +65,7 @@ mod tests {
 
     #[test]
     fn numbers_change_and_comments_stay() {
-        let known = Known { motor_inertia: 0.020_023_4, angle_step_rad: Some(0.001) };
+        let known = Known { motor_inertia: Some(0.020_023_4), angle_step_rad: Some(0.001) };
         let text = "# mine\nname = \"a\"\n\n[calibration]\nmotor_inertia = 0.5   # a guess\n";
         let changed =
             "# mine\nname = \"a\"\n\n[calibration]\nmotor_inertia = 0.02002   # a guess\nangle_step_rad = 0.001\n";
