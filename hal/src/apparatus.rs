@@ -47,7 +47,7 @@ pub enum TorqueSource {
     Motor,
 }
 
-/// System calls that a rig makes within a tick, none of which may block.
+/// System calls that a rig makes within a tick. None of them may block, but for a wait that ends within a share of the period.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DeclaredCalls {
     /// Their names, as the kernel has them: `ioctl`, `sendto`.
@@ -69,7 +69,8 @@ pub struct RigDescription {
     pub calibration: Calibration,
     /// Where its torque comes from.
     pub torque: TorqueSource,
-    /// Whether a torque takes effect with the next [`exchange`](Apparatus::exchange) only, a tick later than it was computed.
+    /// Whether a torque acts a tick later than in a rig that reads and drives at the tick: where it takes effect with the next
+    /// [`exchange`](Apparatus::exchange) only, or what is measured is a tick old.
     pub takes_torque_at_exchange: bool,
     /// Most ticks in a row without anything new.
     pub stale_limit: u32,

@@ -5,12 +5,14 @@
 //! what it must not exceed. A [`RigFile`] names the driver and all that a lab knows of its rig. The drivers have a folder each:
 //!
 //! - [`simulated`]: a rig that needs no hardware.
+//! - [`moteus`]: a motor behind a moteus controller.
 //! - [`plugin`]: a shared library with the C interface of `haptic_rig.h`.
 //! - [`ethercat`]: CiA 402 servo drives on EtherCAT, with whatever else is on their bus.
 
 mod apparatus;
 mod channels;
 pub mod ethercat;
+pub mod moteus;
 pub mod plugin;
 mod rig_file;
 mod scanned;

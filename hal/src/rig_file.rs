@@ -188,6 +188,13 @@ impl RigFile {
             }
             (Some(path), None) => Calibration::load(&self.beside(path)).map(Some).map_err(told),
             (None, Some(given)) => {
+                let motor_inertia = given.get("motor_inertia").and_then(as_number);
+                if !motor_inertia.is_some_and(|inertia| inertia > 0.0) {
+                    return Err(self.error(
+                        "[calibration] motor_inertia must be above zero, since the servo's gains follow from it: write a guess in \
+                         mNm·s²/rad (0.02 for a small motor), then run `haptic-camera rig commission`, which finds it",
+                    ));
+                }
                 let mut table = neutral();
                 table.extend(given.clone());
                 // The names in it are those within the program by now.
@@ -216,6 +223,11 @@ fn neutral() -> toml::Table {
     ];
     let zeros = zero.into_iter().map(|key| (key.to_owned(), toml::Value::Float(0.0)));
     zeros.chain([("torque_sensor_stiffness_mnm_rad".to_owned(), toml::Value::Float(RIGID_MNM_RAD))]).collect()
+}
+
+fn as_number(value: &toml::Value) -> Option<f64> {
+    #[allow(clippy::cast_precision_loss, reason = "a number that a person wrote")]
+    value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
 /// Stiffness of a torque sensor that does not yield, mNm/rad.

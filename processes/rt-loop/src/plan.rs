@@ -205,6 +205,8 @@ pub struct Plan {
     pub simulated_knob: Option<Model>,
     /// What is rendered instead of a sweep followed.
     pub rendering: Option<Rendering>,
+    /// What the servo does that whoever reads the capture should know, in a sentence.
+    pub servo_remark: Option<String>,
     /// Core for the real-time thread.
     pub core: usize,
 }
@@ -243,11 +245,12 @@ impl Plan {
         })
     }
 
-    /// What the rig says once it is prepared.
+    /// What the rig says once it is prepared, and what is to be known of the servo.
     fn notes(&self) -> impl Iterator<Item = (String, String)> {
         let watchdog_s =
             self.rig.watchdog_s.map(|timeout_s| ("watchdog".to_owned(), format!("{timeout_s} s, read back")));
-        watchdog_s.into_iter()
+        let servo = self.servo_remark.clone().map(|remark| ("servo".to_owned(), remark));
+        watchdog_s.into_iter().chain(servo)
     }
 
     /// Makes the rig and checks the request against it.
@@ -320,7 +323,9 @@ impl Plan {
         }
         let rendering = request.rendering.as_ref().map(|asked| make_rendering(asked, &rig, rate_hz)).transpose()?;
         let knob = request.rendering.as_ref().map_or(request.knob_name(), |rendering| &rendering.model).to_owned();
-        Ok(Self { apparatus, rig, control, knob, rendering, simulated_knob, core })
+        let has_servo = rendering.is_none() && simulated_knob.is_none();
+        let servo_remark = has_servo.then(|| rattle(&control, &rig)).flatten();
+        Ok(Self { apparatus, rig, control, knob, rendering, servo_remark, simulated_knob, core })
     }
 }
 
@@ -332,6 +337,21 @@ fn gains(rig: &RigDescription, request: &RunRequest, rate_hz: f64) -> ServoGains
         Some(Fixture::None) => gains.for_free_gripper(&rig.calibration),
         Some(Fixture::Locked) | None => gains,
     }
+}
+
+/// Share of the motor's limit from which on a jump of the torque is told.
+const TOLD_SHARE: f64 = 0.02;
+
+/// What the encoder's step makes of the servo's torque, where it is more than a little.
+fn rattle(control: &ControlPlan, rig: &RigDescription) -> Option<String> {
+    let step_rad = rig.calibration.angle_step_rad;
+    let jump_mnm = control.gains.jump_mnm(step_rad, control.rate_hz);
+    (jump_mnm > TOLD_SHARE * rig.limits.motor_torque_mnm).then(|| {
+        format!(
+            "each step of the encoder ({step_rad:.2e} rad) makes the servo's torque jump by {jump_mnm:.1} mNm; an encoder of more counts \
+             makes it calmer"
+        )
+    })
 }
 
 /// Makes sure that the servo holds a knob of this inertia.
@@ -349,7 +369,11 @@ fn check_servo(
     let fastest_hz = rig.limits.rate_hz;
     let remedy = match holding.slowest_stable_hz(fastest_hz, gains_at) {
         Some(slowest_hz) => format!("give --rate-hz {slowest_hz} or more"),
-        None => format!("with the rig's calibration it holds it at no rate up to {fastest_hz} Hz; calibrate it again"),
+        None => format!(
+            "with a motor_inertia of {} mNm·s²/rad it holds it at no rate up to {fastest_hz} Hz; `haptic-camera rig commission` finds the \
+             motor_inertia that belongs under [calibration]",
+            rig.calibration.motor_inertia
+        ),
     };
     Err(PlanError::Unstable { asked: rate_hz, remedy })
 }

@@ -186,8 +186,8 @@ fn every_limit_ends_the_run_torque_free_with_the_cause_in_the_last_sample() {
     }
 }
 
-#[test]
-fn a_knob_that_turns_too_far_under_a_torque_is_an_angle_fault() {
+/// The fault that ends a run which commands a torque while the knob turns at a speed.
+fn fault_at_speed(speed_rad_s: f64) -> Option<Fault> {
     let mut plan = plan(100_000);
     plan.excitation = Excitation::named("linear-chirp", Drive::Torque).unwrap();
     let mut control = ControlState::new(plan, &calibration()).unwrap();
@@ -195,7 +195,7 @@ fn a_knob_that_turns_too_far_under_a_torque_is_an_angle_fault() {
     let mut angle_rad = 0.0;
     let mut turn = |control: &mut ControlState| {
         let measurement = Ok(Measurement { angle_rad, ..Measurement::default() });
-        angle_rad += 40.0 / RATE_HZ;
+        angle_rad += speed_rad_s / RATE_HZ;
         control.step(&Reading { elapsed_ticks: 1, measurement })
     };
     turn(&mut control);
@@ -203,18 +203,32 @@ fn a_knob_that_turns_too_far_under_a_torque_is_an_angle_fault() {
     while control.state() == LoopState::Running {
         assert!(turn(&mut control).sample.unwrap().angle_rad < 50.1);
     }
-    assert_eq!(control.fault(), Some(Fault::Angle));
+    control.fault()
+}
+
+#[test]
+fn a_knob_that_turns_too_far_under_a_torque_is_an_angle_fault() {
+    assert_eq!(fault_at_speed(40.0), Some(Fault::Angle));
 }
 
 #[test]
 fn a_knob_that_runs_away_is_a_speed_fault() {
+    assert_eq!(fault_at_speed(70.0), Some(Fault::Speed));
+}
+
+#[test]
+fn an_encoders_step_and_an_angle_that_was_read_late_are_no_speed_fault() {
     let mut rotor = Rotor::running();
-    let mut angle_rad = rotor.angle_rad;
-    while rotor.control.state() == LoopState::Running {
-        angle_rad += 70.0 / RATE_HZ;
+    // 20 rad/s, to steps of 4,000 a turn; every seventh angle is read half a tick late.
+    let step_rad = std::f64::consts::TAU / 4_000.0;
+    let start_rad = rotor.angle_rad;
+    for tick in 0..200_u32 {
+        let late = if tick % 7 == 0 { 0.5 } else { 0.0 };
+        let turned_rad = 20.0 * (f64::from(tick) + late) / RATE_HZ;
+        let angle_rad = start_rad + (turned_rad / step_rad).floor() * step_rad;
         rotor.read(1, Ok(Measurement { angle_rad, ..Measurement::default() }));
+        assert_ne!(rotor.control.fault(), Some(Fault::Speed), "tick {tick}");
     }
-    assert_eq!(rotor.control.fault(), Some(Fault::Speed));
 }
 
 #[test]

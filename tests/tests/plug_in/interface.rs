@@ -1,6 +1,7 @@
 //! Libraries that are none of ours, and the commands that an owner of a rig begins with.
 #![allow(clippy::print_stderr, reason = "a test that skips says so")]
 
+use hal::RigFile;
 use tests::{Bench, printed};
 
 use super::{compile, rig};
@@ -66,7 +67,11 @@ fn a_new_rig_file_is_checked_and_commissioned() {
         line.split_whitespace().nth(place).unwrap().parse().unwrap()
     };
     assert!((number("inertia", 1) - 0.08).abs() < 0.0016, "{said}");
-    assert!((number("set", 4) - 0.02).abs() < 0.002, "{said}");
+    assert!((number("written", 3) - 0.02).abs() < 0.002, "{said}");
+    let written = RigFile::load(&bench.path(&file)).unwrap().calibration().unwrap().unwrap();
+    assert!((written.motor_inertia - 0.02).abs() < 0.002, "{written:?}");
+    // The plant's encoder has 640,000 counts a turn.
+    assert!((written.angle_step_rad - 9.817e-6).abs() < 1e-8, "{written:?}");
     for (sign, words) in
         [("motor_sign = -1.0", "[channels.motor] sign"), ("encoder_sign = -1.0", "[channels.angle] sign")]
     {

@@ -70,6 +70,9 @@ pub struct RigCommissionOptions {
     /// Most torque that is tried, mNm [default: a third of the limit]
     #[arg(long, value_name = "MNM", allow_negative_numbers = true)]
     pub most_torque: Option<f64>,
+    /// Where the rig file goes with what was found in it [default: FILE.toml itself]
+    #[arg(long, value_name = "FILE.toml")]
+    pub out: Option<PathBuf>,
     /// Folder for the captures made on the way
     #[arg(long, default_value = "captures", value_name = "DIR")]
     pub captures_in: PathBuf,

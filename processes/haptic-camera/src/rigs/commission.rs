@@ -2,14 +2,17 @@
 //!
 //! Torques are commanded and no angle is followed, so that nothing can run away. They rise until the knob surely moves; then the
 //! angle tells, fitted against the torque that was commanded, what the motor drives, and against the torque that was measured, what
-//! lies behind the sensor. Signs and inertia follow.
+//! lies behind the sensor. Signs, inertia and the encoder's step follow, and go into the rig's file.
+
+mod in_file;
 
 use std::path::Path;
 
-use identification::{AccelerationUse, Fit, FitOptions, Samples};
+use identification::{AccelerationUse, FitOptions, Samples};
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
 
+use self::in_file::Known;
 use super::torque_run;
 use crate::command_line::{RigCommissionOptions, RigOptions};
 use crate::load;
@@ -27,11 +30,15 @@ const RISE: f64 = 1.5;
 const TRY_S: f64 = 4.0;
 /// Travel from which on the angle tells something, rad: beyond what a knob yields within its stick.
 const ENOUGH_RAD: f64 = 0.05;
+/// Tries that are held against each other.
+const COMPARED: usize = 2;
+/// Half width of an interval, as a share, beyond which the inertia is worth finding again.
+const VAGUE_SHARE: f64 = 0.2;
 
-/// Turns the rig, more with every try, until its inertia is known.
+/// Turns the rig, more with every try, until its inertia is known, and writes it into the rig's file.
 ///
 /// # Errors
-/// Whatever keeps the rig from being turned.
+/// Whatever keeps the rig from being turned, or the file from being written.
 pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     let request = torque_run(&options.file, options.rate_hz, TRY_S)?;
@@ -43,13 +50,20 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     };
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: options.captures_in.clone() };
     let mut amplitude_mnm = FIRST_SHARE * most_mnm;
+    let mut tries = Vec::new();
     loop {
         say(format!("trying   {amplitude_mnm:.3} mNm"));
         let tried = RunRequest { sweep: "multisine".to_owned(), amplitude: Some(amplitude_mnm), ..request.clone() };
         let (archive, _) = rig_run::archive(tried, &rig, "rig-commission", &interrupted)?;
-        let loaded = load::load(&archive)?;
-        if let Some(outcome) = conclude(&loaded, &options.file) {
-            return Ok(outcome);
+        if let Some(found) = find(&load::load(&archive)?) {
+            if let Some(amiss) = found.amiss() {
+                remark(amiss);
+                return Ok(Outcome::Failed);
+            }
+            tries.push(found);
+        }
+        if tries.len() == COMPARED || !tries.is_empty() && amplitude_mnm >= most_mnm {
+            return conclude(&tries, options);
         }
         anyhow::ensure!(
             amplitude_mnm < most_mnm,
@@ -60,75 +74,162 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     }
 }
 
+/// A value with the bounds of its 95 % interval, mNm·s²/rad; below zero where the torque drives the other way.
+#[derive(Clone, Copy, Debug)]
+struct Inertia {
+    value: f64,
+    low: f64,
+    high: f64,
+}
+
+/// What a try tells.
+struct Found {
+    moved_rad: f64,
+    /// What the motor drives.
+    driven: Inertia,
+    /// What lies behind the torque sensor, if there is one; `Some(None)` where it tells none.
+    behind: Option<Option<Inertia>>,
+    /// Least step of the encoder that was seen, rad.
+    angle_step_rad: Option<f64>,
+}
+
+impl Found {
+    /// What is wrong with the rig, in a sentence.
+    fn amiss(&self) -> Option<String> {
+        if self.driven.value < 0.0 {
+            return Some(
+                "the motor turns the encoder down where it should turn it up: turn [channels.motor] sign or [channels.angle] sign \
+                 round, then commission again"
+                    .to_owned(),
+            );
+        }
+        match self.behind? {
+            None => Some("the torque sensor tells no inertia: check [channels.torque] source and scale".to_owned()),
+            Some(behind) if behind.value < 0.0 => Some(
+                "the torque sensor counts the wrong way round: turn [channels.torque] sign round, then commission again"
+                    .to_owned(),
+            ),
+            Some(behind) if behind.value >= self.driven.value => Some(format!(
+                "behind the torque sensor there seem to be {:.5} mNm·s²/rad, more than the motor drives: check the scales of \
+                 [channels.torque] and [channels.motor]",
+                behind.value
+            )),
+            Some(_) => None,
+        }
+    }
+
+    /// The motor's own inertia: what it drives but for what lies behind the sensor.
+    fn motor(&self) -> Inertia {
+        let Inertia { value, low, high } = self.driven;
+        let Some(Some(behind)) = self.behind else { return self.driven };
+        let half = (0.5 * (high - low)).hypot(0.5 * (behind.high - behind.low));
+        let value = value - behind.value;
+        Inertia { value, low: value - half, high: value + half }
+    }
+}
+
+/// The last of several, with an interval that holds those of all.
+fn of_all(tries: &[Found], inertia: impl Fn(&Found) -> Inertia) -> Option<Inertia> {
+    tries.iter().map(inertia).reduce(|before, next| Inertia {
+        value: next.value,
+        low: before.low.min(next.low),
+        high: before.high.max(next.high),
+    })
+}
+
+/// Tells what the tries have in common, and writes it into the rig's file: the motor's inertia where a sensor parts it from the knob's.
+fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
+    let Some(((last, driven), motor)) =
+        tries.last().zip(of_all(tries, |found| found.driven)).zip(of_all(tries, Found::motor))
+    else {
+        anyhow::bail!("no try moved the knob");
+    };
+    let told = |Inertia { value, low, high }: Inertia| format!("{value:.5} mNm·s²/rad ({low:.5} to {high:.5})");
+    say(format!("moved    {:.3} rad", last.moved_rad));
+    say(format!("inertia  {} are driven by the motor, whatever turns with it", told(driven)));
+    if let Some(Some(behind)) = last.behind {
+        say(format!("behind   the torque sensor there are {:.5} of them", behind.value));
+    }
+    if let Some(step_rad) = last.angle_step_rad {
+        say(format!("step     of the encoder: {step_rad:.3e} rad"));
+    }
+    if 0.5 * (motor.high - motor.low) > VAGUE_SHARE * motor.value {
+        remark(format!(
+            "the motor's inertia is {}: too vague to be written; commission again, with more torque (--most-torque)",
+            told(motor)
+        ));
+        return Ok(Outcome::Failed);
+    }
+    let path: &Path = options.out.as_deref().unwrap_or(&options.file);
+    let has_sensor = last.behind.is_some();
+    let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
+    in_file::write(&options.file, path, &known)?;
+    if has_sensor {
+        say(format!("written  motor_inertia = {} under [calibration] of {}", told(motor), path.display()));
+    } else {
+        // What was on the gripper nothing tells here.
+        say(format!(
+            "write    motor_inertia = {:.5} under [calibration] of {}, if nothing was on the gripper",
+            motor.value,
+            path.display()
+        ));
+    }
+    Ok(Outcome::Done)
+}
+
 /// What a try tells; `None` where the knob hardly moved.
-fn conclude(loaded: &LoadedCapture, file: &Path) -> Option<Outcome> {
+fn find(loaded: &LoadedCapture) -> Option<Found> {
     let capture = &loaded.capture;
     let (least, most) = capture
         .angle_rad
         .iter()
         .fold((f64::MAX, f64::MIN), |(least, most), angle| (least.min(*angle), most.max(*angle)));
-    if most - least < ENOUGH_RAD {
+    let moved_rad = most - least;
+    if moved_rad < ENOUGH_RAD {
         return None;
     }
-    let driven = inertia(loaded, loaded.commanded_torque_mnm()?)?;
-    say(format!("moved    {:.3} rad", most - least));
-    if driven < 0.0 {
-        remark(
-            "the motor turns the encoder down where it should turn it up: turn [channels.motor] sign or [channels.angle] sign round, \
-             then commission again",
-        );
-        return Some(Outcome::Failed);
-    }
-    say(format!("inertia  {driven:.5} mNm·s²/rad are driven by the motor, whatever turns with it"));
     let run = capture.description.as_ref();
     let is_of_motor = run.is_some_and(|run| run.notes.iter().any(|(name, _)| name == "torque"));
-    if is_of_motor {
-        say(format!(
-            "write    motor_inertia = {driven:.5} under [calibration] if nothing was on the gripper, into {}",
-            file.display()
-        ));
-        return Some(Outcome::Done);
-    }
-    let behind = inertia(loaded, &capture.torque_mnm);
-    match behind {
-        Some(behind) if behind < 0.0 => {
-            remark(
-                "the torque sensor counts the wrong way round: turn [channels.torque] sign round, then commission again",
-            );
-            Some(Outcome::Failed)
-        }
-        Some(behind) if behind < driven => {
-            say(format!("behind   the torque sensor there are {behind:.5} of them"));
-            say(format!("write    motor_inertia = {:.5} under [calibration] into {}", driven - behind, file.display()));
-            Some(Outcome::Done)
-        }
-        Some(behind) => {
-            remark(format!(
-                "behind the torque sensor there seem to be {behind:.5} mNm·s²/rad, more than the motor drives: check the scales of \
-                 [channels.torque] and [channels.motor]"
-            ));
-            Some(Outcome::Failed)
-        }
-        None => {
-            remark("the torque sensor tells no inertia: check [channels.torque] source and scale");
-            Some(Outcome::Failed)
-        }
-    }
+    Some(Found {
+        moved_rad,
+        driven: inertia(loaded, loaded.commanded_torque_mnm()?)?,
+        behind: (!is_of_motor).then(|| inertia(loaded, &capture.torque_mnm)),
+        angle_step_rad: step(&capture.angle_rad),
+    })
 }
 
-/// The fit of the capture's angle to a torque.
-fn of_torque(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Fit> {
-    let samples = Samples { torque_mnm, velocity_rad_s: None, acceleration_rad_s2: None, ..loaded.samples() };
-    let options = FitOptions { acceleration: AccelerationUse::Encoder, ..FitOptions::default() };
-    identification::fit(&samples, &options).ok()
+/// The least difference of two angles of which nearly all others are multiples; `None` where the encoder shows no steps.
+fn step(angle_rad: &[f64]) -> Option<f64> {
+    /// Share of the differences that must be multiples, and how far from one they may be, as a share of the step.
+    const MOST: f64 = 0.95;
+    const NEAR: f64 = 0.05;
+    /// Below a millionth of a turn a step is no matter.
+    const LEAST_RAD: f64 = 1e-6;
+    let differences: Vec<f64> =
+        angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > LEAST_RAD).collect();
+    let least = differences.iter().copied().reduce(f64::min)?;
+    // Many steps at once add up what the least is off by.
+    let few = differences.iter().map(|difference| difference / least).filter(|steps| *steps < 10.0);
+    let (mut all, mut whole) = (0_u32, 0_u32);
+    for steps in few {
+        all += 1;
+        whole += u32::from((steps - steps.round()).abs() < NEAR);
+    }
+    (all > 100 && f64::from(whole) > MOST * f64::from(all)).then_some(least)
 }
 
-/// The inertia that a torque drives, below zero where it drives the other way; a fit tells none that is below zero.
-fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<f64> {
+/// The inertia that a torque drives, by the fit of the capture's angle to it; a fit tells none that is below zero.
+fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
     let told = |torque_mnm: &[f64]| {
-        let value = of_torque(loaded, torque_mnm)?.parameters.get("inertia")?.value?;
-        Some(value)
+        let samples = Samples { torque_mnm, velocity_rad_s: None, acceleration_rad_s2: None, ..loaded.samples() };
+        let options = FitOptions { acceleration: AccelerationUse::Encoder, ..FitOptions::default() };
+        let fit = identification::fit(&samples, &options).ok()?;
+        let parameter = fit.parameters.get("inertia")?;
+        let value = parameter.value?;
+        let [low, high] = parameter.ci95.unwrap_or([value; 2]);
+        Some(Inertia { value, low, high })
     };
     let turned: Vec<f64> = torque_mnm.iter().map(|torque_mnm| -torque_mnm).collect();
-    told(torque_mnm).or_else(|| told(&turned).map(|value| -value))
+    told(torque_mnm)
+        .or_else(|| told(&turned).map(|Inertia { value, low, high }| Inertia { value: -value, low: -high, high: -low }))
 }

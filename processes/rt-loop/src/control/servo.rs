@@ -40,6 +40,9 @@ pub struct ServoGains {
     pub notch_width: f64,
     /// Whether nothing is on the gripper, so that the resonance is known.
     pub free_gripper: bool,
+    /// Time constant of the low-pass on the speed behind, s; zero for none.
+    #[serde(default)]
+    pub speed_lag_s: f64,
 }
 
 /// Damping ratio at which a rig without a knob follows.
@@ -60,10 +63,14 @@ impl Default for ServoGains {
             notch_depth: 0.1,
             notch_width: 1.0,
             free_gripper: false,
+            speed_lag_s: 0.0,
         }
     }
 }
 
+/// Most acceleration that the damping makes of one step of the encoder, rad/s²: what the default gains make of the simulated rig's
+/// at 20 kHz.
+const LARGEST_STEP_RAD_S2: f64 = 300.0;
 /// Inertia of the rig that the default gains were measured on, mNm·s²/rad: rotor, coupling and gripper.
 const REFERENCE_INERTIA: f64 = 0.0199;
 /// Most that the phase may fall behind at the frequency where the loop's gain passes one, rad: what the default gains have at
@@ -86,7 +93,8 @@ impl ServoGains {
         let delay_s =
             (LATE_TICKS + torque_delay_ticks) / rate_hz + calibration.command_delay_s.unwrap_or(ACTUATOR_DELAY_S);
         let crossover_rad_s = gains.derivative_mnm_s_rad / REFERENCE_INERTIA;
-        let slower = (LARGEST_PHASE_LAG / (crossover_rad_s * delay_s)).min(1.0);
+        let speed_lag_s = speed_lag_s(calibration.angle_step_rad, crossover_rad_s, delay_s, rate_hz);
+        let slower = slower(crossover_rad_s, delay_s + speed_lag_s);
         Self {
             integral_limit_mnm: gains.integral_limit_mnm / calibration.axis.fingertip_way(),
             proportional_mnm_rad: heavier * slower * slower * gains.proportional_mnm_rad,
@@ -95,8 +103,16 @@ impl ServoGains {
             load_edge_hz: slower * gains.load_edge_hz,
             // Fed back, the motor's own torque would keep itself up.
             load_share: if torque == TorqueSource::Motor { 0.0 } else { gains.load_share },
+            speed_lag_s,
             ..gains
         }
+    }
+
+    /// By how much the torque jumps at a step of the encoder, mNm.
+    #[must_use]
+    pub fn jump_mnm(&self, angle_step_rad: f64, rate_hz: f64) -> f64 {
+        let over_s = self.speed_lag_s.max(rate_hz.recip());
+        angle_step_rad * (self.derivative_mnm_s_rad / over_s + self.proportional_mnm_rad)
     }
 
     /// Gains for a rig with nothing on its gripper.
@@ -118,6 +134,36 @@ impl ServoGains {
         }
     }
 }
+
+/// Factor by which all frequencies of the default gains come down where the torque is late by `delay_s`.
+fn slower(crossover_rad_s: f64, delay_s: f64) -> f64 {
+    (LARGEST_PHASE_LAG / (crossover_rad_s * delay_s)).min(1.0)
+}
+
+/// Time constant of the low-pass on the speed that keeps a step of the encoder from shaking the rig; zero where none is needed.
+///
+/// A step s in a tick is a speed of s·rate for that tick; behind a low-pass of time constant τ it is s/τ at most. With the crossover
+/// ω, which comes down as τ grows, it accelerates the rig by ω·s/τ. That falls with τ: the least that is enough is found by halving.
+fn speed_lag_s(angle_step_rad: f64, crossover_rad_s: f64, delay_s: f64, rate_hz: f64) -> f64 {
+    let makes_rad_s2 = |lag_s: f64| {
+        slower(crossover_rad_s, delay_s + lag_s) * crossover_rad_s * angle_step_rad / lag_s.max(rate_hz.recip())
+    };
+    if makes_rad_s2(0.0) <= LARGEST_STEP_RAD_S2 {
+        return 0.0;
+    }
+    let (mut too_short_s, mut enough_s) = (rate_hz.recip(), LONGEST_SPEED_LAG_S);
+    for _ in 0..40 {
+        let middle_s = 0.5 * (too_short_s + enough_s);
+        match makes_rad_s2(middle_s) <= LARGEST_STEP_RAD_S2 {
+            true => enough_s = middle_s,
+            false => too_short_s = middle_s,
+        }
+    }
+    enough_s
+}
+
+/// Longest time constant of that low-pass, s: an encoder of so few counts that it were longer shakes, and that is told.
+const LONGEST_SPEED_LAG_S: f64 = 5e-3;
 
 /// Frequency of the notch, Hz.
 ///
@@ -143,6 +189,8 @@ pub(super) struct Servo {
     notch: Option<DirectForm2Transposed<f64>>,
     load: ButterworthLowPass<1>,
     integral_mnm: f64,
+    /// The speed behind, behind its low-pass.
+    slow_rad_s: f64,
 }
 
 impl Servo {
@@ -157,6 +205,7 @@ impl Servo {
             notch: notch(resonance_hz, gains.notch_depth, gains.notch_width, rate_hz).map(DirectForm2Transposed::new),
             load: ButterworthLowPass::new(gains.load_edge_hz, rate_hz)?,
             integral_mnm: 0.0,
+            slow_rad_s: 0.0,
         })
     }
 
@@ -172,9 +221,13 @@ impl Servo {
         let behind_rad = setpoint.value - measurement.angle_rad;
         self.integral_mnm = (self.integral_mnm + gains.integral_mnm_rad_s * behind_rad * step_s)
             .clamp(-gains.integral_limit_mnm, gains.integral_limit_mnm);
-        let feedback_mnm = gains.proportional_mnm_rad * behind_rad
-            + gains.derivative_mnm_s_rad * (setpoint.rate - velocity_rad_s)
-            + self.integral_mnm;
+        let speed_behind_rad_s = setpoint.rate - velocity_rad_s;
+        self.slow_rad_s = match gains.speed_lag_s > 0.0 {
+            true => self.slow_rad_s - (speed_behind_rad_s - self.slow_rad_s) * (-step_s / gains.speed_lag_s).exp_m1(),
+            false => speed_behind_rad_s,
+        };
+        let feedback_mnm =
+            gains.proportional_mnm_rad * behind_rad + gains.derivative_mnm_s_rad * self.slow_rad_s + self.integral_mnm;
         let load_mnm = measurement.torque_mnm - self.torque_zero_mnm - self.gripper_inertia * setpoint.acceleration;
         self.rig_inertia * setpoint.acceleration
             + self.notch.as_mut().map_or(feedback_mnm, |notch| notch.run(feedback_mnm))
@@ -206,6 +259,7 @@ pub(crate) fn notch(frequency_hz: f64, depth: f64, width: f64, rate_hz: f64) -> 
 mod tests {
     use super::{ServoGains, notch_hz};
     use dynamics::Calibration;
+    use hal::TorqueSource;
 
     /// Rotor and gripper of 1 and 3 mNm·s²/rad on a spring of 3·(2π·100 Hz)²/4 mNm/rad: 100 Hz against each other.
     fn calibration() -> Calibration {
@@ -235,6 +289,23 @@ mod tests {
         assert!((notch_hz(&calibration(), true, 5_000.0) - 100.0).abs() < 1e-9);
         assert!((notch_hz(&calibration(), false, 5_000.0) - 100.0 * 0.75_f64.sqrt()).abs() < 1e-9);
         assert!((notch_hz(&calibration(), true, 200.0) - 100.0 * 0.75_f64.sqrt()).abs() < 1e-9, "too slow a rate");
+    }
+
+    #[test]
+    fn a_coarse_encoder_makes_the_servo_slower_and_not_louder() {
+        let rig = |counts: f64| Calibration {
+            motor_inertia: 0.02,
+            gripper_inertia: 0.0,
+            angle_step_rad: std::f64::consts::TAU / counts,
+            ..calibration()
+        };
+        let gains = |counts: f64| ServoGains::for_rig(&rig(counts), TorqueSource::Sensor, 5_000.0, 1.0);
+        assert_eq!(gains(640_000.0).speed_lag_s, 0.0);
+        let (fine, coarse) = (gains(640_000.0), gains(4_000.0));
+        assert!(coarse.derivative_mnm_s_rad < fine.derivative_mnm_s_rad && coarse.speed_lag_s > 1e-3, "{coarse:?}");
+        let step_rad = std::f64::consts::TAU / 4_000.0;
+        let (before_mnm, after_mnm) = (fine.jump_mnm(step_rad, 5_000.0), coarse.jump_mnm(step_rad, 5_000.0));
+        assert!(before_mnm > 50.0 && after_mnm < 7.0, "{before_mnm} and {after_mnm} mNm");
     }
 
     #[test]

@@ -13,6 +13,9 @@ use super::servo::{Servo, ServoGains};
 const VELOCITY_EDGE_HZ: f64 = 500.0;
 /// Its edge at most, as a share of the rate.
 const VELOCITY_EDGE_SHARE: f64 = 0.25;
+/// Time over which the speed is taken that the rig's limit holds for, s: so long that neither an encoder's step nor an angle that
+/// was read a fraction of a tick late looks like a run-away, and so short that none gets far.
+const LIMITED_SPEED_OVER_S: f64 = 2e-3;
 /// Time over which the torque comes up when the rig is armed, s.
 const ARMING_S: f64 = 0.05;
 /// Time over which the last torque gives way to braking at a stop, s.
@@ -106,6 +109,8 @@ pub struct ControlState {
     velocity_rad_s: f64,
     /// The difference of two angles: half a tick old, less than any filter would make it.
     difference_rad_s: f64,
+    /// The mean of the same over some time, which the rig's limit holds for.
+    limited_speed_rad_s: f64,
     release_torque_mnm: f64,
     last_torque_mnm: f64,
 }
@@ -137,6 +142,7 @@ impl ControlState {
             cogging: CoggingCompensation::new(calibration, plan.rate_hz),
             velocity_rad_s: 0.0,
             difference_rad_s: 0.0,
+            limited_speed_rad_s: 0.0,
             release_torque_mnm: 0.0,
             last_torque_mnm: 0.0,
         })
@@ -206,6 +212,7 @@ impl ControlState {
                 if self.renderer.is_some() {
                     // A rendering follows from its samples alone: nothing from before the run has a part in it.
                     self.previous_angle_rad = None;
+                    self.limited_speed_rad_s = 0.0;
                     self.velocity_filter.forget();
                 }
                 self.enter(LoopState::Running);
@@ -345,7 +352,7 @@ impl ControlState {
         let behind_rad = measurement.angle_rad - commanded_angle_rad;
         if measurement.torque_mnm.abs() > limits.sensor_torque_mnm {
             Some(Fault::Torque)
-        } else if self.difference_rad_s.abs() > limits.speed_rad_s {
+        } else if self.limited_speed_rad_s.abs() > limits.speed_rad_s {
             Some(Fault::Speed)
         } else if turned_rad.abs() > limits.angle_rad {
             Some(Fault::Angle)
@@ -460,6 +467,7 @@ impl ControlState {
         let velocity = (angle_rad - previous) / step_s;
         self.velocity_rad_s = self.velocity_filter.run(velocity);
         self.difference_rad_s = velocity;
+        self.limited_speed_rad_s += (velocity - self.limited_speed_rad_s) * -(-step_s / LIMITED_SPEED_OVER_S).exp_m1();
     }
 
     fn clip(&self, torque_mnm: f64) -> f64 {

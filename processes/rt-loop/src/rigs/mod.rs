@@ -5,6 +5,7 @@
 
 mod ethercat;
 mod hand;
+mod moteus;
 mod plugin;
 mod scan;
 mod simulated;
@@ -45,7 +46,7 @@ pub struct Rig {
 pub type Registry<'a> = &'a [&'static RigKind];
 
 /// Every driver of ours.
-pub static ALL: [&RigKind; 3] = [&simulated::KIND, &plugin::KIND, &ethercat::KIND];
+pub static ALL: [&RigKind; 4] = [&simulated::KIND, &plugin::KIND, &ethercat::KIND, &moteus::KIND];
 
 /// The simulated rigs' files, by the names that `--apparatus` has for them.
 const SHIPPED: [(&str, &str); 2] = [("sim", hal::simulated::RIG_FILE), ("sim-linear", hal::simulated::LINEAR_RIG_FILE)];
