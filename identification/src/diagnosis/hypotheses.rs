@@ -1,5 +1,7 @@
 //! Every effect of the catalogue that could be added to a structure, from its starts to its best fit.
 
+use std::f64::consts::PI;
+
 use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part, effects};
 
 use super::both_cores::on_both_cores;
@@ -116,7 +118,8 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let mut fit =
         Separable::new(fit.structure.without(index).with(more, columns + columns_of_a_line(kind)), fit.capture);
     fit.refine(ROUNDS);
-    Some(fit)
+    let per_turn = fit.structure.effects[index].values()[used + 1];
+    (!is_of_the_detents(per_turn, &fit.capture.scene_of(&fit.structure))).then_some(fit)
 }
 
 /// How far the fit of a coupling goes.
@@ -293,7 +296,18 @@ fn grid(kind: &EffectKind, hypothesis: &Hypothesis, scene: &dynamics::Scene) -> 
             .flat_map(|point| values.iter().map(move |value| point.iter().copied().chain([*value]).collect()))
             .collect();
     }
+    if kind.name == effects::cogging::KIND.name {
+        grid.retain(|point| !is_of_the_detents(point[0], scene));
+    }
     Some(grid)
+}
+
+/// Whether a sinusoid of so many periods per turn is a multiple of the detents', as far as the travel can tell.
+pub(crate) fn is_of_the_detents(per_turn: f64, scene: &dynamics::Scene) -> bool {
+    scene.detent_period_rad.is_some_and(|period_rad| {
+        let order = per_turn * period_rad;
+        order > 1.5 && (order - order.round()).abs() < PI * period_rad / scene.travel_rad()
+    })
 }
 
 fn effect_at(kind: &'static EffectKind, hypothesis: &Hypothesis, point: &[f64]) -> Effect {

@@ -199,6 +199,7 @@ impl Search<'_> {
             let mut tried = self.try_all(&current, found);
             // What overshoots beyond all numbers is no rival.
             tried.retain(|judged| judged.evidence.is_finite() && judged.heldout_rms_mnm.is_finite());
+            tried.retain(|judged| !self.repeats_with_the_detents(judged));
             tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
             let worth = |rival: &Judged| {
                 self.disqualified(rival).is_none()
@@ -401,6 +402,18 @@ impl Search<'_> {
         let detent = Effect::new(&effects::detent::KIND, &[amplitude, 1.0 / per_turn, phase]);
         let base = judged.structure.without(judged.structure.effects.len() - 1);
         Some(self.settled(base.with(detent, 2)))
+    }
+
+    /// Whether the last effect is cogging of which every line is a multiple of the detents': that is the detents' own shape.
+    fn repeats_with_the_detents(&self, judged: &Judged) -> bool {
+        let Some(effect) = judged.structure.effects.last() else { return false };
+        let scene = self.train.scene_of(&judged.structure);
+        effect.kind().name == effects::cogging::KIND.name
+            && effect
+                .values()
+                .chunks_exact(3)
+                .filter(|line| line[0] != 0.0)
+                .all(|line| hypotheses::is_of_the_detents(line[1], &scene))
     }
 
     /// The effects that could be added to a structure; on a map those of the angle.

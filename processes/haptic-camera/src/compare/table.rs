@@ -34,7 +34,8 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
     lines.push("± is half the 95 % interval".to_owned());
     lines.extend(compared.knobs.iter().flat_map(origins));
     if let Some(first) = compared.knobs.first() {
-        lines.extend(compared.knobs.iter().filter_map(|knob| felt(knob, &first.name)));
+        let felt = compared.knobs.iter().filter_map(|knob| felt(knob, &first.name));
+        lines.extend(felt.flat_map(|sentence| paragraph(&sentence)));
     }
     lines
 }
