@@ -5,7 +5,7 @@
 //! notice in either is one fraction of the magnitude |H(jω)| of the whole (W. Fu, M. M. van Paassen, M. Mulder, *Human threshold model
 //! for perceiving changes in system dynamics*, IEEE Trans. Human-Machine Syst. 50, 2020, 444–453). Of a control that is not linear the
 //! RMS of its torque along a usual motion stands for |H|, which is the same for one that is. The fractions are those that were measured
-//! with fingers; each comes with its source. People differ, and attention does: one threshold is felt in about three cases of four.
+//! with fingers; each comes with its source. People differ, and so does their attention.
 
 use std::f64::consts::TAU;
 
