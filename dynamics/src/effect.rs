@@ -1,6 +1,6 @@
 //! What an effect is: a kind, known to the whole program, and its parameter values on one knob.
 
-use crate::{Bristles, Coupling, Curve, Hypothesis, Motion, Role, TorqueTable};
+use crate::{Bristles, Coupling, Curve, Hypothesis, Motion, Role, Search, TorqueTable};
 
 /// Most parameters that one effect has.
 pub const MAX_PARAMETERS: usize = 24;
@@ -43,15 +43,34 @@ impl EffectKind {
         self.hypothesis.map_or(1, |hypothesis| hypothesis.lines)
     }
 
+    /// Number of parameters with which its law occurs once.
+    #[must_use]
+    pub fn parameters_of_a_line(&self) -> usize {
+        self.parameters.len() / self.lines()
+    }
+
+    /// Number of columns with which its law occurs once in a fit.
+    #[must_use]
+    pub fn columns_of_a_line(&self) -> usize {
+        self.regressors.map_or(0, |regressors| regressors.columns / self.lines())
+    }
+
     /// Number of leading parameters that the first `columns` columns have.
     #[must_use]
     pub fn parameters_in(&self, columns: usize) -> usize {
-        let (all, lines) = (self.parameters.len(), self.lines());
+        let all = self.parameters.len();
         match self.regressors {
             None => all,
-            Some(regressors) if lines == 1 => all - (regressors.columns - columns),
-            Some(regressors) => all / lines * (columns * lines / regressors.columns),
+            Some(regressors) if self.lines() == 1 => all - (regressors.columns - columns),
+            Some(_) => self.parameters_of_a_line() * (columns / self.columns_of_a_line()),
         }
+    }
+
+    /// The searches among these parameters, but for what follows another effect's; none without a hypothesis.
+    pub fn free_searches(&self, columns: usize) -> impl Iterator<Item = &'static Search> + use<> {
+        let used = self.parameters_in(columns);
+        let searched = self.hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
+        searched.iter().filter(move |search| search.same_as.is_none() && search.parameter < used)
     }
 }
 
@@ -332,21 +351,20 @@ impl Effect {
 
     /// The parameters with their values, of the lines that occur.
     pub fn parameters(&self) -> impl Iterator<Item = (&'static ParameterKind, f64)> + '_ {
-        let each = self.kind.parameters.len() / self.kind.lines();
-        self.kind.parameters.iter().zip(self.values().iter().copied()).take(each * self.lines())
+        let occurring = self.kind.parameters_of_a_line() * self.lines();
+        self.kind.parameters.iter().zip(self.values().iter().copied()).take(occurring)
     }
 
     /// Number of its columns in a fit, of the lines that occur.
     #[must_use]
     pub fn columns(&self) -> usize {
-        self.kind.regressors.map_or(0, |regressors| regressors.columns / self.kind.lines() * self.lines())
+        self.kind.columns_of_a_line() * self.lines()
     }
 
     /// How many times its law occurs; at least once.
     fn lines(&self) -> usize {
-        let each = self.kind.parameters.len() / self.kind.lines();
         let occurs = |line: &[f64]| line.iter().any(|value| *value != 0.0);
-        let last = self.values().chunks_exact(each.max(1)).rposition(occurs);
+        let last = self.values().chunks_exact(self.kind.parameters_of_a_line().max(1)).rposition(occurs);
         last.map_or(1, |last| last + 1).min(self.kind.lines())
     }
 

@@ -12,3 +12,11 @@ pub struct Motion {
     /// Acceleration, rad/s².
     pub acceleration_rad_s2: f64,
 }
+
+impl Motion {
+    /// Sign of the velocity; 0 at rest.
+    #[must_use]
+    pub fn velocity_sign(&self) -> f64 {
+        if self.velocity_rad_s == 0.0 { 0.0 } else { self.velocity_rad_s.signum() }
+    }
+}

@@ -1,7 +1,7 @@
 //! Torque measured point by point: splines over a coordinate, linear in the torques of their points, that join a fit beside the
 //! effects that have a name.
 
-use dynamics::{Direction, Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
+use dynamics::{Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
 
 use crate::least_squares::{LeastSquares, dot};
 use crate::statistics::NORMAL_95;
@@ -86,11 +86,7 @@ impl Spline {
             let table = TorqueTable::through(self.of, &self.points, &unit, self.period_rad).ok();
             let torque_mnm = |index: usize| {
                 let motion = motion(index);
-                let sign = match motion.velocity_rad_s {
-                    _ if !resists => 1.0,
-                    0.0 => 0.0,
-                    velocity => Direction::of(velocity).sign(),
-                };
+                let sign = if resists { motion.velocity_sign() } else { 1.0 };
                 sign * table.as_ref().map_or(0.0, |table| self.of.torque_mnm(table, &motion))
             };
             (0..samples).map(torque_mnm).collect()

@@ -18,6 +18,20 @@ pub struct FigureKind {
     pub source: &'static str,
 }
 
+/// The source of a definition that nobody else gives.
+pub(crate) const OURS: &str = "this project";
+
+/// Defines the figures of a kind of control: constant, name, unit, source and definition of each.
+macro_rules! define_figures {
+    ($($constant:ident $name:literal $unit:literal $source:ident $definition:literal)*) => {
+        $(pub(super) static $constant: FigureKind =
+            FigureKind { name: $name, unit: $unit, source: $source, definition: $definition };)*
+        /// Every figure, in the order of the sheet.
+        pub(crate) static KINDS: &[&FigureKind] = &[$(&$constant),*];
+    };
+}
+pub(crate) use define_figures;
+
 /// Every figure that there is, in the order of the sheet: pressed controls first, then turned ones.
 pub fn kinds() -> impl Iterator<Item = &'static FigureKind> {
     pressed::KINDS.iter().chain(rotary::KINDS).copied()

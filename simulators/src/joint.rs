@@ -53,7 +53,7 @@ impl Joint {
                 name if name == karnopp_stick::KIND.name => joint.static_mnm = [values[0], values[1]],
                 name if name == detent::KIND.name => joint.sine(values[0], 1.0 / values[1], values[2]),
                 name if name == cogging::KIND.name => {
-                    values.chunks_exact(3).for_each(|line| joint.sine(line[0], line[1], line[2]));
+                    cogging::lines(values).for_each(|[torque, per_turn, phase]| joint.sine(torque, per_turn, phase));
                 }
                 name if name == mass_imbalance::KIND.name => joint.sine(values[0], 1.0, values[1]),
                 name if name == detent_harmonics::KIND.name => joint.harmonics(values),

@@ -1,6 +1,6 @@
 //! Further sinusoids of the angle, such as a motor's poles make.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::{Coordinate, EffectKind, Hypothesis, Minimum, ParameterKind, Part, Regressors, Role, Scene, Search};
 
@@ -52,10 +52,11 @@ pub static KIND: EffectKind = EffectKind {
     depends_on: &[Coordinate::Angle],
     parameters: &PARAMETERS,
     part: Part::Torque(|values, motion| {
-        let line = |line: &[f64]| line[0] * (line[1] * motion.angle_rad + line[2]).sin();
-        values.chunks_exact(EACH).filter(|line| line[0] != 0.0).map(line).sum()
+        lines(values).map(|[torque, per_turn, phase]| torque * (per_turn * motion.angle_rad + phase).sin()).sum()
     }),
-    steepest_mnm_rad: Some(|effect| effect.values().chunks_exact(EACH).map(|line| (line[0] * line[1]).abs()).sum()),
+    steepest_mnm_rad: Some(|effect| {
+        lines(effect.values()).map(|[torque, per_turn, _]| (torque * per_turn).abs()).sum()
+    }),
     regressors: Some(Regressors {
         columns: 2 * LINES,
         searched: &[1, 1 + EACH, 1 + 2 * EACH],
@@ -81,6 +82,22 @@ pub static KIND: EffectKind = EffectKind {
         per_capture: false,
     }),
 };
+
+/// Torque, periods per turn and phase of each line that occurs.
+pub fn lines(values: &[f64]) -> impl Iterator<Item = [f64; EACH]> + '_ {
+    let lines = values.chunks_exact(EACH).map(|line| [line[0], line[1], line[2]]);
+    lines.filter(|[torque, ..]| *torque != 0.0)
+}
+
+/// Whether a sinusoid of so many periods per turn is a multiple of the detents', as far as the travel can tell: then it is
+/// the detents' own shape, and no cogging.
+#[must_use]
+pub fn is_of_the_detents(per_turn: f64, scene: &Scene) -> bool {
+    scene.detent_period_rad.is_some_and(|period_rad| {
+        let order = per_turn * period_rad;
+        order > 1.5 && (order - order.round()).abs() < PI * period_rad / scene.travel_rad()
+    })
+}
 
 /// The search for a line's periods per turn.
 const fn per_turn(parameter: usize) -> Search {

@@ -38,8 +38,7 @@ pub static KIND: EffectKind = EffectKind {
         columns: 1,
         searched: &[1, 2],
         fill: |effect, motion, row| {
-            let sign = if motion.velocity_rad_s == 0.0 { 0.0 } else { motion.velocity_rad_s.signum() };
-            row[0] = sign * depth(effect.values(), motion.angle_rad);
+            row[0] = motion.velocity_sign() * depth(effect.values(), motion.angle_rad);
         },
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[],

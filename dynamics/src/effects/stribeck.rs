@@ -38,8 +38,7 @@ pub static KIND: EffectKind = EffectKind {
         columns: 1,
         searched: &[1, 2],
         fill: |effect, motion, row| {
-            let velocity = motion.velocity_rad_s;
-            row[0] = if velocity == 0.0 { 0.0 } else { velocity.signum() * decay(effect.values(), motion) };
+            row[0] = motion.velocity_sign() * decay(effect.values(), motion);
         },
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],

@@ -31,8 +31,7 @@ pub static KIND: EffectKind = EffectKind {
         columns: 1,
         searched: &[1],
         fill: |effect, motion, row| {
-            let velocity = motion.velocity_rad_s;
-            row[0] = if velocity == 0.0 { 0.0 } else { velocity.signum() * risen(effect.values(), motion) };
+            row[0] = motion.velocity_sign() * risen(effect.values(), motion);
         },
         values: |coefficients, values| values[0] = coefficients[0],
         nonnegative: &[0],

@@ -61,12 +61,11 @@ pub(super) fn parse(entry: &toml::Table, axis: Axis, origin: &str) -> Result<Eff
     let reader = Entry { kind, drawn, entry, axis, origin };
     reader.check_keys()?;
     let mut effect = Effect::new(kind, &[]);
-    let of_first_line = kind.parameters.len() / kind.lines();
     for (index, (slot, parameter)) in effect.values_mut().iter_mut().zip(kind.parameters).enumerate() {
         let value = match entry.get(parameter.name) {
             // A table is as drawn unless the file says otherwise.
             None if drawn.is_some() => 1.0,
-            None if index >= of_first_line => 0.0,
+            None if index >= kind.parameters_of_a_line() => 0.0,
             None => return Err(reader.wrong(&format!("lacks '{}'", parameter.name))),
             Some(value) => number(value).ok_or_else(|| reader.wrong(&not_a_number(parameter.name)))?,
         };

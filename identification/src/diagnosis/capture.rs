@@ -331,6 +331,7 @@ impl Capture {
         &self.scene
     }
 
+    /// The same, from the motion where the knob slides.
     fn measured_scene(&self) -> Scene {
         let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.frame.mask[*index] > 0.0).collect();
         let angles: Vec<f64> = sliding.iter().map(|index| self.motion.angle_rad[*index]).collect();

@@ -1,8 +1,7 @@
 //! Every effect of the catalogue that could be added to a structure, from its starts to its best fit.
 
-use std::f64::consts::PI;
-
-use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part, effects};
+use dynamics::effects::{self, cogging};
+use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part};
 
 use super::both_cores::on_both_cores;
 use super::capture::Capture;
@@ -59,7 +58,7 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     let hypothesis = kind.hypothesis?;
     let grid = grid(kind, &hypothesis, &train.scene_of(&base.structure))?;
     let mut starts: Vec<(f64, Effect)> = Vec::new();
-    let width = hypothesis.nested.last().copied().unwrap_or(columns_of_a_line(kind));
+    let width = hypothesis.nested.last().copied().unwrap_or(kind.columns_of_a_line());
     let coarse = (grid.len() > 1 && pointwise(kind)).then(|| Coarse::of(base));
     for point in grid {
         let effect = effect_at(kind, &hypothesis, &point);
@@ -97,11 +96,6 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     fitted.into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
-/// Columns with which an effect's law occurs once.
-fn columns_of_a_line(kind: &EffectKind) -> usize {
-    kind.regressors.map_or(0, |regressors| regressors.columns / kind.lines())
-}
-
 /// The fit with the last effect's law once more, where what is left shows it best; `None` if it cannot occur again.
 fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let index = fit.structure.effects.len().checked_sub(1)?;
@@ -113,13 +107,13 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let probes = probes.iter().map(|point| effect_at(kind, &hypothesis, point));
     let (_, probe) = probes.map(|probe| (coarse.gain(&probe), probe)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut more = effect;
-    let each = kind.parameters.len() / kind.lines();
+    let each = kind.parameters_of_a_line();
     more.values_mut()[used..used + each].copy_from_slice(&probe.values()[..each]);
     let mut fit =
-        Separable::new(fit.structure.without(index).with(more, columns + columns_of_a_line(kind)), fit.capture);
+        Separable::new(fit.structure.without(index).with(more, columns + kind.columns_of_a_line()), fit.capture);
     fit.refine(ROUNDS);
     let per_turn = fit.structure.effects[index].values()[used + 1];
-    (!is_of_the_detents(per_turn, &fit.capture.scene_of(&fit.structure))).then_some(fit)
+    (!cogging::is_of_the_detents(per_turn, &fit.capture.scene_of(&fit.structure))).then_some(fit)
 }
 
 /// How far the fit of a coupling goes.
@@ -250,7 +244,7 @@ pub(crate) fn beside_coupling(
             })
             .max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((gain, effect)) = best {
-            let width = hypothesis.nested.get(2).copied().unwrap_or(columns_of_a_line(kind));
+            let width = hypothesis.nested.get(2).copied().unwrap_or(kind.columns_of_a_line());
             promising.push((gain, base.with(effect, width)));
         }
     }
@@ -285,7 +279,7 @@ fn coupled_anew(structure: &Structure, captures: [&Capture; 2]) -> Option<Judged
 /// them.
 fn grid(kind: &EffectKind, hypothesis: &Hypothesis, scene: &dynamics::Scene) -> Option<Vec<Vec<f64>>> {
     let mut grid: Vec<Vec<f64>> = vec![Vec::new()];
-    let of_a_line = kind.parameters.len() / kind.lines();
+    let of_a_line = kind.parameters_of_a_line();
     for search in hypothesis.searched.iter().filter(|search| search.parameter < of_a_line) {
         let values = search.values(scene);
         if values.is_empty() {
@@ -296,18 +290,10 @@ fn grid(kind: &EffectKind, hypothesis: &Hypothesis, scene: &dynamics::Scene) -> 
             .flat_map(|point| values.iter().map(move |value| point.iter().copied().chain([*value]).collect()))
             .collect();
     }
-    if kind.name == effects::cogging::KIND.name {
-        grid.retain(|point| !is_of_the_detents(point[0], scene));
+    if kind.name == cogging::KIND.name {
+        grid.retain(|point| !cogging::is_of_the_detents(point[0], scene));
     }
     Some(grid)
-}
-
-/// Whether a sinusoid of so many periods per turn is a multiple of the detents', as far as the travel can tell.
-pub(crate) fn is_of_the_detents(per_turn: f64, scene: &dynamics::Scene) -> bool {
-    scene.detent_period_rad.is_some_and(|period_rad| {
-        let order = per_turn * period_rad;
-        order > 1.5 && (order - order.round()).abs() < PI * period_rad / scene.travel_rad()
-    })
 }
 
 fn effect_at(kind: &'static EffectKind, hypothesis: &Hypothesis, point: &[f64]) -> Effect {

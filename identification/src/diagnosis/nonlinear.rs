@@ -4,7 +4,7 @@
 //! Every value is searched, by Levenberg and Marquardt, first on slow motion and then on wider bands: on the whole band
 //! at once the search stops in the first of many valleys.
 
-use dynamics::{Minimum, Model, Part, Search};
+use dynamics::{Minimum, Model, Part};
 use nalgebra::{DMatrix, DVector};
 
 use super::capture::Capture;
@@ -217,11 +217,8 @@ impl<'a> Nonlinear<'a> {
         let index = structure.effects.len().checked_sub(1)?;
         let effect = structure.effects[index];
         let scene = capture.scene_of(structure);
-        let searches = effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
         let mut squares = None;
-        let used = effect.kind().parameters_in(structure.columns[index]);
-        let free = |search: &&Search| search.same_as.is_none() && search.parameter < used;
-        let at_bound = searches.iter().filter(free).find(|search| {
+        let at_bound = effect.kind().free_searches(structure.columns[index]).find(|search| {
             let Some((least, largest)) = (search.range)(&scene) else { return false };
             let value = effect.values()[search.parameter];
             let width = if search.logarithmic { value } else { largest - least };

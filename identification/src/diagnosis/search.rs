@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part, effects};
+use dynamics::effects::{self, cogging};
+use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part};
 
 use super::both_cores::on_both_cores;
 use super::capture::Capture;
@@ -393,7 +394,7 @@ impl Search<'_> {
     /// The same with the last effect taken for detents, if it is a periodic torque and there are none yet.
     fn as_detent(&self, judged: &Judged) -> Option<Judged> {
         let effect = judged.structure.effects.last()?;
-        let is_periodic = effect.kind().name == effects::cogging::KIND.name;
+        let is_periodic = effect.kind().name == cogging::KIND.name;
         if !is_periodic || judged.structure.position(effects::detent::KIND.name).is_some() {
             return None;
         }
@@ -408,12 +409,8 @@ impl Search<'_> {
     fn repeats_with_the_detents(&self, judged: &Judged) -> bool {
         let Some(effect) = judged.structure.effects.last() else { return false };
         let scene = self.train.scene_of(&judged.structure);
-        effect.kind().name == effects::cogging::KIND.name
-            && effect
-                .values()
-                .chunks_exact(3)
-                .filter(|line| line[0] != 0.0)
-                .all(|line| hypotheses::is_of_the_detents(line[1], &scene))
+        effect.kind().name == cogging::KIND.name
+            && cogging::lines(effect.values()).all(|[_, per_turn, _]| cogging::is_of_the_detents(per_turn, &scene))
     }
 
     /// The effects that could be added to a structure; on a map those of the angle.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene, Search};
+use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
 
 use super::capture::Capture;
 
@@ -140,15 +140,9 @@ impl Structure {
 
     /// Number of values that the data had to settle, the skew apart.
     pub(crate) fn freedom(&self) -> usize {
-        let searched = |(effect, columns): (&Effect, &usize)| {
-            effect.kind().hypothesis.map_or_else(
-                || regressors(effect).map_or(0, |r| r.searched.len()),
-                |hypothesis| {
-                    let used = effect.kind().parameters_in(*columns);
-                    let free = |search: &&Search| search.same_as.is_none() && search.parameter < used;
-                    hypothesis.searched.iter().filter(free).count()
-                },
-            )
+        let searched = |(effect, columns): (&Effect, &usize)| match effect.kind().hypothesis {
+            Some(_) => effect.kind().free_searches(*columns).count(),
+            None => regressors(effect).map_or(0, |r| r.searched.len()),
         };
         // One limit for both directions is tried.
         let limits = usize::from(self.is_coupled() && self.sticks());
@@ -180,7 +174,7 @@ impl Structure {
     pub(crate) fn searched(&self, scene: &Scene) -> Vec<Searched> {
         let mut all = Vec::new();
         for (index, effect) in self.effects.iter().enumerate() {
-            let Some(hypothesis) = effect.kind().hypothesis else {
+            if effect.kind().hypothesis.is_none() {
                 // What every fit has is searched near its value.
                 for parameter in regressors(effect).map_or(&[][..], |r| r.searched) {
                     let value = effect.values()[*parameter];
@@ -191,10 +185,8 @@ impl Structure {
                     });
                 }
                 continue;
-            };
-            let used = effect.kind().parameters_in(self.columns[index]);
-            let free = |search: &&Search| search.same_as.is_none() && search.parameter < used;
-            for search in hypothesis.searched.iter().filter(free) {
+            }
+            for search in effect.kind().free_searches(self.columns[index]) {
                 if let Some(range) = (search.range)(scene) {
                     all.push(Searched::Parameter { effect: index, parameter: search.parameter, range });
                 }
@@ -257,8 +249,7 @@ impl Structure {
                 let model = self.model();
                 return each(&|at, row| {
                     let now = motion.at(at);
-                    let sign = if now.velocity_rad_s == 0.0 { 0.0 } else { now.velocity_rad_s.signum() };
-                    row[0] = sign * model.load_mnm(&now).abs();
+                    row[0] = now.velocity_sign() * model.load_mnm(&now).abs();
                 });
             }
             return Vec::new();

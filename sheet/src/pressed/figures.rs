@@ -1,21 +1,11 @@
 //! The figures of pressed controls, as they are defined.
 
-use crate::figure::FigureKind;
+use crate::figure::{FigureKind, OURS, define_figures};
 
 const DOME_LAB: &str = "Dome Lab (github BuddyOG/topre-force-curves)";
 const SWITCH_MAKERS: &str = "C&K and other switch makers' data sheets";
-const OURS: &str = "this project";
 
-macro_rules! kinds {
-    ($($constant:ident $name:literal $unit:literal $source:ident $definition:literal)*) => {
-        $(pub(super) static $constant: FigureKind =
-            FigureKind { name: $name, unit: $unit, source: $source, definition: $definition };)*
-        /// Every figure, in the order of the sheet.
-        pub(crate) static KINDS: &[&FigureKind] = &[$(&$constant),*];
-    };
-}
-
-kinds! {
+define_figures! {
     COLLAPSE_FORCE "collapse_force" "N" DOME_LAB
         "Force at the most prominent local maximum (over ±5 rows of 5 µm, smoothed over 7) in the first 75 % of the press, if it lies more \
          than 2 gf above the lowest force within 1.6 mm after it."

@@ -1,21 +1,11 @@
 //! The figures of turned controls, as they are defined.
 
-use crate::figure::FigureKind;
+use crate::figure::{FigureKind, OURS, define_figures};
 
 const ENCODERS: &str = "encoder makers' data sheets, which give detents, their angle and their torque with tolerances";
 const MECHANICS: &str = "mechanics";
-const OURS: &str = "this project";
 
-macro_rules! kinds {
-    ($($constant:ident $name:literal $unit:literal $source:ident $definition:literal)*) => {
-        $(pub(super) static $constant: FigureKind =
-            FigureKind { name: $name, unit: $unit, source: $source, definition: $definition };)*
-        /// Every figure, in the order of the sheet.
-        pub(crate) static KINDS: &[&FigureKind] = &[$(&$constant),*];
-    };
-}
-
-kinds! {
+define_figures! {
     DETENT_COUNT "detent_count" "" ENCODERS "Detents in a turn: a full turn over the mean pitch."
     DETENT_PITCH "detent_pitch" "rad" ENCODERS
         "Angle from one rest to the next in the direction of turning; a rest is where the branch rises through its mean, against \

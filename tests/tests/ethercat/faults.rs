@@ -1,5 +1,7 @@
 //! What goes wrong on a bus: each told once, the torque gone within the watchdog, the archive whole, and the next run starts.
 
+use std::process::Child;
+
 use archive::Capture;
 use nix::sys::signal::{Signal, kill};
 use tests::ethercat::Port;
@@ -29,6 +31,35 @@ fn strict(wired: &Wired) {
     });
 }
 
+/// Asserts that a run of the strict rig ends in a fault that is told in these words.
+fn ends_in(wired: &Wired, words: &str) {
+    strict(wired);
+    let (said, status, capture) = wired.capture("1000", "5");
+    assert_eq!(status, Some(1), "{said}");
+    told_once(&said, words);
+    is_whole(capture, &said);
+}
+
+/// Starts a long run of the strict rig and waits until it has moved for a while.
+fn moving(wired: &Wired) -> Child {
+    strict(wired);
+    let arguments =
+        ["capture", "--rig", "rig.toml", "--rate-hz", "1000", "--duration-s", "20", "--no-viewer", "--out", "out"];
+    let run = wired.bench.start(&arguments).unwrap();
+    wired.segment.wait_for("AL 0x08");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    run
+}
+
+/// What a run said that ended in a fault, its archive whole.
+fn ended(wired: &Wired, run: Child) -> String {
+    let output = run.wait_with_output().unwrap();
+    let said = printed(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    is_whole(Some(Capture::load(&wired.bench.only_archive("out").unwrap()).unwrap()), &said);
+    said
+}
+
 /// Asserts that a further run does what it should.
 fn next_run_starts(wired: &Wired) {
     wired.rig(|text| text);
@@ -40,11 +71,7 @@ fn next_run_starts(wired: &Wired) {
 #[test]
 fn a_drive_that_fails_is_told_by_its_code() {
     let Some(mut wired) = Wired::new(&["--drive-error", "0x2310", "--after-s", "2"]) else { return };
-    strict(&wired);
-    let (said, status, capture) = wired.capture("1000", "5");
-    assert_eq!(status, Some(1), "{said}");
-    told_once(&said, "the rig 'servo' reported code 8976: drive error 0x2310: continuous over current at the output");
-    is_whole(capture, &said);
+    ends_in(&wired, "the rig 'servo' reported code 8976: drive error 0x2310: continuous over current at the output");
     wired.segment = Running::start(&[]);
     next_run_starts(&wired);
 }
@@ -52,11 +79,7 @@ fn a_drive_that_fails_is_told_by_its_code() {
 #[test]
 fn a_drive_that_is_switched_off_by_its_safety_input_is_told_from_one_that_fails() {
     let Some(mut wired) = Wired::new(&["--safe-torque-off", "--after-s", "2"]) else { return };
-    strict(&wired);
-    let (said, status, capture) = wired.capture("1000", "5");
-    assert_eq!(status, Some(1), "{said}");
-    told_once(&said, "the drive switched itself off; check its safe-torque-off input");
-    is_whole(capture, &said);
+    ends_in(&wired, "the drive switched itself off; check its safe-torque-off input");
     wired.segment = Running::start(&[]);
     next_run_starts(&wired);
 }
@@ -64,11 +87,7 @@ fn a_drive_that_is_switched_off_by_its_safety_input_is_told_from_one_that_fails(
 #[test]
 fn a_terminal_that_drops_out_shows_in_the_working_counter() {
     let Some(mut wired) = Wired::new(&["--terminal-absent", "--after-s", "2"]) else { return };
-    strict(&wired);
-    let (said, status, capture) = wired.capture("1000", "5");
-    assert_eq!(status, Some(1), "{said}");
-    told_once(&said, "a device no longer takes part in the exchange (wrong working counter)");
-    is_whole(capture, &said);
+    ends_in(&wired, "a device no longer takes part in the exchange (wrong working counter)");
     // Less than is permitted is flagged, and the run goes on.
     wired.segment = Running::start(&["--terminal-absent", "--after-s", "2", "--frames", "20"]);
     wired.rig(|text| text);
@@ -82,31 +101,10 @@ fn a_terminal_that_drops_out_shows_in_the_working_counter() {
 fn a_bus_that_stands_still_is_told_and_the_drives_watchdog_takes_the_torque_away() {
     let Some(mut wired) = Wired::new(&[]) else { return };
     for signal in [Signal::SIGSTOP, Signal::SIGKILL] {
-        strict(&wired);
         let _ = std::fs::remove_dir_all(wired.bench.path("out"));
-        let run = wired
-            .bench
-            .start(&[
-                "capture",
-                "--rig",
-                "rig.toml",
-                "--rate-hz",
-                "1000",
-                "--duration-s",
-                "20",
-                "--no-viewer",
-                "--out",
-                "out",
-            ])
-            .unwrap();
-        wired.segment.wait_for("AL 0x08");
-        std::thread::sleep(std::time::Duration::from_secs(2));
+        let run = moving(&wired);
         wired.segment.signal(signal);
-        let output = run.wait_with_output().unwrap();
-        let said = printed(&output);
-        assert_eq!(output.status.code(), Some(1), "{said}");
-        told_once(&said, "frames no longer come back from the bus; check the cable");
-        is_whole(Some(Capture::load(&wired.bench.only_archive("out").unwrap()).unwrap()), &said);
+        told_once(&ended(&wired, run), "frames no longer come back from the bus; check the cable");
         if signal == Signal::SIGSTOP {
             wired.segment.signal(Signal::SIGCONT);
             wired.segment.wait_for("AL 0x14 code 0x001b torque 0 mNm");
@@ -121,19 +119,10 @@ fn a_bus_that_stands_still_is_told_and_the_drives_watchdog_takes_the_torque_away
 #[test]
 fn a_link_that_goes_down_ends_the_run_and_the_next_one_starts_when_it_is_up() {
     let Some(wired) = Wired::new(&[]) else { return };
-    strict(&wired);
-    let arguments =
-        ["capture", "--rig", "rig.toml", "--rate-hz", "1000", "--duration-s", "20", "--no-viewer", "--out", "out"];
-    let run = wired.bench.start(&arguments).unwrap();
-    wired.segment.wait_for("AL 0x08");
-    std::thread::sleep(std::time::Duration::from_secs(2));
+    let run = moving(&wired);
     assert!(ip(&format!("link set {OURS} down")));
     wired.segment.wait_for("AL 0x14 code 0x001b torque 0 mNm");
-    let output = run.wait_with_output().unwrap();
-    let said = printed(&output);
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    told_once(&said, "the network interface takes no frames; check that it is up and its cable is in");
-    is_whole(Some(Capture::load(&wired.bench.only_archive("out").unwrap()).unwrap()), &said);
+    told_once(&ended(&wired, run), "the network interface takes no frames; check that it is up and its cable is in");
     let (said, status, _) = wired.capture("1000", "1");
     assert_eq!(status, Some(1), "{said}");
     told_once(&said, "hc0 takes no frames; bring it up");
@@ -144,22 +133,14 @@ fn a_link_that_goes_down_ends_the_run_and_the_next_one_starts_when_it_is_up() {
 #[test]
 fn a_control_loop_that_is_killed_leaves_the_torque_to_the_drives_watchdog() {
     let Some(wired) = Wired::new(&[]) else { return };
-    strict(&wired);
-    let arguments =
-        ["capture", "--rig", "rig.toml", "--rate-hz", "1000", "--duration-s", "20", "--no-viewer", "--out", "out"];
-    let run = wired.bench.start(&arguments).unwrap();
-    wired.segment.wait_for("AL 0x08");
-    std::thread::sleep(std::time::Duration::from_secs(2));
+    let run = moving(&wired);
     kill(wired.bench.wait_for_process("rt-loop").unwrap(), Signal::SIGKILL).unwrap();
     let told = wired.segment.wait_for("AL 0x14 code 0x001b torque 0 mNm");
     eprintln!("{told}");
     let port = Port::open(OURS).unwrap();
     let read = [port.read_register(AL_STATUS), port.read_register(AL_STATUS_CODE)];
     assert_eq!(read, [Some(0x14), Some(0x1b)], "read back over the wire");
-    let output = run.wait_with_output().unwrap();
-    let said = printed(&output);
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    is_whole(Some(Capture::load(&wired.bench.only_archive("out").unwrap()).unwrap()), &said);
+    ended(&wired, run);
     next_run_starts(&wired);
 }
 
