@@ -266,7 +266,7 @@ impl<'a> Prepared<'a> {
         Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
         let mut notes = report.notes(&parameters);
         if uniform.lost > 0 {
-            notes.push(format!("{} samples are missing from the capture; the fit leaves the gaps out", uniform.lost));
+            notes.push(format!("samples missing from the capture: {}; the fit leaves the gaps out", uniform.lost));
         }
         notes.extend(uniform.notes.iter().cloned());
         Fit {

@@ -148,6 +148,6 @@ fn a_gap_in_time_is_said() {
     let samples =
         Samples { t_s: &t_s, angle_rad: &angle, velocity_rad_s: None, acceleration_rad_s2: None, torque_mnm: &torque };
     let fit = fit(&samples, &FitOptions::default()).unwrap();
-    assert!(note(&fit, "samples are missing from the capture").is_some());
+    assert!(note(&fit, "samples missing from the capture").is_some());
     assert_told(&fit, 0.03, "gap");
 }

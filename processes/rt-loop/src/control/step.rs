@@ -346,7 +346,12 @@ impl ControlState {
         self.cogging.torque_mnm(measurement.angle_rad, self.difference_rad_s)
     }
 
+    /// The limit that the measurement exceeds. One of an earlier tick was judged in that tick: the command has moved on since, and
+    /// how long nothing new may come is limited by itself.
     fn exceeded(&self, measurement: &Measurement, commanded_angle_rad: f64) -> Option<Fault> {
+        if self.stale_ticks > 0 {
+            return None;
+        }
         let limits = &self.plan.limits;
         let turned_rad = measurement.angle_rad - self.start_angle_rad;
         let behind_rad = measurement.angle_rad - commanded_angle_rad;
