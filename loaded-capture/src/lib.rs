@@ -3,9 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use archive::testers::{ColumnChoice, Curve};
+use archive::whole_file::{self, Replace, write_bytes};
 use archive::{ArchiveError, Capture, attachment};
 use dynamics::{Calibration, CalibrationError, Model, ModelError};
 use identification::Samples;
+
+/// The first line of a calibration's file that was written here.
+pub const CALIBRATION_MARK: &str = "## made by haptic-camera\n";
 
 /// A capture with what is known of the rig that made it.
 #[derive(Clone, Debug, Default)]
@@ -132,6 +136,24 @@ impl LoadedCapture {
             load: torque_mnm.iter().map(|torque_mnm| torque_mnm - zero_mnm).collect(),
             closed: None,
         }
+    }
+
+    /// Writes the columns that a fit takes as a table where there is no file yet, and what is known of the rig beside it, from where
+    /// it is read again: returns the place of that, if anything is known.
+    ///
+    /// # Errors
+    /// [`ArchiveError`] where a file is in the way or cannot be written.
+    pub fn write_csv(&self, path: &Path) -> Result<Option<PathBuf>, ArchiveError> {
+        let Some(calibration) = &self.calibration else {
+            self.capture.write_csv(path)?;
+            return Ok(None);
+        };
+        let beside = calibration_beside(path);
+        whole_file::check(&beside, Replace::Marked(CALIBRATION_MARK))?;
+        self.capture.write_csv(path)?;
+        let text = CALIBRATION_MARK.to_owned() + &calibration.to_toml();
+        write_bytes(&beside, Replace::Marked(CALIBRATION_MARK), text.as_bytes())?;
+        Ok(Some(beside))
     }
 
     /// Torque commanded from the motor, mNm; `None` for a table or a simulation without it.

@@ -220,6 +220,8 @@ impl Capture {
 
     /// Write the capture where there is no file yet: an archive, or a table if the name ends in ``.csv``.
     ///
+    /// What is known of the rig is in an archive, and is written into a file beside a table, from where it is read again.
+    ///
     /// Raises
     /// ------
     /// Error
@@ -228,7 +230,7 @@ impl Capture {
         let capture = &self.loaded.capture;
         py.detach(|| {
             if path.extension().is_some_and(|ending| ending == "csv") {
-                capture.write_csv(&path)
+                self.loaded.write_csv(&path).map(drop)
             } else {
                 write_whole(&path, Replace::Nothing, |place| capture.write_mcap_to(place))
             }

@@ -14,6 +14,8 @@ const BINS: usize = 24;
 const FOLDS: usize = 12;
 /// Lines on each side that tell how high a spectrum is where one line stands.
 const NEIGHBOURS: usize = 40;
+/// Fewest of them on each side.
+const FEWEST_NEIGHBOURS: usize = 8;
 /// Points of a spectrum that are kept for plots.
 const SPECTRUM_POINTS: usize = 200;
 /// Lines over which Hann's window spreads a sinusoid's power.
@@ -129,10 +131,17 @@ fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Captur
         if cycles * rate_hz > capture.band.edge_hz {
             break;
         }
-        let near = index.saturating_sub(NEIGHBOURS)..(index + NEIGHBOURS + 1).min(lines.len());
-        let mut neighbours: Vec<f64> = lines[near].iter().map(|[_, power]| *power).collect();
+        // The louder side: noise that falls with the frequency would stand out of what is above it.
+        let sides = [index.saturating_sub(NEIGHBOURS)..index, index + 1..(index + NEIGHBOURS + 1).min(lines.len())];
+        if sides.iter().any(|side| side.len() < FEWEST_NEIGHBOURS) {
+            continue;
+        }
+        let level = |side: std::ops::Range<usize>| {
+            median(&mut lines[side].iter().map(|[_, power]| *power).collect::<Vec<f64>>())
+        };
+        let neighbours = sides.map(level).into_iter().fold(f64::MIN_POSITIVE, f64::max);
         // In units of the neighbours' mean, of which their median is ln 2.
-        let height = power * std::f64::consts::LN_2 / median(&mut neighbours).max(f64::MIN_POSITIVE);
+        let height = power * std::f64::consts::LN_2 / neighbours;
         if height > strongest.0 {
             strongest = (height, index);
         }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use archive::ArchiveError;
 use archive::whole_file::{self, Replace, write_bytes};
 use dynamics::Axis;
+use loaded_capture::CALIBRATION_MARK;
 use serde::Serialize;
 
 use crate::outcome::say;
@@ -65,9 +66,6 @@ impl Kind {
         }
     }
 }
-
-/// The first line of a calibration's file.
-pub const CALIBRATION_MARK: &str = "## made by haptic-camera\n";
 
 /// The first line of a table of figures.
 pub const FIGURES_HEADER: &str = "figure,angle_rad,direction,value,unit,ci95_low,ci95_high,definition\n";

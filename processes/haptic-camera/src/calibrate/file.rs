@@ -7,9 +7,10 @@ use anyhow::Context as _;
 use archive::whole_file::Replace;
 use dynamics::Calibration;
 use identification::calibration::Calibrated;
+use loaded_capture::CALIBRATION_MARK;
 
 use super::table;
-use crate::outputs::{CALIBRATION_MARK, replace};
+use crate::outputs::replace;
 use crate::repeatability::digits;
 
 /// A calibration file as it was.

@@ -12,12 +12,11 @@ use anyhow::Context as _;
 use archive::attachment;
 use archive::whole_file::write_bytes;
 use dynamics::knobs;
-use loaded_capture::calibration_beside;
 
 use crate::command_line::ExportOptions;
 use crate::load;
 use crate::outcome::{Outcome, say, tell_error};
-use crate::outputs::{CALIBRATION_MARK, Kind, write};
+use crate::outputs::{Kind, write};
 use torque_over_angle::TorqueOverAngle;
 
 /// What cannot be written as asked.
@@ -63,13 +62,11 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
 /// The columns that `fit` reads, with what it must know of the rig beside them: it then finds the same.
 fn capture_as_csv(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
     let loaded = load::load(source)?;
-    loaded.capture.write_csv(out)?;
+    let calibration = loaded.write_csv(out)?;
     let units = loaded.capture.axis.words("angles in rad, torque in mNm, time in s");
     say(format!("{}: {} samples; {units}", out.display(), loaded.capture.len()));
-    if let Some(calibration) = &loaded.calibration {
-        let beside = calibration_beside(out);
-        write(&beside, Kind::Calibration, &(CALIBRATION_MARK.to_owned() + &calibration.to_toml()))?;
-        say(format!("{}: the rig's calibration, which `fit` takes from beside the table", beside.display()));
+    if let Some(place) = calibration {
+        say(format!("{}: the rig's calibration, which `fit` takes from beside the table", place.display()));
     }
     Ok(Outcome::Done)
 }
