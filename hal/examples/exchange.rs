@@ -52,5 +52,12 @@ fn main() {
     let allocations = asked.count_total as f64 / took_ns.len() as f64;
     took_ns.sort_unstable();
     let at = |share: f64| took_ns[((took_ns.len() - 1) as f64 * share) as usize] as f64 * 1e-3;
-    println!("{},{lost},{allocations:.2},{:.1},{:.1},{:.1},{:.1}", took_ns.len(), at(0.5), at(0.99), at(0.999), at(1.0));
+    println!(
+        "{},{lost},{allocations:.2},{:.1},{:.1},{:.1},{:.1}",
+        took_ns.len(),
+        at(0.5),
+        at(0.99),
+        at(0.999),
+        at(1.0)
+    );
 }

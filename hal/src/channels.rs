@@ -246,6 +246,7 @@ impl Wiring {
             torque_mnm: self.torque.map_or(torque_mnm, |wire| wire.of(raw)),
             after_s: raw.after_s - self.angle_delay_s,
             is_stale: !is_new,
+            stale_code: 0,
         }
     }
 

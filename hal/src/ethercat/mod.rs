@@ -181,7 +181,7 @@ impl EthercatRig {
                 return Err(BringUpError::State {
                     device: entries::DRIVE.to_owned(),
                     state: "'switched on'",
-                    reason: self.description.explain(ApparatusError::Device(code)),
+                    reason: ApparatusError::Device(code).reason(&self.description.codes),
                 });
             }
             if is_operational {
@@ -212,7 +212,7 @@ impl EthercatRig {
         self.amiss += 1;
         match self.amiss > self.description.stale_limit {
             true => Err(ApparatusError::Device(code)),
-            false => Ok(Measurement { is_stale: true, ..Measurement::default() }),
+            false => Ok(Measurement::stale(code)),
         }
     }
 
@@ -308,6 +308,8 @@ impl Apparatus for EthercatRig {
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         let target_torque = thousandths(self.wiring.of_motor(torque_mnm), self.rated_torque_mnm);
         let wait_ns = self.wait_ns();
+        // A tick that does not hear of the devices' clocks follows the machine's.
+        self.shift_ns = 0;
         let Stage::Running(bus) = &mut self.stage else { return Err(ApparatusError::Amplifier) };
         let until_ns = monotonic_time_ns() + wait_ns;
         let cycle = match bus.cycle(Told { controlword: ENABLE_OPERATION, target_torque }, until_ns) {

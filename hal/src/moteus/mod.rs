@@ -322,7 +322,7 @@ impl Apparatus for MoteusRig {
             if self.unanswered > self.description.stale_limit {
                 return Err(ApparatusError::Device(self.unheard));
             }
-            return Ok(Measurement { is_stale: true, ..Measurement::default() });
+            return Ok(Measurement::stale(self.unheard));
         };
         (self.unanswered, self.unheard) = (0, codes::SILENCE);
         let after_ns = (sent_ns.midpoint(came_ns)).wrapping_sub(due_ns).cast_signed();

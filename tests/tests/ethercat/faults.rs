@@ -71,7 +71,7 @@ fn next_run_starts(wired: &Wired) {
 #[test]
 fn a_drive_that_fails_is_told_by_its_code() {
     let Some(mut wired) = Wired::new(&["--drive-error", "0x2310", "--after-s", "2"]) else { return };
-    ends_in(&wired, "the rig 'servo' reported code 8976: drive error 0x2310: continuous over current at the output");
+    ends_in(&wired, "the rig 'servo': drive error 0x2310: continuous over current at the output");
     wired.segment = Running::start(&[]);
     next_run_starts(&wired);
 }

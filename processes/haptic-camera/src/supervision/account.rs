@@ -17,6 +17,8 @@ pub(crate) struct Archived {
     missing: u64,
     /// … and where, as far as this was read.
     gaps: Vec<Gap>,
+    /// How the rig kept up with the ticks, in sentences.
+    pub(super) rig: Vec<String>,
 }
 
 impl Archived {
@@ -25,15 +27,17 @@ impl Archived {
     /// # Errors
     /// When it cannot be read.
     pub(crate) fn read(archive: &Path) -> Result<Self, ArchiveError> {
-        let Overview { samples, lost_samples, .. } = Overview::read(archive)?;
-        Ok(Self { samples, missing: lost_samples, gaps: Vec::new() })
+        let Overview { samples, lost_samples, rig, description, .. } = Overview::read(archive)?;
+        let rig = description.map(|run| rig.in_words(&run)).unwrap_or_default();
+        Ok(Self { samples, missing: lost_samples, gaps: Vec::new(), rig })
     }
 }
 
 impl From<&Capture> for Archived {
     fn from(capture: &Capture) -> Self {
         let missing = capture.gaps.iter().map(|gap| gap.count).sum();
-        Self { samples: capture.len() as u64 + capture.unmeasured_samples, missing, gaps: capture.gaps.clone() }
+        let rig = capture.description.as_ref().map(|run| capture.rig.in_words(run)).unwrap_or_default();
+        Self { samples: capture.len() as u64 + capture.unmeasured_samples, missing, gaps: capture.gaps.clone(), rig }
     }
 }
 
@@ -89,7 +93,7 @@ mod tests {
             .iter()
             .map(|&(first, last)| Gap { first_missing_seq: first, last_missing_seq: last, count: last - first + 1 })
             .collect();
-        Archived { samples, missing: gaps.iter().map(|gap| gap.count).sum(), gaps }
+        Archived { samples, missing: gaps.iter().map(|gap| gap.count).sum(), gaps, rig: Vec::new() }
     }
 
     #[test]
