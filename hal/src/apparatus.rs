@@ -79,9 +79,9 @@ pub struct RigDescription {
     pub calibration: Calibration,
     /// Where its torque comes from.
     pub torque: TorqueSource,
-    /// Whether a torque acts a tick later than in a rig that reads and drives at the tick: where it takes effect with the next
+    /// By how many ticks a torque acts later than in a rig that reads and drives at the tick: 1 where it takes effect with the next
     /// [`exchange`](Apparatus::exchange) only, or what is measured is a tick old.
-    pub takes_torque_at_exchange: bool,
+    pub torque_late_ticks: f64,
     /// Most ticks in a row without anything new.
     pub stale_limit: u32,
     /// Time without a command after which the amplifier takes the torque away by itself, s, as read back from it once it is

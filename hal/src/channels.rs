@@ -259,6 +259,15 @@ impl Wiring {
         self
     }
 
+    /// The same for a device that holds a torque from one exchange to the next, and is read just before it changes, whether by its
+    /// current or by a sensor: what that torque makes is half a period old at the mean, the acceleration too.
+    #[must_use]
+    pub fn held_between_exchanges(mut self, rate_hz: f64) -> Self {
+        self.torque_delay_s += 0.5 / rate_hz;
+        self.acceleration_delay_s += 0.5 / rate_hz;
+        self
+    }
+
     /// What the device is given so that the motor makes a torque, mNm.
     #[must_use]
     pub fn of_motor(&self, torque_mnm: f64) -> f64 {

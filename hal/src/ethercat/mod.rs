@@ -102,12 +102,15 @@ impl EthercatRig {
         {
             return Err(file.error(format!("[settings] {key} is {value}, but it must be above zero, and finite")));
         }
-        let wiring = channels.wire(&names).map_err(|error| file.error(error))?.at_rate(rate_hz);
+        let wiring = channels.wire(&names).map_err(|error| file.error(error))?.held_between_exchanges(rate_hz);
         let description = file.description(&wiring)?;
         let asked_watchdog_s = file.needed_watchdog()?.timeout_s;
         let mut notes = description.notes;
         notes.push(("interface".to_owned(), settings.interface.clone()));
+        // Devices whose clocks are kept together take inputs at the SYNC0 before a frame, and outputs at the one after it.
+        let waits_ticks = if settings.distributed_clocks { 1.0 } else { 0.0 };
         let description = RigDescription {
+            torque_late_ticks: description.torque_late_ticks + waits_ticks,
             device: Some(file.device.clone().unwrap_or_else(|| settings.interface.clone())),
             calls: DeclaredCalls { names: vec!["sendto".to_owned()], per_tick: MOST_CALLS },
             codes: codes::all(),

@@ -69,6 +69,20 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     Ok(outcome)
 }
 
+/// The delays of the channels, and of the motor where the capture says when a command acts.
+fn latency(loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
+    let samples = &loaded.samples();
+    let mut told = calibration::latency(samples, known)?;
+    let late_ticks = loaded.capture.description.as_ref().and_then(|run| run.torque_late_ticks);
+    if let Some((commanded_mnm, late_ticks)) = loaded.commanded_torque_mnm().zip(late_ticks) {
+        match calibration::command_latency(samples, commanded_mnm, late_ticks, known) {
+            Ok(delay) => told.estimates.push(delay),
+            Err(error) => told.notes.push(format!("no delay of the motor: {error}")),
+        }
+    }
+    Ok(told)
+}
+
 impl CalibrationKind {
     fn calibrate(self, loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
         let samples = &loaded.samples();
@@ -81,7 +95,7 @@ impl CalibrationKind {
             Self::Gravity => calibration::gravity(samples, known),
             Self::Zero => calibration::zero(samples, known),
             Self::Gripper => calibration::gripper(samples, known),
-            Self::Latency => calibration::latency(samples, known),
+            Self::Latency => latency(loaded, known),
         }
     }
 
