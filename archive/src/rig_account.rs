@@ -27,17 +27,16 @@ pub struct RigClock {
 }
 
 impl RigAccount {
-    /// What there is to tell of it, a sentence each, in the words of the run's own codes.
+    /// What there is to tell of it, a sentence each, in the words of the run's own codes; but for what has this code, which was told.
     #[must_use]
-    pub fn in_words(&self, run: &RunDescription) -> Vec<String> {
+    pub fn in_words(&self, run: &RunDescription, told: i32) -> Vec<String> {
+        // What is to be done about it is said where it ends a run.
         let meaning = |code: &i32| {
             let known = run.device_codes.iter().find(|(known, _)| known == code);
-            known.map_or_else(|| "the rig gives no reason".to_owned(), |(_, meaning)| meaning.clone())
+            known.map_or("the rig gives no reason", |(_, meaning)| meaning.split(';').next().unwrap_or(meaning))
         };
-        let stale = self
-            .stale_samples
-            .iter()
-            .map(|(code, ticks)| format!("{ticks} ticks brought nothing new: {}", meaning(code)));
+        let stale = self.stale_samples.iter().filter(|(code, _)| **code == 0 || **code != told);
+        let stale = stale.map(|(code, ticks)| format!("{ticks} ticks brought nothing new: {}", meaning(code)));
         let clock = self.clock.map(|RigClock { drift_ppm, phase_s, phase_deviation_s }| {
             format!(
                 "the ticks followed the rig's clock: {drift_ppm:+.1} ppm, read {:+.1} µs after the tick, ± {:.1} µs",

@@ -72,8 +72,8 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
 
 /// Fits the delay of the motor's torque behind its command to the same capture: what is commanded comes before the motion.
 ///
-/// `commanded_mnm` is the torque commanded at each sample, which acts `late_ticks` later and is held for a tick. Takes the motor's
-/// friction from `known`, as far as it is known. Tells `command_delay_s`.
+/// `commanded_mnm` is the torque commanded at each sample, which acts `late_ticks` later and is held for a tick. The motor's friction
+/// is fitted with it. Tells `command_delay_s`.
 ///
 /// # Errors
 /// [`CalibrateError`] for samples that are no motion, and when the motion does not follow the command.
@@ -81,7 +81,6 @@ pub fn command_latency(
     samples: &Samples<'_>,
     commanded_mnm: &[f64],
     late_ticks: f64,
-    known: &Calibration,
 ) -> Result<Estimate, CalibrateError> {
     samples.check()?;
     if commanded_mnm.len() != samples.torque_mnm.len() || commanded_mnm.iter().any(|command| !command.is_finite()) {
@@ -90,12 +89,11 @@ pub fn command_latency(
     let driven = Samples { torque_mnm: commanded_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let uniform = Uniform::of(&driven, None);
     let band = band(&uniform);
-    let [coulomb_mnm, viscous] = [known.motor_coulomb_mnm, known.motor_viscous].map(Option::unwrap_or_default);
     let velocity = gradient(&band.smooth(&uniform.angle_rad), uniform.rate_hz);
-    let share = uniform.torque_mnm.iter().zip(&velocity);
-    let share: Vec<f64> =
-        share.map(|(command, speed)| command - coulomb_mnm * speed.signum() - viscous * speed).collect();
-    let solved = band.solve(&columns(&band, &uniform.angle_rad), &band.smooth(&share));
+    let direction: Vec<f64> = velocity.iter().map(|speed| speed.signum()).collect();
+    let mut columns = columns(&band, &uniform.angle_rad);
+    columns.extend([band.smooth(&direction), velocity]);
+    let solved = band.solve(&columns, &band.smooth(&uniform.torque_mnm));
     if let Some(error) = unexplained("commanded torque", &solved) {
         return Err(error);
     }
@@ -160,6 +158,7 @@ fn acceleration_relation(
 /// Delay and half width of its 95 % interval, s.
 fn delay(solved: &Solved) -> (f64, f64) {
     let [gain, slope] = [0, 1].map(|index| solved.coefficients[index]);
-    let value = -slope / gain;
-    (value, solved.half_width(&[slope / (gain * gain), -1.0 / gain, 0.0, 0.0, 0.0]))
+    let mut gradient = vec![0.0; solved.coefficients.len()];
+    (gradient[0], gradient[1]) = (slope / (gain * gain), -1.0 / gain);
+    (-slope / gain, solved.half_width(&gradient))
 }

@@ -21,11 +21,11 @@ ip link set lo up
 ip link add vcan0 type vcan && ip link set vcan0 mtu 72 up
 cd /run
 export HOME=/run HAPTIC_CAMERA_RUNTIME_DIR=/run/rig
-SERVER --can vcan0 &
+{server} --can vcan0 &
 sleep 1
-CAMERA rig scan vcan0 --out rig.toml
+{camera} rig scan vcan0 --out rig.toml
 sed -i 's/timeout_s = 0.1 /timeout_s = 1.0 /; s/stale_ticks = 20 /stale_ticks = 800 /' rig.toml
-CAMERA rig check rig.toml --rate-hz 500 --duration-s 3 --json BENCH/check.json
+{camera} rig check rig.toml --rate-hz 500 --duration-s 3 --json {bench}/check.json
 poweroff -f
 "#;
 
@@ -43,9 +43,9 @@ fn a_controller_on_a_can_bus_is_found_brought_up_and_read() {
     let bench = Bench::new().unwrap();
     let camera = program("haptic-camera").unwrap();
     let init = INIT
-        .replace("SERVER", env!("CARGO_BIN_EXE_moteus_server"))
-        .replace("CAMERA", &camera.to_string_lossy())
-        .replace("BENCH", &bench.path("").to_string_lossy());
+        .replace("{server}", env!("CARGO_BIN_EXE_moteus_server"))
+        .replace("{camera}", &camera.to_string_lossy())
+        .replace("{bench}", &bench.path("").to_string_lossy());
     let path = bench.path("init");
     std::fs::write(&path, init).unwrap();
     std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
