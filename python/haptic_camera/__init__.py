@@ -4,7 +4,7 @@ Captures are columns, models are lists of effects, and results are those of the 
 Units are those of the names: rad, rad/s, rad/s², mNm, s. Positive torque turns the knob towards positive angle.
 """
 
-from haptic_camera._capture import capture
+from haptic_camera._capture import capture, replay
 from haptic_camera._native import (
     Capture,
     Diagnosis,
@@ -44,6 +44,7 @@ __all__ = [
     "fit",
     "judge",
     "read",
+    "replay",
     "sheet",
     "simulate",
     "table_columns",

@@ -1,4 +1,4 @@
-"""Captures by the real programs."""
+"""Captures and replays by the real programs."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 import shutil
 import signal
 import subprocess
+from collections.abc import Mapping
 
 from haptic_camera._native import Capture, Error, read
 
@@ -21,6 +22,7 @@ def capture(
     sweep: str | None = None,
     rate_hz: float | None = None,
     offline: bool = False,
+    rig: str | os.PathLike[str] | None = None,
     out: str | os.PathLike[str] = "captures",
     arguments: list[str] | None = None,
     program: str | os.PathLike[str] | None = None,
@@ -30,7 +32,7 @@ def capture(
     Parameters
     ----------
     knob : int, str or os.PathLike
-        The knob on the simulated rig: 1 to 5, or a model file.
+        The knob on the simulated rig: 1 to 5, or a model file; on a real rig its name.
     duration_s : float, optional
         Length of the capture, s; without it as the sweep has it.
     sweep : str, optional
@@ -39,6 +41,8 @@ def capture(
         Samples per second.
     offline : bool
         Run the simulated rig as fast as the processor goes, without the real-time processes.
+    rig : str or os.PathLike, optional
+        The rig's file; without it the simulated rig is driven.
     out : str or os.PathLike
         Folder for the archive, and for the model and the report that are made of it.
     arguments : list of str, optional
@@ -57,17 +61,83 @@ def capture(
     KeyboardInterrupt
         At Ctrl-C, once the program has braked the knob and closed the archive, which stays in `out`.
     """
+    options = {"--knob": knob, "--sweep": sweep, "--duration-s": duration_s, "--rate-hz": rate_hz, "--rig": rig}
+    return _recorded(["capture"], options, offline, out, arguments, program)
+
+
+def replay(
+    model: int | str | os.PathLike[str],
+    *,
+    hand: str | os.PathLike[str] | None = "multisine",
+    grip: float | None = None,
+    duration_s: float = 10,
+    rate_hz: float | None = None,
+    offline: bool = False,
+    rig: str | os.PathLike[str] | None = None,
+    out: str | os.PathLike[str] = "captures",
+    arguments: list[str] | None = None,
+    program: str | os.PathLike[str] | None = None,
+) -> Capture:
+    """Make the rig feel like a model and read what a hand felt.
+
+    Parameters
+    ----------
+    model : int, str or os.PathLike
+        The model to feel like: a model file, or 1 to 5 for a shipped knob.
+    hand : str or os.PathLike, optional
+        What the hand on the simulated rig wants: the name of an excitation, or a CSV file of angles. None on a real rig,
+        where a hand of your own turns the knob.
+    grip : float, optional
+        Times by which that hand is stiffer and more damped than a usual pinch grip.
+    duration_s : float
+        Length of the replay, s.
+    rate_hz : float, optional
+        Samples per second.
+    offline : bool
+        Run the simulated rig as fast as the processor goes, without the real-time processes.
+    rig : str or os.PathLike, optional
+        The rig's file; without it the simulated rig is driven.
+    out : str or os.PathLike
+        Folder for the archive.
+    arguments : list of str, optional
+        Further arguments of ``haptic-camera replay``.
+    program : str or os.PathLike, optional
+        The program ``haptic-camera``; without it the one on the PATH.
+
+    Returns
+    -------
+    Capture
+        What was felt, which is fitted like any capture.
+
+    Raises
+    ------
+    Error
+        If the rig cannot render the model, or the program is not there or fails, in its own words.
+    KeyboardInterrupt
+        At Ctrl-C, once the program has let go of the knob and closed the archive, which stays in `out`.
+    """
+    options = {"--hand": hand, "--grip": grip, "--duration-s": duration_s, "--rate-hz": rate_hz, "--rig": rig}
+    return _recorded(["replay", str(model)], options, offline, out, arguments, program)
+
+
+def _recorded(
+    command: list[str],
+    options: Mapping[str, str | os.PathLike[str] | float | None],
+    offline: bool,
+    out: str | os.PathLike[str],
+    arguments: list[str] | None,
+    program: str | os.PathLike[str] | None,
+) -> Capture:
+    """Run a command that makes one archive, and read that."""
     found = shutil.which(program or "haptic-camera")
     if found is None:
         raise Error(
             f"the program {program or 'haptic-camera'} is not there; build it with `cargo build --release`, and name it "
             "by `program` or put its folder on the PATH"
         )
-    options = {"--duration-s": duration_s, "--sweep": sweep, "--rate-hz": rate_hz}
     given = [str(word) for name, value in options.items() if value is not None for word in (name, value)]
-    command = [found, "capture", "--knob", os.fspath(knob) if not isinstance(knob, int) else str(knob), "--no-viewer"]
-    command += [*given, *(["--offline"] if offline else []), *(arguments or [])]
-    status, output, errors = _run([*command, "--out", os.fspath(out)])
+    given += [*(["--offline"] if offline else []), "--no-viewer", "--out", str(out), *(arguments or [])]
+    status, output, errors = _run([found, *command, *given])
     archive = re.search(r"^archive +(.+) \(\d+ samples\)$", output, re.MULTILINE)
     if status not in _WITH_ARCHIVE or archive is None:
         told = [line.removeprefix("error: ") for line in errors.splitlines() if line]

@@ -51,6 +51,21 @@ def test_a_simulation_is_that_of_the_command_line(
     assert np.array_equal(ours.angle_rad, theirs.angle_rad)
 
 
+def test_a_replay_is_recomputed_bit_for_bit_and_refused_by_the_command_line(
+    command_line: Callable[..., str], tmp_path: Path
+) -> None:
+    rig = tmp_path / "rig.toml"
+    rig.write_text('name = "bench"\ndriver = "simulated"\n')
+    options: Any = {"rig": rig, "offline": True, "out": tmp_path, "program": PROGRAM}
+    felt = hc.replay(3, hand="multisine", grip=6, duration_s=2, rate_hz=5000, **options)
+    assert (felt.truth, felt.rate_hz, felt.to_dict()["rig"]) == (hc.Model.load(3), 5000, "bench")
+    assert "every torque command, bit for bit" in command_line("recompute", felt.source)
+    ended = subprocess.run([PROGRAM, "replay", "5", "--offline"], capture_output=True, text=True)
+    with pytest.raises(hc.Error) as raised:
+        hc.replay(5, **options)
+    assert f"error: {raised.value}" in ended.stderr.splitlines()
+
+
 def test_a_fitted_model_and_its_page_are_those_of_the_command_line(
     captures: list[hc.Capture], command_line: Callable[..., str], tmp_path: Path
 ) -> None:

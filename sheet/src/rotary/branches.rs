@@ -10,10 +10,21 @@ use crate::noise::Signs;
 
 /// Neighbouring cells whose noise may go together.
 const CORRELATED: usize = 4;
+/// Least share of a row's noise that is taken to be left.
+const LEAST_FREE: f64 = 0.1;
+
+/// Rows in one direction, those in a cell of angle as their mean.
+#[derive(Clone, Debug)]
+struct Cells {
+    angles: Vec<f64>,
+    loads: Vec<f64>,
+    rows: Vec<f64>,
+}
 
 /// Torque over angle in one direction.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct SplineBranch {
+    cells: Cells,
     fit: SplineFit,
     smooth: Vec<f64>,
     /// What the spline leaves, by as much larger as the spline takes along and as neighbours go together.
@@ -26,16 +37,10 @@ pub(super) struct SplineBranch {
 }
 
 impl SplineBranch {
-    /// Of the rows in one direction, those in cells of `cell` rad as their mean, with knots every `knot` rad and hinges at those
-    /// angles; `None` of too few.
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a number of cells")]
-    pub(super) fn of(
-        curve: &Curve,
-        directions: &[i8],
-        direction: i8,
-        [knot, cell]: [f64; 2],
-        hinges: &[f64],
-    ) -> Option<Self> {
+    /// Of the rows of a curve in one direction, those in cells of `cell` rad as their mean, with knots every `knot` rad; `None` of too
+    /// few.
+    #[allow(clippy::cast_possible_truncation, reason = "a number of cells")]
+    pub(super) fn of(curve: &Curve, directions: &[i8], direction: i8, [knot, cell]: [f64; 2]) -> Option<Self> {
         let mut cells: std::collections::BTreeMap<i64, [f64; 3]> = std::collections::BTreeMap::new();
         let rows = curve.position.iter().zip(&curve.load).zip(directions);
         for ((angle, load), _) in rows.filter(|(_, of)| **of == direction) {
@@ -43,20 +48,37 @@ impl SplineBranch {
             (*sum, *loads, *count) = (*sum + angle, *loads + load, *count + 1.0);
         }
         let column = |take: fn(&[f64; 3]) -> f64| cells.values().map(take).collect::<Vec<f64>>();
-        let angles = column(|[sum, _, count]| sum / count);
-        let loads = column(|[_, loads, count]| loads / count);
-        let rows = column(|[.., count]| *count);
-        let fit = SplineFit::new(&angles, &rows, knot, hinges)?;
-        let spline = fit.solve(&loads);
+        let cells = Cells {
+            angles: column(|[sum, _, count]| sum / count),
+            loads: column(|[_, loads, count]| loads / count),
+            rows: column(|[.., count]| *count),
+        };
+        Self::fitted(cells, knot, &[], 0.0)
+    }
+
+    /// The same branch with hinges at those angles that reach as far either way; `None` of more than its rows tell.
+    pub(super) fn hinged(&self, hinges: &[f64], reach: f64) -> Option<Self> {
+        Self::fitted(self.cells.clone(), self.knot(), hinges, reach)
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "a number of cells")]
+    fn fitted(cells: Cells, knot: f64, hinges: &[f64], reach: f64) -> Option<Self> {
+        let Cells { angles, loads, rows } = &cells;
+        let fit = SplineFit::new(angles, rows, knot, hinges, reach)?;
+        let spline = fit.solve(loads);
         let smooth: Vec<f64> = angles.iter().map(|angle| spline.value(*angle)).collect();
         let mut left: Vec<f64> = loads.iter().zip(&smooth).map(|(load, smooth)| load - smooth).collect();
-        let free = left.len().saturating_sub(fit.width()).max(1) as f64;
-        let squares: f64 = left.iter().zip(&rows).map(|(left, count)| count * left * left).sum();
+        let squares: f64 = left.iter().zip(rows).map(|(left, count)| count * left * left).sum();
         let cross_validation = squares / (1.0 - fit.width() as f64 / left.len() as f64).powi(2);
-        let factor = (left.len() as f64 / free).sqrt() * together(&left);
-        left.iter_mut().for_each(|left| *left *= factor);
+        // The rows next to a hinge take most of it along (H. White's residuals in the form HC2: J. G. MacKinnon, H. White,
+        // J. Econometrics 29, 1985, 305–325).
+        let correlated = together(&left);
+        let leverages = fit.leverages();
+        left.iter_mut()
+            .zip(leverages)
+            .for_each(|(left, leverage)| *left *= correlated / (1.0 - leverage).max(LEAST_FREE).sqrt());
         let ends = [*angles.first()?, *angles.last()?];
-        Some(Self { fit, smooth, left, ends, spline, cross_validation })
+        Some(Self { cells, fit, smooth, left, ends, spline, cross_validation })
     }
 
     /// From one knot to the next, rad.

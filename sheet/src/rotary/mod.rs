@@ -1,5 +1,6 @@
 //! Turned controls: detents, friction, backlash and end stops.
 
+mod banded;
 mod branches;
 mod detents;
 mod directions;
@@ -34,6 +35,10 @@ const CELLS_PER_DETENT: f64 = 240.0;
 /// Times the knots that predict best: where a branch bends, its own noise is then larger than what the spline makes of the bend,
 /// and only noise is in the intervals.
 const UNDERSMOOTHED: f64 = 1.5;
+/// How far a hinge reaches either way, in knots. A knob jerks where its torque bends, and its inertia times that is in the torque: the
+/// narrow hinge averages over the jerk, the wide one follows the bend of a knob without inertia best. What a figure shifts from one to
+/// the other is part of its standard error.
+const REACHES: [f64; 2] = [2.0, 6.0];
 /// Times that hinges are put where the branches with the hinges before them rest.
 const BEND_ROUNDS: usize = 3;
 /// Detents in a turn that stand for those of a control without any.
@@ -72,7 +77,8 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     let directions = directions::directions(curve)?;
     let pitch = pitch(curve);
     let about = pitch.as_ref().map_or(TAU / DETENTS_OF_NONE, |pitch| *pitch);
-    let [back, there] = branches(curve, &directions, about).ok_or(CurveError::OneWay)?;
+    let smooth = branches(curve, &directions, about).ok_or(CurveError::OneWay)?;
+    let [back, there] = &smooth;
     let knot = there.knot();
     let range = [back.ends[0].max(there.ends[0]), back.ends[1].min(there.ends[1])];
     if range[1] - range[0] < ROWS_PER_KNOT * knot {
@@ -80,10 +86,10 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     }
     let rests = pitch.as_ref().ok().map(|pitch| rests([&back.spline, &there.spline], range, *pitch));
     let frame = Frame { range, knot, pitch: pitch.as_ref().ok().copied(), rests: rests.unwrap_or_default() };
-    let [back, there] = frame.bent([back, there], |direction, hinges| {
-        SplineBranch::of(curve, &directions, direction, [knot, about / CELLS_PER_DETENT], hinges)
-    });
+    let [narrow, wide] = REACHES.map(|reach| frame.bent(&smooth, reach * knot));
+    let [back, there] = &narrow;
     let found = frame.look([&back.spline, &there.spline]);
+    let otherwise = frame.look([&wide[0].spline, &wide[1].spline]);
 
     let mut signs = Signs::new();
     let redrawn: Vec<[Spline; 2]> = (0..DRAWS).map(|_| [back.redrawn(&mut signs), there.redrawn(&mut signs)]).collect();
@@ -92,7 +98,8 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     let estimate = |value: f64, of: &dyn Fn(&Look) -> Option<f64>| {
         let values: Vec<f64> = looked.iter().filter_map(of).collect();
         let (mean, standard_error) = mean_and_deviation(&values).unwrap_or((value, 0.0));
-        Estimate { value: 2.0 * value - mean, standard_error }
+        let shift = of(&otherwise).map_or(0.0, |other| other - value);
+        Estimate { value: 2.0 * value - mean, standard_error: standard_error.hypot(shift) }
     };
     // Of what should be nothing the noise alone makes a largest departure, √2 times that with as much noise again.
     let departure = |value: f64, of: &dyn Fn(&Look) -> Option<f64>| {
@@ -153,13 +160,17 @@ fn is_stop(kind: &FigureKind) -> bool {
 fn branches(curve: &Curve, directions: &[i8], pitch: f64) -> Option<[SplineBranch; 2]> {
     let with = |knots: f64| {
         let branch =
-            |direction| SplineBranch::of(curve, directions, direction, [pitch / knots, pitch / CELLS_PER_DETENT], &[]);
+            |direction| SplineBranch::of(curve, directions, direction, [pitch / knots, pitch / CELLS_PER_DETENT]);
         Some([branch(-1)?, branch(1)?])
     };
     let candidates = KNOTS_PER_DETENT.iter().filter_map(|knots| Some((*knots, with(*knots)?)));
-    let score = |pair: &[SplineBranch; 2]| pair[0].cross_validation + pair[1].cross_validation;
-    let (knots, best) = candidates.min_by(|a, b| score(&a.1).total_cmp(&score(&b.1)))?;
+    let (knots, best) = candidates.min_by(|a, b| error(&a.1).total_cmp(&error(&b.1)))?;
     with(UNDERSMOOTHED * knots).or(Some(best))
+}
+
+/// Mean square error with which both branches predict what they were not fitted to.
+fn error(branches: &[SplineBranch; 2]) -> f64 {
+    branches[0].cross_validation + branches[1].cross_validation
 }
 
 fn samples<'a>(curve: &'a Curve, t_s: &'a [f64]) -> Samples<'a> {
@@ -232,31 +243,27 @@ impl Frame {
         mean(steps(range, 0.25 * self.knot).map(|at| spline.value(at)))
     }
 
-    fn sides<'a>(&self, branches: [&'a Spline; 2]) -> [Side<'a>; 2] {
-        let whole = self.whole_pitches();
-        [(-1.0, branches[0]), (1.0, branches[1])].map(|(sign, spline)| Side {
-            spline,
-            sign,
-            level: self.level(spline, whole),
-        })
+    fn side<'a>(&self, sign: f64, spline: &'a Spline) -> Side<'a> {
+        Side { spline, sign, level: self.level(spline, self.whole_pitches()) }
     }
 
-    /// The branches with a hinge at each rest, where detents of unequal height meet at a sharp bend, if that predicts better what
-    /// they were not fitted to; `of` makes the branch of a direction with hinges.
-    fn bent(&self, smooth: [SplineBranch; 2], of: impl Fn(i8, &[f64]) -> Option<SplineBranch>) -> [SplineBranch; 2] {
-        let Some(pitch) = self.pitch else { return smooth };
-        let hinged = |branches: &[SplineBranch; 2]| {
-            let [back, there] = self
-                .sides([&branches[0].spline, &branches[1].spline])
-                .map(|side| self.rests.iter().filter_map(|near| side.rest(*near, pitch)).collect::<Vec<f64>>());
-            Some([of(-1, &back)?, of(1, &there)?])
+    fn sides<'a>(&self, [back, there]: [&'a Spline; 2]) -> [Side<'a>; 2] {
+        [self.side(-1.0, back), self.side(1.0, there)]
+    }
+
+    /// Where a branch rests.
+    fn rests_of(&self, sign: f64, spline: &Spline) -> Vec<f64> {
+        let side = self.side(sign, spline);
+        self.pitch.map_or_else(Vec::new, |pitch| self.rests.iter().filter_map(|near| side.rest(*near, pitch)).collect())
+    }
+
+    /// The branches with a hinge at each rest, where detents of unequal height meet at a sharp bend.
+    fn bent(&self, smooth: &[SplineBranch; 2], reach: f64) -> [SplineBranch; 2] {
+        let hinged = |[back, there]: &[SplineBranch; 2]| {
+            let of = |sign, branch: &SplineBranch| branch.hinged(&self.rests_of(sign, &branch.spline), reach);
+            Some([of(-1.0, back)?, of(1.0, there)?])
         };
-        let error = |pair: &[SplineBranch; 2]| pair[0].cross_validation + pair[1].cross_validation;
-        let mut bent = None;
-        for _ in 0..BEND_ROUNDS {
-            bent = hinged(bent.as_ref().unwrap_or(&smooth));
-        }
-        bent.filter(|bent| error(bent) < error(&smooth)).unwrap_or(smooth)
+        (0..BEND_ROUNDS).fold(smooth.clone(), |bent, _| hinged(&bent).unwrap_or(bent))
     }
 
     /// The angles over which the torque's mean is that of whole detents.
