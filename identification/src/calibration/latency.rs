@@ -122,7 +122,7 @@ fn columns(band: &Band, angle_rad: &[f64]) -> Vec<Vec<f64>> {
 
 /// Why a channel tells no delay, if it does not.
 fn unexplained(channel: &'static str, solved: &Solved) -> Option<CalibrateError> {
-    (solved.unexplained > UNEXPLAINED).then(|| CalibrateError::Unexplained {
+    (solved.unexplained > UNEXPLAINED).then_some(CalibrateError::Unexplained {
         channel,
         percent: 100.0 * solved.unexplained,
         expected: "the motion of an inertia makes of it",

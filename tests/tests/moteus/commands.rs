@@ -54,6 +54,14 @@ fn what_an_owner_captured_can_be_replayed_where_there_is_a_torque_sensor() {
         .unwrap();
     eprintln!("{}", printed(&output));
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let late =
+        |text: String| calibrated(text).replace("motor_viscous = 0.0", "motor_viscous = 0.0\ncommand_delay_s = 5e-3");
+    let file = rig(&bench, late);
+    let output = bench
+        .run(&["replay", "2", "--nearest", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"])
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
+    assert!(printed(&output).contains("no hand could hold what the rig"), "{}", printed(&output));
     let file = rig(&bench, |text| text);
     let output = bench
         .run(&["replay", "2", "--nearest", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"])
