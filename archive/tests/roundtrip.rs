@@ -320,7 +320,7 @@ fn what_a_rig_left_unanswered_is_counted_by_its_reason_and_its_clocks_drift_told
         // A clock that is 100 ppm fast.
         let monotonic_time_ns = 5_000_000_000 + (ordinary.tick as f64 * 1e5 / (1.0 + 1e-4)) as u64;
         let (flags, device_code) = match seq {
-            100..120 => (shared_types::Sample::STALE, -7_i32.cast_unsigned()),
+            100..120 => (shared_types::Sample::STALE, (-7_i32).cast_unsigned()),
             200 => (shared_types::Sample::STALE, 0),
             _ => (0, 0),
         };
