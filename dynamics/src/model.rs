@@ -1,5 +1,6 @@
 //! A model: a named list of effects.
 
+use crate::effects::backlash;
 use crate::{Axis, Coordinate, Direction, Effect, Motion, ParameterKind, Part, StickLimits};
 
 /// A knob as numbers: the list of its effects.
@@ -81,6 +82,24 @@ impl Model {
             .iter()
             .map(|effect| if let Part::Inertia(inertia) = effect.kind().part { inertia(effect.values()) } else { 0.0 })
             .sum()
+    }
+
+    /// The model without so much inertia (mNm·s²/rad) of its cap: the knob alone, of a knob with the gripper that holds it.
+    ///
+    /// The same inner body is then a larger share of what is left.
+    #[must_use]
+    pub fn without_cap_inertia(&self, inertia: f64) -> Self {
+        let left = (self.inertia() - inertia).max(0.0);
+        let mut without = self.clone();
+        for effect in &mut without.effects {
+            if let Part::Inertia(_) = effect.kind().part {
+                effect.values_mut()[0] = left;
+            } else if std::ptr::eq(effect.kind(), &backlash::KIND) && left > 0.0 {
+                let share = &mut effect.values_mut()[backlash::INNER_SHARE];
+                *share = (*share * self.inertia() / left).min(1.0);
+            }
+        }
+        without
     }
 
     /// Torque that depends on neither acceleration nor the direction of sliding (detents, drag), mNm.

@@ -5,6 +5,7 @@ mod common;
 
 use common::{Capture, run, true_value};
 use dynamics::{Drive, knobs};
+use identification::diagnosis::{DiagnoseOptions, diagnose};
 use identification::fit;
 use identification::live::{LiveFit, LiveSample, Verdict};
 
@@ -115,4 +116,13 @@ fn a_stream_that_has_not_moved_the_knob_tells_nothing_yet() {
     assert_eq!(estimate.parameters.len(), 8);
     assert!(estimate.parameters.iter().all(|p| p.value.is_none() && p.verdict == Verdict::NotYet));
     assert_eq!((estimate.samples, estimate.ignored_samples), (20_000, 2));
+}
+
+#[test]
+fn a_diagnosis_has_the_knobs_inertia_without_the_grippers() {
+    let [train, heldout] = [1, 2].map(|seed| rig(3, seed));
+    let options = DiagnoseOptions { calibration: train.calibration.clone(), ..DiagnoseOptions::default() };
+    let found = diagnose(&train.samples(), Some(&heldout.samples()), &options).unwrap();
+    let inertia = truth(3, "inertia").unwrap();
+    assert!((found.model.inertia() / inertia - 1.0).abs() < 0.01, "{} of {inertia}", found.model.inertia());
 }

@@ -80,7 +80,7 @@ pub struct Diagnosis {
     /// model was given to start from.
     #[serde(skip)]
     pub refined: BTreeMap<&'static str, Value>,
-    /// The model without further effects, and then with each step's more.
+    /// The model without further effects, and then with each step's more, as the torque sensor bears it: with the gripper.
     #[serde(skip)]
     pub chain: Vec<Model>,
     /// Rows of both captures for plots.
