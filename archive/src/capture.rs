@@ -8,6 +8,7 @@ use shared_types::{Axis, ModelChange, RunDescription, Sample};
 
 use crate::description::attachment;
 use crate::error::ArchiveError;
+use crate::rig_account::RigAccount;
 use crate::sequence::Gap;
 use crate::whole_file::{self, Replace};
 use crate::write::CaptureWriter;
@@ -51,6 +52,8 @@ pub struct Capture {
     /// Samples in the archive without a measurement of their own, since the sensors brought nothing new or failed; they are left
     /// out here.
     pub unmeasured_samples: u64,
+    /// How the rig kept up with the ticks.
+    pub rig: RigAccount,
     /// Samples that were taken and are not in the archive.
     pub gaps: Vec<Gap>,
     /// The models that a replay rendered, in the order in which they began to be felt; empty for a capture of a knob.

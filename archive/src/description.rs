@@ -83,6 +83,7 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         planned_ticks,
         clock,
         realtime,
+        torque_late_ticks: _,
         excitation_toml,
         calibration_toml: _,
         simulated_knob_toml: _,

@@ -62,6 +62,7 @@ mod parse;
 pub mod parts;
 mod records;
 pub mod recover;
+mod rig_account;
 pub mod schema;
 pub mod sequence;
 mod source;
@@ -77,6 +78,7 @@ pub use losses::{Loss, Place};
 pub use merge::{MergeSummary, merge, run_id};
 pub use overview::Overview;
 pub use recover::{RecoverySummary, Unchecked, recover};
+pub use rig_account::{RigAccount, RigClock};
 pub use sequence::{Gap, SequenceLedger};
 pub use write::{CaptureWriter, WriteSummary};
 

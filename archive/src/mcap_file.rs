@@ -17,6 +17,7 @@ use crate::description::{CAPTURE_METADATA, GAPS_METADATA, attachment};
 use crate::error::{ArchiveError, with_causes};
 use crate::parse::parse_record;
 use crate::records::{MAX_RECORD_BYTES, attachment_body_length, may_unpack_to};
+use crate::rig_account::{Account, AccountFields};
 use crate::schema::{FieldLayout, Layout};
 use crate::sequence::{Gap, SequenceLedger};
 
@@ -89,12 +90,13 @@ struct Content<'a> {
     path: &'a Path,
     schemas: Schemas,
     /// Where the fields of a sample lie, by channel.
-    samples: HashMap<u16, SampleFields>,
+    samples: HashMap<u16, (SampleFields, AccountFields)>,
     /// Channels of rendered models.
     model_channels: HashSet<u16>,
     models: Vec<ModelChange>,
     axis: Axis,
     rows: Rows,
+    account: Account,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
 }
@@ -109,6 +111,7 @@ impl<'a> Content<'a> {
             models: Vec::new(),
             axis: Axis::default(),
             rows: Rows::new(),
+            account: Account::default(),
             metadata: BTreeMap::new(),
             attachments: BTreeMap::new(),
         }
@@ -119,8 +122,13 @@ impl<'a> Content<'a> {
             Record::Schema { header, data } => self.schemas.learn(header, &data),
             Record::Channel(channel) => self.channel(channel)?,
             Record::Message { header, data } => {
-                if let Some(fields) = self.samples.get(&header.channel_id) {
-                    let Some(()) = self.rows.push(fields, &data) else {
+                if let Some((fields, account_fields)) = self.samples.get(&header.channel_id) {
+                    let body = data.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER);
+                    let taken = body.and_then(|body| {
+                        self.account.take(account_fields, body);
+                        self.rows.push(fields, body)
+                    });
+                    let Some(()) = taken else {
                         return Err(self.damaged("a sample is shorter than its schema says, or not little-endian CDR"));
                     };
                 } else if self.model_channels.contains(&header.channel_id) {
@@ -152,7 +160,8 @@ impl<'a> Content<'a> {
         if definition.holds_samples() {
             let layout = Layout::parse(&definition.schema_text)
                 .map_err(|error| ArchiveError::Schema { path: self.path.to_owned(), error })?;
-            self.samples.insert(channel_id, sample_fields(self.path, &layout)?);
+            let fields = (sample_fields(self.path, &layout)?, AccountFields::find(&layout));
+            self.samples.insert(channel_id, fields);
             self.axis = axis_of(&layout);
         } else if definition.holds_models() {
             self.model_channels.insert(channel_id);
@@ -161,7 +170,8 @@ impl<'a> Content<'a> {
     }
 
     fn into_capture(self) -> Result<Capture, ArchiveError> {
-        let Self { path, schemas: _, samples, model_channels: _, models, axis, rows, metadata, attachments } = self;
+        let Self { path, schemas: _, samples, model_channels: _, models, axis, rows, account, metadata, attachments } =
+            self;
         if samples.is_empty() {
             return Err(ArchiveError::NoSamples { path: path.to_owned() });
         }
@@ -178,6 +188,7 @@ impl<'a> Content<'a> {
             source: path.to_owned(),
             axis,
             rate_hz,
+            rig: account.into_rig_account(rate_hz),
             gaps,
             models,
             description,
@@ -232,8 +243,7 @@ impl Rows {
     }
 
     /// Adds a sample; `None` when the message does not hold what its schema says.
-    fn push(&mut self, fields: &SampleFields, message: &[u8]) -> Option<()> {
-        let body = message.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER)?;
+    fn push(&mut self, fields: &SampleFields, body: &[u8]) -> Option<()> {
         for (values, field) in self.0.iter_mut().zip(fields) {
             if let Some(field) = field {
                 values.push(field, body)?;

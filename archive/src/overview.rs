@@ -13,6 +13,7 @@ use crate::description::{RECOVERY_METADATA, attachment};
 use crate::error::ArchiveError;
 use crate::mcap_file::{read_records, recorded_gaps};
 use crate::parse::parse_record;
+use crate::rig_account::{Account, AccountFields, RigAccount};
 use crate::schema::{FieldLayout, Layout};
 use crate::sequence::SequenceLedger;
 
@@ -31,6 +32,8 @@ pub struct Overview {
     pub lost_samples: u64,
     /// Ticks that the loop missed; `None` from a table.
     pub missed_ticks: Option<u64>,
+    /// How the rig kept up with the ticks.
+    pub rig: RigAccount,
     /// Whether the run ended in a fault.
     pub fault: bool,
     /// Whether the archive was made of a broken one.
@@ -69,6 +72,7 @@ struct Content {
     channels: HashMap<u16, Fields>,
     ledger: SequenceLedger,
     missed_ticks: u64,
+    account: Account,
     first_tick: Option<u64>,
     last_tick: u64,
     last_state: u64,
@@ -82,6 +86,7 @@ struct Fields {
     tick: FieldLayout,
     missed_ticks: Option<FieldLayout>,
     state: Option<FieldLayout>,
+    account: AccountFields,
 }
 
 impl Content {
@@ -100,12 +105,15 @@ impl Content {
             }
             Record::Message { header, data } => {
                 if let Some(fields) = self.channels.get(&header.channel_id) {
-                    let numbers = data.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER).and_then(|body| fields.numbers(body));
-                    let [seq, tick, missed, state] = numbers.ok_or_else(|| {
+                    let body = data.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER);
+                    let numbers = body.and_then(|body| Some((body, fields.numbers(body)?)));
+                    let (body, [seq, tick, missed, state]) = numbers.ok_or_else(|| {
                         damaged("a sample is shorter than its schema says, or not little-endian CDR".to_owned())
                     })?;
                     // One that comes again is counted once.
-                    let _ = self.ledger.admit(seq);
+                    if self.ledger.admit(seq) {
+                        self.account.take(&fields.account, body);
+                    }
                     self.first_tick.get_or_insert(tick);
                     (self.last_tick, self.last_state) = (tick, state);
                     self.missed_ticks += missed;
@@ -141,6 +149,7 @@ impl Content {
             gaps,
             lost_samples,
             missed_ticks: Some(self.missed_ticks),
+            rig: self.account.into_rig_account(rate_hz),
             fault: self.last_state == u64::from(LoopState::Fault.code()),
             recovered: self.metadata.contains_key(RECOVERY_METADATA),
             description: self.description,
@@ -155,7 +164,8 @@ impl Fields {
             Layout::parse(schema_text).map_err(|error| ArchiveError::Schema { path: path.to_owned(), error })?;
         let [seq, tick, missed_ticks, state] =
             ["seq", "tick", "missed_ticks", "state"].map(|name| layout.field(name).cloned());
-        Ok(seq.zip(tick).map(|(seq, tick)| Self { seq, tick, missed_ticks, state }))
+        let account = AccountFields::find(&layout);
+        Ok(seq.zip(tick).map(|(seq, tick)| Self { seq, tick, missed_ticks, state, account }))
     }
 
     /// Number, tick, ticks missed before and state; zero for what the samples do not have.

@@ -308,3 +308,36 @@ fn samples_are_dated_by_when_they_were_read_and_those_that_repeat_an_earlier_one
         assert_eq!(*t_s, *tick as f64 / capture.rate_hz + 2e-5);
     }
 }
+
+#[test]
+fn what_a_rig_left_unanswered_is_counted_by_its_reason_and_its_clocks_drift_told() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("capture.mcap");
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer = archive::CaptureWriter::new(&mut file, &description()).unwrap();
+    for seq in 0..3_000 {
+        let ordinary = shared_types::Sample { flags: 0, measured_after_s: -3e-5, ..sample(seq) };
+        // A clock that is 100 ppm fast.
+        let monotonic_time_ns = 5_000_000_000 + (ordinary.tick as f64 * 1e5 / (1.0 + 1e-4)) as u64;
+        let (flags, device_code) = match seq {
+            100..120 => (shared_types::Sample::STALE, (-7_i32).cast_unsigned()),
+            200 => (shared_types::Sample::STALE, 0),
+            _ => (0, 0),
+        };
+        writer.sample(&shared_types::Sample { monotonic_time_ns, flags, device_code, ..ordinary }).unwrap();
+    }
+    writer.finish().unwrap();
+    std::fs::write(&path, file.into_inner()).unwrap();
+    let account = Capture::load(&path).unwrap().rig;
+    assert_eq!(account, archive::Overview::read(&path).unwrap().rig);
+    assert_eq!(account.stale_samples, [(-7, 20), (0, 1)].into());
+    let clock = account.clock.unwrap();
+    assert!((clock.drift_ppm - 100.0).abs() < 0.1, "{clock:?}");
+    assert!((clock.phase_s + 3e-5).abs() < 1e-12 && clock.phase_deviation_s < 1e-12, "{clock:?}");
+    let run =
+        shared_types::RunDescription { device_codes: vec![(-7, "a frame was lost; look".to_owned())], ..description() };
+    let told = account.in_words(&run, 0);
+    assert_eq!(told[0], "20 ticks brought nothing new: a frame was lost");
+    assert_eq!(told.len(), 3, "{told:?}");
+    assert_eq!(account.in_words(&run, -7).len(), 2, "what ended the run is told with its end");
+}

@@ -17,6 +17,16 @@ pub struct Measurement {
     pub after_s: f64,
     /// Nothing new came for this tick: the values are those of an earlier one, or none.
     pub is_stale: bool,
+    /// Why nothing new came, by the rig's own code; 0 where it does not say.
+    pub stale_code: i32,
+}
+
+impl Measurement {
+    /// Nothing new, for the reason that the rig's own code tells.
+    #[must_use]
+    pub fn stale(code: i32) -> Self {
+        Self { is_stale: true, stale_code: code, ..Self::default() }
+    }
 }
 
 /// What the rig must not exceed; beyond it the loop goes torque-free.
@@ -69,9 +79,9 @@ pub struct RigDescription {
     pub calibration: Calibration,
     /// Where its torque comes from.
     pub torque: TorqueSource,
-    /// Whether a torque acts a tick later than in a rig that reads and drives at the tick: where it takes effect with the next
+    /// By how many ticks a torque acts later than in a rig that reads and drives at the tick: 1 where it takes effect with the next
     /// [`exchange`](Apparatus::exchange) only, or what is measured is a tick old.
-    pub takes_torque_at_exchange: bool,
+    pub torque_late_ticks: f64,
     /// Most ticks in a row without anything new.
     pub stale_limit: u32,
     /// Time without a command after which the amplifier takes the torque away by itself, s, as read back from it once it is
@@ -81,18 +91,17 @@ pub struct RigDescription {
     pub device: Option<String>,
     /// The system calls that it makes in a tick.
     pub calls: DeclaredCalls,
-    /// What its own codes mean.
+    /// What its own codes mean, as a half sentence, which begins with the code where somebody else documents it.
     pub codes: Vec<(i32, String)>,
     /// Further facts worth keeping with a capture, as name and value.
     pub notes: Vec<(String, String)>,
 }
 
 impl RigDescription {
-    /// The error in words, with what the rig's own code means.
+    /// The error in words, with the rig's name.
     #[must_use]
     pub fn explain(&self, error: ApparatusError) -> String {
-        let meaning = |code| self.codes.iter().find(|(known, _)| *known == code).map(|(_, meaning)| meaning.as_str());
-        error.told(&self.name, error.device_code().and_then(meaning))
+        format!("the rig '{}': {}", self.name, error.reason(&self.codes))
     }
 
     /// What is known of the rig as whoever looks at a knob through its torque must take it: where the torque is the motor's,
@@ -144,16 +153,15 @@ impl ApparatusError {
         }
     }
 
-    /// The error in words, of the rig called `name`, whose code means `meaning`.
+    /// The error in words, of a rig whose codes have these meanings.
     #[must_use]
-    pub fn told(self, name: &str, meaning: Option<&str>) -> String {
-        match (self, meaning) {
-            (Self::Device(code), Some(meaning)) => format!("the rig '{name}' reported code {code}: {meaning}"),
-            (Self::Device(code), None) => {
-                format!("the rig '{name}' reported code {code}, which it does not explain; look it up in its manual")
-            }
-            (other, _) => format!("the rig '{name}': {other}"),
-        }
+    pub fn reason(self, codes: &[(i32, String)]) -> String {
+        let Self::Device(code) = self else { return self.to_string() };
+        let meaning = codes.iter().find(|(known, _)| *known == code).map(|(_, meaning)| meaning.clone());
+        // Manuals have some codes as they are and others in hexadecimal.
+        let unknown =
+            || format!("it reports code {code} ({code:#06x}), which nothing here explains; look it up in its manual");
+        meaning.unwrap_or_else(unknown)
     }
 }
 

@@ -246,6 +246,7 @@ impl Wiring {
             torque_mnm: self.torque.map_or(torque_mnm, |wire| wire.of(raw)),
             after_s: raw.after_s - self.angle_delay_s,
             is_stale: !is_new,
+            stale_code: 0,
         }
     }
 
@@ -255,6 +256,15 @@ impl Wiring {
         if self.torque.is_none() {
             self.torque_delay_s += 0.5 / rate_hz;
         }
+        self
+    }
+
+    /// The same for a device that holds a torque from one exchange to the next, and is read just before it changes, whether by its
+    /// current or by a sensor: what that torque makes is half a period old at the mean, the acceleration too.
+    #[must_use]
+    pub fn held_between_exchanges(mut self, rate_hz: f64) -> Self {
+        self.torque_delay_s += 0.5 / rate_hz;
+        self.acceleration_delay_s += 0.5 / rate_hz;
         self
     }
 

@@ -61,7 +61,7 @@ impl RigFile {
                 ..calibration.clone()
             },
             torque: wiring.torque_source,
-            takes_torque_at_exchange: true,
+            torque_late_ticks: 1.0,
             stale_limit: watchdog.stale_ticks,
             watchdog_s: None,
             device: self.device.clone(),

@@ -76,6 +76,22 @@ fn the_live_fit_comes_to_the_values_of_the_whole_capture() {
 }
 
 #[test]
+fn samples_that_are_missing_here_and_there_do_not_keep_the_live_fit_from_its_values() {
+    let capture = rig(4, 11);
+    let mut live = LiveFit::new(10_000.0, capture.calibration.as_ref());
+    // Two of seven.
+    stream(&mut live, &capture, |index| index * index % 7 != 2);
+    let estimate = live.estimate();
+    let whole = fit(&capture.samples(), &capture.options()).unwrap();
+    for parameter in &estimate.parameters {
+        let expected = whole.parameters.get(parameter.name).unwrap().value.unwrap();
+        assert_eq!(parameter.verdict, Verdict::Estimated, "{}", parameter.name);
+        let ([low, high], value) = (parameter.ci95.unwrap(), parameter.value.unwrap());
+        assert!((value - expected).abs() < high - low, "{}: {value} against {expected}", parameter.name);
+    }
+}
+
+#[test]
 fn a_gap_in_the_stream_does_not_corrupt_the_live_fit() {
     let capture = rig(4, 12);
     let mut live = LiveFit::new(10_000.0, capture.calibration.as_ref());

@@ -52,7 +52,7 @@ wire_message! {
         /// Bits: 1 the torque command was clipped at the motor's limit; of a rendering: 2 another model begins to be
         /// felt, 4 the virtual knob sticks, 8 the passivity guard took energy back; 16 the sensors brought nothing new.
         pub flags: u32,
-        /// The rig's own code for the fault, 0 for none: a signed number as its bits.
+        /// The rig's own code for the fault, or for why the sensors brought nothing new, 0 for none: a signed number as its bits.
         pub device_code: u32,
         /// Ticks up to this one in which the sensors brought nothing new.
         pub stale_ticks: u32,

@@ -27,6 +27,7 @@ pub fn description() -> RunDescription {
         planned_ticks: 100_000,
         clock: ClockMapping { monotonic_time_ns: 5_000_000_000, wall_clock_time_ns: 1_700_000_000_000_000_000 },
         realtime: 7,
+        torque_late_ticks: None,
         excitation_toml: "kind = \"paper\"\n".to_owned(),
         calibration_toml: "torque_offset_mnm = 0.25\n".to_owned(),
         simulated_knob_toml: Some("[[effects]]\nname = \"inertia\"\n".to_owned()),

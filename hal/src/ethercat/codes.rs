@@ -153,6 +153,8 @@ mod tests {
         let meaning = |code| all.iter().find(|(known, _)| *known == code).map(|(_, meaning)| meaning.as_str()).unwrap();
         assert!(meaning(of_al_status(0x1b)).contains("0x001b") && meaning(of_al_status(0x1b)).contains("watchdog"));
         assert_eq!(meaning(of_drive(0x2310)), "drive error 0x2310: continuous over current at the output");
+        let of_maker = crate::ApparatusError::Device(of_drive(0xff01)).reason(&all);
+        assert!(of_maker.contains("code 65281 (0xff01), which nothing here explains"), "{of_maker}");
         assert_eq!((of_drive(0), of_al_status(0)), (UNTOLD_FAULT, NOT_OPERATIONAL));
         let codes: std::collections::BTreeSet<i32> = all.iter().map(|(code, _)| *code).collect();
         assert_eq!(codes.len(), all.len());

@@ -102,12 +102,15 @@ impl EthercatRig {
         {
             return Err(file.error(format!("[settings] {key} is {value}, but it must be above zero, and finite")));
         }
-        let wiring = channels.wire(&names).map_err(|error| file.error(error))?.at_rate(rate_hz);
+        let wiring = channels.wire(&names).map_err(|error| file.error(error))?.held_between_exchanges(rate_hz);
         let description = file.description(&wiring)?;
         let asked_watchdog_s = file.needed_watchdog()?.timeout_s;
         let mut notes = description.notes;
         notes.push(("interface".to_owned(), settings.interface.clone()));
+        // Devices whose clocks are kept together take inputs at the SYNC0 before a frame, and outputs at the one after it.
+        let waits_ticks = if settings.distributed_clocks { 1.0 } else { 0.0 };
         let description = RigDescription {
+            torque_late_ticks: description.torque_late_ticks + waits_ticks,
             device: Some(file.device.clone().unwrap_or_else(|| settings.interface.clone())),
             calls: DeclaredCalls { names: vec!["sendto".to_owned()], per_tick: MOST_CALLS },
             codes: codes::all(),
@@ -181,7 +184,7 @@ impl EthercatRig {
                 return Err(BringUpError::State {
                     device: entries::DRIVE.to_owned(),
                     state: "'switched on'",
-                    reason: self.description.explain(ApparatusError::Device(code)),
+                    reason: ApparatusError::Device(code).reason(&self.description.codes),
                 });
             }
             if is_operational {
@@ -212,7 +215,7 @@ impl EthercatRig {
         self.amiss += 1;
         match self.amiss > self.description.stale_limit {
             true => Err(ApparatusError::Device(code)),
-            false => Ok(Measurement { is_stale: true, ..Measurement::default() }),
+            false => Ok(Measurement::stale(code)),
         }
     }
 
@@ -308,6 +311,8 @@ impl Apparatus for EthercatRig {
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
         let target_torque = thousandths(self.wiring.of_motor(torque_mnm), self.rated_torque_mnm);
         let wait_ns = self.wait_ns();
+        // A tick that does not hear of the devices' clocks follows the machine's.
+        self.shift_ns = 0;
         let Stage::Running(bus) = &mut self.stage else { return Err(ApparatusError::Amplifier) };
         let until_ns = monotonic_time_ns() + wait_ns;
         let cycle = match bus.cycle(Told { controlword: ENABLE_OPERATION, target_torque }, until_ns) {

@@ -82,7 +82,11 @@ const MEANINGS: [(i32, &str); 32] = [
     (UNNAMED_FAULT, "it is in a fault and gives no code; look at it with tview"),
 ];
 
-/// Every code with its meaning.
+/// Every code with its meaning, which begins with the code where it is the controller's.
 pub(super) fn all() -> Vec<(i32, String)> {
-    MEANINGS.iter().map(|(code, meaning)| (*code, (*meaning).to_owned())).collect()
+    let told = |code: i32, meaning: &str| match code < NOT_OPENED {
+        true => format!("fault code {code}: {meaning}"),
+        false => meaning.to_owned(),
+    };
+    MEANINGS.iter().map(|(code, meaning)| (*code, told(*code, meaning))).collect()
 }

@@ -123,10 +123,7 @@ impl MoteusRig {
         }
         let channels = file.needed_channels()?;
         let names: Vec<String> = CHANNELS.iter().map(|(name, _)| (*name).to_owned()).collect();
-        let mut wiring = channels.wire(&names).map_err(|error| file.error(error))?;
-        // A torque is held from one command to the next, and the answer tells what was measured just before it changes, by the
-        // current or by a sensor: half a period old at the mean.
-        wiring.torque_delay_s += 0.5 / rate_hz;
+        let wiring = channels.wire(&names).map_err(|error| file.error(error))?.held_between_exchanges(rate_hz);
         let sources: Vec<&str> = channels.sources().map(String::as_str).collect();
         let query = Query::of(&sources).ok_or_else(|| {
             file.error("[channels] names more channels than an answer of the controller holds; leave one out")
@@ -322,7 +319,7 @@ impl Apparatus for MoteusRig {
             if self.unanswered > self.description.stale_limit {
                 return Err(ApparatusError::Device(self.unheard));
             }
-            return Ok(Measurement { is_stale: true, ..Measurement::default() });
+            return Ok(Measurement::stale(self.unheard));
         };
         (self.unanswered, self.unheard) = (0, codes::SILENCE);
         let after_ns = (sent_ns.midpoint(came_ns)).wrapping_sub(due_ns).cast_signed();

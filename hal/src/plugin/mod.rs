@@ -75,11 +75,12 @@ impl PluginRig {
         let mut notes = description.notes;
         notes.push(("library".to_owned(), path.display().to_string()));
         notes.extend(described.name.map(|name| ("device".to_owned(), name)));
+        let codes = described.codes.into_iter().map(|(code, meaning)| (code, format!("code {code}: {meaning}")));
         let description = RigDescription {
-            takes_torque_at_exchange: !library.takes_torque_at_once(),
+            torque_late_ticks: if library.takes_torque_at_once() { 0.0 } else { 1.0 },
             watchdog_s: described.watchdog_s,
             device: Some(device),
-            codes: described.codes,
+            codes: codes.collect(),
             notes,
             ..description
         };

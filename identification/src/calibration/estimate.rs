@@ -88,6 +88,7 @@ fn slot<'a>(calibration: &'a mut Calibration, quantity: &str) -> Option<&'a mut 
         "gravity_phase_rad" => &mut calibration.gravity_phase_rad,
         "motor_inertia" => &mut calibration.motor_inertia,
         "motor_coulomb_mnm" => calibration.motor_coulomb_mnm.get_or_insert(0.0),
+        "command_delay_s" => calibration.command_delay_s.get_or_insert(0.0),
         "motor_viscous" => calibration.motor_viscous.get_or_insert(0.0),
         _ => return None,
     })

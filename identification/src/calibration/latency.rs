@@ -1,4 +1,4 @@
-//! The delays of torque and acceleration behind the encoder, to a fraction of a sample.
+//! The delays of torque and acceleration behind the encoder, and of the motor behind its command, to a fraction of a sample.
 //!
 //! A channel that shows x late by D, its bandwidth limited, shows to third order
 //!
@@ -42,17 +42,8 @@ const ROUNDS: usize = 3;
 pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated, CalibrateError> {
     samples.check()?;
     let uniform = Uniform::of(samples, None);
-    let rate_hz = uniform.rate_hz;
-    let velocity = Spectrum::welch(&gradient(&uniform.angle_rad, rate_hz), rate_hz);
-    let sweep_hz = velocity.power_below(0.95, 0.0);
-    let edge_hz = (EDGE_PER_SWEEP * sweep_hz).max(LOWEST_EDGE_HZ).min(0.2 * rate_hz);
-    let band = Band { edge_hz, rate_hz };
-    let mut columns = vec![gradient(&gradient(&band.smooth(&knob_angle(&uniform, known)), rate_hz), rate_hz)];
-    for order in 0..3 {
-        columns.push(gradient(&columns[order], rate_hz));
-    }
-    columns.push(vec![1.0; uniform.angle_rad.len()]);
-
+    let band = band(&uniform);
+    let columns = columns(&band, &knob_angle(&uniform, known));
     let torque = band.solve(&columns, &band.smooth(&uniform.torque_mnm));
     let mut found = vec![("torque", "torque_delay_s", torque)];
     if let Some(acceleration) = &uniform.acceleration_rad_s2 {
@@ -65,13 +56,7 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let mut calibrated = Calibrated::default();
     let mut refusal = None;
     for (channel, quantity, solved) in found {
-        if solved.unexplained > UNEXPLAINED {
-            let error = CalibrateError::Unexplained {
-                channel,
-                percent: 100.0 * solved.unexplained,
-                expected: "the motion of an inertia makes of it",
-                remedy: "take the knob off, calibrate gravity first, and sweep faster",
-            };
+        if let Some(error) = unexplained(channel, &solved) {
             calibrated.notes.push(format!("no delay of the {channel}: {error}"));
             refusal.get_or_insert(error);
             continue;
@@ -83,6 +68,66 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
         Some(error) if calibrated.estimates.is_empty() => Err(error),
         _ => Ok(calibrated),
     }
+}
+
+/// Fits the delay of the motor's torque behind its command to the same capture: what is commanded comes before the motion.
+///
+/// `commanded_mnm` is the torque commanded at each sample, which acts `late_ticks` later and is held for a tick. The motor's friction
+/// is fitted with it. Tells `command_delay_s`.
+///
+/// # Errors
+/// [`CalibrateError`] for samples that are no motion, and when the motion does not follow the command.
+pub fn command_latency(
+    samples: &Samples<'_>,
+    commanded_mnm: &[f64],
+    late_ticks: f64,
+) -> Result<Estimate, CalibrateError> {
+    samples.check()?;
+    if commanded_mnm.len() != samples.torque_mnm.len() || commanded_mnm.iter().any(|command| !command.is_finite()) {
+        return Err(CalibrateError::NoCommand);
+    }
+    let driven = Samples { torque_mnm: commanded_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
+    let uniform = Uniform::of(&driven, None);
+    let band = band(&uniform);
+    let velocity = gradient(&band.smooth(&uniform.angle_rad), uniform.rate_hz);
+    let direction: Vec<f64> = velocity.iter().map(|speed| speed.signum()).collect();
+    let mut columns = columns(&band, &uniform.angle_rad);
+    columns.extend([band.smooth(&direction), velocity]);
+    let solved = band.solve(&columns, &band.smooth(&uniform.torque_mnm));
+    if let Some(error) = unexplained("commanded torque", &solved) {
+        return Err(error);
+    }
+    let (late_s, half_width) = delay(&solved);
+    let value = -late_s - (late_ticks + 0.5) / uniform.rate_hz;
+    Ok(Estimate { quantity: "command_delay_s", value, half_width, unit: "s" })
+}
+
+/// The band in which the motion lies.
+fn band(uniform: &Uniform) -> Band {
+    let rate_hz = uniform.rate_hz;
+    let velocity = Spectrum::welch(&gradient(&uniform.angle_rad, rate_hz), rate_hz);
+    let sweep_hz = velocity.power_below(0.95, 0.0);
+    Band { edge_hz: (EDGE_PER_SWEEP * sweep_hz).max(LOWEST_EDGE_HZ).min(0.2 * rate_hz), rate_hz }
+}
+
+/// Acceleration, its three derivatives, and a constant.
+fn columns(band: &Band, angle_rad: &[f64]) -> Vec<Vec<f64>> {
+    let mut columns = vec![gradient(&gradient(&band.smooth(angle_rad), band.rate_hz), band.rate_hz)];
+    for order in 0..3 {
+        columns.push(gradient(&columns[order], band.rate_hz));
+    }
+    columns.push(vec![1.0; angle_rad.len()]);
+    columns
+}
+
+/// Why a channel tells no delay, if it does not.
+fn unexplained(channel: &'static str, solved: &Solved) -> Option<CalibrateError> {
+    (solved.unexplained > UNEXPLAINED).then_some(CalibrateError::Unexplained {
+        channel,
+        percent: 100.0 * solved.unexplained,
+        expected: "the motion of an inertia makes of it",
+        remedy: "take the knob off, calibrate gravity first, and sweep faster",
+    })
 }
 
 /// The accelerometer's relation, gravity taken out at the angle at which the sensor was read.
@@ -113,6 +158,7 @@ fn acceleration_relation(
 /// Delay and half width of its 95 % interval, s.
 fn delay(solved: &Solved) -> (f64, f64) {
     let [gain, slope] = [0, 1].map(|index| solved.coefficients[index]);
-    let value = -slope / gain;
-    (value, solved.half_width(&[slope / (gain * gain), -1.0 / gain, 0.0, 0.0, 0.0]))
+    let mut gradient = vec![0.0; solved.coefficients.len()];
+    (gradient[0], gradient[1]) = (slope / (gain * gain), -1.0 / gain);
+    (-slope / gain, solved.half_width(&gradient))
 }

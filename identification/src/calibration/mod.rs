@@ -8,6 +8,7 @@
 //! | [`zero`] | nothing on the gripper, no torque, at rest | the readings of torque sensor and accelerometer at rest |
 //! | [`gravity`] | a slow turn of more than 360° | gravity in the acceleration signal |
 //! | [`latency`] | the gripper alone under fast sines | how late torque and acceleration come |
+//! | [`command_latency`] | the same | how late the motor follows its command |
 //! | [`gripper`] | the gripper alone under a sweep | its inertia |
 //! | [`cogging`] | the gripper alone turned slowly both ways, with what was commanded | the motor's cogging |
 //! | [`friction`] | the gripper alone under a sweep, with what was commanded | the motor's inertia and friction |
@@ -31,5 +32,5 @@ pub use estimate::{CalibrateError, Calibrated, CoggingEstimate, Estimate};
 pub use friction::friction;
 pub use gravity::gravity;
 pub use gripper::gripper;
-pub use latency::latency;
+pub use latency::{command_latency, latency};
 pub use zero::zero;

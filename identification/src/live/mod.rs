@@ -58,6 +58,11 @@ const ENOUGH_S: f64 = 0.25;
 /// filters otherwise, and a sweep that ends at the first narrow interval ends where the live one happens to be too narrow.
 /// Chosen by `scripts/study-until-ci`: without it the archive's intervals were up to 1.27 times what was asked for.
 const MARGIN: f64 = 0.75;
+/// Longest step between two samples that is bridged, in periods: a rig that leaves a tick unanswered now and then would have the
+/// filters never fill.
+const BRIDGED_PERIODS: f64 = 4.5;
+/// Samples before a gap that the bridge over it follows.
+const BRIDGE_FOLLOWS: usize = 3;
 /// Angle error of the assumed period over half the travel, in radians of the detent sine, from which columns start anew.
 const RECENTRE_RAD: f64 = 0.03;
 
@@ -92,6 +97,8 @@ pub struct LiveFit {
     samples: u64,
     ignored: u64,
     newest_s: f64,
+    /// The newest samples since a gap, the newest last.
+    recent: Vec<LiveSample>,
     criterion: Criterion,
 }
 
@@ -129,6 +136,7 @@ impl LiveFit {
             samples: 0,
             ignored: 0,
             newest_s: f64::NAN,
+            recent: Vec::with_capacity(BRIDGE_FOLLOWS),
             criterion: Criterion::usual(calibration),
         }
         .converging_to(USUAL_SHARE)
@@ -149,15 +157,47 @@ impl LiveFit {
             self.ignored += 1;
             return;
         }
-        if (sample.time_s - self.newest_s) * self.rate_hz > 1.5 {
-            self.pipeline.restart();
-            self.base_filter.restart();
-            if let Some(joint) = &mut self.joint {
-                joint.filter.restart();
+        let periods = (sample.time_s - self.newest_s) * self.rate_hz;
+        if periods > 1.5 {
+            if periods < BRIDGED_PERIODS && self.recent.len() == BRIDGE_FOLLOWS {
+                self.bridge(sample, periods.round());
+            } else {
+                self.restart();
             }
         }
         self.newest_s = sample.time_s;
         self.samples += 1;
+        if self.recent.len() == BRIDGE_FOLLOWS {
+            self.recent.remove(0);
+        }
+        self.recent.push(*sample);
+        self.filter(sample);
+    }
+
+    /// Starts the filters afresh.
+    fn restart(&mut self) {
+        self.recent.clear();
+        self.pipeline.restart();
+        self.base_filter.restart();
+        if let Some(joint) = &mut self.joint {
+            joint.filter.restart();
+        }
+    }
+
+    /// Fills in what is missing before a sample so many periods after the newest: the angle on the cubic through its neighbours, the
+    /// torque on a line.
+    fn bridge(&mut self, sample: &LiveSample, periods: f64) {
+        let known = [self.recent[0], self.recent[1], self.recent[2], *sample];
+        let newest = known[BRIDGE_FOLLOWS - 1];
+        for step in (1..).map(f64::from).take_while(|step| *step < periods) {
+            let share = step / periods;
+            let time_s = newest.time_s + share * (sample.time_s - newest.time_s);
+            let torque_mnm = newest.torque_mnm + share * (sample.torque_mnm - newest.torque_mnm);
+            self.filter(&LiveSample { time_s, angle_rad: cubic_rad(&known, time_s), torque_mnm });
+        }
+    }
+
+    fn filter(&mut self, sample: &LiveSample) {
         if let Some(sliding) = self.pipeline.push(sample) {
             self.take(&sliding);
         }
@@ -267,4 +307,13 @@ impl LiveFit {
             blocks: Blocks::new(width),
         });
     }
+}
+
+/// The angle at a time on the cubic through four samples (Lagrange), rad.
+fn cubic_rad(known: &[LiveSample; 4], time_s: f64) -> f64 {
+    let weight = |one: usize| {
+        let others = (0..known.len()).filter(|other| *other != one);
+        others.map(|other| (time_s - known[other].time_s) / (known[one].time_s - known[other].time_s)).product::<f64>()
+    };
+    (0..known.len()).map(|one| weight(one) * known[one].angle_rad).sum()
 }

@@ -108,6 +108,7 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
             torque_mnm: capture.torque_mnm[row],
             after_s: capture.measured_after_s.as_ref().map_or(0.0, |column| column[row]),
             is_stale: flags[row] & Sample::STALE != 0,
+            stale_code: 0,
         };
         // A run that ends in a fault goes torque-free with its last sample, whatever the limit was.
         let at_fault = state[row] == LoopState::Fault.code();

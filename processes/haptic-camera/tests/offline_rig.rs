@@ -45,6 +45,7 @@ fn a_rig_is_calibrated_step_by_step_and_the_next_run_carries_the_calibration() {
         ("gravity_phase_rad", 0.7, 1e-3),
         ("torque_delay_s", 112.54e-6, 15e-6),
         ("acceleration_delay_s", 318.31e-6, 2e-6),
+        ("command_delay_s", 53.05e-6, 15e-6),
         ("gripper_inertia", 0.004, 2e-5),
         ("motor_inertia", 0.0159, 3e-4),
         ("motor_coulomb_mnm", 3.0, 0.1),

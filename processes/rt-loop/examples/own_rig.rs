@@ -27,7 +27,7 @@ fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
         slowest_rate_hz: 500.0,
         calibration,
         torque: TorqueSource::Motor,
-        takes_torque_at_exchange: true,
+        torque_late_ticks: 1.0,
         stale_limit: 0,
         watchdog_s: None,
         device: None,

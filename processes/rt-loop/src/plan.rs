@@ -229,6 +229,7 @@ impl Plan {
             planned_ticks: self.control.planned_ticks,
             clock: ClockMapping { monotonic_time_ns: monotonic_time_ns(), wall_clock_time_ns: wall_clock_time_ns() },
             realtime: 0,
+            torque_late_ticks: Some(self.rig.torque_late_ticks),
             excitation_toml: toml::to_string(&self.control.excitation)?,
             calibration_toml: self.rig.calibration_of_torque().to_toml(),
             simulated_knob_toml: self.simulated_knob.as_ref().map(Model::to_toml),
@@ -331,8 +332,7 @@ impl Plan {
 
 /// The servo's gains on a rig at a rate.
 fn gains(rig: &RigDescription, request: &RunRequest, rate_hz: f64) -> ServoGains {
-    let late_ticks = if rig.takes_torque_at_exchange { 1.0 } else { 0.0 };
-    let gains = ServoGains::for_rig(&rig.calibration, rig.torque, rate_hz, late_ticks);
+    let gains = ServoGains::for_rig(&rig.calibration, rig.torque, rate_hz, rig.torque_late_ticks);
     match request.knob.as_deref().and_then(Fixture::named) {
         Some(Fixture::None) => gains.for_free_gripper(&rig.calibration),
         Some(Fixture::Locked) | None => gains,
@@ -389,7 +389,7 @@ fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) 
         return Err(PlanError::Uncalibrated);
     }
     let gains = RenderGains::at_rate(rate_hz).on(axis);
-    let later_s = |rate_hz: f64| if rig.takes_torque_at_exchange { rate_hz.recip() } else { 0.0 };
+    let later_s = |rate_hz: f64| rig.torque_late_ticks / rate_hz;
     let holds = |rate_hz| {
         let bounds = Bounds::of(&RenderGains::at_rate(rate_hz).on(axis), &rig.calibration, &rig.limits, rate_hz);
         bounds.delayed(later_s(rate_hz)).holds_rest()

@@ -215,8 +215,8 @@ fn prepare(
         }
         // Only now the driver may know what its codes mean.
         Err(error) => {
-            let told = RigDescription { name: rig.name.clone(), ..apparatus.description().clone() };
-            anyhow::bail!("the rig did not come up: {}", told.explain(error))
+            let reason = error.reason(&apparatus.description().codes);
+            anyhow::bail!("the rig '{}' did not come up: {reason}", rig.name)
         }
     }
 }

@@ -268,11 +268,12 @@ fn nothing_is_published_and_no_run_begins_before_the_rig_is_armed() {
 #[test]
 fn ticks_that_bring_nothing_new_are_flagged_and_too_many_of_them_end_the_run() {
     let mut rotor = Rotor::running();
-    let stale = Measurement { angle_rad: f64::NAN, is_stale: true, ..Measurement::default() };
+    let stale = Measurement { angle_rad: f64::NAN, ..Measurement::stale(-7) };
     let before = rotor.tick(1).sample.unwrap();
     for ticks in 1..=3 {
         let sample = rotor.read(1, Ok(stale)).sample.unwrap();
         assert_eq!((sample.stale_ticks, sample.flags & Sample::STALE), (ticks, Sample::STALE));
+        assert_eq!(sample.device_code.cast_signed(), -7, "why, in the rig's own words");
         assert_eq!(sample.angle_rad.to_bits(), before.angle_rad.to_bits(), "the last one known");
     }
     let last = rotor.read(1, Ok(stale)).sample.unwrap();
@@ -283,7 +284,8 @@ fn ticks_that_bring_nothing_new_are_flagged_and_too_many_of_them_end_the_run() {
 #[test]
 fn a_time_that_does_not_rise_brings_nothing_new() {
     let mut rotor = Rotor::running();
-    assert_eq!(rotor.tick(1).sample.unwrap().stale_ticks, 0);
+    let fresh = rotor.tick(1).sample.unwrap();
+    assert_eq!((fresh.stale_ticks, fresh.device_code), (0, 0));
     let same = Measurement { angle_rad: rotor.angle_rad, after_s: -1.0, ..Measurement::default() };
     assert_eq!(rotor.read(1, Ok(same)).sample.unwrap().stale_ticks, 1);
 }

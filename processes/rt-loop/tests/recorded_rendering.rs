@@ -118,5 +118,6 @@ fn measured(sample: &Sample) -> Measurement {
         acceleration_rad_s2: Some(sample.acceleration_rad_s2),
         after_s: sample.measured_after_s,
         is_stale: sample.flags & Sample::STALE != 0,
+        stale_code: 0,
     }
 }

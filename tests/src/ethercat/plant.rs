@@ -17,18 +17,21 @@ pub struct Plant {
     pub motor_mnm: f64,
     /// Between rotor and knob.
     pub sensor_mnm: f64,
+    /// Whether nothing but an inertia is on the gripper.
+    is_bare: bool,
     at_ns: u64,
     random: u64,
 }
 
 impl Plant {
-    pub fn at_rest(now_ns: u64) -> Self {
+    pub fn at_rest(now_ns: u64, is_bare: bool) -> Self {
         Self {
             angle_rad: 0.0,
             velocity_rad_s: 0.0,
             acceleration_rad_s2: 0.0,
             motor_mnm: 0.0,
             sensor_mnm: 0.0,
+            is_bare,
             at_ns: now_ns,
             random: 1,
         }
@@ -50,9 +53,11 @@ impl Plant {
     fn step(&mut self, step_s: f64) {
         let inertia = ROTOR_INERTIA + KNOB_INERTIA;
         let before = self.velocity_rad_s;
-        let detent_mnm = DETENT_MNM * (DETENTS_PER_TURN * self.angle_rad).sin();
-        let kicked = before + step_s * (self.motor_mnm - VISCOUS * before - detent_mnm) / inertia;
-        let brake = step_s * COULOMB_MNM / inertia;
+        let [detent_mnm, viscous, coulomb_mnm] =
+            if self.is_bare { [0.0; 3] } else { [DETENT_MNM, VISCOUS, COULOMB_MNM] };
+        let detent_mnm = detent_mnm * (DETENTS_PER_TURN * self.angle_rad).sin();
+        let kicked = before + step_s * (self.motor_mnm - viscous * before - detent_mnm) / inertia;
+        let brake = step_s * coulomb_mnm / inertia;
         self.velocity_rad_s = if kicked.abs() <= brake { 0.0 } else { kicked - brake.copysign(kicked) };
         self.angle_rad += 0.5 * step_s * (before + self.velocity_rad_s);
         if step_s > 0.5 * STEP_S {

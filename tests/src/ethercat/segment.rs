@@ -40,6 +40,9 @@ pub struct Options {
     /// Frames go back with the source that they came with
     #[arg(long)]
     pub same_source: bool,
+    /// Nothing but an inertia is on the gripper
+    #[arg(long)]
+    pub bare: bool,
     /// By how much the drive's clock is fast, ppm
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     pub clock_ppm: f64,
@@ -93,7 +96,7 @@ impl Segment {
         drive.has_watchdog = !options.no_watchdog;
         let image = eeprom("HC-ANALOG", 0x00ab_cdef, 0x0000_3104, 0, &DRIVE_MANAGERS, &[1, 2]);
         let terminal = Controller::new(image, terminal_objects(), None, true);
-        let plant = Plant::at_rest(now_ns);
+        let plant = Plant::at_rest(now_ns, options.bare);
         Self {
             drive,
             terminal,

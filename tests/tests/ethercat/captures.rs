@@ -7,11 +7,9 @@ use tests::rotary_plant::is_the_plants;
 
 use super::{RIG, Wired};
 
-/// The rig's file for torques that are held over a period and read so long afterwards, as a share of it.
-///
-/// A held torque stands for its middle: what is read at its end is half a period old, and the acceleration with it.
-fn held(text: &str, rate_hz: f64, read_at: f64) -> String {
-    let delay_s = (read_at - 0.5) / rate_hz;
+/// The rig's file for torques that are read sooner than just before they change, by this share of a period.
+fn read_sooner(text: &str, rate_hz: f64, by: f64) -> String {
+    let delay_s = -by / rate_hz;
     let [torque, acceleration] = ["scale = 0.001\n", "scale = 0.5\n"];
     assert!(text.contains(torque) && text.contains(acceleration));
     let delayed = |line: &str| format!("{line}delay_s = {delay_s}\n");
@@ -34,10 +32,11 @@ fn fitted(wired: &Wired, rate_hz: &str) -> (Capture, Value) {
 fn the_plant_behind_a_drive_is_captured_as_it_is_at_one_two_and_four_kilohertz() {
     let Some(wired) = Wired::new(&[]) else { return };
     for rate_hz in ["1000", "2000", "4000"] {
-        wired.rig(|text| held(&text, rate_hz.parse().unwrap(), 1.0));
+        wired.rig(|text| text);
         let (capture, parameters) = fitted(&wired, rate_hz);
         is_the_plants(&parameters, 0.0, rate_hz);
         assert!(capture.gaps.is_empty(), "{rate_hz}");
+        assert_eq!(capture.rig.clock, None, "ticks that follow the machine's clock");
         let run = capture.description.unwrap();
         assert_eq!((run.apparatus.as_str(), run.knob.as_str()), ("servo", "unnamed"));
         assert_eq!(run.simulated_knob_toml, None, "nobody knows what a real knob is");
@@ -52,10 +51,14 @@ fn the_plant_behind_a_drive_is_captured_as_it_is_at_one_two_and_four_kilohertz()
 #[test]
 fn ticks_follow_the_drives_clock() {
     let Some(wired) = Wired::new(&["--clock-ppm", "80"]) else { return };
-    // Frames pass 0.3 of a period after SYNC0, at which inputs are taken.
-    wired.rig(|text| held(&text, 1e3, 0.7).replace("[settings]\n", "[settings]\ndistributed_clocks = true\n"));
+    // Inputs are taken at SYNC0, and the torque at once with its frame, which passes 0.3 of a period later.
+    wired.rig(|text| read_sooner(&text, 1e3, 0.3).replace("[settings]\n", "[settings]\ndistributed_clocks = true\n"));
     let (capture, parameters) = fitted(&wired, "1000");
     is_the_plants(&parameters, 0.0, "distributed clocks");
+    let clock = capture.rig.clock.unwrap();
+    eprintln!("{clock:?}");
+    assert!((clock.drift_ppm - 80.0).abs() < 5.0, "{clock:?}");
+    assert!((clock.phase_s + 0.3e-3).abs() < 0.05e-3, "{clock:?}");
     let after_s = capture.measured_after_s.unwrap();
     let late = after_s.iter().filter(|after_s| (**after_s + 0.3e-3).abs() > 0.1e-3).count();
     assert!(late * 10 < after_s.len(), "{late} of {} ticks are out of phase", after_s.len());
@@ -66,7 +69,7 @@ fn the_torque_may_come_from_the_motors_current() {
     let Some(wired) = Wired::new(&["--same-source"]) else { return };
     wired.rig(|text| {
         let of_motor = "source = \"drive.torque\"\nof_motor = true\n";
-        held(&text, 2e3, 1.0).replace("source = \"sensor.0x6000:11\"\nscale = 0.001\n", of_motor)
+        text.replace("source = \"sensor.0x6000:11\"\nscale = 0.001\n", of_motor)
     });
     assert!(RIG.contains("source = \"sensor.0x6000:11\"\nscale = 0.001\n"));
     let (_, parameters) = fitted(&wired, "2000");

@@ -2,7 +2,7 @@
 
 use tests::printed;
 
-use super::Wired;
+use super::{Running, Wired};
 
 #[test]
 fn what_is_on_the_bus_is_listed_and_makes_a_rig_file_that_comes_up() {
@@ -64,19 +64,30 @@ fn the_doctor_looks_at_the_interface() {
 
 #[test]
 fn a_knob_is_replayed_within_bounds_that_follow_from_the_drives_delay() {
-    let Some(wired) = Wired::new(&[]) else { return };
-    let known = |delay_s: &str| {
+    let Some(mut wired) = Wired::new(&[]) else { return };
+    let known = |wired: &Wired, delay_s: &str| {
         wired.rig(|text| {
             let calibration = "[calibration]\nmotor_coulomb_mnm = 0.0\nmotor_viscous = 0.0\ncommand_delay_s = ";
             text.replace("[calibration]\n", &format!("{calibration}{delay_s}\n"))
         })
     };
     let replay = ["replay", "3", "--rig", "rig.toml", "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"];
-    known("1e-4");
+    // The drive takes its torque with the frame.
+    known(&wired, "0.0");
+    wired.segment = Running::start(&["--bare"]);
+    let calibrate = ["calibrate", "latency", "--rig", "rig.toml", "--rate-hz", "1000", "--out", "calibrated.toml"];
+    let output = wired.bench.run(&calibrate).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
+    let calibrated = std::fs::read_to_string(wired.bench.path("calibrated.toml")).unwrap();
+    let delay_s = calibrated.lines().find_map(|line| line.strip_prefix("command_delay_s = ")).unwrap();
+    eprintln!("the drive's delay: {delay_s} s");
+    assert!(delay_s.parse::<f64>().unwrap().abs() < 1e-4, "{delay_s}");
+    wired.segment = Running::start(&[]);
+    known(&wired, delay_s);
     let output = wired.bench.run(&replay).unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
     assert!(printed(&output).contains("rendered Knob 3"), "{}", printed(&output));
-    known("5e-3");
+    known(&wired, "5e-3");
     let output = wired.bench.run(&replay).unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
     assert!(printed(&output).contains("no hand could hold what the rig 'servo' renders"), "{}", printed(&output));

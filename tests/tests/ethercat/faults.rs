@@ -71,7 +71,7 @@ fn next_run_starts(wired: &Wired) {
 #[test]
 fn a_drive_that_fails_is_told_by_its_code() {
     let Some(mut wired) = Wired::new(&["--drive-error", "0x2310", "--after-s", "2"]) else { return };
-    ends_in(&wired, "the rig 'servo' reported code 8976: drive error 0x2310: continuous over current at the output");
+    ends_in(&wired, "the rig 'servo': drive error 0x2310: continuous over current at the output");
     wired.segment = Running::start(&[]);
     next_run_starts(&wired);
 }
@@ -93,8 +93,18 @@ fn a_terminal_that_drops_out_shows_in_the_working_counter() {
     wired.rig(|text| text);
     let (said, status, capture) = wired.capture("1000", "4");
     assert_eq!(status, Some(0), "{said}");
+    let words = "ticks brought nothing new: a device no longer takes part in the exchange (wrong working counter)";
+    told_once(&said, words);
     let capture = capture.unwrap();
-    assert!(capture.unmeasured_samples >= 20, "{}", capture.unmeasured_samples);
+    let codes = &capture.description.as_ref().unwrap().device_codes;
+    let counted = |words: &str| {
+        let (code, _) = codes.iter().find(|(_, meaning)| meaning.contains(words)).unwrap();
+        capture.rig.stale_samples.get(code).copied().unwrap_or(0)
+    };
+    // So many frames pass the terminal by; on a host that has other work some of them come back too late to be counted so.
+    let (wrong, lost) = (counted("wrong working counter"), counted("frames no longer come back"));
+    assert!(wrong > 0 && wrong <= 20 && wrong + lost >= 20, "{:?}", capture.rig);
+    assert_eq!(capture.unmeasured_samples, capture.rig.stale_samples.values().sum::<u64>());
 }
 
 #[test]

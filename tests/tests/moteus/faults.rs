@@ -57,27 +57,27 @@ fn ends_with(trouble: &[&str], words: &str) {
 
 #[test]
 fn a_fault_of_the_controllers_own_is_told_by_its_code() {
-    ends_with(&["--trouble", "driver-fault"], "reported code 33: motor driver fault");
+    ends_with(&["--trouble", "driver-fault"], "fault code 33: motor driver fault");
 }
 
 #[test]
 fn a_controller_that_falls_silent_is_told() {
-    ends_with(&["--trouble", "silence"], "code 1002: the controller does not answer");
+    ends_with(&["--trouble", "silence"], "the controller does not answer");
 }
 
 #[test]
 fn garbage_instead_of_answers_is_told() {
-    ends_with(&["--trouble", "garbage"], "code 1003: what came from the port is no answer");
+    ends_with(&["--trouble", "garbage"], "what came from the port is no answer");
 }
 
 #[test]
 fn wrong_checksums_are_told() {
-    ends_with(&["--uart", "--trouble", "checksum"], "code 1004: answers came with wrong checksums");
+    ends_with(&["--uart", "--trouble", "checksum"], "answers came with wrong checksums");
 }
 
 #[test]
 fn a_controller_that_is_switched_off_and_on_in_a_run_is_told() {
-    ends_with(&["--trouble", "restart"], "code 1007: the controller began anew");
+    ends_with(&["--trouble", "restart"], "the controller began anew");
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn a_port_that_goes_in_a_run_is_told() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    told_once(&told, "code 1001: its port is gone; check the cable");
+    told_once(&told, "its port is gone; check the cable");
     is_whole(&bench, &told);
     the_next_run_begins(&bench, &file);
 }
@@ -122,9 +122,9 @@ fn a_control_loop_that_is_killed_leaves_no_torque_beyond_the_watchdogs_time() {
 #[test]
 fn a_controller_that_cannot_be_driven_is_told_before_the_run() {
     let cases: [(&[&str], &str); 3] = [
-        (&["--trouble", "unconfigured"], "reported code 36: motor not configured"),
-        (&["--trouble", "no-watchdog"], "code 1009: the controller goes on driving without commands"),
-        (&["--trouble", "slow"], "code 1011: answers take too long"),
+        (&["--trouble", "unconfigured"], "fault code 36: motor not configured"),
+        (&["--trouble", "no-watchdog"], "the controller goes on driving without commands"),
+        (&["--trouble", "slow"], "answers take too long"),
     ];
     for (trouble, words) in cases {
         let bench = Bench::new().unwrap();
@@ -143,10 +143,7 @@ fn a_port_without_a_controller_is_told_and_its_preparation_can_be_stopped() {
     let bench = Bench::new().unwrap();
     let _server = Server::start(&bench, &[]);
     let file = rig(&bench, |text| text.replace("\nid = 1\n", "\nid = 7\n"));
-    told_once(
-        &told(&bench, &file),
-        "code 1002: the controller does not answer; check its supply, its cable and [settings] id",
-    );
+    told_once(&told(&bench, &file), "the controller does not answer; check its supply, its cable and [settings] id");
     let file = rig(&bench, |text| text.replace("port = \"", "port = \"/nowhere"));
     told_once(&told(&bench, &file), "which is neither a tty nor a CAN interface of this machine");
 }

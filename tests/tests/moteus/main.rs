@@ -3,6 +3,7 @@
 #![allow(clippy::print_stderr, reason = "a test that skips says so")]
 
 mod allocation;
+mod can;
 mod captures;
 mod commands;
 mod faults;

@@ -37,7 +37,7 @@ fn is_whole(capture: Option<Capture>, told: &str) {
 fn a_rig_that_refuses_to_switch_on_says_why() {
     let bench = Bench::new().unwrap();
     let (told, archive) = captured(&bench, "fault = \"refuses\"");
-    told_once(&told, "the rig 'rotary plant' reported code 12: the interlock is open; close the door");
+    told_once(&told, "the rig 'rotary plant': code 12: the interlock is open; close the door");
     assert_eq!(told.lines().count(), 1, "{told}");
     assert!(archive.is_none());
 }

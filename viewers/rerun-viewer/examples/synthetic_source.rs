@@ -131,6 +131,7 @@ fn description(run_id: u64, planned_ticks: u64) -> RunDescription {
             wall_clock_time_ns: rig::wall_clock_time_ns(),
         },
         realtime: realtime::FULL,
+        torque_late_ticks: None,
         excitation_toml: String::new(),
         calibration_toml: String::new(),
         simulated_knob_toml: None,

@@ -9,7 +9,7 @@ use anyhow::Context as _;
 use dynamics::Calibration;
 use identification::calibration::{self, CalibrateError, Calibrated};
 use loaded_capture::LoadedCapture;
-use rt_loop::request::RunRequest;
+use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::{CalibrateOptions, CalibrationKind, RigOptions};
 use crate::load;
@@ -28,7 +28,7 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let given = options.rig.request.calibration.as_deref();
     let previous = given.map(file::Previous::read).transpose()?;
     let (captures, outcome) = if options.captures.is_empty() {
-        let (capture, outcome) = options.what.capture(&options.rig)?;
+        let (capture, outcome) = options.what.capture(&options.pace, &options.rig)?;
         (vec![capture], outcome)
     } else {
         (options.captures.clone(), Outcome::Done)
@@ -69,6 +69,20 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     Ok(outcome)
 }
 
+/// The delays of the channels, and of the motor where the capture says when a command acts.
+fn latency(loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
+    let samples = &loaded.samples();
+    let mut told = calibration::latency(samples, known)?;
+    let late_ticks = loaded.capture.description.as_ref().and_then(|run| run.torque_late_ticks);
+    if let Some((commanded_mnm, late_ticks)) = loaded.commanded_torque_mnm().zip(late_ticks) {
+        match calibration::command_latency(samples, commanded_mnm, late_ticks) {
+            Ok(delay) => told.estimates.push(delay),
+            Err(error) => told.notes.push(format!("no delay of the motor: {error}")),
+        }
+    }
+    Ok(told)
+}
+
 impl CalibrationKind {
     fn calibrate(self, loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
         let samples = &loaded.samples();
@@ -81,7 +95,7 @@ impl CalibrationKind {
             Self::Gravity => calibration::gravity(samples, known),
             Self::Zero => calibration::zero(samples, known),
             Self::Gripper => calibration::gripper(samples, known),
-            Self::Latency => calibration::latency(samples, known),
+            Self::Latency => latency(loaded, known),
         }
     }
 
@@ -97,13 +111,14 @@ impl CalibrationKind {
         }
     }
 
-    /// Makes the capture that it needs; gives it, and whether data was lost.
-    fn capture(self, rig: &RigOptions) -> anyhow::Result<(PathBuf, Outcome)> {
+    /// Makes the capture that it needs at this pace; gives it, and whether data was lost.
+    fn capture(self, pace: &Pace, rig: &RigOptions) -> anyhow::Result<(PathBuf, Outcome)> {
         let fast = |sweep: &str, amplitude, duration_s| RunRequest {
             knob: Some("none".to_owned()),
             sweep: sweep.to_owned(),
             amplitude,
             duration_s,
+            pace: pace.clone(),
             rig: rig.request.clone(),
             ..RunRequest::default()
         };

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use rt_loop::request::Pace;
 
 use crate::command_line::RigOptions;
 
@@ -21,6 +22,9 @@ pub struct CalibrateOptions {
     /// Where the calibration goes; may be the file given as --calibration
     #[arg(long, value_name = "CALIBRATION.toml")]
     pub out: PathBuf,
+    /// How fast the rig is read where no capture is given
+    #[command(flatten)]
+    pub pace: Pace,
     /// How the rig is turned where no capture is given
     #[command(flatten)]
     pub rig: RigOptions,

@@ -59,6 +59,10 @@ pub(super) struct Entry {
     pub(super) lost_samples: Option<u64>,
     /// Ticks that the loop missed; none from a table.
     pub(super) missed_ticks: Option<u64>,
+    /// Ticks for which the rig brought nothing new.
+    pub(super) stale_ticks: Option<u64>,
+    /// By how much the rig's clock was faster than the machine's, where the ticks followed it, ppm.
+    pub(super) clock_drift_ppm: Option<f64>,
     /// Whether it was made of a broken archive.
     pub(super) recovered: bool,
     /// How good its fit is.
@@ -79,8 +83,18 @@ impl Entry {
     }
 
     fn of_capture(path: &Path, overview: Overview) -> Self {
-        let Overview { samples, rate_hz, duration_s, gaps, lost_samples, missed_ticks, fault, recovered, description } =
-            overview;
+        let Overview {
+            samples,
+            rate_hz,
+            duration_s,
+            gaps,
+            lost_samples,
+            missed_ticks,
+            rig,
+            fault,
+            recovered,
+            description,
+        } = overview;
         let begun_ns = description.as_ref().map(|run| u128::from(run.clock.wall_clock_time_ns));
         let captured_at_ns = begun_ns.filter(|&time| time > 0).unwrap_or_else(|| written_ns(path));
         let health = match () {
@@ -101,6 +115,8 @@ impl Entry {
             gaps: Some(gaps),
             lost_samples: Some(lost_samples),
             missed_ticks,
+            stale_ticks: Some(rig.stale_samples.values().sum()),
+            clock_drift_ppm: rig.clock.map(|clock| clock.drift_ppm),
             recovered,
             quality: Quality::of(path, samples),
             captured_at_ns,
@@ -131,6 +147,8 @@ impl Entry {
             gaps: None,
             lost_samples: None,
             missed_ticks: None,
+            stale_ticks: None,
+            clock_drift_ppm: None,
             recovered: false,
             quality: Quality::default(),
             captured_at_ns,

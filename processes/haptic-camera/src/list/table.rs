@@ -88,6 +88,12 @@ fn remark(entry: &Entry) -> Option<String> {
     if let Some(ticks) = entry.missed_ticks.filter(|&ticks| ticks > 0) {
         words.push(format!("{ticks} ticks missed"));
     }
+    if let Some(ticks) = entry.stale_ticks.filter(|&ticks| ticks > 0) {
+        words.push(format!("{ticks} ticks brought nothing new"));
+    }
+    if let Some(drift_ppm) = entry.clock_drift_ppm {
+        words.push(format!("the rig's clock drifted by {drift_ppm:+.1} ppm"));
+    }
     if entry.health == Health::Fault {
         words.push("the run ended in a fault".to_owned());
     }

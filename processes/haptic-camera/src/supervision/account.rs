@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use archive::{ArchiveError, Capture, Gap, Overview};
-use shared_types::LoopStatus;
+use archive::{ArchiveError, Capture, Gap, Overview, RigAccount};
+use shared_types::{LoopStatus, RunDescription};
 
 /// Gaps that are told one by one.
 const TOLD_GAPS: usize = 5;
 
 /// What lies in the archive of a run.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Archived {
     /// Samples that are there.
     pub(crate) samples: u64,
@@ -17,6 +17,10 @@ pub(crate) struct Archived {
     missing: u64,
     /// … and where, as far as this was read.
     gaps: Vec<Gap>,
+    /// How the rig kept up with the ticks …
+    rig: RigAccount,
+    /// … in a run of this description.
+    run: Option<RunDescription>,
 }
 
 impl Archived {
@@ -25,15 +29,26 @@ impl Archived {
     /// # Errors
     /// When it cannot be read.
     pub(crate) fn read(archive: &Path) -> Result<Self, ArchiveError> {
-        let Overview { samples, lost_samples, .. } = Overview::read(archive)?;
-        Ok(Self { samples, missing: lost_samples, gaps: Vec::new() })
+        let Overview { samples, lost_samples, rig, description, .. } = Overview::read(archive)?;
+        Ok(Self { samples, missing: lost_samples, gaps: Vec::new(), rig, run: description })
+    }
+
+    /// How the rig kept up with the ticks, in sentences, but for what has this code, which was told.
+    pub(super) fn rig_in_words(&self, told: i32) -> Vec<String> {
+        self.run.as_ref().map(|run| self.rig.in_words(run, told)).unwrap_or_default()
     }
 }
 
 impl From<&Capture> for Archived {
     fn from(capture: &Capture) -> Self {
         let missing = capture.gaps.iter().map(|gap| gap.count).sum();
-        Self { samples: capture.len() as u64 + capture.unmeasured_samples, missing, gaps: capture.gaps.clone() }
+        Self {
+            samples: capture.len() as u64 + capture.unmeasured_samples,
+            missing,
+            gaps: capture.gaps.clone(),
+            rig: capture.rig.clone(),
+            run: capture.description.clone(),
+        }
     }
 }
 
@@ -89,7 +104,7 @@ mod tests {
             .iter()
             .map(|&(first, last)| Gap { first_missing_seq: first, last_missing_seq: last, count: last - first + 1 })
             .collect();
-        Archived { samples, missing: gaps.iter().map(|gap| gap.count).sum(), gaps }
+        Archived { samples, missing: gaps.iter().map(|gap| gap.count).sum(), gaps, ..Archived::default() }
     }
 
     #[test]

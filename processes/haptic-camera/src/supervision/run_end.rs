@@ -47,15 +47,12 @@ impl RigWords {
     pub(crate) fn fault_words(&self, status: &LoopStatus) -> Option<String> {
         let fault = Fault::from_code(status.fault)?;
         Some(match (fault, status.device_code.cast_signed()) {
-            (Fault::Apparatus, code) if code != 0 => self.explain(code),
+            (Fault::Apparatus, code) if code != 0 => {
+                format!("the rig '{}': {}", self.name, ApparatusError::Device(code).reason(&self.codes))
+            }
             (Fault::Apparatus | Fault::Sensor | Fault::Stale, _) => format!("the rig '{}': {fault}", self.name),
             _ => self.axis.words(&fault.to_string()).into_owned(),
         })
-    }
-
-    fn explain(&self, code: i32) -> String {
-        let meaning = self.codes.iter().find(|(known, _)| *known == code).map(|(_, meaning)| meaning.as_str());
-        ApparatusError::Device(code).told(&self.name, meaning)
     }
 }
 
@@ -110,8 +107,10 @@ impl RunEnd {
         if self.recorder_exit == Some(3) { self.outcome(true) } else { Outcome::Failed }
     }
 
-    /// Tells what was lost of the run, planned, taken or archived; how the command that made it ended.
+    /// Tells how the rig kept up, and what was lost of the run, planned, taken or archived; how the command that made it ended.
     pub(crate) fn settle(&self, archived: &Archived) -> Outcome {
+        let told = archived.rig_in_words(self.status.device_code.cast_signed());
+        told.iter().for_each(|told| say(format!("rig      {told}")));
         let is_cut = self.is_ended_on_purpose() || self.loop_died || self.fault_words().is_some();
         let losses = account::losses(&self.status, archived, is_cut);
         losses.iter().for_each(remark);

@@ -24,8 +24,14 @@ const RELEASE_S: f64 = 0.02;
 const STOPPING_S: f64 = 0.2;
 
 /// What a tick without an answer from the sensors measured: nothing.
-const UNMEASURED: Measurement =
-    Measurement { angle_rad: f64::NAN, acceleration_rad_s2: None, torque_mnm: f64::NAN, after_s: 0.0, is_stale: true };
+const UNMEASURED: Measurement = Measurement {
+    angle_rad: f64::NAN,
+    acceleration_rad_s2: None,
+    torque_mnm: f64::NAN,
+    after_s: 0.0,
+    is_stale: true,
+    stale_code: 0,
+};
 
 /// What a run consists of; plain data, made outside the real-time thread.
 #[derive(Clone, Copy, Debug)]
@@ -98,6 +104,8 @@ pub struct ControlState {
     unmeasured_ticks: u64,
     /// Ticks up to this one that brought nothing new.
     stale_ticks: u32,
+    /// Why, by the rig's own code.
+    stale_code: i32,
     /// The rig's own code for the fault.
     device_code: i32,
     /// What the motor has done to the knob since the rig was armed, by its command, mNm·rad.
@@ -132,6 +140,7 @@ impl ControlState {
             newest: None,
             unmeasured_ticks: 0,
             stale_ticks: 0,
+            stale_code: 0,
             device_code: 0,
             work: 0.0,
             velocity_filter: ButterworthLowPass::new(
@@ -422,7 +431,8 @@ impl ControlState {
         commanded_angle_rad: f64,
         flags: u32,
     ) -> Sample {
-        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, after_s, is_stale: _ } = *measurement;
+        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, after_s, is_stale: _, stale_code: _ } =
+            *measurement;
         Sample {
             seq: self.next_seq,
             tick: self.tick,
@@ -437,7 +447,7 @@ impl ControlState {
             state: self.state.code(),
             fault: self.fault.map_or(0, Fault::code),
             flags: if self.stale_ticks > 0 { flags | Sample::STALE } else { flags },
-            device_code: self.device_code.cast_unsigned(),
+            device_code: if self.device_code == 0 { self.stale_code } else { self.device_code }.cast_unsigned(),
             stale_ticks: self.stale_ticks,
             ..Sample::default()
         }
@@ -448,7 +458,7 @@ impl ControlState {
     ///
     /// New is what is said to be, and was read later than the one before: a clock that stands still brings nothing new.
     fn taken(&mut self, measurement: &Measurement, elapsed_ticks: u64) -> Result<Option<Measurement>, Fault> {
-        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, after_s, is_stale } = *measurement;
+        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, after_s, is_stale, stale_code } = *measurement;
         let numbers = [angle_rad, acceleration_rad_s2.unwrap_or(0.0), torque_mnm, after_s];
         if !is_stale && !numbers.iter().all(|number| number.is_finite()) {
             return Err(Fault::Sensor);
@@ -458,9 +468,11 @@ impl ControlState {
         let step_s = self.seconds(self.unmeasured_ticks) + (after_s - before_s);
         if is_stale || step_s <= 0.0 {
             self.stale_ticks = self.stale_ticks.saturating_add(1);
+            self.stale_code = stale_code;
             return if self.stale_ticks > self.plan.stale_limit { Err(Fault::Stale) } else { Ok(self.newest) };
         }
-        (self.newest, self.unmeasured_ticks, self.stale_ticks) = (Some(*measurement), 0, 0);
+        (self.newest, self.unmeasured_ticks) = (Some(*measurement), 0);
+        (self.stale_ticks, self.stale_code) = (0, 0);
         let before_rad = self.previous_angle_rad.unwrap_or(angle_rad);
         self.work += self.last_torque_mnm * (angle_rad - before_rad);
         self.track_velocity(angle_rad, step_s);

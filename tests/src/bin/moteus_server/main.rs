@@ -1,15 +1,16 @@
-//! A moteus controller on a pty, compiled, for rates that an interpreter does not hold: it shares no code with the driver, and its
+//! A moteus controller on a pty or a CAN interface, compiled, for rates that an interpreter does not hold: it shares no code with the driver, and its
 //! plant goes by the clock. What happens to it is printed, a line each.
 #![allow(clippy::print_stdout, reason = "what happens is this program's output")]
 
+mod can;
 mod controller;
 mod plant;
 mod wire;
 
 use std::fs::File;
 use std::io::{Read as _, Write as _};
-use std::os::fd::AsFd as _;
-use std::path::PathBuf;
+use std::os::fd::{AsFd as _, OwnedFd};
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
@@ -23,8 +24,11 @@ use wire::{crc8, parse_line, requests};
 #[derive(Parser)]
 struct Arguments {
     /// Where the port is to be found.
-    #[arg(long)]
-    link: PathBuf,
+    #[arg(long, required_unless_present = "can")]
+    link: Option<PathBuf>,
+    /// A CAN interface instead.
+    #[arg(long, conflicts_with = "link")]
+    can: Option<String>,
     #[arg(long, default_value_t = 1)]
     id: u32,
     /// Speaks as over a controller's own UART, with checksums.
@@ -42,20 +46,20 @@ struct Arguments {
 
 fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
-    let ends = openpty(None, None)?;
-    let mut raw = tcgetattr(&ends.slave)?;
-    cfmakeraw(&mut raw);
-    tcsetattr(&ends.slave, SetArg::TCSANOW, &raw)?;
-    let path = nix::unistd::ttyname(&ends.slave)?;
-    let _ = std::fs::remove_file(&arguments.link);
-    std::os::unix::fs::symlink(&path, &arguments.link).context("no link to the port can be made")?;
+    // The other end of a pty is held, so that the port is there before a host and after it.
+    let (port, _held) = match (&arguments.can, &arguments.link) {
+        (Some(interface), _) => (can::open(interface)?, None),
+        (None, Some(link)) => tty(link).map(|(port, other)| (port, Some(other)))?,
+        (None, None) => anyhow::bail!("neither a link nor a CAN interface was given"),
+    };
     let mut controller = Controller::new();
     controller.counts_per_turn = arguments.counts;
     controller.trouble = arguments.trouble;
     controller.trouble_after_s = arguments.after;
     println!("ready");
     let mut server = Server {
-        port: File::from(ends.master),
+        port,
+        is_can: arguments.can.is_some(),
         id: arguments.id,
         uart: arguments.uart,
         begun: Instant::now(),
@@ -70,6 +74,11 @@ fn main() -> anyhow::Result<()> {
         if heard == 0 {
             continue;
         }
+        if server.is_can {
+            let (identifier, data) = can::receive(&mut server.port)?;
+            server.serve(identifier, &data)?;
+            continue;
+        }
         let mut bytes = [0; 4096];
         let length = server.port.read(&mut bytes)?;
         waiting.extend_from_slice(&bytes[..length]);
@@ -80,8 +89,21 @@ fn main() -> anyhow::Result<()> {
     }
 }
 
+/// A pty that passes bytes on as they are, and its other end, which `link` leads to.
+fn tty(link: &Path) -> anyhow::Result<(File, OwnedFd)> {
+    let ends = openpty(None, None)?;
+    let mut raw = tcgetattr(&ends.slave)?;
+    cfmakeraw(&mut raw);
+    tcsetattr(&ends.slave, SetArg::TCSANOW, &raw)?;
+    let path = nix::unistd::ttyname(&ends.slave)?;
+    let _ = std::fs::remove_file(link);
+    std::os::unix::fs::symlink(&path, link).context("no link to the port can be made")?;
+    Ok((File::from(ends.master), ends.slave))
+}
+
 struct Server {
     port: File,
+    is_can: bool,
     id: u32,
     uart: bool,
     begun: Instant,
@@ -113,13 +135,16 @@ impl Server {
         if !silent {
             self.say("OK")?;
         }
-        if identifier & 0x7f != self.id {
+        self.serve(identifier, &data)
+    }
+
+    /// Serves a frame.
+    fn serve(&mut self, identifier: u32, data: &[u8]) -> anyhow::Result<()> {
+        let now_s = self.now_s();
+        if identifier & 0x7f != self.id || self.controller.has_trouble(now_s, Trouble::Silence) {
             return Ok(());
         }
-        if silent {
-            return Ok(());
-        }
-        let reply = self.controller.serve(&requests(&data), now_s);
+        let reply = self.controller.serve(&requests(data), now_s);
         self.tell();
         if self.controller.trouble == Some(Trouble::Slow) {
             std::thread::sleep(Duration::from_millis(5));
@@ -127,8 +152,11 @@ impl Server {
         if identifier & 0x8000 == 0 {
             return Ok(());
         }
-        let digits: String = reply.iter().map(|byte| format!("{byte:02x}")).collect();
         let source = identifier >> 8 & 0x7f;
+        if self.is_can {
+            return Ok(can::send(&mut self.port, self.id << 8 | source, &reply)?);
+        }
+        let digits: String = reply.iter().map(|byte| format!("{byte:02x}")).collect();
         self.say(&format!("rcv {:x} {digits} E B F", self.id << 8 | source))
     }
 
