@@ -220,6 +220,11 @@ impl<'a> Nonlinear<'a> {
         let mut squares = None;
         let at_bound = effect.kind().free_searches(structure.columns[index]).find(|search| {
             let Some((least, largest)) = (search.range)(&scene) else { return false };
+            // A share ends where the whole does, whatever the capture could show.
+            if matches!(effect.kind().part, Part::Coupling(_)) && effect.kind().parameters[search.parameter].unit == "1"
+            {
+                return false;
+            }
             let value = effect.values()[search.parameter];
             let width = if search.logarithmic { value } else { largest - least };
             let inward = if value <= least + 1e-3 * width {
