@@ -6,19 +6,6 @@ use std::path::{Path, PathBuf};
 use identification::PreparationMethod;
 use loaded_capture::LoadedCapture;
 
-/// Folder of the force curves that others measured, or `None` where it is not at hand, which is said.
-#[allow(clippy::print_stderr, reason = "a test that skips says so")]
-fn force_curves() -> Option<PathBuf> {
-    let data = std::env::var_os("HAPTIC_CAMERA_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    let folder = data.join("force-curves");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there is no {}; HAPTIC_CAMERA_DATA may name the folder above", folder.display());
-    None
-}
-
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
@@ -27,7 +14,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn the_fit_of_a_measured_dome_leaves_less_than_three_percent_of_its_force() {
-    let Some(folder) = force_curves() else { return };
+    let Some(folder) = measured_data::folder("force-curves") else { return };
     let sets = files(&folder.join("dome-lab"));
     assert!(sets.len() >= 10);
     for file in sets.iter().flat_map(|set| files(set)) {
@@ -45,7 +32,7 @@ fn the_fit_of_a_measured_dome_leaves_less_than_three_percent_of_its_force() {
 
 #[test]
 fn switches_are_fitted_or_refused_in_a_sentence() {
-    let Some(folder) = force_curves() else { return };
+    let Some(folder) = measured_data::folder("force-curves") else { return };
     for file in files(&folder.join("switches")) {
         match analysis::fit(&LoadedCapture::load_measured(&file).unwrap(), PreparationMethod::default()) {
             Ok(fit) => assert!(fit.relative_error_percent.is_finite(), "{}", file.display()),

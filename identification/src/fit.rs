@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 
-use dynamics::{Effect, Part, effects};
+use dynamics::{Calibration, Effect, Part, effects};
 
 use crate::central_differences::central_differences;
 use crate::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::detents::{self, Detents, Found};
+use crate::encoder_step::encoder_step;
 use crate::estimate::{Fit, Harmonic, Preparation};
 use crate::fixed_preparation::FixedPreparation;
 use crate::frame::Frame;
@@ -29,6 +30,9 @@ use crate::vector;
 const LARGEST_DELAY_SAMPLES: f64 = 0.5;
 /// Standard errors by which a delay must differ from zero to be allowed for.
 const DELAY_SIGNIFICANCE: f64 = 4.5;
+
+/// Step of an encoder that is coarse for a servo, rad: 17 bits in a turn.
+const COARSE_STEP_RAD: f64 = 5e-5;
 
 /// A delay too long for a trim is told if it explains this share of the residual's sum of squares.
 const WORTH_A_NOTE: f64 = 0.25;
@@ -190,7 +194,7 @@ impl<'a> Prepared<'a> {
         let Self { band, motion, torque_mnm, frame } = self;
         let mut base = Problem::new(frame, motion, band, torque_mnm, &base_effects(&options.further_effects));
         let solution = base.refine(20, |_, value| 0.1 * value.abs());
-        let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad);
+        let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad).filter(|step| *step > 0.0);
         let step = known_step.unwrap_or_else(|| smallest_step(samples.angle_rad));
         let found = if options.without_detents {
             Detents::None("detents were not asked for".to_owned())
@@ -269,6 +273,7 @@ impl<'a> Prepared<'a> {
             notes.push(format!("samples missing from the capture: {}; the fit leaves the gaps out", uniform.lost));
         }
         notes.extend(uniform.notes.iter().cloned());
+        notes.extend(unknown_step(samples, calibration));
         Fit {
             parameters,
             covariance,
@@ -380,6 +385,18 @@ fn base_effects(further: &[Effect]) -> Vec<Effect> {
     base.into_iter()
         .chain(further.iter().copied().filter(|effect| !matches!(effect.kind().part, Part::Stick(_))))
         .collect()
+}
+
+/// A note on an encoder whose steps are coarse and unknown to the rig's calibration: a servo that does not know of them makes noise.
+fn unknown_step(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Option<String> {
+    let step_rad = calibration
+        .filter(|known| known.angle_step_rad == 0.0)
+        .and_then(|_| encoder_step(samples.angle_rad))
+        .filter(|step_rad| *step_rad > COARSE_STEP_RAD)?;
+    Some(format!(
+        "the encoder's step is {step_rad:.2e} rad, of which the rig's calibration says nothing; with `angle_step_rad = {step_rad:.2e}` \
+         in it the servo makes less noise"
+    ))
 }
 
 /// The smallest difference between two samples that differ: the encoder's step, if it has one.

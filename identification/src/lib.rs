@@ -32,6 +32,7 @@ mod characteristic;
 pub mod checks;
 mod detents;
 pub mod diagnosis;
+mod encoder_step;
 mod estimate;
 pub mod filter;
 mod fit;
@@ -66,6 +67,7 @@ mod vector;
 
 pub use average::{Agreement, Average, Repeatability, Told, average};
 pub use characteristic::{CharacteristicPoint, MeasuredCurve};
+pub use encoder_step::encoder_step;
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
 pub use knob_motion::knob_motion;

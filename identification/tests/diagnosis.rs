@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Capture, Uniform, recordings, table};
+use common::{Capture, Uniform, table};
 use hidden_effects::capture::Capture as Hidden;
 use hidden_effects::family::Family;
 use identification::diagnosis::{DiagnoseOptions, Diagnosis, DiagnosisError, Verdict, diagnose};
@@ -26,8 +26,7 @@ fn verdict(found: &Diagnosis) -> Vec<String> {
 
 #[test]
 fn what_an_independent_simulator_hid_is_named_and_the_gap_closed() {
-    let Some(folder) = recordings() else { return };
-    let folder = folder.join("hidden-effects-dev");
+    let Some(folder) = measured_data::folder("hidden-effects-dev") else { return };
     let answers: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("answers.json")).unwrap()).unwrap();
     for (id, answer) in answers.as_object().unwrap() {

@@ -151,3 +151,14 @@ fn a_gap_in_time_is_said() {
     assert!(note(&fit, "samples missing from the capture").is_some());
     assert_told(&fit, 0.03, "gap");
 }
+
+#[test]
+fn a_coarse_encoder_that_the_calibration_does_not_know_of_is_said_with_its_step() {
+    let mut capture = rig(3, 6);
+    capture.angle_rad.iter_mut().for_each(|angle| *angle = (*angle / 1.5e-3).round() * 1.5e-3);
+    let noted =
+        |capture: &Capture| note(&fit(&capture.samples(), &capture.options()).unwrap(), "`angle_step_rad = 1.50e-3`");
+    assert!(noted(&capture).is_none());
+    capture.calibration.as_mut().unwrap().angle_step_rad = 0.0;
+    assert!(noted(&capture).is_some());
+}

@@ -6,19 +6,6 @@ use std::path::{Path, PathBuf};
 use archive::testers::Curve;
 use sheet::{Figure, Sheet};
 
-/// Folder of the force curves that others measured, or `None` where it is not at hand, which is said.
-#[allow(clippy::print_stderr, reason = "a test that skips says so")]
-fn force_curves() -> Option<PathBuf> {
-    let data = std::env::var_os("HAPTIC_CAMERA_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    let folder = data.join("force-curves");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there is no {}; HAPTIC_CAMERA_DATA may name the folder above", folder.display());
-    None
-}
-
 fn curves(folder: &Path) -> Vec<Curve> {
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
@@ -60,7 +47,7 @@ fn assert_equal(set: &str, found: [f64; 5], published: [f64; 5]) {
 
 #[test]
 fn the_figures_of_measured_domes_are_those_that_their_tester_publishes() {
-    let Some(folder) = force_curves() else { return };
+    let Some(folder) = measured_data::folder("force-curves") else { return };
     let readme = std::fs::read_to_string(folder.join("README.md")).unwrap();
     let table = rows(&readme);
     assert!(table.len() >= 10, "the table has {} sets", table.len());
@@ -74,7 +61,7 @@ fn the_figures_of_measured_domes_are_those_that_their_tester_publishes() {
 
 #[test]
 fn the_interval_of_repeated_runs_holds_each_of_them_and_that_of_all_but_one_holds_the_one_as_often_as_it_says() {
-    let Some(folder) = force_curves() else { return };
+    let Some(folder) = measured_data::folder("force-curves") else { return };
     let (mut own, mut next) = ([0_u32; 2], [0_u32; 2]);
     for set in std::fs::read_dir(folder.join("dome-lab")).unwrap() {
         let curves = curves(&set.unwrap().path());

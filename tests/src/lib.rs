@@ -11,7 +11,7 @@ pub mod rotary_plant;
 mod stopped_thread;
 pub mod trials;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
@@ -178,21 +178,6 @@ pub fn program(name: &str) -> anyhow::Result<PathBuf> {
     let mut places = own.ancestors().skip(1).take(2).map(|folder| folder.join(name));
     let there = places.find(|path| path.exists());
     there.with_context(|| format!("{name} is missing: build the whole workspace first, as scripts/test does"))
-}
-
-/// The folder of recordings made by others, or `None` when it is not at hand (which is said).
-#[must_use]
-#[allow(clippy::print_stderr, reason = "a test that skips says so")]
-pub fn measured_captures() -> Option<PathBuf> {
-    let folder = std::env::var_os("HAPTIC_CAMERA_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from)
-        .join("measured");
-    if folder.is_dir() {
-        Some(folder)
-    } else {
-        eprintln!("skipped: no measured captures in {}; set HAPTIC_CAMERA_DATA", folder.display());
-        None
-    }
 }
 
 /// What a program printed, for messages.

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
 use serde_json::Value;
-use tests::{Bench, measured_captures, printed};
+use tests::{Bench, printed};
 
 fn fit_json(bench: &Bench, capture: &str) -> Value {
     let output = bench.run(&["fit", capture, "--json", "-"]).unwrap();
@@ -12,7 +12,7 @@ fn fit_json(bench: &Bench, capture: &str) -> Value {
 
 #[test]
 fn the_emps_axis_is_fitted_to_its_published_inertia_without_any_option() {
-    let Some(folder) = measured_captures() else { return };
+    let Some(folder) = measured_data::folder("measured") else { return };
     let bench = Bench::new().unwrap();
     let fit = fit_json(&bench, &folder.join("emps.csv").to_string_lossy());
     let value = |name: &str| fit["parameters"][name]["value"].as_f64();
@@ -30,7 +30,7 @@ fn the_emps_axis_is_fitted_to_its_published_inertia_without_any_option() {
 
 #[test]
 fn the_cogging_map_is_fitted_without_any_option() {
-    let Some(folder) = measured_captures() else { return };
+    let Some(folder) = measured_data::folder("measured") else { return };
     let bench = Bench::new().unwrap();
     let fit = fit_json(&bench, &folder.join("laas-cogging-map.csv").to_string_lossy());
     let counts: Vec<f64> =

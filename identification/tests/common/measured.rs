@@ -1,25 +1,13 @@
 //! Recordings made by others.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::Capture;
-
-/// Folder of the captures that others made, or `None` where it is not at hand, which is said.
-#[allow(clippy::print_stderr, reason = "a test that skips says so")]
-pub fn recordings() -> Option<PathBuf> {
-    let folder = std::env::var_os("HAPTIC_CAMERA_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there is no {}; HAPTIC_CAMERA_DATA may name the folder", folder.display());
-    None
-}
 
 /// The columns of a recording made by others, or `None` where it is not at hand, which is said.
 pub fn measured(file: &str) -> Option<Vec<Vec<f64>>> {
     let text =
-        std::fs::read_to_string(recordings()?.join("measured").join(file)).expect("the folder holds the recording");
+        std::fs::read_to_string(measured_data::folder("measured")?.join(file)).expect("the folder holds the recording");
     Some(columns(&text).1)
 }
 

@@ -14,7 +14,7 @@ mod truth;
 pub use bench::run;
 pub use capture::Capture;
 pub use ideal::{ideal, knob, sweep};
-pub use measured::{measured, recordings, table};
+pub use measured::{measured, table};
 pub use random::Uniform;
 pub use servo::{Commanded, captured, captured_at, commanded};
 pub use truth::{SLIDING, TABLE_2, true_value};
