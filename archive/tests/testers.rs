@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use archive::testers::{ColumnChoice, Curve};
 use shared_types::Axis;
