@@ -71,6 +71,6 @@ def test_columns_of_ones_own_give_the_fit_of_their_table(captures: list[hc.Captu
 def test_a_saved_table_keeps_what_is_known_of_the_rig(captures: list[hc.Capture], tmp_path: Path) -> None:
     capture = captures[0]
     capture.save(tmp_path / "saved.csv")
-    [whole, saved] = [hc.fit(source)["inertia"] for source in (capture, tmp_path / "saved.csv")]
+    [whole, saved] = [hc.fit(source).parameters["inertia"] for source in (capture, tmp_path / "saved.csv")]
     assert whole.value is not None and whole.ci95 is not None and saved.value is not None
     assert whole.ci95[0] <= saved.value <= whole.ci95[1]
