@@ -27,7 +27,8 @@ pub struct RigClock {
 }
 
 impl RigAccount {
-    /// What there is to tell of it, a sentence each, in the words of the run's own codes; but for what has this code, which was told.
+    /// A sentence for each reason and one for the clock, in the words of the run's device codes. The reason with the code `told` is
+    /// left out: it ended the run, and is told there.
     #[must_use]
     pub fn in_words(&self, run: &RunDescription, told: i32) -> Vec<String> {
         // What is to be done about it is said where it ends a run.

@@ -27,8 +27,6 @@ pub(super) struct SplineBranch {
     cells: Cells,
     fit: SplineFit,
     smooth: Vec<f64>,
-    /// What the spline leaves, by as much larger as the spline takes along and as neighbours go together.
-    left: Vec<f64>,
     /// First and last angle, rad.
     pub(super) ends: [f64; 2],
     pub(super) spline: Spline,
@@ -67,18 +65,11 @@ impl SplineBranch {
         let fit = SplineFit::new(angles, rows, knot, hinges, reach)?;
         let spline = fit.solve(loads);
         let smooth: Vec<f64> = angles.iter().map(|angle| spline.value(*angle)).collect();
-        let mut left: Vec<f64> = loads.iter().zip(&smooth).map(|(load, smooth)| load - smooth).collect();
-        let squares: f64 = left.iter().zip(rows).map(|(left, count)| count * left * left).sum();
-        let cross_validation = squares / (1.0 - fit.width() as f64 / left.len() as f64).powi(2);
-        // The rows next to a hinge take most of it along (H. White's residuals in the form HC2: J. G. MacKinnon, H. White,
-        // J. Econometrics 29, 1985, 305–325).
-        let correlated = together(&left);
-        let leverages = fit.leverages();
-        left.iter_mut()
-            .zip(leverages)
-            .for_each(|(left, leverage)| *left *= correlated / (1.0 - leverage).max(LEAST_FREE).sqrt());
+        let squares: f64 =
+            loads.iter().zip(&smooth).zip(rows).map(|((load, smooth), count)| count * (load - smooth).powi(2)).sum();
+        let cross_validation = squares / (1.0 - fit.width() as f64 / loads.len() as f64).powi(2);
         let ends = [*angles.first()?, *angles.last()?];
-        Some(Self { cells, fit, smooth, left, ends, spline, cross_validation })
+        Some(Self { cells, fit, smooth, ends, spline, cross_validation })
     }
 
     /// From one knot to the next, rad.
@@ -86,9 +77,17 @@ impl SplineBranch {
         self.fit.knot
     }
 
-    /// The branch as it might have come out with other noise.
-    pub(super) fn redrawn(&self, signs: &mut Signs) -> Spline {
-        self.fit.solve(&signs.redraw(&self.smooth, &self.left))
+    /// The noise about it.
+    pub(super) fn noise(&self) -> Noise<'_> {
+        let mut left: Vec<f64> =
+            self.cells.loads.iter().zip(&self.smooth).map(|(load, smooth)| load - smooth).collect();
+        let correlated = together(&left);
+        // The rows next to a hinge take most of it along (H. White's residuals in the form HC2: J. G. MacKinnon, H. White,
+        // J. Econometrics 29, 1985, 305–325).
+        for (left, leverage) in left.iter_mut().zip(self.fit.leverages()) {
+            *left *= correlated / (1.0 - leverage).max(LEAST_FREE).sqrt();
+        }
+        Noise { branch: self, left }
     }
 
     /// As rows of a table, `step` apart, with the deviations of redrawn branches.
@@ -109,6 +108,20 @@ impl SplineBranch {
             branch.load_ci95_half_width[index] = NORMAL_95 * rms(&deviations);
         }
         branch
+    }
+}
+
+/// A branch with what the spline leaves, by as much larger as the spline takes along and as neighbours go together.
+#[derive(Debug)]
+pub(super) struct Noise<'a> {
+    branch: &'a SplineBranch,
+    left: Vec<f64>,
+}
+
+impl Noise<'_> {
+    /// The branch as it might have come out with other noise.
+    pub(super) fn redrawn(&self, signs: &mut Signs) -> Spline {
+        self.branch.fit.solve(&signs.redraw(&self.branch.smooth, &self.left))
     }
 }
 

@@ -92,7 +92,9 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
     let otherwise = frame.look([&wide[0].spline, &wide[1].spline]);
 
     let mut signs = Signs::new();
-    let redrawn: Vec<[Spline; 2]> = (0..DRAWS).map(|_| [back.redrawn(&mut signs), there.redrawn(&mut signs)]).collect();
+    let noise = [back.noise(), there.noise()];
+    let redrawn: Vec<[Spline; 2]> =
+        (0..DRAWS).map(|_| noise.each_ref().map(|noise| noise.redrawn(&mut signs))).collect();
     let looked: Vec<Look> = redrawn.iter().map(|[back, there]| frame.look([back, there])).collect();
     // A largest value picks the noise that is highest. What the noise adds to a figure once more, it has added before.
     let estimate = |value: f64, of: &dyn Fn(&Look) -> Option<f64>| {

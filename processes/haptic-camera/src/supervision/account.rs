@@ -33,7 +33,7 @@ impl Archived {
         Ok(Self { samples, missing: lost_samples, gaps: Vec::new(), rig, run: description })
     }
 
-    /// How the rig kept up with the ticks, in sentences, but for what has this code, which was told.
+    /// How the rig kept up with the ticks, as [`RigAccount::in_words`] says it.
     pub(super) fn rig_in_words(&self, told: i32) -> Vec<String> {
         self.run.as_ref().map(|run| self.rig.in_words(run, told)).unwrap_or_default()
     }
