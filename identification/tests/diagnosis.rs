@@ -120,8 +120,9 @@ fn captures_that_permit_no_verdict_are_refused_with_the_reason() {
     assert!(error.starts_with("the held-out capture: "), "{error}");
 }
 
-/// A knob of 0.2 mNm s²/rad with friction under two tones, its torque read `delay_s` late, at 1 kHz through a fine encoder.
-fn late(delay_s: f64, tones_hz: [f64; 2], seed: u64) -> Capture {
+/// A knob of 0.2 mNm s²/rad with friction under two tones, its torque read `delay_s` late, at 1 kHz through a fine encoder; `drag`
+/// is its viscous friction over the angle.
+fn turned(delay_s: f64, drag: impl Fn(f64) -> f64, tones_hz: [f64; 2], seed: u64) -> Capture {
     let mut random = Uniform(seed);
     let tones = [(std::f64::consts::TAU * tones_hz[0], 1.0), (std::f64::consts::TAU * tones_hz[1], 0.05)];
     let sum = |term: &dyn Fn(f64, f64) -> f64| tones.iter().map(|(w, size)| term(*w, *size)).sum::<f64>();
@@ -131,8 +132,9 @@ fn late(delay_s: f64, tones_hz: [f64; 2], seed: u64) -> Capture {
         let then = now - delay_s;
         let velocity = sum(&|w, size| size * w * (w * then).cos());
         let acceleration = sum(&|w, size| -size * w * w * (w * then).sin());
-        capture.angle_rad.push((sum(&|w, size| size * (w * now).sin()) / step).round() * step);
-        let torque = 0.2 * acceleration + 2.0 * velocity.signum() + 0.05 * velocity;
+        let angle = |time: f64| sum(&|w, size| size * (w * time).sin());
+        capture.angle_rad.push((angle(now) / step).round() * step);
+        let torque = 0.2 * acceleration + 2.0 * velocity.signum() + drag(angle(then)) * velocity;
         capture.torque_mnm.push(torque + 0.05 * random.normal());
     }
     capture
@@ -142,10 +144,18 @@ fn late(delay_s: f64, tones_hz: [f64; 2], seed: u64) -> Capture {
 fn a_delay_is_named_with_its_whole_length_also_between_samples() {
     for (delay_s, seed) in [(1e-3, 3), (0.7e-3, 5), (1.3e-3, 7)] {
         let [train, heldout] =
-            [(seed, [1.0, 7.3]), (seed + 1, [1.4, 5.1])].map(|(seed, tones)| late(delay_s, tones, seed));
+            [(seed, [1.0, 7.3]), (seed + 1, [1.4, 5.1])].map(|(seed, tones)| turned(delay_s, |_| 0.05, tones, seed));
         let found = diagnosed(&train, Some(&heldout)).unwrap();
         assert_eq!(found.effects, ["sensor-delay"], "{}", found.summary);
         let delay = found.steps[0].parameters["sensor_delay"];
         assert!((delay.value - delay_s).abs() < 1e-5, "{delay:?} for {delay_s} s");
     }
+}
+
+#[test]
+fn a_damper_beyond_an_angle_is_no_end_stop() {
+    let drag = |angle: f64| if angle > 0.8 { 0.3 } else { 0.05 };
+    let [train, heldout] = [(11, [1.0, 7.3]), (12, [1.4, 5.1])].map(|(seed, tones)| turned(0.0, drag, tones, seed));
+    let found = diagnosed(&train, Some(&heldout)).unwrap();
+    assert!(found.verdict != Verdict::None && !found.effects.contains(&"end-stop"), "{}", found.summary);
 }

@@ -172,3 +172,28 @@ fn a_sine_without_friction_shows_no_breakaway_at_any_rate() {
         }
     }
 }
+
+/// An axis that rubs less near standstill than Coulomb's law says, C·(1 − e^(−|v|/v₀)), and turns round without a rest. The slower the
+/// logger, the narrower the band, and the more of that the fit leaves out.
+#[test]
+fn an_interval_holds_what_the_rows_next_to_standstill_would_make_of_the_friction() {
+    let logged = |period_s: f64| -> Columns {
+        let mut random = Uniform(5);
+        let w = TAU * 0.4;
+        let t_s: Vec<f64> = (0..).map(|row| real(row) * period_s).take_while(|t_s| *t_s < 25.0).collect();
+        let rows = t_s.iter().map(|t_s| {
+            let [velocity, acceleration] = [w * (w * t_s).cos(), -w * w * (w * t_s).sin()];
+            let friction = 2.0 * velocity.signum() * (1.0 - (-velocity.abs() / 0.2).exp()) + 0.5 * velocity;
+            ((w * t_s).sin() + 1e-5 * random.normal(), acceleration + friction + 0.02 * random.normal())
+        });
+        let (angle_rad, torque_mnm) = rows.unzip();
+        [t_s, angle_rad, torque_mnm]
+    };
+    let quick = fitted(&logged(1e-3));
+    let slow = fitted(&logged(2e-2));
+    for name in ["coulomb_negative", "coulomb_positive"] {
+        let [low, high] = interval(&slow, name);
+        let value = quick.parameters.get(name).unwrap().value.unwrap();
+        assert!((low..=high).contains(&value), "{name}: {value}, {low} … {high}");
+    }
+}
