@@ -1,5 +1,6 @@
 //! What happens inside a knob of two bodies while its cap moves as it was measured.
 
+use crate::sorted_effects::{Friction, SortedEffects};
 use crate::{Bristles, Coupling, Direction, Model, Motion, StickLimits};
 
 /// Substeps per sample, at least.
@@ -15,10 +16,15 @@ const PHASE: f64 = 0.25;
 /// instead, its stiffness and damping being taken at the middle of the substep too.
 #[derive(Debug)]
 pub struct InnerBody<'model> {
-    knob: &'model Model,
+    effects: SortedEffects<'model>,
+    karnopp_limits: StickLimits,
     coupling: Coupling,
     bristles: Option<Bristles>,
     inertia: f64,
+    /// Of the cap, mNm·s²/rad.
+    cap_inertia: f64,
+    /// Angular frequency of the body on the coupling, rad/s.
+    resonance_rad_s: f64,
     angle_rad: f64,
     velocity_rad_s: f64,
     deflection: f64,
@@ -61,7 +67,18 @@ impl<'model> InnerBody<'model> {
     #[must_use]
     pub fn at_rest(knob: &'model Model, coupling: Coupling, angle_rad: f64) -> Self {
         let inertia = (knob.inertia() * coupling.inner_share).max(f64::MIN_POSITIVE);
-        Self { knob, coupling, bristles: knob.bristles(), inertia, angle_rad, velocity_rad_s: 0.0, deflection: 0.0 }
+        Self {
+            effects: SortedEffects::of(knob),
+            karnopp_limits: knob.karnopp_limits(),
+            coupling,
+            bristles: knob.bristles(),
+            inertia,
+            cap_inertia: (1.0 - coupling.inner_share) * knob.inertia(),
+            resonance_rad_s: (coupling.stiffness_mnm_rad / inertia).sqrt(),
+            angle_rad,
+            velocity_rad_s: 0.0,
+            deflection: 0.0,
+        }
     }
 
     /// Torque on the cap now, mNm.
@@ -70,9 +87,9 @@ impl<'model> InnerBody<'model> {
         self.coupling.torque_mnm(cap.angle_rad - self.angle_rad, cap.velocity_rad_s - self.velocity_rad_s)
     }
 
-    /// What joins the cap to it.
-    pub(crate) fn coupling(&self) -> Coupling {
-        self.coupling
+    /// Torque that the cap takes, its own inertia included, mNm.
+    pub(crate) fn torque_with_cap_mnm(&self, cap: &Motion) -> f64 {
+        self.torque_mnm(cap) + self.cap_inertia * cap.acceleration_rad_s2
     }
 
     /// Angle of the inner body, rad.
@@ -96,8 +113,7 @@ impl<'model> InnerBody<'model> {
     /// Number of substeps that a sample takes.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number; `as` saturates")]
     fn substeps(&self, sample_s: f64) -> u32 {
-        let turns = (self.coupling.stiffness_mnm_rad / self.inertia).sqrt() * sample_s;
-        (turns / PHASE).ceil().clamp(SUBSTEPS, 16.0) as u32
+        (self.resonance_rad_s * sample_s / PHASE).ceil().clamp(SUBSTEPS, 16.0) as u32
     }
 
     /// Moves on to the next sample, the cap going there evenly accelerated.
@@ -136,17 +152,14 @@ impl<'model> InnerBody<'model> {
             velocity_rad_s,
             acceleration_rad_s2: 0.0,
         };
-        let still = at(0.0);
-        let level_mnm = [Direction::Negative, Direction::Positive].map(|to| self.knob.friction_mnm(&still, to));
-        let limits = self.knob.stick_limits_above(level_mnm);
         // A body at rest will, if at all, soon turn as the cap does.
         let turning_rad_s = if self.velocity_rad_s == 0.0 { cap_rad_s } else { self.velocity_rad_s };
         let direction = Direction::of(turning_rad_s);
-        let sliding_mnm = self.knob.friction_mnm(&at(turning_rad_s), direction);
+        let Friction { level_mnm, sliding_mnm } = self.effects.friction(&at(turning_rad_s), direction);
         let slope = (sliding_mnm - level_mnm[direction as usize]) / turning_rad_s;
         Held {
-            free_mnm: self.knob.free_torque_mnm(&at(self.velocity_rad_s)),
-            limits,
+            free_mnm: self.effects.free_torque_mnm(&at(self.velocity_rad_s)),
+            limits: self.karnopp_limits.at_least(level_mnm),
             level_mnm,
             direction,
             slope: if slope.is_finite() { slope } else { 0.0 },

@@ -41,6 +41,7 @@ mod prediction;
 mod role;
 mod shift;
 pub mod simulate;
+mod sorted_effects;
 mod stiffness;
 mod toml_file;
 mod torque_table;

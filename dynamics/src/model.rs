@@ -125,25 +125,12 @@ impl Model {
     /// Torque of friction while sliding in `direction`, mNm.
     #[must_use]
     pub fn friction_mnm(&self, motion: &Motion, direction: Direction) -> f64 {
-        let (mut sliding_mnm, mut factor, mut coulomb_factor, mut load_friction) = (0.0, 0.0, 0.0, 0.0);
-        for effect in &self.effects {
-            match effect.kind().part {
-                Part::FrictionFactor(change) => factor += change(effect.values(), motion),
-                Part::CoulombFactor(change) => coulomb_factor += change(effect.values(), motion),
-                Part::LoadFriction(coefficient) => load_friction += coefficient(effect.values()),
-                _ => sliding_mnm += effect.friction_mnm(motion, direction),
-            }
-        }
-        let mut friction_mnm = (1.0 + factor) * sliding_mnm;
-        if load_friction != 0.0 {
-            friction_mnm += direction.sign() * load_friction * self.load_mnm(motion).abs();
-        }
-        if coulomb_factor == 0.0 {
-            return friction_mnm;
-        }
-        let still = Motion { velocity_rad_s: 0.0, ..*motion };
-        let coulomb = |effect: &Effect| effect.friction_mnm(&still, direction);
-        friction_mnm + coulomb_factor * self.effects.iter().map(coulomb).sum::<f64>()
+        let sum_mnm = |motion: &Motion| {
+            let each = self.effects.iter().map(|effect| effect.friction_mnm(motion, direction));
+            each.fold(0.0, |sum, friction_mnm| sum + friction_mnm)
+        };
+        let coulomb_mnm = || sum_mnm(&Motion { velocity_rad_s: 0.0, ..*motion });
+        FrictionChange::of(self, motion).applied_mnm(sum_mnm(motion), coulomb_mnm, direction)
     }
 
     /// What a knob at rest bears: Karnopp's limits, but at least the friction with which it begins to slide.
@@ -152,20 +139,60 @@ impl Model {
     #[must_use]
     pub fn stick_limits(&self, motion: &Motion) -> StickLimits {
         let still = Motion { velocity_rad_s: 0.0, ..*motion };
-        self.stick_limits_above([Direction::Negative, Direction::Positive].map(|to| self.friction_mnm(&still, to)))
+        let levels_mnm = [Direction::Negative, Direction::Positive].map(|to| self.friction_mnm(&still, to));
+        self.karnopp_limits().at_least(levels_mnm)
     }
 
-    /// The same where the friction of a knob that begins to slide negatively and positively is known, mNm.
-    pub(crate) fn stick_limits_above(&self, sliding_mnm: [f64; 2]) -> StickLimits {
-        let karnopp = self.effects.iter().find_map(|effect| match effect.kind().part {
+    /// Karnopp's limits alone; zero without them.
+    pub(crate) fn karnopp_limits(&self) -> StickLimits {
+        let limits = self.effects.iter().find_map(|effect| match effect.kind().part {
             Part::Stick(limits) => Some(limits(effect.values())),
             _ => None,
         });
-        let karnopp = karnopp.unwrap_or_default();
-        StickLimits {
-            negative_mnm: karnopp.negative_mnm.max(-sliding_mnm[0]),
-            positive_mnm: karnopp.positive_mnm.max(sliding_mnm[1]),
-            velocity_rad_s: karnopp.velocity_rad_s,
+        limits.unwrap_or_default()
+    }
+}
+
+impl StickLimits {
+    /// The same, but at least the friction with which the knob begins to slide negatively and positively, mNm.
+    pub(crate) fn at_least(self, sliding_mnm: [f64; 2]) -> Self {
+        Self {
+            negative_mnm: self.negative_mnm.max(-sliding_mnm[0]),
+            positive_mnm: self.positive_mnm.max(sliding_mnm[1]),
+            ..self
         }
+    }
+}
+
+/// What some effects make of others' friction at one moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrictionChange {
+    /// Relative change of all friction.
+    of_all: f64,
+    /// Relative change of the Coulomb friction.
+    of_coulomb: f64,
+    /// Friction of the load, a magnitude, mNm.
+    of_load_mnm: f64,
+}
+
+impl FrictionChange {
+    pub(crate) fn of(model: &Model, motion: &Motion) -> Self {
+        let (mut of_all, mut of_coulomb, mut load_friction) = (0.0, 0.0, 0.0);
+        for effect in &model.effects {
+            match effect.kind().part {
+                Part::FrictionFactor(change) => of_all += change(effect.values(), motion),
+                Part::CoulombFactor(change) => of_coulomb += change(effect.values(), motion),
+                Part::LoadFriction(coefficient) => load_friction += coefficient(effect.values()),
+                _ => {}
+            }
+        }
+        let of_load_mnm = if load_friction == 0.0 { 0.0 } else { load_friction * model.load_mnm(motion).abs() };
+        Self { of_all, of_coulomb, of_load_mnm }
+    }
+
+    /// Friction while sliding in `direction` from the effects' own, mNm, and from that at rest.
+    pub(crate) fn applied_mnm(self, sliding_mnm: f64, coulomb_mnm: impl FnOnce() -> f64, direction: Direction) -> f64 {
+        let friction_mnm = (1.0 + self.of_all) * sliding_mnm + direction.sign() * self.of_load_mnm;
+        if self.of_coulomb == 0.0 { friction_mnm } else { friction_mnm + self.of_coulomb * coulomb_mnm() }
     }
 }

@@ -55,7 +55,7 @@ impl<'model> TorqueReader<'model> {
                 if motion.time_s > before.time_s {
                     body.advance(&before, motion);
                 }
-                self.model.torque_on_cap_mnm(body, motion)
+                body.torque_with_cap_mnm(motion)
             }
         };
         torque_mnm + self.model.misreading_mnm(motion)
@@ -158,15 +158,10 @@ impl Model {
             }
             before = now;
             for ((torque_mnm, body), model) in torques_mnm.iter_mut().zip(&bodies).zip(models) {
-                torque_mnm.push(model.torque_on_cap_mnm(body, now) + model.misreading_mnm(now));
+                torque_mnm.push(body.torque_with_cap_mnm(now) + model.misreading_mnm(now));
             }
         }
         torques_mnm
-    }
-
-    /// Torque on the cap of a knob of two bodies, mNm.
-    fn torque_on_cap_mnm(&self, body: &InnerBody<'_>, cap: &Motion) -> f64 {
-        body.torque_mnm(cap) + (1.0 - body.coupling().inner_share) * self.inertia() * cap.acceleration_rad_s2
     }
 
     /// The part of sliding friction that a reading is better taken without close to rest, mNm.

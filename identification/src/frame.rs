@@ -100,8 +100,14 @@ impl Frame {
 
     /// Rows of an effect's columns; none if it has no part in a fit.
     pub(crate) fn effect_rows(&self, effect: &Effect, motion: &KnobMotion) -> Vec<Vec<f64>> {
-        let count = effect.kind().regressors.map_or(0, |regressors| regressors.columns);
-        self.rows_of(count, |range, columns| fill(effect, motion, range, columns))
+        self.leading_effect_rows(effect, usize::MAX, motion)
+    }
+
+    /// The same of at most so many columns.
+    pub(crate) fn leading_effect_rows(&self, effect: &Effect, most: usize, motion: &KnobMotion) -> Vec<Vec<f64>> {
+        let count = effect.kind().regressors.map_or(0, |regressors| regressors.columns.min(most));
+        let is_unmasked = |index: usize| self.mask[index] != 0.0;
+        self.rows_of(count, |range, columns| fill(effect, motion, is_unmasked, range, columns))
     }
 
     /// The adjoint of [`Frame::rows`].
@@ -168,8 +174,14 @@ fn fade(mask: &mut [f64], length: usize) {
     sweep(&mut mask.iter_mut().rev());
 }
 
-/// Writes an effect's columns for a range of samples.
-pub(crate) fn fill(effect: &Effect, motion: &KnobMotion, range: Range<usize>, columns: &mut [Vec<f64>]) {
+/// Writes an effect's leading columns for a range of samples; zeros may stand for those that take no part.
+pub(crate) fn fill(
+    effect: &Effect,
+    motion: &KnobMotion,
+    takes_part: impl Fn(usize) -> bool,
+    range: Range<usize>,
+    columns: &mut [Vec<f64>],
+) {
     let Some(regressors) = effect.kind().regressors else { return };
     // The base model's effects by whole columns; the others sample by sample, as they define themselves.
     let name = effect.kind().name;
@@ -193,6 +205,10 @@ pub(crate) fn fill(effect: &Effect, motion: &KnobMotion, range: Range<usize>, co
     }
     let mut row = vec![0.0; regressors.columns];
     for (place, index) in range.enumerate() {
+        if !takes_part(index) {
+            columns.iter_mut().for_each(|column| column[place] = 0.0);
+            continue;
+        }
         (regressors.fill)(effect, &motion.at(index), &mut row);
         columns.iter_mut().zip(&row).for_each(|(column, value)| column[place] = *value);
     }

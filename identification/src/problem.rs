@@ -100,7 +100,7 @@ impl<'a> Problem<'a> {
         }
         let rows = self.frame.rows_of(4, |range, columns| {
             let (sines, slopes) = columns.split_at_mut(2);
-            frame::fill(effect, self.motion, range.clone(), sines);
+            frame::fill(effect, self.motion, |_| true, range.clone(), sines);
             for (slope, sine) in slopes.iter_mut().zip(sines) {
                 let angles = &self.motion.angle_rad[range.clone()];
                 slope.iter_mut().zip(sine).zip(angles).for_each(|((slope, sine), angle)| *slope = *sine * angle);
@@ -294,7 +294,7 @@ impl<'a> Problem<'a> {
                 let coefficients = &coefficients[self.range(index)];
                 columns.resize_with(coefficients.len(), Vec::new);
                 columns.iter_mut().for_each(|column| column.resize(around.len(), 0.0));
-                frame::fill(effect, self.motion, around.clone(), &mut columns);
+                frame::fill(effect, self.motion, |_| true, around.clone(), &mut columns);
                 for (column, coefficient) in columns.iter().zip(coefficients) {
                     model.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficient * value);
                 }

@@ -282,6 +282,11 @@ impl Capture {
         &self.torque
     }
 
+    /// Rows of the columns of a structure's effect.
+    pub(crate) fn rows_of(&self, structure: &Structure, effect: usize) -> Vec<Vec<f64>> {
+        structure.rows(effect, &self.motion, &self.frame)
+    }
+
     /// Rows of the torque as it would have been read `delay_s` earlier.
     pub(crate) fn target(&self, delay_s: f64) -> Vec<f64> {
         self.frame.rows(&self.torque_mnm(delay_s))

@@ -14,6 +14,7 @@ use super::structure::Structure;
 use super::twist;
 use super::worth::WORTHWHILE;
 use crate::least_squares::dot;
+use crate::vector::subtract;
 
 /// Starts of a separable hypothesis that are refined.
 const REFINED: usize = 2;
@@ -65,21 +66,21 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
         let gain = match (&coarse, kind.part) {
             (Some(coarse), _) => coarse.gain(&effect),
             (None, Part::ReadingDelay(delay)) => base.squares() - base.squares_if_late(delay(effect.values())),
-            _ => base.squares() - Separable::new(base.structure.with(effect, width), train).squares(),
+            _ => base.squares() - base.with(effect, width).squares(),
         };
         starts.push((gain, effect));
     }
     starts.sort_by(|a, b| b.0.total_cmp(&a.0));
     starts.truncate(REFINED);
     let refined = starts.into_iter().map(|(_, effect)| {
-        let mut fit = Separable::new(base.structure.with(effect, width), train);
+        let mut fit = base.with(effect, width);
         fit.refine(ROUNDS);
         fit
     });
     let best: Separable<'a> = refined.min_by(|a, b| a.squares().total_cmp(&b.squares()))?;
     let effect = *best.structure.effects.last()?;
     let smaller = hypothesis.nested.iter().filter(|columns| **columns < width).map(|columns| {
-        let mut fit = Separable::new(base.structure.with(effect, *columns), train);
+        let mut fit = base.with(effect, *columns);
         fit.refine(2);
         Judged::separable(&fit, heldout)
     });
@@ -330,8 +331,8 @@ impl Coarse {
     /// `columns` are the directions in which the present structure can move.
     fn new(capture: &Capture, structure: &Structure, columns: &[&[f64]], residual: &[f64]) -> Self {
         let thin = |coulomb_only| {
-            let full = structure.friction(capture, coulomb_only);
-            full.into_iter().step_by(capture.frame.step).collect()
+            let rows = (0..capture.motion.len()).step_by(capture.frame.step);
+            rows.map(structure.friction_mnm(&capture.motion, coulomb_only)).collect()
         };
         let mut basis: Vec<Vec<f64>> = Vec::new();
         for column in columns {
@@ -339,7 +340,7 @@ impl Coarse {
             let before = dot(&left, &left);
             for known in &basis {
                 let share = dot(known, &left);
-                left.iter_mut().zip(known).for_each(|(slot, value)| *slot -= share * value);
+                subtract(&mut left, share, known);
             }
             let after = dot(&left, &left);
             if after > 1e-8 * before {
@@ -363,7 +364,8 @@ impl Coarse {
             Part::CoulombFactor(_) => Some(&self.friction[1]),
             _ => None,
         };
-        let mut columns = vec![Vec::with_capacity(self.motions.len()); regressors.columns];
+        // A further line of the law does not occur yet.
+        let mut columns = vec![Vec::with_capacity(self.motions.len()); effect.kind().columns_of_a_line()];
         let mut row = [0.0; dynamics::MAX_PARAMETERS];
         for (index, (motion, mask)) in self.motions.iter().enumerate() {
             (regressors.fill)(effect, motion, &mut row[..regressors.columns]);
@@ -373,14 +375,16 @@ impl Coarse {
         for column in &mut columns {
             for known in &self.basis {
                 let share = dot(known, column);
-                column.iter_mut().zip(known).for_each(|(slot, value)| *slot -= share * value);
+                subtract(column, share, known);
             }
         }
         let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let nonnegative: Vec<bool> = (0..columns.len()).map(|c| regressors.nonnegative.contains(&c)).collect();
         let coefficients = normal::solve(&slices, &self.residual, &nonnegative);
         let left = normal::residual(&slices, &self.residual, &coefficients);
-        (regressors.values)(&coefficients, effect.values_mut());
+        let mut all = vec![0.0; regressors.columns];
+        all[..coefficients.len()].copy_from_slice(&coefficients);
+        (regressors.values)(&all, effect.values_mut());
         dot(&self.residual, &self.residual) - dot(&left, &left)
     }
 }

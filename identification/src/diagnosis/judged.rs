@@ -164,7 +164,7 @@ fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
     if own.is_empty() {
         return nonlinear::residual(structure, capture);
     }
-    let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| structure.rows(*index, capture)).collect();
+    let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| capture.rows_of(structure, *index)).collect();
     let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let rest = own.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
     let left = nonlinear::residual(&rest, capture);

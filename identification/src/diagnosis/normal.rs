@@ -3,6 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::least_squares::dot;
+use crate::vector::subtract;
 
 /// What holds a coefficient of either sign near zero, as a share of its column's square: too little to be felt unless
 /// other columns can do the same.
@@ -58,7 +59,7 @@ pub(crate) fn solve(columns: &[&[f64]], target: &[f64], nonnegative: &[bool]) ->
 pub(crate) fn residual(columns: &[&[f64]], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
     let mut left = target.to_vec();
     for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0) {
-        left.iter_mut().zip(*column).for_each(|(slot, value)| *slot -= coefficient * value);
+        subtract(&mut left, *coefficient, column);
     }
     left
 }

@@ -1,6 +1,6 @@
 //! The fit of a structure without coupling: coefficients are linear, the few searched parameters follow by Gauss–Newton.
 
-use dynamics::Part;
+use dynamics::{Effect, Part};
 
 use super::capture::Capture;
 use super::normal::{residual, solve};
@@ -34,6 +34,21 @@ impl<'a> Separable<'a> {
         let mut fit =
             Self { capture, structure, rows: Vec::new(), target, coefficients: Vec::new(), residual: Vec::new() };
         fit.rows = (0..fit.structure.effects.len()).map(|index| fit.rows_of(index)).collect();
+        fit.solve();
+        fit
+    }
+
+    /// The fit with one effect more, of which the first `columns` take part.
+    pub(crate) fn with(&self, effect: Effect, columns: usize) -> Self {
+        let structure = self.structure.with(effect, columns);
+        let rows = |index: usize| match self.rows.get(index) {
+            Some(rows) if !structure.depends_on_others(index) => rows.clone(),
+            _ => self.capture.rows_of(&structure, index),
+        };
+        let rows = (0..structure.effects.len()).map(rows).collect();
+        let target = self.capture.target(structure.delay_s());
+        let mut fit =
+            Self { capture: self.capture, structure, rows, target, coefficients: Vec::new(), residual: Vec::new() };
         fit.solve();
         fit
     }
@@ -78,7 +93,7 @@ impl<'a> Separable<'a> {
     }
 
     fn rows_of(&self, index: usize) -> Vec<Vec<f64>> {
-        self.structure.rows(index, self.capture)
+        self.capture.rows_of(&self.structure, index)
     }
 
     fn solve(&mut self) {
@@ -135,7 +150,7 @@ impl<'a> Separable<'a> {
             let mut sum = vec![0.0; self.target.len()];
             for index in changed(&self.structure, &moved) {
                 let coefficients = &self.coefficients[ranges[index].clone()];
-                for (rows, coefficient) in moved.rows(index, self.capture).iter().zip(coefficients) {
+                for (rows, coefficient) in self.capture.rows_of(&moved, index).iter().zip(coefficients) {
                     sum.iter_mut().zip(rows).for_each(|(slot, value)| *slot += coefficient * value);
                 }
             }
@@ -241,7 +256,7 @@ fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use dynamics::{Effect, effects};
+    use dynamics::effects;
 
     use super::super::capture::Stretches;
     use super::*;

@@ -5,6 +5,8 @@ use std::ops::Range;
 use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
 
 use super::capture::Capture;
+use crate::frame::Frame;
+use crate::motion::KnobMotion;
 
 /// A model while it is looked for.
 #[derive(Clone, Debug)]
@@ -219,30 +221,31 @@ impl Structure {
         }
     }
 
-    /// Rows of the columns of the effect at an index.
-    pub(crate) fn rows(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
-        let effect = &self.effects[index];
-        let depends_on_others = match effect.kind().part {
+    /// Whether the columns of the effect at an index depend on other effects, or on what was before.
+    pub(crate) fn depends_on_others(&self, index: usize) -> bool {
+        match self.effects[index].kind().part {
             Part::Friction(_) | Part::FrictionTable(_) => self.bristles().is_some(),
             Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_) | Part::LoadFriction(_) => true,
             _ => false,
-        };
-        if depends_on_others {
-            return self.full_columns(index, capture).iter().map(|column| capture.frame.rows(column)).collect();
         }
-        let mut rows = capture.frame.effect_rows(effect, &capture.motion);
-        rows.truncate(self.columns[index]);
-        rows
     }
 
-    /// Full-rate columns of an effect that depends on others, or on what was before.
-    fn full_columns(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
-        let (effect, motion) = (&self.effects[index], &capture.motion);
+    /// Rows of the columns of the effect at an index, in a frame of a motion.
+    pub(crate) fn rows(&self, index: usize, motion: &KnobMotion, frame: &Frame) -> Vec<Vec<f64>> {
+        if self.depends_on_others(index) {
+            return self.full_columns(index, motion, frame).iter().map(|column| frame.rows(column)).collect();
+        }
+        frame.leading_effect_rows(&self.effects[index], self.columns[index], motion)
+    }
+
+    /// Full-rate columns of an effect that depends on others, or on what was before; nothing where they are masked.
+    fn full_columns(&self, index: usize, motion: &KnobMotion, frame: &Frame) -> Vec<Vec<f64>> {
+        let effect = &self.effects[index];
         let width = self.widths()[index];
-        let each = |row: &dyn Fn(usize, &mut [f64])| fill(motion.len(), width, row);
+        let each = |row: &dyn Fn(usize, &mut [f64])| columns_of(&frame.mask, width, row);
         let Some(regressors) = effect.kind().regressors else {
             if let Part::Bristles(bristles) = effect.kind().part {
-                let deflections = deflections(bristles(effect.values()), capture);
+                let deflections = deflections(bristles(effect.values()), motion);
                 return each(&|at, row| row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]));
             }
             if let Part::LoadFriction(_) = effect.kind().part {
@@ -262,7 +265,7 @@ impl Structure {
         match effect.kind().part {
             Part::Friction(_) | Part::FrictionTable(_) => {
                 let Some(bristles) = self.bristles() else { return Vec::new() };
-                let deflections = deflections(bristles, capture);
+                let deflections = deflections(bristles, motion);
                 each(&|at, row| {
                     let now = motion.at(at);
                     let (sliding, still, bent) = (all(&now), all(&slowest(now.velocity_rad_s, &now)), deflections[at]);
@@ -274,26 +277,25 @@ impl Structure {
             }
             Part::CoulombFactor(_) | Part::FrictionFactor(_) => {
                 let coulomb_only = matches!(effect.kind().part, Part::CoulombFactor(_));
-                let friction = self.friction(capture, coulomb_only);
+                let friction_mnm = self.friction_mnm(motion, coulomb_only);
                 each(&|at, row| {
-                    let factors = all(&motion.at(at));
-                    row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction[at] * factor);
+                    let (friction_mnm, factors) = (friction_mnm(at), all(&motion.at(at)));
+                    row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction_mnm * factor);
                 })
             }
             _ => Vec::new(),
         }
     }
 
-    /// Torque of friction as it is without factors, mNm.
-    pub(crate) fn friction(&self, capture: &Capture, coulomb_only: bool) -> Vec<f64> {
-        let motion = &capture.motion;
-        let deflections = self.bristles().map(|bristles| deflections(bristles, capture));
+    /// Torque of friction as it is without factors at every sample, mNm.
+    pub(crate) fn friction_mnm(&self, motion: &KnobMotion, coulomb_only: bool) -> impl Fn(usize) -> f64 {
+        let deflections = self.bristles().map(|bristles| deflections(bristles, motion));
         let is_friction = |effect: &&Effect| matches!(effect.kind().part, Part::Friction(_) | Part::FrictionTable(_));
         let frictions: Vec<&Effect> = self.effects.iter().filter(is_friction).collect();
-        let sum = |motion: &Motion, direction| -> f64 {
+        let sum = move |motion: &Motion, direction| -> f64 {
             frictions.iter().map(|effect| effect.friction_mnm(motion, direction)).sum()
         };
-        let at = |index: usize| {
+        move |index: usize| {
             let now = motion.at(index);
             let still = Motion { velocity_rad_s: 0.0, ..now };
             let direction = Direction::of(now.velocity_rad_s);
@@ -306,8 +308,7 @@ impl Structure {
                 None if coulomb_only => sum(&still, direction),
                 None => sum(&now, direction),
             }
-        };
-        (0..motion.len()).map(at).collect()
+        }
     }
 }
 
@@ -320,19 +321,24 @@ fn slowest(sign: f64, motion: &Motion) -> Motion {
     Motion { velocity_rad_s: if sign == 0.0 { 0.0 } else { sign.signum() * f64::MIN_POSITIVE }, ..*motion }
 }
 
-fn fill(length: usize, width: usize, row: &dyn Fn(usize, &mut [f64])) -> Vec<Vec<f64>> {
-    let mut columns = vec![Vec::with_capacity(length); width];
+/// So many columns, from rows that are nothing where they are masked.
+fn columns_of(mask: &[f64], width: usize, row: &dyn Fn(usize, &mut [f64])) -> Vec<Vec<f64>> {
+    let mut columns = vec![Vec::with_capacity(mask.len()); width];
     let mut values = vec![0.0; width];
-    for index in 0..length {
-        row(index, &mut values);
+    for (index, mask) in mask.iter().enumerate() {
+        if *mask == 0.0 {
+            values.fill(0.0);
+        } else {
+            row(index, &mut values);
+        }
         columns.iter_mut().zip(&values).for_each(|(column, value)| column.push(*value));
     }
     columns
 }
 
 /// Deflection z of the bristles at every sample; unbent at the start.
-fn deflections(bristles: Bristles, capture: &Capture) -> Vec<f64> {
-    let angle = &capture.motion.angle_rad;
+fn deflections(bristles: Bristles, motion: &KnobMotion) -> Vec<f64> {
+    let angle = &motion.angle_rad;
     let mut deflection = 0.0;
     let mut all = Vec::with_capacity(angle.len());
     all.push(deflection);

@@ -19,10 +19,10 @@ use crate::motion::KnobMotion;
 
 /// Sum of squares of what a structure leaves behind a shaft, and the coefficients with which it does, mNm².
 pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> (f64, Vec<f64>) {
-    let behind = capture.beside(motion(shaft, capture));
+    let behind = motion(shaft, capture);
     let response = |rows: Vec<f64>| turned_down(&rows, base.inertia(), shaft, capture);
     let rows: Vec<Vec<f64>> =
-        (0..base.effects.len()).flat_map(|index| base.rows(index, &behind)).map(response).collect();
+        (0..base.effects.len()).flat_map(|index| base.rows(index, &behind, &capture.frame)).map(response).collect();
     let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let target = response(capture.target(0.0));
     let coefficients = normal::solve(&columns, &target, &base.nonnegative());

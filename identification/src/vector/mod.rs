@@ -131,6 +131,14 @@ pub(crate) fn multiply_by(column: &mut [f64], factor: &[f64]) {
     );
 }
 
+/// Takes a multiple of another column off a column.
+pub(crate) fn subtract(column: &mut [f64], factor: f64, other: &[f64]) {
+    widest(
+        #[inline(always)]
+        || column.iter_mut().zip(other).for_each(|(value, other)| *value -= factor * other),
+    );
+}
+
 /// Sum of a column.
 pub(crate) fn sum(values: &[f64]) -> f64 {
     widest(
