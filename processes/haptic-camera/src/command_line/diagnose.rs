@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::columns::ColumnOptions;
+
 /// Options of `diagnose`.
 #[derive(Debug, Args)]
 pub struct DiagnoseOptions {
@@ -13,6 +15,9 @@ pub struct DiagnoseOptions {
     /// A capture of the same knob with another motion, to judge by; without one, stretches of the first are held out
     #[arg(long, value_name = "CAPTURE")]
     pub heldout: Option<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
     /// The model to start from [default: inertia, friction and detents, fitted]
     #[arg(long, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::columns::ColumnOptions;
+
 /// Options of `export`.
 #[derive(Debug, Args)]
 pub struct ExportOptions {
@@ -15,6 +17,9 @@ pub struct ExportOptions {
     /// a model for SmartKnob's firmware as .json
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
     /// Points of a model's table
     #[arg(long, default_value_t = 256, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=65_536))]
     pub points: u32,

@@ -3,6 +3,7 @@
 mod calibrate;
 mod capture;
 mod check;
+mod columns;
 mod compare;
 mod compose;
 mod diagnose;
@@ -31,6 +32,7 @@ mod view;
 pub use calibrate::{CalibrateOptions, CalibrationKind};
 pub use capture::CaptureOptions;
 pub use check::CheckOptions;
+pub use columns::ColumnOptions;
 pub use compare::CompareOptions;
 pub use compose::ComposeOptions;
 pub use diagnose::DiagnoseOptions;

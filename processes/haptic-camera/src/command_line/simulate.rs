@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::columns::ColumnOptions;
+
 /// Options of `simulate`.
 #[derive(Debug, Args)]
 pub struct SimulateOptions {
@@ -13,6 +15,9 @@ pub struct SimulateOptions {
     /// The capture whose motion or torque is followed
     #[arg(long, value_name = "CAPTURE")]
     pub like: PathBuf,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
     /// Where the simulated capture goes, if it is to be kept: an archive, or CSV if the name ends in .csv
     #[arg(long, value_name = "CAPTURE")]
     pub out: Option<PathBuf>,

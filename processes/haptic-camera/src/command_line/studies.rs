@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::sheet::TableOptions;
+use super::columns::ColumnOptions;
 
 /// Many units, and what they must be.
 #[derive(Debug, Args)]
@@ -20,7 +20,7 @@ pub struct StudyOptions {
     pub figure: Option<String>,
     /// What the columns are
     #[command(flatten)]
-    pub table: TableOptions,
+    pub columns: ColumnOptions,
     /// Write the study as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
