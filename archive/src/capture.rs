@@ -1,4 +1,4 @@
-//! A capture in memory: one column per quantity, from an MCAP archive or a CSV table.
+//! A capture in memory: one column per quantity, from an MCAP archive, a CSV table or an ASAM MDF file.
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};

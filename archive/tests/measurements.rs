@@ -130,7 +130,7 @@ fn measurements_are_read_as_asammdf_reads_them() {
         let expected: Vec<f64> = bytes.chunks(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap())).collect();
         let rows = expected.len() / 3;
         let capture = Capture::load(&path).unwrap();
-        assert_eq!(capture.len(), rows, "{}", path.display());
+        assert_eq!((capture.len(), &capture.source), (rows, &path));
         let unit = [1.0, std::f64::consts::PI / 180.0, 10.0];
         for ((found, expected), unit) in
             [&capture.t_s, &capture.angle_rad, &capture.torque_mnm].into_iter().zip(expected.chunks(rows)).zip(unit)

@@ -52,13 +52,12 @@ impl Curve {
     /// [`ArchiveError`]: one sentence, which says what columns the file has if it is none of the known ones.
     pub fn load(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, ArchiveError> {
         refuse_too_large(path)?;
-        if is_mdf(path)? {
-            return mdf::read(path, chosen)?.check();
-        }
         if is_mcap(path)? {
             return Err(wrong(path, "it is an MCAP archive, in which the columns have names of their own".to_owned()));
         }
-        let mut curve = if json::is_json(path)? {
+        let mut curve = if is_mdf(path)? {
+            mdf::read(path, chosen)?
+        } else if json::is_json(path)? {
             json::read(path)?
         } else {
             let table = RawTable::read(path)?;

@@ -9,7 +9,7 @@ use super::columns::ColumnOptions;
 /// Options of `diagnose`.
 #[derive(Debug, Args)]
 pub struct DiagnoseOptions {
-    /// The capture that models are fitted to, an archive or a CSV file
+    /// The capture that models are fitted to: an archive, a CSV or an MDF file
     #[arg(value_name = "CAPTURE")]
     pub train: PathBuf,
     /// A capture of the same knob with another motion, to judge by; without one, stretches of the first are held out

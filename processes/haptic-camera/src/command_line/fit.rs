@@ -9,7 +9,7 @@ use super::columns::ColumnOptions;
 /// Options of `fit`.
 #[derive(Debug, Args)]
 pub struct FitOptions {
-    /// The capture, an archive or a CSV file; several of the same knob are made into one model
+    /// The capture: an archive, a CSV or an MDF file; several of the same knob are made into one model
     #[arg(required = true, value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
     /// What the columns are
