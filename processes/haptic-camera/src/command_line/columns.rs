@@ -8,8 +8,8 @@ use crate::outputs::UsageError;
 /// What the columns of a file are that is none of the known ones.
 #[derive(Clone, Debug, Args)]
 pub struct ColumnOptions {
-    /// The columns of a table or channels of an MDF file: angle=NAME,torque=NAME or travel=NAME,force=NAME, with time=NAME and
-    /// contact=NAME (a voltage that falls) if there are such; columns also by number from 1, channels also as GROUP/NAME
+    /// Columns of a table or channels of an MDF file: angle=NAME,torque=NAME or travel=NAME,force=NAME, optionally time=NAME and
+    /// contact=NAME (a voltage that falls); a column also by its number from 1, a channel as GROUP/NAME
     #[arg(long, value_name = "WHAT=NAME,…")]
     pub columns: Option<Assignments>,
     /// Their units, as angle=deg,torque=Ncm [default: the file's own, else rad, mNm, mm, N, s]

@@ -30,7 +30,7 @@ pub struct FitOptions {
     /// The joint's name [default: the only one]
     #[arg(long, requires = "into", value_name = "NAME")]
     pub joint: Option<String>,
-    /// Measure the torque over the angle point by point instead of looking for detents; what is pressed is always fitted so
+    /// Measure the torque over the angle point by point instead of looking for detents; pressed controls are always fitted this way
     #[arg(long)]
     pub characteristic: bool,
     /// How the capture is filtered before the fit
