@@ -11,7 +11,7 @@ use sheet::{Sheet, Specification, Verdict};
 use crate::AnalysisError;
 
 /// Endings of the files that a folder is read for.
-const ENDINGS: [&str; 4] = ["csv", "json", "mcap", "txt"];
+const ENDINGS: [&str; 5] = ["csv", "json", "mcap", "mf4", "txt"];
 
 /// The given files, and in place of a folder the captures in it, by name.
 ///

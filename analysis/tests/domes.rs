@@ -18,7 +18,8 @@ fn the_fit_of_a_measured_dome_leaves_less_than_three_percent_of_its_force() {
     let sets = files(&folder.join("dome-lab"));
     assert!(sets.len() >= 10);
     for file in sets.iter().flat_map(|set| files(set)) {
-        let fit = analysis::fit(&LoadedCapture::load_measured(&file).unwrap(), PreparationMethod::default()).unwrap();
+        let fit =
+            analysis::fit(&LoadedCapture::load_measured(&file, None).unwrap(), PreparationMethod::default()).unwrap();
         assert!(fit.relative_error_percent < 3.0, "{}: {} %", file.display(), fit.relative_error_percent);
         let friction = fit.parameters.get("coulomb_positive").unwrap();
         assert!(friction.value.unwrap() > 0.0 && friction.ci95.is_some(), "{}", file.display());
@@ -34,7 +35,7 @@ fn the_fit_of_a_measured_dome_leaves_less_than_three_percent_of_its_force() {
 fn switches_are_fitted_or_refused_in_a_sentence() {
     let Some(folder) = measured_data::folder("force-curves") else { return };
     for file in files(&folder.join("switches")) {
-        match analysis::fit(&LoadedCapture::load_measured(&file).unwrap(), PreparationMethod::default()) {
+        match analysis::fit(&LoadedCapture::load_measured(&file, None).unwrap(), PreparationMethod::default()) {
             Ok(fit) => assert!(fit.relative_error_percent.is_finite(), "{}", file.display()),
             Err(error) => assert!(error.to_string().lines().count() == 1, "{error}"),
         }

@@ -1,4 +1,4 @@
-//! A capture in memory: one column per quantity, from an MCAP archive or a CSV table.
+//! A capture in memory: one column per quantity, from an MCAP archive, a CSV table or an ASAM MDF file.
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
@@ -10,6 +10,7 @@ use crate::description::attachment;
 use crate::error::ArchiveError;
 use crate::rig_account::RigAccount;
 use crate::sequence::Gap;
+use crate::testers::{ColumnChoice, Curve, is_mdf};
 use crate::whole_file::{self, Replace};
 use crate::write::CaptureWriter;
 use crate::{columns, csv_file, mcap_file, memory};
@@ -67,23 +68,36 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// Reads an MCAP archive or a CSV table; which of them it is shows in the content.
+    /// Reads an MCAP archive, a CSV table or an ASAM MDF measurement; which of them it is shows in the content.
     ///
     /// # Errors
     /// [`ArchiveError`], one sentence that names file, row and column where there is one.
     pub fn load(path: &Path) -> Result<Self, ArchiveError> {
+        Self::load_chosen(path, None)
+    }
+
+    /// The same of a table or a measurement whose columns somebody chose.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and [`ArchiveError::NoTime`] for one without a time.
+    pub fn load_chosen(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, ArchiveError> {
+        if chosen.is_some() || is_mdf(path)? {
+            let curve = Curve::load(path, chosen)?;
+            let has_time = curve.t_s.is_some();
+            return if has_time { curve.into_capture() } else { Err(ArchiveError::NoTime { path: path.to_owned() }) };
+        }
         refuse_too_large(path)?;
         let capture = if is_mcap(path)? { mcap_file::load(path)? } else { csv_file::load(path)? };
         capture.validate()?;
         Ok(capture)
     }
 
-    /// Whether a file is an archive, or a table with the columns of a capture and a time.
+    /// Whether a file is an archive, an ASAM MDF measurement, or a table with the columns of a capture and a time.
     ///
     /// # Errors
     /// [`ArchiveError`] for a file that cannot be read.
     pub fn is_one(path: &Path) -> Result<bool, ArchiveError> {
-        Ok(is_mcap(path)? || csv_file::axis_of(path)?.is_some())
+        Ok(is_mcap(path)? || is_mdf(path)? || csv_file::axis_of(path)?.is_some())
     }
 
     /// A capture of evenly spaced samples from tick 0 on.
@@ -292,7 +306,7 @@ pub(crate) fn refuse_too_large(path: &Path) -> Result<(), ArchiveError> {
 /// # Errors
 /// For a file that is neither.
 pub(crate) fn is_mcap(path: &Path) -> Result<bool, ArchiveError> {
-    let first_bytes = first_bytes(path)?;
+    let first_bytes = first_bytes(path, mcap::MAGIC.len())?;
     if first_bytes.is_empty() {
         return Err(ArchiveError::Empty { path: path.to_owned() });
     }
@@ -308,11 +322,12 @@ pub(crate) fn is_mcap(path: &Path) -> Result<bool, ArchiveError> {
     Ok(false)
 }
 
-fn first_bytes(path: &Path) -> Result<Vec<u8>, ArchiveError> {
+/// So many bytes of a file's beginning, or all that it has.
+pub(crate) fn first_bytes(path: &Path, count: usize) -> Result<Vec<u8>, ArchiveError> {
     use std::io::Read as _;
     let mut bytes = Vec::new();
     foreign_files::open(path)
-        .and_then(|file| file.take(mcap::MAGIC.len() as u64).read_to_end(&mut bytes))
+        .and_then(|file| file.take(count as u64).read_to_end(&mut bytes))
         .map_err(|error| ArchiveError::file(path, error))?;
     Ok(bytes)
 }

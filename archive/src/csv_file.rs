@@ -1,12 +1,12 @@
 //! Captures as CSV tables.
 
-use std::io::{Read as _, Write};
+use std::io::Write;
 use std::path::Path;
 
 use foreign_files::{Column, Others, read_columns};
 use shared_types::Axis;
 
-use crate::capture::Capture;
+use crate::capture::{Capture, first_bytes};
 use crate::columns::{self, MEASURED, Values};
 use crate::error::ArchiveError;
 
@@ -37,14 +37,11 @@ pub(crate) fn count(capture: &mut Capture) {
 }
 
 /// Bytes among which the names of all columns are.
-const HEADER: u64 = 4096;
+const HEADER: usize = 4096;
 
 /// The axis on which the first line that is no comment names every column that a capture must have; `None` where it does not.
 pub(crate) fn axis_of(path: &Path) -> Result<Option<Axis>, ArchiveError> {
-    let mut head = Vec::new();
-    foreign_files::open(path)
-        .and_then(|file| file.take(HEADER).read_to_end(&mut head))
-        .map_err(|error| ArchiveError::file(path, error))?;
+    let head = first_bytes(path, HEADER)?;
     let head = String::from_utf8_lossy(&head);
     let names = head.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
     let is_there = |name: &str| names.split(',').any(|cell| cell.trim_matches([' ', '"', '\u{feff}']) == name);

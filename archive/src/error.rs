@@ -113,6 +113,16 @@ pub enum ArchiveError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The file of somebody's tester has no time, which a capture must have.
+    #[error(
+        "{} has no time, so it is no capture but a curve, which `fit`, `compare`, `sheet` and `judge` take; if it has one, name \
+         it, as with --columns angle=NAME,torque=NAME,time=NAME",
+        path.display()
+    )]
+    NoTime {
+        /// The file.
+        path: PathBuf,
+    },
     /// A value is NaN or infinite.
     #[error("{}, row {row}: {column} is {value}; a capture holds finite numbers only", path.display())]
     NotFinite {

@@ -19,7 +19,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`mod@write`] | [`CaptureWriter`]: the recorder's way in |
-//! | [`capture`] | [`Capture`]: columns, from MCAP or CSV, and back |
+//! | [`capture`] | [`Capture`]: columns, from MCAP, CSV or ASAM MDF |
 //! | [`columns`] | the list of the columns that a capture can have |
 //! | [`schema`] | where each field lies in a message, from the schema in the file |
 //! | [`recover`](mod@recover) | a whole file from a broken one, saying what was lost |

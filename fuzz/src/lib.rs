@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use archive::recover::{Unchecked, recover_stream};
+use archive::testers::Curve;
 use archive::{ArchiveError, Capture};
 use cap::Cap;
 
@@ -48,6 +49,21 @@ pub fn read_and_recover(file: &[u8]) {
     std::fs::write(path, &whole).expect("a place for the file");
     if let Err(error @ (ArchiveError::Truncated { .. } | ArchiveError::NotACapture { .. })) = Capture::load(path) {
         panic!("what was recovered is broken: {error}");
+    }
+}
+
+/// Bytes as a measurement in ASAM MDF, whose first letters they are given; whatever they are, reading must end with a curve that
+/// is whole or with a sentence.
+pub fn read_measurement(bytes: &[u8]) {
+    let path = own_path();
+    std::fs::write(path, [b"MDF     ", bytes].concat()).expect("a place for the file");
+    match Curve::load(path, None) {
+        Ok(curve) => {
+            assert!(
+                curve.position.len() == curve.load.len() && curve.t_s.is_none_or(|t_s| t_s.len() == curve.load.len())
+            );
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
     }
 }
 

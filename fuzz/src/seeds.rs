@@ -46,6 +46,9 @@ fn write_seeds() -> std::io::Result<()> {
     let whole = recording(&run);
     seed("capture_file", "archive", &whole)?;
     seed("capture_file", "cut-off", &whole[..whole.len() * 2 / 3])?;
+    for (name, is_deflated) in [("plain", false), ("deflated", true)] {
+        seed("measurement", name, &measurement(is_deflated)[8..])?;
+    }
     // The records of the chunks, as the target of that name takes them.
     for (number, chunk) in chunks(&whole).into_iter().enumerate() {
         seed("archive_chunk", &format!("chunk-{number}"), &chunk)?;
@@ -88,7 +91,8 @@ fn model_change() -> ModelChange {
 /// As the control loop would describe a short run of the simulated rig.
 fn description() -> RunDescription {
     // A torque: with the fuzzer's instrumentation the compiler gets the check of the servo wrong, which is sound without.
-    let options = <rt_loop::request::Options as clap::Parser>::try_parse_from(["rt-loop", "--duration-s=1", "--torque"]);
+    let options =
+        <rt_loop::request::Options as clap::Parser>::try_parse_from(["rt-loop", "--duration-s=1", "--torque"]);
     let plan = rt_loop::plan::Plan::new(&options.expect("options").into()).expect("a plan");
     RunDescription {
         run_id: 5,
@@ -110,6 +114,21 @@ fn recording(run: &RunDescription) -> Vec<u8> {
         }
     }
     writer.finish().expect("memory").1.into_inner()
+}
+
+/// A measurement whose second group has angle and torque, its records among those of the first.
+fn measurement(is_deflated: bool) -> Vec<u8> {
+    let times: Vec<f64> = (0..40).map(|row| 1e-3 * f64::from(row)).collect();
+    let mut file = falcon_mdf::Mf4Writer::new();
+    file.set_compression(is_deflated);
+    file.add_group(&times[..9]).and_then(|group| group.add_channel("Temp", "degC", &times[..9])).expect("a group");
+    let group = file.add_group_in(0, &times).expect("a group");
+    for (name, unit) in [("Angle", "deg"), ("Torque", "Nm")] {
+        group.add_channel(name, unit, &times).expect("a channel");
+    }
+    let mut whole = Vec::new();
+    file.write(&mut whole).expect("memory");
+    whole
 }
 
 /// The uncompressed records of every chunk.

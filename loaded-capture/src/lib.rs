@@ -62,7 +62,20 @@ impl LoadedCapture {
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.
     pub fn load(path: &Path) -> Result<Self, LoadError> {
-        let capture = Capture::load(path)?.of_knob();
+        Self::load_chosen(path, None)
+    }
+
+    /// The same of a table or a measurement whose columns somebody chose.
+    ///
+    /// # Errors
+    /// [`LoadError`], one sentence on what is wrong with a file.
+    pub fn load_chosen(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, LoadError> {
+        Self::of(path, Capture::load_chosen(path, chosen)?)
+    }
+
+    /// A capture that was read from there, with its attachments or what lies beside it.
+    fn of(path: &Path, capture: Capture) -> Result<Self, LoadError> {
+        let capture = capture.of_knob();
         let attached = capture.attached_text(attachment::CALIBRATION).filter(|text| !text.is_empty());
         let calibration_file =
             if attached.is_none() && capture.description.is_none() { existing_calibration_beside(path)? } else { None };
@@ -95,31 +108,25 @@ impl LoadedCapture {
         }
     }
 
-    /// A capture, or the curve in a file of somebody's tester as one: then time has no part in it.
+    /// A capture, or the curve in a file of somebody's tester as one: then time has no part in it, unless somebody chose its column.
     ///
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.
-    pub fn load_measured(path: &Path) -> Result<Self, LoadError> {
-        if Capture::is_one(path)? {
+    pub fn load_measured(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, LoadError> {
+        if chosen.is_none() && Capture::is_one(path)? {
             return Self::load(path);
         }
-        let curve = match Curve::load(path, None) {
+        let mut curve = match Curve::load(path, chosen) {
             // What a capture must have says more than what testers write.
             Err(ArchiveError::UnknownTable { .. }) => return Self::load(path),
             read => read?,
         };
-        #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-        let counted = || (0..curve.len()).map(|row| row as f64).collect();
+        if chosen.is_some() && curve.t_s.is_some() {
+            return Self::of(path, curve.into_capture()?);
+        }
         let rises = |t_s: &Vec<f64>| t_s.windows(2).all(|pair| pair[1] > pair[0]);
-        let capture = Capture::from_measured(Capture {
-            source: curve.source.clone(),
-            axis: curve.axis,
-            t_s: curve.t_s.clone().filter(rises).unwrap_or_else(counted),
-            angle_rad: curve.position.clone(),
-            torque_mnm: curve.load.clone(),
-            ..Capture::default()
-        })?;
-        Ok(Self { capture, is_quasi_static: true, ..Self::default() })
+        curve.t_s = curve.t_s.filter(rises);
+        Ok(Self { capture: curve.into_capture()?, is_quasi_static: true, ..Self::default() })
     }
 
     /// Torque over angle, without the torque sensor's zero and delay.

@@ -253,7 +253,12 @@ class Judgement:
     def save_report(self, path: str | PathLike[str], *, overwrite: bool = False) -> None: ...
     def _repr_html_(self) -> str: ...
 
-def read(path: str | PathLike[str]) -> Capture: ...
+def read(
+    path: str | PathLike[str],
+    *,
+    columns: dict[str, str | int] | None = None,
+    units: dict[str, str] | None = None,
+) -> Capture: ...
 def fit(
     captures: _CaptureOrPath | Sequence[_CaptureOrPath],
     *,

@@ -14,6 +14,7 @@ use crate::columns::view;
 use crate::convert::{json, to_dict};
 use crate::error::{Error, raised};
 use crate::model::Model;
+use crate::sheet::choice;
 
 /// A capture in memory: one read-only NumPy array a column, all of one length, in the order of time.
 ///
@@ -31,7 +32,13 @@ pub(crate) struct Capture {
 /// path : str or os.PathLike
 ///     An archive (MCAP) of this instrument, or a CSV file with the header
 ///     ``t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm``. A table's calibration is taken from
-///     ``NAME.calibration.toml`` beside it, if there is one.
+///     ``NAME.calibration.toml`` beside it, if there is one. An ASAM MDF 4 measurement, whose channels of angle and torque, or
+///     of travel and force, are known by their names or units. Or a table of another layout, with ``columns``.
+/// columns : dict of str to str or int, optional
+///     The columns or channels, by name or by number from 1: ``{"angle": "Winkel", "torque": 3, "time": "Zeit"}``, or ``travel``
+///     and ``force``; a channel also by its group's number, ``"2/Winkel"``. A measurement has its time from the group.
+/// units : dict of str to str, optional
+///     Their units, as in ``{"angle": "deg", "torque": "Ncm"}``; without them the file's own, else rad and mNm, or mm and N, and s.
 ///
 /// Returns
 /// -------
@@ -42,8 +49,15 @@ pub(crate) struct Capture {
 /// Error
 ///     If the file cannot be read or is no capture; the sentence says what to do.
 #[pyfunction]
-pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<Capture> {
-    let loaded = py.detach(|| LoadedCapture::load(&path)).map_err(raised)?;
+#[pyo3(signature = (path, *, columns=None, units=None))]
+pub(crate) fn read(
+    py: Python<'_>,
+    path: PathBuf,
+    columns: Option<Bound<'_, PyDict>>,
+    units: Option<Bound<'_, PyDict>>,
+) -> PyResult<Capture> {
+    let choice = choice(columns, units)?;
+    let loaded = py.detach(|| LoadedCapture::load_chosen(&path, choice.as_ref())).map_err(raised)?;
     Ok(Capture { loaded: Arc::new(loaded) })
 }
 

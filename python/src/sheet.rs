@@ -77,9 +77,10 @@ pub(crate) enum CurveSources {
 ///     stands for the files in it. Several are averaged.
 /// columns : dict of str to str or int, optional
 ///     The columns of a table of no known layout, by name or by number from 1: ``{"angle": "Winkel", "torque": 3}``, or
-///     ``travel`` and ``force``; besides, ``time`` and ``contact``, a voltage that falls.
+///     ``travel`` and ``force``; besides, ``time`` and ``contact``, a voltage that falls. Channels of an MDF file also by their
+///     group's number, ``"2/Winkel"``.
 /// units : dict of str to str, optional
-///     Their units, as in ``{"angle": "deg", "torque": "Ncm"}``; without them rad and mNm, or mm and N, and s.
+///     Their units, as in ``{"angle": "deg", "torque": "Ncm"}``; without them the file's own, else rad and mNm, or mm and N, and s.
 ///
 /// Returns
 /// -------

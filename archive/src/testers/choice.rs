@@ -93,18 +93,24 @@ impl ColumnChoice {
         Ok(choice)
     }
 
-    fn axis(&self) -> Option<Axis> {
+    /// The axis whose position and load are chosen.
+    pub(super) fn axis(&self) -> Option<Axis> {
         let has = |quantity: Quantity| self.columns.get(quantity.name()).is_some();
         [Axis::Rotary, Axis::Linear].into_iter().find(|axis| has(axis.position()) && has(axis.load()))
     }
 
+    /// The name of the column that was chosen for a word such as `angle`.
+    pub(super) fn column(&self, word: &str) -> Option<&str> {
+        self.columns.get(word)
+    }
+
+    /// The unit that was chosen for a quantity.
+    pub(super) fn unit(&self, quantity: Quantity) -> Option<&str> {
+        self.units.get(quantity.name())
+    }
+
     fn factor(&self, quantity: Quantity) -> Result<f64, ChoiceError> {
-        let Some(unit) = self.units.get(quantity.name()) else { return Ok(1.0) };
-        quantity.factor(unit).ok_or_else(|| ChoiceError::Unit {
-            unit: unit.to_owned(),
-            quantity: quantity.name(),
-            known: quantity.units().iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
-        })
+        self.unit(quantity).map_or(Ok(1.0), |unit| factor(quantity, unit))
     }
 
     /// Where the chosen columns lie under that header; a column without a name is chosen by its number, from 1.
@@ -120,7 +126,7 @@ impl ColumnChoice {
             by_name.or_else(by_number).ok_or_else(missing)
         };
         let source = |quantity: Quantity| {
-            let Some(name) = self.columns.get(quantity.name()) else { return Ok(None) };
+            let Some(name) = self.column(quantity.name()) else { return Ok(None) };
             Ok(Some(Source { column: place(name)?, factor: self.factor(quantity)? }))
         };
         let required = |quantity| source(quantity)?.ok_or(ChoiceError::Incomplete);
@@ -129,7 +135,19 @@ impl ColumnChoice {
             position: required(axis.position())?,
             load: required(axis.load())?,
             time: source(Quantity::Time)?.map_or(Time::None, Time::Column),
-            contact: self.columns.get("contact").map(place).transpose()?.map(Contact::Voltage),
+            contact: self.column("contact").map(place).transpose()?.map(Contact::Voltage),
         })
     }
+}
+
+/// The size of a unit in the instrument's.
+///
+/// # Errors
+/// [`ChoiceError::Unit`] for a unit that is none of the quantity.
+pub(super) fn factor(quantity: Quantity, unit: &str) -> Result<f64, ChoiceError> {
+    quantity.factor(unit).ok_or_else(|| ChoiceError::Unit {
+        unit: unit.to_owned(),
+        quantity: quantity.name(),
+        known: quantity.units().iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
+    })
 }

@@ -1,15 +1,15 @@
 //! A press and its return as JSON: `down_x`, `down_y`, `up_x` and `up_y` in mm and gf.
 
-use std::io::Read as _;
 use std::path::Path;
 
 use shared_types::{Axis, Quantity};
 
 use super::{Curve, wrong};
+use crate::capture::first_bytes;
 use crate::error::ArchiveError;
 
 /// Bytes among which the first letter must be.
-const HEAD: u64 = 64;
+const HEAD: usize = 64;
 
 #[derive(serde::Deserialize)]
 struct PressAndReturn {
@@ -21,10 +21,7 @@ struct PressAndReturn {
 
 /// Whether a file begins as JSON does.
 pub(super) fn is_json(path: &Path) -> Result<bool, ArchiveError> {
-    let mut head = Vec::new();
-    foreign_files::open(path)
-        .and_then(|file| file.take(HEAD).read_to_end(&mut head))
-        .map_err(|error| ArchiveError::file(path, error))?;
+    let head = first_bytes(path, HEAD)?;
     let first = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head).trim_ascii_start().first();
     Ok(matches!(first, Some(b'{' | b'[')))
 }

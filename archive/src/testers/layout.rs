@@ -65,9 +65,7 @@ impl Layout {
             #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
             Time::EachRow(interval_s) => Some((0..table.rows.len()).map(|row| row as f64 * interval_s).collect()),
         };
-        if let Some(row) = t_s.as_ref().and_then(|t_s| t_s.windows(2).position(|pair| pair[1] < pair[0])) {
-            return Err(format!("row {}: its time lies before that of the row above", row + 2));
-        }
+        refuse_falling(t_s.as_deref())?;
         let closed = match self.contact {
             Some(Contact::Voltage(column)) => below_middle(&table.column(column, 1.0)?),
             Some(Contact::Flag(column)) => {
@@ -84,6 +82,17 @@ impl Layout {
             closed,
             ..Curve::default()
         })
+    }
+}
+
+/// Refuses a time that runs backwards.
+///
+/// # Errors
+/// A sentence about the first row that lies before the one above it.
+pub(super) fn refuse_falling(t_s: Option<&[f64]>) -> Result<(), String> {
+    match t_s.and_then(|t_s| t_s.windows(2).position(|pair| pair[1] < pair[0])) {
+        Some(row) => Err(format!("row {}: its time lies before that of the row above", row + 2)),
+        None => Ok(()),
     }
 }
 
@@ -109,7 +118,7 @@ fn unwrapped(clock_s: Vec<f64>) -> Vec<f64> {
 }
 
 /// Where a voltage with two levels is at the lower one; `None` where it has no two levels.
-fn below_middle(voltage: &[f64]) -> Option<Vec<bool>> {
+pub(super) fn below_middle(voltage: &[f64]) -> Option<Vec<bool>> {
     let (low, high) =
         voltage.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
     let middle = 0.5 * (low + high);

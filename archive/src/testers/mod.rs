@@ -2,7 +2,8 @@
 //!
 //! Known are the files of the Open-Switch-Curve-Meter, IMADA's Force Recorder (both of its exports), automotive button benches,
 //! tables with the two columns `force` and `displacement`, JSON with `down_x`, `down_y`, `up_x` and `up_y`, and tables with our
-//! own column names but without a time. A [`ColumnChoice`] says what any other table holds.
+//! own column names but without a time. A [`ColumnChoice`] says what any other table holds. Measurements in ASAM MDF 4 have their
+//! channels' names and units in them.
 //!
 //! A format is one entry of `FORMATS`: it looks at a table and says in which columns and units everything lies.
 
@@ -10,6 +11,7 @@ mod choice;
 mod formats;
 mod json;
 mod layout;
+mod mdf;
 mod table;
 
 use std::path::{Path, PathBuf};
@@ -17,8 +19,9 @@ use std::path::{Path, PathBuf};
 use shared_types::Axis;
 
 pub use choice::{Assignments, ChoiceError, ColumnChoice};
+pub(crate) use mdf::is_mdf;
 
-use crate::capture::{is_mcap, refuse_too_large};
+use crate::capture::{Capture, is_mcap, refuse_too_large};
 use crate::error::ArchiveError;
 use table::RawTable;
 
@@ -52,7 +55,9 @@ impl Curve {
         if is_mcap(path)? {
             return Err(wrong(path, "it is an MCAP archive, in which the columns have names of their own".to_owned()));
         }
-        let mut curve = if json::is_json(path)? {
+        let mut curve = if is_mdf(path)? {
+            mdf::read(path, chosen)?
+        } else if json::is_json(path)? {
             json::read(path)?
         } else {
             let table = RawTable::read(path)?;
@@ -65,6 +70,23 @@ impl Curve {
         };
         curve.source = path.to_owned();
         curve.check()
+    }
+
+    /// The curve as a capture, whose rows are counted where there is no time.
+    ///
+    /// # Errors
+    /// What [`Capture::validate`] reports.
+    pub fn into_capture(self) -> Result<Capture, ArchiveError> {
+        #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+        let counted = || (0..self.position.len()).map(|row| row as f64).collect();
+        Capture::from_measured(Capture {
+            source: self.source,
+            axis: self.axis,
+            t_s: self.t_s.unwrap_or_else(counted),
+            angle_rad: self.position,
+            torque_mnm: self.load,
+            ..Capture::default()
+        })
     }
 
     /// Number of rows.

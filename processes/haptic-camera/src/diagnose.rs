@@ -20,8 +20,9 @@ use crate::recording;
 /// # Errors
 /// One sentence on why no verdict would be worth anything, or what is wrong with a file.
 pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
-    let train = load::load(&options.train)?;
-    let heldout = options.heldout.as_deref().map(load::load).transpose()?;
+    let load = |path: &Path| load::load_chosen(path, &options.columns);
+    let train = load(&options.train)?;
+    let heldout = options.heldout.as_deref().map(load).transpose()?;
     let model = options.model.as_deref().map(starting_model).transpose()?;
     let bar = progress_bar();
     let progress = |progress: Progress| show_progress(&bar, progress);

@@ -30,7 +30,7 @@ pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
 }
 
 fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded = load::load_measured(capture)?;
+    let loaded = load::load_measured(capture, &options.columns)?;
     let fit = fit_as_asked(&loaded, options)?;
     if !to_output(options.json.as_deref()) {
         show(&loaded, &fit);
@@ -56,7 +56,8 @@ fn fit_as_asked(loaded: &LoadedCapture, options: &command_line::FitOptions) -> a
 
 /// One model of several captures of the same knob.
 fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded = captures.iter().map(|path| load::load_measured(path)).collect::<anyhow::Result<Vec<_>>>()?;
+    let loaded =
+        captures.iter().map(|path| load::load_measured(path, &options.columns)).collect::<anyhow::Result<Vec<_>>>()?;
     let fits = loaded.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
     let average = identification::average(&fits).context("there is no capture to fit")?;
     let each: Vec<&LoadedCapture> = loaded.iter().collect();

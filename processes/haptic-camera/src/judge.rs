@@ -14,7 +14,7 @@ use crate::outputs::{Kind, to_output, write, write_json};
 /// One sentence on what is wrong with a file.
 pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
-    let choice = options.table.choice()?;
+    let choice = options.columns.choice()?;
     let mut units = Vec::new();
     for unit in &options.captures {
         let files = curve_files(std::slice::from_ref(unit))?;

@@ -15,7 +15,7 @@ use crate::outputs::Kind;
 /// One sentence on what is wrong with the model, the capture or the output.
 pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
     let model = Model::load(&options.model)?;
-    let like = load::load(&options.like)?;
+    let like = load::load_chosen(&options.like, &options.columns)?;
     let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, options.drive.into())?;
     let differs = match options.drive {
         SimulationDrive::Motion => format!(

@@ -127,7 +127,7 @@ pub struct RenderingRequest {
     /// Feel like this model instead of following a sweep: a model file, or 1 to 5 for the paper's knobs
     #[arg(long = "render", required = false, value_name = "MODEL.toml")]
     pub model: String,
-    /// Render the nearest that the rig can instead of refusing a model that passes its bounds, and say what was clipped, from what
+    /// Render the nearest that the rig can, instead of refusing a model that exceeds its limits, and say what was clipped, from what
     /// to what
     #[arg(long, requires = "model")]
     pub nearest: bool,

@@ -14,7 +14,7 @@ pub struct Arguments {
     #[command(subcommand)]
     pub command: Option<Command>,
 
-    /// Show a finished capture instead of the running one: an archive or a CSV file.
+    /// Show a finished capture instead of the running one: an archive, a CSV or an MDF file.
     #[arg(long, value_name = "CAPTURE")]
     pub capture: Option<PathBuf>,
 

@@ -59,7 +59,7 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     let model = options.model.as_deref().map(Model::load).transpose()?;
     let mut captures = Vec::new();
     for path in &options.captures {
-        let loaded = load::load(path)?;
+        let loaded = load::load_chosen(path, &options.columns)?;
         captures.push(look(&loaded, model.as_ref())?);
     }
     withhold_breakaways(&mut captures);

@@ -23,10 +23,10 @@ pub struct CaptureOptions {
     #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_hyphen_values = true)]
     pub until_ci: Option<Share>,
     /// Judge the unit by a specification, slow turn after slow turn, and stop as soon as the verdict is certain; exit status as of
-    /// `judge`. Every turn is a capture of its own
+    /// `judge`. Every turn is a separate capture
     #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["diagnose", "until_ci", "torque"])]
     pub spec: Option<PathBuf>,
-    /// Most slow turns for a verdict
+    /// Largest number of slow turns for a verdict
     #[arg(long, requires = "spec", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub turns: u32,
     /// Archive and view
@@ -39,8 +39,8 @@ pub struct CaptureOptions {
     /// its own; model and report page of the diagnosis lie beside the first.
     #[arg(long, conflicts_with = "torque")]
     pub diagnose: bool,
-    /// Most that the knob is turned for a diagnosis: captures, as in 5, or seconds of turning, as in 60s. The first two
-    /// captures count, and are made in any case
+    /// How much the knob may be turned for a diagnosis: captures, as in 5, or seconds of turning, as in 60s. The first two
+    /// captures count, and are always made
     #[arg(long, requires = "diagnose", default_value = "5", value_name = "CAPTURES|SECONDSs")]
     pub budget: Budget,
     /// How far from its start the knob may be turned to tell rivals apart, rad [default: as far as the first two captures]

@@ -4,15 +4,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::columns::ColumnOptions;
+
 /// Options of `diagnose`.
 #[derive(Debug, Args)]
 pub struct DiagnoseOptions {
-    /// The capture that models are fitted to, an archive or a CSV file
+    /// The capture that models are fitted to: an archive, a CSV or an MDF file
     #[arg(value_name = "CAPTURE")]
     pub train: PathBuf,
     /// A capture of the same knob with another motion, to judge by; without one, stretches of the first are held out
     #[arg(long, value_name = "CAPTURE")]
     pub heldout: Option<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
     /// The model to start from [default: inertia, friction and detents, fitted]
     #[arg(long, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,

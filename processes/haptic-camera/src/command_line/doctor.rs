@@ -7,7 +7,7 @@ use clap::Args;
 /// Options of `doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorOptions {
-    /// Look also whether this rig's driver can be had
+    /// Also check whether this rig's driver is available
     #[arg(long, value_name = "FILE.toml")]
     pub rig: Option<PathBuf>,
 }

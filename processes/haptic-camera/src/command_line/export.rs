@@ -4,27 +4,32 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::columns::ColumnOptions;
+
 /// Options of `export`.
 #[derive(Debug, Args)]
 pub struct ExportOptions {
-    /// What is exported: a capture, or a model as file or as 1 to 5 for the paper's knobs
+    /// What to export: a capture, or a model as file or as 1 to 5 for the paper's knobs
     #[arg(value_name = "CAPTURE|MODEL.toml|1…5")]
     pub source: String,
-    /// Where it goes; the ending says as what: a capture as .csv or .parquet, a model's torque over the angle
+    /// Where it goes; the ending chooses the format: a capture as .csv or .parquet, a model's torque over the angle
     /// as .csv or .h, a model for simulators as .xml (MuJoCo), .urdf (with Isaac Lab's fields beside it) or .fmu (FMI 3.0),
     /// a model for SmartKnob's firmware as .json
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Points of a model's table
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Number of points in a model's table
     #[arg(long, default_value_t = 256, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=65_536))]
     pub points: u32,
-    /// Angle that a model's table goes over [default: one period of the detents, a turn without detents]
+    /// Angle that a model's table covers [default: one period of the detents, a turn without detents]
     #[arg(long, value_enum, value_name = "SPAN")]
     pub over: Option<TableSpan>,
-    /// Torque that SmartKnob's motor makes of a volt, mNm/V
+    /// Torque per volt of SmartKnob's motor, mNm/V
     #[arg(long, value_name = "MNM_PER_V", value_parser = positive)]
     pub motor_mnm_per_v: Option<f64>,
-    /// The capture along whose motion the torque is told that a simulator's format leaves out [default: the sweep linear-chirp]
+    /// The capture along whose motion to compute the torque that a simulator's format leaves out [default: the sweep linear-chirp]
     #[arg(long, value_name = "CAPTURE")]
     pub along: Option<PathBuf>,
 }

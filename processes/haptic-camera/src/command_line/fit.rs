@@ -4,12 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::columns::ColumnOptions;
+
 /// Options of `fit`.
 #[derive(Debug, Args)]
 pub struct FitOptions {
-    /// The capture, an archive or a CSV file; several of the same knob are made into one model
+    /// The capture: an archive, a CSV or an MDF file; several of the same knob are made into one model
     #[arg(required = true, value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
     /// Write the result as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -25,7 +30,7 @@ pub struct FitOptions {
     /// The joint's name [default: the only one]
     #[arg(long, requires = "into", value_name = "NAME")]
     pub joint: Option<String>,
-    /// Measure the torque over the angle point by point instead of looking for detents; what is pressed is always fitted so
+    /// Measure the torque over the angle point by point instead of looking for detents; pressed controls are always fitted this way
     #[arg(long)]
     pub characteristic: bool,
     /// How the capture is filtered before the fit

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::sheet::TableOptions;
+use super::columns::ColumnOptions;
 
 /// Options of `judge`.
 #[derive(Debug, Args)]
@@ -17,7 +17,7 @@ pub struct JudgeOptions {
     pub spec: PathBuf,
     /// What the columns are
     #[command(flatten)]
-    pub table: TableOptions,
+    pub columns: ColumnOptions,
     /// Write the verdicts as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

@@ -3,6 +3,7 @@
 mod calibrate;
 mod capture;
 mod check;
+mod columns;
 mod compare;
 mod compose;
 mod diagnose;
@@ -31,6 +32,7 @@ mod view;
 pub use calibrate::{CalibrateOptions, CalibrationKind};
 pub use capture::CaptureOptions;
 pub use check::CheckOptions;
+pub use columns::ColumnOptions;
 pub use compare::CompareOptions;
 pub use compose::ComposeOptions;
 pub use diagnose::DiagnoseOptions;
@@ -63,11 +65,11 @@ use clap::{Parser, Subcommand};
 #[command(
     after_help = "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost,\n4 a judged unit fails, 5 one is undecided.\n\n\
     Environment:\n  \
-    RUST_LOG     what the programs log to standard error, as info or recorder=debug\n  \
-    NO_COLOR     no colours in the log; where it is no terminal there are none\n  \
+    RUST_LOG     what is logged to standard error, such as info or recorder=debug\n  \
+    NO_COLOR     no colours in the log; they are left out too if it is no terminal\n  \
     HAPTIC_CAMERA_RUNTIME_DIR\n               \
-    names the rig: two directories are two rigs [default: in\n               \
-    $XDG_RUNTIME_DIR, or in the user's home]\n\n\
+    the rig's directory: two directories are two rigs\n               \
+    [default: in $XDG_RUNTIME_DIR, or in the user's home]\n\n\
     First steps:\n  \
     haptic-camera doctor\n  \
     haptic-camera capture --knob 3 --duration-s 10\n  \
@@ -91,9 +93,9 @@ pub enum Command {
     #[command(after_help = "Examples:\n  haptic-camera replay 3\n  \
         haptic-camera replay composed.toml --hand multisine --duration-s 10\n  \
         haptic-camera replay 5 --nearest\n\n\
-        While it runs, `haptic-camera tune` turns the model's parameters.")]
+        While it runs, `haptic-camera tune` changes the model's parameters.")]
     Replay(ReplayOptions),
-    /// Turn a parameter of the model that a running replay renders, or change over to another model
+    /// Change a parameter of the model that a running replay renders, or switch to another model
     #[command(after_help = "Examples:\n  haptic-camera tune detent_amplitude=8 coulomb_positive=5\n  \
         haptic-camera tune --model 1\n  haptic-camera tune")]
     Tune(TuneOptions),
@@ -104,9 +106,9 @@ pub enum Command {
     #[command(after_help = "Example:\n  \
         haptic-camera diagnose train.csv --heldout heldout.csv --report diagnosis.html")]
     Diagnose(DiagnoseOptions),
-    /// Find the rig's zeros, gravity, delays, the gripper's inertia or the motor's friction
+    /// Find the rig's zeros, gravity, delays, the gripper's inertia, or the motor's cogging or friction
     #[command(
-        after_help = "Takes given captures, or turns the rig itself (nothing on the gripper). In this order:\n  \
+        after_help = "Takes the captures given, or turns the rig itself (nothing on the gripper), in this order:\n  \
         haptic-camera calibrate zero --out rig.toml\n  \
         haptic-camera calibrate gravity --calibration rig.toml --out rig.toml\n  \
         haptic-camera calibrate latency --calibration rig.toml --out rig.toml\n  \
@@ -115,19 +117,19 @@ pub enum Command {
         haptic-camera capture --calibration rig.toml --knob 3"
     )]
     Calibrate(CalibrateOptions),
-    /// Try the rig without a knob: how far what it measures lies from what it was told to do
+    /// Test the rig without a knob: how far what it measures is from what was commanded
     #[command(after_help = "Example:\n  haptic-camera rig-test --offline --json rig-test.json")]
     RigTest(RigTestOptions),
-    /// Check a fit by what a capture shows without one: detents counted, breakaways read off
+    /// Check a fit against what captures show without one: detents counted, breakaways read off
     #[command(after_help = "Example:\n  \
         haptic-camera capture --knob 3 --sweep slow-turn --duration-s 15\n  \
-        haptic-camera capture --knob 3 --sweep slow-turn --amplitude 0.1 --duration-s 15\n  \
+        haptic-camera capture --sweep slow-turn --amplitude 0.1 --duration-s 15\n  \
         haptic-camera check TURN.mcap CREEP.mcap --model knob-3.toml")]
     Check(CheckOptions),
     /// Compare captures and models in one table and page, as the paper's Tables 4 to 6 compare knobs
     #[command(after_help = "Example:\n  haptic-camera compare captures/*.mcap mix.toml 3 --report knobs.html")]
     Compare(CompareOptions),
-    /// Say of each unit whether it is as its specification says: pass, fail, or undecided where an interval straddles a limit
+    /// Judge each unit by a specification: pass, fail, or undecided where an interval straddles a limit
     #[command(after_help = "Example:\n  haptic-camera judge unit-*.mcap --spec spec.toml\n\n\
         Exit status: 0 all pass, 4 one fails, 5 one is undecided and none fails.")]
     Judge(JudgeOptions),
@@ -142,10 +144,10 @@ pub enum Command {
     #[command(
         after_help = "Examples:\n  haptic-camera sheet captures/20261121-101500-knob-3.mcap --report sheet.html\n  \
         haptic-camera sheet dome/ --json sheet.json\n  \
-        haptic-camera sheet bench.csv --columns angle=Winkel,torque=M --units angle=deg,torque=Ncm"
+        haptic-camera sheet bench.mf4 --columns angle=Winkel,torque=M"
     )]
     Sheet(SheetOptions),
-    /// Simulate a model along a capture's motion or torque, and tell its relative error on that capture
+    /// Simulate a model along a capture's motion or torque, and report its relative error on that capture
     #[command(after_help = "Examples:\n  \
         haptic-camera simulate model.toml --like capture.mcap\n  \
         haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
@@ -154,18 +156,18 @@ pub enum Command {
     #[command(after_help = "Examples:\n  \
         haptic-camera compose --inertia 2 --friction 1 --detents 3 --out mix.toml\n  \
         haptic-camera compose --inertia 2 --friction 4 --detents drawn.csv --set table_scale=1.5 --out new.toml\n\n\
-        Inertia is what resists acceleration; friction what resists turning, its stick and what modulates it; detents \
-        are the torques that repeat along the angle, of every waveform. All else is taken one by one, by --extra.")]
+        Inertia resists acceleration. Friction resists turning, and includes sticking and whatever modulates friction. \
+        Detents are all torques that repeat along the angle. Every other effect is taken by itself, with --extra.")]
     Compose(ComposeOptions),
-    /// List the captures of a folder by time: knob, length, how good the fit is, whether the archive is whole
+    /// List the captures of a folder by time: knob, length, quality of the fit, whether the archive is whole
     #[command(after_help = "Examples:\n  haptic-camera list\n  haptic-camera list captures --json")]
     List(ListOptions),
-    /// Fit every capture of whole folders on all cores: one row a capture, in a Parquet file
+    /// Fit every capture of whole folders on all cores: one row per capture, in a Parquet file
     #[command(after_help = "Example:\n  haptic-camera table captures --out captures.parquet\n\n\
-        A call that was killed goes on where it was when it is made again. A file that cannot be read or fitted is a row that \
-        says why.")]
+        If it is killed, the same command continues where it stopped. A file that cannot be read or fitted becomes a row \
+        that says why.")]
     Table(TableOptions),
-    /// Tell how the parameters of a table's captures change over time: drift of a rig, wear of a knob
+    /// Show how the parameters of a table's captures change over time: drift of a rig, wear of a knob
     #[command(after_help = "Example:\n  haptic-camera trend captures.parquet --by rig --report trend.html")]
     Trend(TrendOptions),
     /// Open the live view of the running capture, or look at a finished one
@@ -173,24 +175,24 @@ pub enum Command {
         after_help = "Examples:\n  haptic-camera view\n  haptic-camera view captures/20261121-101500-knob-3.mcap --native"
     )]
     View(ViewOptions),
-    /// Compute the torques of a recorded replay again and say whether they are equal, bit for bit
+    /// Compute the torques of a recorded replay again, and say whether they are equal bit for bit
     #[command(after_help = "Example:\n  haptic-camera recompute captures/20261121-101500-replay-knob-3.mcap")]
     Recompute(RecomputeOptions),
-    /// Write a capture as CSV or Parquet, or a model's torque over the angle as CSV or as a C header for firmware
+    /// Write a capture as CSV or Parquet, or a model as a torque table, a C header, or a file for a simulator
     #[command(
         after_help = "Examples:\n  haptic-camera export captures/20261121-101500-knob-3.mcap --out knob-3.csv\n  \
         haptic-camera export captures/20261121-101500-knob-3.mcap --out knob-3.parquet\n  \
-        haptic-camera export captures/20261121-101500-knob-3.toml --out knob-3.h --points 128\n  \
+        haptic-camera export knob-3.toml --out knob-3.h --points 128\n  \
         haptic-camera export 4 --out knob-4.csv --over turn"
     )]
     Export(ExportOptions),
-    /// Make a whole archive of one that was cut short or damaged
+    /// Make a whole archive from one that was cut short or damaged
     #[command(after_help = "Example:\n  haptic-camera recover broken.mcap --out whole.mcap")]
     Recover(RecoverOptions),
     /// Check what this machine permits: real-time priority, memory, shared memory, programs
     #[command(after_help = "Examples:\n  haptic-camera doctor\n  haptic-camera doctor --rig my-rig.toml")]
     Doctor(DoctorOptions),
-    /// Attach a rig of your own: begin its file, bring it up without torque, turn it gently for the first time
+    /// Attach a rig of your own: write its file, bring it up without torque, turn it gently for the first time
     #[command(
         subcommand,
         after_help = "Examples:\n  haptic-camera rig new --out my-rig.toml\n  haptic-camera rig check my-rig.toml\n  \
@@ -203,7 +205,7 @@ pub enum Command {
         haptic-camera completions zsh > ~/.zfunc/_haptic-camera\n  \
         haptic-camera completions fish > ~/.config/fish/completions/haptic-camera.fish")]
     Completions(CompletionsOptions),
-    /// Write manual pages, one a command
+    /// Write manual pages, one for each command
     #[command(after_help = "Example:\n  haptic-camera man ~/.local/share/man/man1 && man haptic-camera-capture")]
     Man(ManOptions),
 }

@@ -13,7 +13,7 @@ pub struct RecoverOptions {
     /// Where the whole archive goes
     #[arg(long, value_name = "FIXED.mcap")]
     pub out: PathBuf,
-    /// Keep samples of a chunk that is cut off too, which no checksum covers
+    /// Also keep the samples of a chunk that was cut off, which no checksum covers
     #[arg(long)]
     pub keep_unchecked: bool,
 }

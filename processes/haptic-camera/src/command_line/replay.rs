@@ -16,8 +16,8 @@ pub struct ReplayOptions {
     /// The model to feel like: a model file, or 1 to 5 for the paper's knobs
     #[arg(value_name = "1…5|MODEL.toml")]
     pub model: String,
-    /// Render the nearest that the rig can instead of refusing a model that passes its bounds, and say what was clipped, from what
-    /// to what
+    /// Render the nearest that the rig can, instead of refusing a model that exceeds its limits, and say what was clipped, from
+    /// what to what
     #[arg(long)]
     pub nearest: bool,
     /// The hand on the simulated rig

@@ -11,7 +11,7 @@ pub struct RigOptions {
     /// The rig
     #[command(flatten)]
     pub request: RigRequest,
-    /// Run the simulated rig as fast as the processor goes, without the real-time processes
+    /// Run the simulated rig as fast as the processor can, without the real-time processes
     #[arg(long)]
     pub offline: bool,
     /// Folder for the captures made on the way

@@ -9,7 +9,7 @@ use clap::{Args, Subcommand};
 pub enum RigCommand {
     /// Bring a rig up without torque: what its channels read, their noise, the rate it holds, its watchdog
     Check(RigCheckOptions),
-    /// Write a commented rig file to begin with, and the header for a library of one's own beside it
+    /// Write a commented rig file to begin with, and the header for a library of your own beside it
     New(RigNewOptions),
     /// List the drivers that a rig file may name
     List,
@@ -28,7 +28,7 @@ pub struct RigCheckOptions {
     /// Samples per second [default: the fastest that the file permits]
     #[arg(long, allow_negative_numbers = true)]
     pub rate_hz: Option<f64>,
-    /// How long it is looked at, s
+    /// How long to look at it, s
     #[arg(long, default_value_t = 3.0, allow_negative_numbers = true)]
     pub duration_s: f64,
     /// Write what was found as JSON; `-` for standard output
@@ -42,7 +42,7 @@ pub struct RigNewOptions {
     /// The driver, as `rig list` has it
     #[arg(long, default_value = "plugin")]
     pub driver: String,
-    /// Where the rig file goes
+    /// Where to write the rig file
     #[arg(long, value_name = "FILE.toml")]
     pub out: PathBuf,
 }
@@ -50,10 +50,10 @@ pub struct RigNewOptions {
 /// Options of `rig scan`.
 #[derive(Debug, Args)]
 pub struct RigScanOptions {
-    /// What is looked at: a network interface or a tty
+    /// Where to look: a network interface or a tty
     #[arg(value_name = "TARGET")]
     pub target: String,
-    /// Where a rig file for what is found goes
+    /// Where to write a rig file for what was found
     #[arg(long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
 }
@@ -67,10 +67,10 @@ pub struct RigCommissionOptions {
     /// Samples per second [default: the fastest that the file permits]
     #[arg(long, allow_negative_numbers = true)]
     pub rate_hz: Option<f64>,
-    /// Most torque that is tried, mNm [default: a third of the limit]
+    /// Largest torque to try, mNm [default: a third of the limit]
     #[arg(long, value_name = "MNM", allow_negative_numbers = true)]
     pub most_torque: Option<f64>,
-    /// Where the rig file goes with what was found in it [default: FILE.toml itself]
+    /// Where to write the rig file with what was found [default: FILE.toml itself]
     #[arg(long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
     /// Folder for the captures made on the way

@@ -7,7 +7,7 @@ use clap::Args;
 /// Options of how a run is made and where it goes.
 #[derive(Clone, Debug, Args)]
 pub struct RunOptions {
-    /// Folder for the archive, and for the model and the report that are made of a capture
+    /// Folder for the archive, and for the model and report made from it
     #[arg(long, default_value = "captures", value_name = "DIR")]
     pub out: PathBuf,
     /// Do without the live view
@@ -16,7 +16,7 @@ pub struct RunOptions {
     /// Show the live view in a window of its own instead of a web page
     #[arg(long, conflicts_with = "no_viewer")]
     pub native_viewer: bool,
-    /// Run the simulated rig as fast as the processor goes, without the real-time processes
+    /// Run the simulated rig as fast as the processor can, without the real-time processes
     #[arg(long)]
     pub offline: bool,
 }

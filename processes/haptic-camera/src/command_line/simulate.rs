@@ -4,19 +4,24 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::columns::ColumnOptions;
+
 /// Options of `simulate`.
 #[derive(Debug, Args)]
 pub struct SimulateOptions {
     /// The model
     #[arg(value_name = "MODEL.toml")]
     pub model: PathBuf,
-    /// The capture whose motion or torque is followed
+    /// The capture whose motion or torque to follow
     #[arg(long, value_name = "CAPTURE")]
     pub like: PathBuf,
-    /// Where the simulated capture goes, if it is to be kept: an archive, or CSV if the name ends in .csv
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Where to write the simulated capture: an archive, or CSV if the name ends in .csv
     #[arg(long, value_name = "CAPTURE")]
     pub out: Option<PathBuf>,
-    /// What is taken from the capture: its motion, giving the torque, or its torque, giving the motion
+    /// What to take from the capture: its motion, giving the torque, or its torque, giving the motion
     #[arg(long, value_enum, default_value = "motion")]
     pub drive: SimulationDrive,
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::sheet::TableOptions;
+use super::columns::ColumnOptions;
 
 /// Many units, and what they must be.
 #[derive(Debug, Args)]
@@ -15,12 +15,12 @@ pub struct StudyOptions {
     /// A table of values from elsewhere instead, with the columns part, operator (numbers) and value; needs --figure
     #[arg(long, value_name = "FILE.csv", conflicts_with = "captures", requires = "figure")]
     pub values: Option<PathBuf>,
-    /// The figure that is studied, as collapse_force [default: those that the specification limits]
+    /// The figure to study, such as collapse_force [default: those that the specification limits]
     #[arg(long, value_name = "NAME")]
     pub figure: Option<String>,
     /// What the columns are
     #[command(flatten)]
-    pub table: TableOptions,
+    pub columns: ColumnOptions,
     /// Write the study as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -35,7 +35,7 @@ pub struct CapabilityOptions {
     /// Limits on the figures
     #[arg(long, value_name = "SPEC.toml")]
     pub spec: PathBuf,
-    /// Units that were made one after the other in a subgroup; 1 for single units
+    /// Units made one after the other that form a subgroup; 1 for single units
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub subgroup: usize,
     /// Write the figures as a Q-DAS file

@@ -8,7 +8,7 @@ use clap::Args;
 /// Options of `table`.
 #[derive(Debug, Args)]
 pub struct TableOptions {
-    /// Folders of captures; folders in them are looked into too
+    /// Folders of captures; folders in them are searched too
     #[arg(required = true, value_name = "DIR")]
     pub folders: Vec<PathBuf>,
     /// Where the table goes
@@ -17,7 +17,7 @@ pub struct TableOptions {
     /// Limits, as for `judge`: every row then has the figures of the sheet and the verdict too
     #[arg(long, value_name = "SPEC.toml")]
     pub spec: Option<PathBuf>,
-    /// Captures that are fitted at once [default: one a core]
+    /// Captures to fit at once [default: one per core]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZero<usize>>,
 }

@@ -7,10 +7,10 @@ use clap::Args;
 /// Options of `trend`.
 #[derive(Debug, Args)]
 pub struct TrendOptions {
-    /// A table that `table` made
+    /// A file made by `table`
     #[arg(value_name = "TABLE.parquet")]
     pub table: PathBuf,
-    /// What captures are grouped by
+    /// How captures are grouped
     #[arg(long, value_enum, default_value = "knob")]
     pub by: TrendGroups,
     /// Write the result as JSON; `-` for standard output

@@ -13,7 +13,7 @@ use loaded_capture::LoadedCapture;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::felt_differences;
 
-use crate::command_line::CompareOptions;
+use crate::command_line::{ColumnOptions, CompareOptions};
 use crate::fit::fit_capture;
 use crate::load;
 use crate::outcome::{Outcome, say};
@@ -28,7 +28,7 @@ const LONGEST_NAME: usize = 24;
 /// # Errors
 /// One sentence on what is wrong with a capture, a model or a file.
 pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
-    let compared = compare(&options.subjects)?;
+    let compared = compare(&options.subjects, &options.columns)?;
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
     anyhow::ensure!(
@@ -80,14 +80,14 @@ impl Group {
 }
 
 /// Everything beside each other, in the order given; captures of one knob stand together.
-fn compare(given: &[String]) -> anyhow::Result<Comparison> {
+fn compare(given: &[String], columns: &ColumnOptions) -> anyhow::Result<Comparison> {
     let mut subjects: Vec<Subject> = Vec::new();
     for name in given {
         if names_model(name) {
             subjects.push(Subject::Model { file: name.clone(), model: knobs::named(name)? });
             continue;
         }
-        let loaded = load::load_measured(&PathBuf::from(name))?;
+        let loaded = load::load_measured(&PathBuf::from(name), columns)?;
         let fit = fit_capture(&loaded)?;
         let group = Group::of(&loaded);
         let same = subjects.iter_mut().find_map(|subject| match subject {

@@ -54,14 +54,15 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
         (true, "fmu") => simulator::fmu(options),
         (true, "json") => smartknob::write(options),
         (true, _) => model_table(options),
-        (false, "parquet") => capture_as_parquet(source, &options.out),
-        (false, _) => capture_as_csv(source, &options.out),
+        (false, "parquet") => capture_as_parquet(source, options),
+        (false, _) => capture_as_csv(source, options),
     }
 }
 
 /// The columns that `fit` reads, with what it must know of the rig beside them: it then finds the same.
-fn capture_as_csv(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
-    let loaded = load::load(source)?;
+fn capture_as_csv(source: &Path, options: &ExportOptions) -> anyhow::Result<Outcome> {
+    let ExportOptions { out, columns, .. } = options;
+    let loaded = load::load_chosen(source, columns)?;
     let calibration = loaded.write_csv(out)?;
     let units = loaded.capture.axis.words("angles in rad, torque in mNm, time in s");
     say(format!("{}: {} samples; {units}", out.display(), loaded.capture.len()));
@@ -71,8 +72,9 @@ fn capture_as_csv(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn capture_as_parquet(source: &Path, out: &Path) -> anyhow::Result<Outcome> {
-    let loaded = load::load(source)?;
+fn capture_as_parquet(source: &Path, options: &ExportOptions) -> anyhow::Result<Outcome> {
+    let ExportOptions { out, columns, .. } = options;
+    let loaded = load::load_chosen(source, columns)?;
     let (bytes, columns) =
         parquet_file::bytes(&loaded).with_context(|| format!("{} cannot be made into Parquet", source.display()))?;
     write_bytes(out, Kind::Data.replaces(), &bytes)?;

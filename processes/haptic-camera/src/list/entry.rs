@@ -130,6 +130,8 @@ impl Entry {
             ArchiveError::Empty { .. }
             | ArchiveError::NotACapture { .. }
             | ArchiveError::NoSamples { .. }
+            | ArchiveError::Tester { .. }
+            | ArchiveError::NoTime { .. }
             | ArchiveError::Table { error: TableError::Header { .. }, .. } => Health::Foreign,
             _ => Health::Damaged,
         };

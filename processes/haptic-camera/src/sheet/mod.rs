@@ -22,7 +22,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if options.captures.is_empty() {
         return Ok(Outcome::Done);
     }
-    let choice = options.table.choice()?;
+    let choice = options.columns.choice()?;
     let files = curve_files(&options.captures)?;
     let sheet = Sheet::of(&curves(&files, choice.as_ref())?)?;
     if !to_output(options.json.as_deref()) {

@@ -56,7 +56,7 @@ pub fn units(options: &StudyOptions, studied: &[Studied]) -> anyhow::Result<Vec<
     if let Some(table) = &options.values {
         return of_table(table);
     }
-    let choice = options.table.choice()?;
+    let choice = options.columns.choice()?;
     let unit = |file: PathBuf| {
         let sheet = Sheet::of(&curves(std::slice::from_ref(&file), choice.as_ref())?)?;
         let values = studied.iter().map(|(kind, _)| sheet.figure(kind).and_then(|figure| figure.value)).collect();

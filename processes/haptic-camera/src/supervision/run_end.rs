@@ -46,13 +46,12 @@ impl RigWords {
     /// The fault of a loop that drives it, in words.
     pub(crate) fn fault_words(&self, status: &LoopStatus) -> Option<String> {
         let fault = Fault::from_code(status.fault)?;
-        Some(match (fault, status.device_code.cast_signed()) {
-            (Fault::Apparatus, code) if code != 0 => {
-                format!("the rig '{}': {}", self.name, ApparatusError::Device(code).reason(&self.codes))
-            }
-            (Fault::Apparatus | Fault::Sensor | Fault::Stale, _) => format!("the rig '{}': {fault}", self.name),
-            _ => self.axis.words(&fault.to_string()).into_owned(),
-        })
+        let reason = match (fault, status.device_code.cast_signed()) {
+            (Fault::Apparatus, code) if code != 0 => ApparatusError::Device(code).reason(&self.codes),
+            (Fault::Apparatus | Fault::Sensor | Fault::Stale, _) => fault.to_string(),
+            _ => return Some(self.axis.words(&fault.to_string()).into_owned()),
+        };
+        Some(format!("the rig '{}': {reason}", self.name))
     }
 }
 

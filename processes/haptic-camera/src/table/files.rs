@@ -35,7 +35,7 @@ fn add(folder: &Path, files: &mut Vec<Seen>) -> anyhow::Result<()> {
         // A link may lead back to where it lies.
         if entry.file_type().with_context(unreadable)?.is_dir() {
             add(&path, files)?;
-        } else if path.extension().is_some_and(|ending| ending == "mcap" || ending == "csv") {
+        } else if path.extension().is_some_and(|ending| ["mcap", "csv", "mf4"].iter().any(|known| ending == *known)) {
             let (bytes, written_ns) = entry.metadata().map_or((0, 0), |metadata| {
                 let written = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
                 (metadata.len(), written.map_or(0, |time| time.as_nanos()))
