@@ -29,8 +29,9 @@ const STANDARD_ERROR: &str = "/dev/stderr";
 /// How far into a file its mark may lie, bytes.
 const MARK_WITHIN: u64 = 64 * 1024;
 
-/// What an output meets that it may not replace.
+/// What an output meets that it may not replace, and one that may replace nothing.
 const FOREIGN: &str = "there already and is no earlier output of the same kind";
+const TAKEN: &str = "there already";
 
 /// Writes a file under a temporary name beside `path`, then puts it in its place.
 ///
@@ -133,7 +134,7 @@ fn place(path: &Path, replace: Replace) -> Result<Place, ArchiveError> {
     } else if replace == Replace::Anything || is_replaceable(path, replace).map_err(refused)? {
         path.canonicalize().map(Place::Taken).map_err(refused)
     } else {
-        occupied(FOREIGN)
+        occupied(if replace == Replace::Nothing { TAKEN } else { FOREIGN })
     }
 }
 
@@ -183,7 +184,7 @@ pub fn put_in_place(from: &Path, to: &Path) -> Result<(), ArchiveError> {
 
 fn not_in_place(path: &Path, error: std::io::Error) -> ArchiveError {
     if error.kind() == ErrorKind::AlreadyExists {
-        ArchiveError::Occupied { path: path.to_owned(), by: FOREIGN }
+        ArchiveError::Occupied { path: path.to_owned(), by: TAKEN }
     } else {
         ArchiveError::file(path, error)
     }

@@ -228,6 +228,10 @@ impl Capture {
         }
     }
 
+    fn __contains__(&self, name: &str) -> bool {
+        self.columns().contains(&name)
+    }
+
     /// "rotary" of a knob that was turned, "linear" of what was pressed or slid: columns hold mm in place of rad then, and N in
     /// place of mNm.
     #[getter]

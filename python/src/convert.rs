@@ -142,6 +142,22 @@ pub(crate) fn not_pickled(what: &str, instead: &str) -> PyErr {
     Error::new_err(format!("{what} is not pickled; hand on {instead}"))
 }
 
+/// A value with its unit and interval in six digits, or the reason why there is none.
+pub(crate) fn told(
+    py: Python<'_>,
+    value: Option<f64>,
+    unit: &str,
+    ci95: Option<(f64, f64)>,
+    reason: Option<&str>,
+) -> PyResult<String> {
+    let six = |value: f64| value.into_pyobject(py)?.call_method1("__format__", (".6g",))?.extract::<String>();
+    Ok(match (value, ci95) {
+        (Some(value), Some((low, high))) => format!("{} {unit}, 95 % {} to {}", six(value)?, six(low)?, six(high)?),
+        (Some(value), None) => format!("{} {unit}", six(value)?),
+        (None, _) => reason.unwrap_or("not told").to_owned(),
+    })
+}
+
 /// How many there are of what is named.
 pub(crate) fn counted(number: usize, what: &str) -> String {
     format!("{number} {what}{}", if number == 1 { "" } else { "s" })

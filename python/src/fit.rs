@@ -12,7 +12,9 @@ use pyo3::types::{PyDict, PyType};
 use report::{AveragePage, FigureNumbers};
 
 use crate::columns::field_view;
-use crate::convert::{CaptureOrPath, OneOrMore, framed, json_on, name_and_unit_on, not_pickled, save_page, to_dict};
+use crate::convert::{
+    CaptureOrPath, OneOrMore, framed, json_on, name_and_unit_on, not_pickled, save_page, to_dict, told,
+};
 use crate::error::{Error, raised};
 use crate::model::Model;
 
@@ -37,15 +39,10 @@ type Fields = (String, Option<f64>, String, Option<(f64, f64)>, Option<String>);
 
 #[pymethods]
 impl Parameter {
-    fn __repr__(&self) -> String {
-        let Self { name, unit, .. } = self;
-        match (self.value, self.ci95, &self.reason) {
-            (Some(value), Some((low, high)), _) => {
-                format!("<Parameter {name}: {value:.6} {unit}, 95 % {low:.6} to {high:.6}>")
-            }
-            (Some(value), ..) => format!("<Parameter {name}: {value:.6} {unit}>"),
-            (None, _, reason) => format!("<Parameter {name}: {}>", reason.as_deref().unwrap_or("not told")),
-        }
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let Self { name, value, unit, ci95, reason } = self;
+        let told = told(py, *value, unit, *ci95, reason.as_deref())?;
+        Ok(format!("<Parameter {name}: {told}>"))
     }
 
     /// Pickled as its fields.

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use shared_types::Axis;
 
-use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not_pickled, save_page, to_dict};
+use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not_pickled, save_page, to_dict, told};
 use crate::error::{Error, raised};
 
 /// A figure of a data sheet, or the reason why the curve does not tell it.
@@ -36,14 +36,10 @@ type Fields = (String, Option<f64>, String, Option<(f64, f64)>, Option<String>, 
 
 #[pymethods]
 impl Figure {
-    fn __repr__(&self) -> String {
-        let Self { name, unit, .. } = self;
-        match (self.value, self.ci95, &self.reason) {
-            (Some(value), Some((low, high)), _) => {
-                format!("<Figure {name}: {value:.6} {unit}, 95 % {low:.6} to {high:.6}>")
-            }
-            (.., reason) => format!("<Figure {name}: {}>", reason.as_deref().unwrap_or("not told")),
-        }
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let Self { name, value, unit, ci95, reason, .. } = self;
+        let told = told(py, *value, unit, *ci95, reason.as_deref())?;
+        Ok(format!("<Figure {name}: {told}>"))
     }
 
     /// Pickled as its fields.
