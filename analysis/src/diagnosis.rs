@@ -6,6 +6,7 @@ use loaded_capture::LoadedCapture;
 use report::{CaptureFacts, DiagnosisNumbers, DiagnosisPage, FigureNumbers};
 use serde::Serialize;
 
+use crate::error::same_axis;
 use crate::{AnalysisError, title};
 
 /// Finds what a model lacks, with all that is known of the rig; without a model that of inertia, friction and detents.
@@ -18,6 +19,7 @@ pub fn diagnose(
     model: Option<Model>,
     progress: Option<&(dyn Fn(Progress) + Sync)>,
 ) -> Result<Diagnosis, AnalysisError> {
+    model.iter().try_for_each(|model| same_axis(model, train))?;
     let judge = heldout.unwrap_or(train);
     let commanded = train.commanded_torque_mnm().zip(judge.commanded_torque_mnm());
     let commanded = commanded.map(|(of_train, of_judge)| CommandedTorque {

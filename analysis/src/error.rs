@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use dynamics::simulate::SimulationError;
+use dynamics::{Axis, Model};
 use identification::FitError;
 use identification::diagnosis::DiagnosisError;
-use loaded_capture::LoadError;
+use loaded_capture::{LoadError, LoadedCapture};
 use sheet::{SheetError, SpecificationError};
 
 /// Why a capture gives no result.
@@ -38,6 +39,21 @@ pub enum AnalysisError {
     /// A model that cannot be moved by the torque.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// A model of what moves along another axis than what was captured.
+    #[error(
+        "the model '{model}' is of a control with a {is} axis, and {} is of one with a {has} axis; choose another of either",
+        capture.display()
+    )]
+    OtherAxis {
+        /// The model's name.
+        model: String,
+        /// Its axis.
+        is: Axis,
+        /// The capture.
+        capture: PathBuf,
+        /// Its axis.
+        has: Axis,
+    },
     /// A capture that cannot be read.
     #[error(transparent)]
     Load(#[from] LoadError),
@@ -68,4 +84,18 @@ pub enum AnalysisError {
         /// What is wrong with it.
         error: SpecificationError,
     },
+}
+
+/// Refuses a model of what moves along another axis than what was captured.
+pub(crate) fn same_axis(model: &Model, loaded: &LoadedCapture) -> Result<(), AnalysisError> {
+    let capture = &loaded.capture;
+    if model.axis == capture.axis {
+        return Ok(());
+    }
+    Err(AnalysisError::OtherAxis {
+        model: model.name.clone(),
+        is: model.axis,
+        capture: capture.source.clone(),
+        has: capture.axis,
+    })
 }

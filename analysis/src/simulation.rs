@@ -7,6 +7,7 @@ use identification::statistics::rms;
 use loaded_capture::LoadedCapture;
 
 use crate::AnalysisError;
+use crate::error::same_axis;
 
 /// What a simulation takes from a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,7 @@ pub struct Simulation {
 /// # Errors
 /// [`AnalysisError`] for samples that are not a capture of a motion, and for a model that cannot be moved by the torque.
 pub fn simulate(model: &Model, like: &LoadedCapture, drive: Drive) -> Result<Simulation, AnalysisError> {
+    same_axis(model, like)?;
     let gripper_inertia = like.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
     let motions = identification::knob_motion(&like.samples(), like.calibration.as_ref())?;
     let captured_mnm = torque_at_knob(like);

@@ -114,6 +114,7 @@ impl Capture {
     /// # Errors
     /// What [`validate`](Self::validate) reports.
     pub fn from_measured(mut measured: Self) -> Result<Self, ArchiveError> {
+        measured.check_rows(columns::measured(&measured).iter().map(|(column, values)| (*column, values.len())))?;
         csv_file::count(&mut measured);
         measured.validate()?;
         Ok(measured)
@@ -167,11 +168,7 @@ impl Capture {
     /// [`ArchiveError::Unordered`].
     pub fn validate(&self) -> Result<(), ArchiveError> {
         let rows = self.len();
-        for (column, values) in columns::of(self) {
-            if values.len() != rows {
-                return Err(ArchiveError::Ragged { column, rows: values.len(), expected: rows });
-            }
-        }
+        self.check_rows(columns::of(self).map(|(column, values)| (column, values.len())))?;
         if rows < 3 {
             return Err(ArchiveError::TooShort { path: self.source.clone(), rows });
         }
@@ -193,6 +190,12 @@ impl Capture {
             }
         }
         Ok(())
+    }
+
+    fn check_rows(&self, mut columns: impl Iterator<Item = (&'static str, usize)>) -> Result<(), ArchiveError> {
+        let expected = self.len();
+        let ragged = columns.find(|(_, rows)| *rows != expected);
+        ragged.map_or(Ok(()), |(column, rows)| Err(ArchiveError::Ragged { column, rows, expected }))
     }
 
     /// Writes the capture as an MCAP archive, with its description and attachments, where there is none yet.

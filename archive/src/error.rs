@@ -23,6 +23,14 @@ pub enum ArchiveError {
         /// Its reason.
         error: std::io::Error,
     },
+    /// A file cannot be written.
+    #[error("{} cannot be written ({reason}); choose another place", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        reason: String,
+    },
     /// The file holds nothing.
     #[error("{} is empty: it holds neither an MCAP archive nor a CSV table", path.display())]
     Empty {

@@ -29,8 +29,9 @@ const STANDARD_ERROR: &str = "/dev/stderr";
 /// How far into a file its mark may lie, bytes.
 const MARK_WITHIN: u64 = 64 * 1024;
 
-/// What an output meets that it may not replace.
+/// What an output meets that it may not replace, and one that may replace nothing.
 const FOREIGN: &str = "there already and is no earlier output of the same kind";
+const TAKEN: &str = "there already";
 
 /// Writes a file under a temporary name beside `path`, then puts it in its place.
 ///
@@ -38,14 +39,14 @@ const FOREIGN: &str = "there already and is no earlier output of the same kind";
 /// be replaced stays as it is. A device, a pipe or `/dev/stdout` is written to as it stands.
 ///
 /// # Errors
-/// What `write` reports, [`ArchiveError::Occupied`], or [`ArchiveError::File`] when the operating system refuses. The temporary
-/// file is removed then.
+/// What `write` reports, [`ArchiveError::Occupied`], or [`ArchiveError::Unwritable`] when the operating system refuses. The
+/// temporary file is removed then.
 pub fn write_whole<Written>(
     path: &Path,
     replace: Replace,
     write: impl FnOnce(BufWriter<File>) -> Result<Written, ArchiveError>,
 ) -> Result<Written, ArchiveError> {
-    let refused = |error| ArchiveError::File { path: path.to_owned(), error };
+    let refused = |error| unwritable(path, &error);
     let into = |file| BufWriter::with_capacity(1 << 20, file);
     let (place, free) = match place(path, replace)? {
         Place::Stream => return write(into(open_stream(path).map_err(refused)?)),
@@ -56,7 +57,7 @@ pub fn write_whole<Written>(
         .prefix(".haptic-camera-")
         .suffix(".incomplete")
         .tempfile_in(folder_of(&place))
-        .map_err(refused)?;
+        .map_err(|error| no_place(path, &error))?;
     let written = write(into(temporary.as_file().try_clone().map_err(refused)?))?;
     temporary.as_file().sync_all().map_err(refused)?;
     let persisted = if free { temporary.persist_noclobber(&place) } else { temporary.persist(&place) };
@@ -73,8 +74,20 @@ pub fn write_bytes(path: &Path, replace: Replace, content: &[u8]) -> Result<(), 
     use std::io::Write as _;
     write_whole(path, replace, |mut place| {
         let written = place.write_all(content).and_then(|()| place.flush());
-        written.map_err(|error| ArchiveError::File { path: path.to_owned(), error })
+        written.map_err(|error| unwritable(path, &error))
     })
+}
+
+fn unwritable(path: &Path, reason: &impl ToString) -> ArchiveError {
+    ArchiveError::Unwritable { path: path.to_owned(), reason: reason.to_string() }
+}
+
+/// Why there can be no file in the folder, without the name of the temporary one, which the error has.
+fn no_place(path: &Path, error: &std::io::Error) -> ArchiveError {
+    match error.kind() {
+        ErrorKind::NotFound => unwritable(path, &"there is no such folder"),
+        kind => unwritable(path, &kind),
+    }
 }
 
 /// Whether `path` could be written as things stand.
@@ -121,7 +134,7 @@ fn place(path: &Path, replace: Replace) -> Result<Place, ArchiveError> {
     } else if replace == Replace::Anything || is_replaceable(path, replace).map_err(refused)? {
         path.canonicalize().map(Place::Taken).map_err(refused)
     } else {
-        occupied(FOREIGN)
+        occupied(if replace == Replace::Nothing { TAKEN } else { FOREIGN })
     }
 }
 
@@ -171,7 +184,7 @@ pub fn put_in_place(from: &Path, to: &Path) -> Result<(), ArchiveError> {
 
 fn not_in_place(path: &Path, error: std::io::Error) -> ArchiveError {
     if error.kind() == ErrorKind::AlreadyExists {
-        ArchiveError::Occupied { path: path.to_owned(), by: FOREIGN }
+        ArchiveError::Occupied { path: path.to_owned(), by: TAKEN }
     } else {
         ArchiveError::file(path, error)
     }

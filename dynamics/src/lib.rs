@@ -49,7 +49,7 @@ mod torque_table;
 pub use axis::{Axis, Quantity};
 pub use bristles::Bristles;
 pub use calibration::{Calibration, CalibrationError, CoggingHarmonic};
-pub use composition::{Composition, CompositionError, CompositionNote, Source, composition_notes};
+pub use composition::{Composition, CompositionError, CompositionNote, Parts, Source, composition_notes};
 pub use coupling::Coupling;
 pub(crate) use effect::spaced_unit;
 pub use effect::{

@@ -7,16 +7,21 @@ import re
 import shutil
 import signal
 import subprocess
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from tempfile import TemporaryDirectory
 
-from haptic_camera._native import Capture, Error, read
+from haptic_camera._native import Capture, Error, Model, read
 
+#: What an option may be given as.
+_Option = str | os.PathLike[str] | float | None
 #: Exit statuses with which an archive is there: done, and done but data was lost.
 _WITH_ARCHIVE = (0, 3)
 
 
 def capture(
-    knob: int | str | os.PathLike[str] = 1,
+    knob: Model | int | str | os.PathLike[str] | None = None,
     *,
     duration_s: float | None = None,
     sweep: str | None = None,
@@ -24,17 +29,19 @@ def capture(
     offline: bool = False,
     rig: str | os.PathLike[str] | None = None,
     out: str | os.PathLike[str] = "captures",
-    arguments: list[str] | None = None,
+    arguments: Sequence[str] = (),
     program: str | os.PathLike[str] | None = None,
 ) -> Capture:
     """Turn a knob through a sweep and read what was captured.
 
+    Whatever is left out is as ``haptic-camera capture`` has it.
+
     Parameters
     ----------
-    knob : int, str or os.PathLike
-        The knob on the simulated rig: 1 to 5, or a model file; on a real rig its name.
+    knob : Model, int, str or os.PathLike, optional
+        The knob on the simulated rig: a model, 1 to 5 for a shipped knob, or a model file; on a real rig its name.
     duration_s : float, optional
-        Length of the capture, s; without it as the sweep has it.
+        Length of the capture, s.
     sweep : str, optional
         Name of the excitation, as in ``haptic-camera capture --sweep``.
     rate_hz : float, optional
@@ -45,8 +52,8 @@ def capture(
         The rig's file; without it the simulated rig is driven.
     out : str or os.PathLike
         Folder for the archive, and for the model and the report that are made of it.
-    arguments : list of str, optional
-        Further arguments of ``haptic-camera capture``.
+    arguments : sequence of str, optional
+        Further arguments of the command.
     program : str or os.PathLike, optional
         The program ``haptic-camera``; without it the one on the PATH.
 
@@ -60,13 +67,22 @@ def capture(
         If the program is not there or fails, in its own words.
     KeyboardInterrupt
         At Ctrl-C, once the program has braked the knob and closed the archive, which stays in `out`.
+
+    Warns
+    -----
+    UserWarning
+        What the program remarks, samples that were lost among it.
     """
-    options = {"--knob": knob, "--sweep": sweep, "--duration-s": duration_s, "--rate-hz": rate_hz, "--rig": rig}
-    return _recorded(["capture"], options, offline, out, arguments, program)
+    options: dict[str, _Option] = {"sweep": sweep, "duration-s": duration_s, "rate-hz": rate_hz, "rig": rig}
+    words = _given(options, offline, out, arguments)
+    if knob is None:
+        return _recorded(["capture", *words], program)
+    with _named(knob) as (word, name):
+        return _recorded(["capture", f"--knob={word}", *name, *words], program)
 
 
 def replay(
-    model: int | str | os.PathLike[str],
+    model: Model | int | str | os.PathLike[str],
     *,
     hand: str | os.PathLike[str] | None = "multisine",
     grip: float | None = None,
@@ -75,15 +91,15 @@ def replay(
     offline: bool = False,
     rig: str | os.PathLike[str] | None = None,
     out: str | os.PathLike[str] = "captures",
-    arguments: list[str] | None = None,
+    arguments: Sequence[str] = (),
     program: str | os.PathLike[str] | None = None,
 ) -> Capture:
     """Make the rig feel like a model and read what a hand felt.
 
     Parameters
     ----------
-    model : int, str or os.PathLike
-        The model to feel like: a model file, or 1 to 5 for a shipped knob.
+    model : Model, int, str or os.PathLike
+        The model to feel like: a model, a model file, or 1 to 5 for a shipped knob.
     hand : str or os.PathLike, optional
         What the hand on the simulated rig wants: the name of an excitation, or a CSV file of angles. None on a real rig,
         where a hand of your own turns the knob.
@@ -91,18 +107,8 @@ def replay(
         Times by which that hand is stiffer and more damped than a usual pinch grip.
     duration_s : float
         Length of the replay, s.
-    rate_hz : float, optional
-        Samples per second.
-    offline : bool
-        Run the simulated rig as fast as the processor goes, without the real-time processes.
-    rig : str or os.PathLike, optional
-        The rig's file; without it the simulated rig is driven.
-    out : str or os.PathLike
-        Folder for the archive.
-    arguments : list of str, optional
-        Further arguments of ``haptic-camera replay``.
-    program : str or os.PathLike, optional
-        The program ``haptic-camera``; without it the one on the PATH.
+    rate_hz, offline, rig, out, arguments, program
+        As for `capture`.
 
     Returns
     -------
@@ -112,22 +118,42 @@ def replay(
     Raises
     ------
     Error
-        If the rig cannot render the model, or the program is not there or fails, in its own words.
-    KeyboardInterrupt
-        At Ctrl-C, once the program has let go of the knob and closed the archive, which stays in `out`.
+        If the rig cannot render the model; otherwise as `capture`, which warns alike.
     """
-    options = {"--hand": hand, "--grip": grip, "--duration-s": duration_s, "--rate-hz": rate_hz, "--rig": rig}
-    return _recorded(["replay", str(model)], options, offline, out, arguments, program)
+    options: dict[str, _Option] = {"hand": hand, "grip": grip, "duration-s": duration_s, "rate-hz": rate_hz, "rig": rig}
+    words = _given(options, offline, out, arguments)
+    with _named(model) as (word, name):
+        return _recorded(["replay", *name, *words, "--", word], program)
 
 
-def _recorded(
-    command: list[str],
-    options: Mapping[str, str | os.PathLike[str] | float | None],
-    offline: bool,
-    out: str | os.PathLike[str],
-    arguments: list[str] | None,
-    program: str | os.PathLike[str] | None,
-) -> Capture:
+@contextmanager
+def _named(model: Model | int | str | os.PathLike[str]) -> Iterator[tuple[str, list[str]]]:
+    """The word that names a model to a program, and the option that says what to call it, if that is something else."""
+    if isinstance(model, Model):
+        with TemporaryDirectory(prefix="haptic-camera-") as folder:
+            path = os.path.join(folder, "model.toml")
+            model.save(path)
+            yield path, [f"--name={model.name or 'model'}"]
+    elif isinstance(model, str | os.PathLike):
+        yield os.fspath(model), []
+    elif hasattr(model, "__index__"):
+        yield str(int(model)), []
+    else:
+        wanted = "a Model, the path of one or the number of a shipped knob"
+        raise TypeError(f"expected {wanted}, not {type(model).__name__}")
+
+
+def _given(
+    options: Mapping[str, _Option], offline: bool, out: str | os.PathLike[str], arguments: Sequence[str]
+) -> list[str]:
+    """The options of a run as words."""
+    if isinstance(arguments, str):
+        raise TypeError("expected a list of words as arguments, not str")
+    words = [f"--{name}={value}" for name, value in options.items() if value is not None]
+    return [*words, *(["--offline"] if offline else []), "--no-viewer", f"--out={os.fspath(out)}", *arguments]
+
+
+def _recorded(words: list[str], program: str | os.PathLike[str] | None) -> Capture:
     """Run a command that makes one archive, and read that."""
     found = shutil.which(program or "haptic-camera")
     if found is None:
@@ -135,13 +161,15 @@ def _recorded(
             f"the program {program or 'haptic-camera'} is not there; build it with `cargo build --release`, and name it "
             "by `program` or put its folder on the PATH"
         )
-    given = [str(word) for name, value in options.items() if value is not None for word in (name, value)]
-    given += [*(["--offline"] if offline else []), "--no-viewer", "--out", str(out), *(arguments or [])]
-    status, output, errors = _run([found, *command, *given])
+    status, output, errors = _run([found, *words])
     archive = re.search(r"^archive +(.+) \(\d+ samples\)$", output, re.MULTILINE)
+    told = [line for line in errors.splitlines() if line]
     if status not in _WITH_ARCHIVE or archive is None:
-        told = [line.removeprefix("error: ") for line in errors.splitlines() if line]
-        raise Error(told[-1] if told else f"{found} ended with status {status}; run it by itself to see why")
+        wrong = [line.removeprefix("error: ") for line in told if line.startswith("error: ")] or told
+        raise Error(wrong[-1] if wrong else f"{found} ended with status {status}; run it by itself to see why")
+    for remark in told:
+        # As if whoever called `capture` or `replay` had said so.
+        warnings.warn(remark, stacklevel=3)
     return read(archive[1])
 
 

@@ -1,10 +1,10 @@
 # Types of the compiled module; what everything means stands in its own docstrings. A test holds this file against them.
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from os import PathLike
 from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "Capture",
@@ -42,12 +42,13 @@ class Error(ValueError): ...
 class Capture:
     @staticmethod
     def from_columns(
-        t_s: _Reals,
-        angle_rad: _Reals,
-        torque_mnm: _Reals,
+        t_s: ArrayLike,
+        angle_rad: ArrayLike,
+        torque_mnm: ArrayLike,
         *,
-        velocity_rad_s: _Reals | None = None,
-        acceleration_rad_s2: _Reals | None = None,
+        velocity_rad_s: ArrayLike | None = None,
+        acceleration_rad_s2: ArrayLike | None = None,
+        axis: Literal["rotary", "linear"] = "rotary",
         name: str = "columns",
     ) -> Capture: ...
     @property
@@ -76,6 +77,10 @@ class Capture:
     def flags(self) -> _Codes | None: ...
     @property
     def columns(self) -> list[str]: ...
+    def __contains__(self, name: str, /) -> bool: ...
+    def __getitem__(self, name: str, /) -> _Reals | _Counts | _Codes: ...
+    @property
+    def axis(self) -> Literal["rotary", "linear"]: ...
     @property
     def rate_hz(self) -> float: ...
     @property
@@ -100,7 +105,7 @@ class Model:
         *,
         inertia: _ModelOrName | None = None,
         friction: _ModelOrName | None = None,
-        detents: _ModelOrName | None = None,
+        detents: _ModelOrName | tuple[ArrayLike, ArrayLike] | None = None,
         extra: dict[str, _ModelOrName] | None = None,
         name: str = "composed",
     ) -> Model: ...
@@ -112,11 +117,15 @@ class Model:
     @property
     def effects(self) -> list[str]: ...
     @property
+    def notes(self) -> list[str]: ...
+    @property
     def parameters(self) -> dict[str, float]: ...
     @property
     def units(self) -> dict[str, str]: ...
+    @property
+    def axis(self) -> Literal["rotary", "linear"]: ...
     def torque_mnm(
-        self, t_s: _Reals, angle_rad: _Reals, velocity_rad_s: _Reals, acceleration_rad_s2: _Reals
+        self, t_s: ArrayLike, angle_rad: ArrayLike, velocity_rad_s: ArrayLike, acceleration_rad_s2: ArrayLike
     ) -> _Reals: ...
     def to_toml(self) -> str: ...
     def save(self, path: str | PathLike[str], *, overwrite: bool = False) -> None: ...
@@ -125,6 +134,9 @@ class Model:
 
 @final
 class Parameter:
+    def __new__(
+        cls, name: str, value: float | None, unit: str, ci95: tuple[float, float] | None, reason: str | None
+    ) -> Parameter: ...
     @property
     def name(self) -> str: ...
     @property
@@ -135,6 +147,8 @@ class Parameter:
     def ci95(self) -> tuple[float, float] | None: ...
     @property
     def reason(self) -> str | None: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
 
 @final
 class Fit:
@@ -201,6 +215,16 @@ class Diagnosis:
 
 @final
 class Figure:
+    def __new__(
+        cls,
+        name: str,
+        value: float | None,
+        unit: str,
+        ci95: tuple[float, float] | None,
+        reason: str | None,
+        definition: str,
+        source: str,
+    ) -> Figure: ...
     @property
     def name(self) -> str: ...
     @property
@@ -215,6 +239,8 @@ class Figure:
     def definition(self) -> str: ...
     @property
     def source(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
 
 @final
 class Sheet:
@@ -232,12 +258,15 @@ class Sheet:
 
 @final
 class Verdict:
+    def __new__(cls, unit: str, verdict: str, reasons: list[str]) -> Verdict: ...
     @property
     def unit(self) -> str: ...
     @property
     def verdict(self) -> _Verdict: ...
     @property
     def reasons(self) -> list[str]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
 
 @final
 class Judgement:
@@ -260,7 +289,7 @@ def read(
     units: dict[str, str] | None = None,
 ) -> Capture: ...
 def fit(
-    captures: _CaptureOrPath | Sequence[_CaptureOrPath],
+    captures: _CaptureOrPath | Iterable[_CaptureOrPath],
     *,
     preparation: Literal["automatic", "paper", "central-differences"] = "automatic",
 ) -> Fit: ...
@@ -275,13 +304,13 @@ def simulate(
     model: _ModelOrName, motion: _CaptureOrPath, *, drive: Literal["motion", "torque"] = "motion"
 ) -> Capture: ...
 def sheet(
-    captures: _CaptureOrPath | Sequence[_CaptureOrPath],
+    captures: _CaptureOrPath | Iterable[_CaptureOrPath],
     *,
     columns: dict[str, str | int] | None = None,
     units: dict[str, str] | None = None,
 ) -> Sheet: ...
 def judge(
-    captures: _Unit | Sequence[_Unit],
+    captures: _Unit | Iterable[_Unit],
     spec: str | PathLike[str],
     *,
     columns: dict[str, str | int] | None = None,

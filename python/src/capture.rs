@@ -3,15 +3,18 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use archive::columns::Values;
 use archive::whole_file::{Replace, write_whole};
+use dynamics::Axis;
 use loaded_capture::LoadedCapture;
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyArray1;
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
 
 use crate::arrow::{self, ArrayCapsules};
 use crate::columns::view;
-use crate::convert::{json, to_dict};
+use crate::convert::{Column, json, not_pickled, to_dict};
 use crate::error::{Error, raised};
 use crate::model::Model;
 use crate::sheet::choice;
@@ -88,14 +91,16 @@ impl Capture {
     ///
     /// Parameters
     /// ----------
-    /// t_s : ndarray of float64, shape (n,)
+    /// t_s : array_like of float, shape (n,)
     ///     Time, s, rising.
-    /// angle_rad : ndarray of float64, shape (n,)
+    /// angle_rad : array_like of float, shape (n,)
     ///     Angle, rad.
-    /// torque_mnm : ndarray of float64, shape (n,)
+    /// torque_mnm : array_like of float, shape (n,)
     ///     Torque that the knob takes, mNm; positive torque turns it towards positive angle.
-    /// velocity_rad_s, acceleration_rad_s2 : ndarray of float64, shape (n,), optional
+    /// velocity_rad_s, acceleration_rad_s2 : array_like of float, shape (n,), optional
     ///     Velocity, rad/s, and acceleration, rad/s², where they were measured.
+    /// axis : {"rotary", "linear"}
+    ///     Of "linear", what was pressed or slid, columns hold mm in place of rad and N in place of mNm.
     /// name : str, optional
     ///     What tables, pages and error messages call it.
     ///
@@ -108,23 +113,29 @@ impl Capture {
     /// Error
     ///     If columns differ in length, a value is not finite, time does not rise, or there are fewer than three rows.
     #[staticmethod]
-    #[pyo3(signature = (t_s, angle_rad, torque_mnm, *, velocity_rad_s=None, acceleration_rad_s2=None, name="columns"))]
+    #[pyo3(signature = (t_s, angle_rad, torque_mnm, *, velocity_rad_s=None, acceleration_rad_s2=None, axis="rotary", name="columns"))]
     fn from_columns(
-        t_s: PyReadonlyArray1<'_, f64>,
-        angle_rad: PyReadonlyArray1<'_, f64>,
-        torque_mnm: PyReadonlyArray1<'_, f64>,
-        velocity_rad_s: Option<PyReadonlyArray1<'_, f64>>,
-        acceleration_rad_s2: Option<PyReadonlyArray1<'_, f64>>,
+        t_s: Column,
+        angle_rad: Column,
+        torque_mnm: Column,
+        velocity_rad_s: Option<Column>,
+        acceleration_rad_s2: Option<Column>,
+        axis: &str,
         name: &str,
     ) -> PyResult<Self> {
-        let copied = |column: &PyReadonlyArray1<'_, f64>| column.as_array().to_vec();
+        let axes = [Axis::Rotary, Axis::Linear];
+        let axis = axes
+            .into_iter()
+            .find(|known| known.to_string() == axis)
+            .ok_or_else(|| Error::new_err(format!("there is no axis '{axis}'; give \"rotary\" or \"linear\"")))?;
         let capture = archive::Capture::from_measured(archive::Capture {
             source: PathBuf::from(name),
-            t_s: copied(&t_s),
-            angle_rad: copied(&angle_rad),
-            velocity_rad_s: velocity_rad_s.as_ref().map(copied),
-            acceleration_rad_s2: acceleration_rad_s2.as_ref().map(copied),
-            torque_mnm: copied(&torque_mnm),
+            axis,
+            t_s: t_s.0,
+            angle_rad: angle_rad.0,
+            velocity_rad_s: velocity_rad_s.map(|column| column.0),
+            acceleration_rad_s2: acceleration_rad_s2.map(|column| column.0),
+            torque_mnm: torque_mnm.0,
             ..archive::Capture::default()
         })
         .map_err(raised)?;
@@ -209,6 +220,39 @@ impl Capture {
         archive::columns::of(&self.loaded.capture).map(|(name, _)| name).collect()
     }
 
+    /// A column by its name in `columns`.
+    ///
+    /// Of what is pressed or slid the names are those of its axis, as ``travel_mm``, and attributes have the same columns under the
+    /// names of what is turned.
+    fn __getitem__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let capture = &slf.get().loaded.capture;
+        let found = archive::columns::of(capture).find(|(known, _)| *known == name);
+        let (_, values) = found.ok_or_else(|| {
+            let known = slf.get().columns().join(", ");
+            PyKeyError::new_err(format!("there is no column '{name}'; the capture has {known}"))
+        })?;
+        // SAFETY: the class is frozen and keeps its capture, which the values are borrowed from.
+        #[allow(unsafe_code, reason = "the array looks at the capture's memory")]
+        unsafe {
+            Ok(match &values {
+                Values::Reals(values) => view(slf.as_any(), values)?.into_any(),
+                Values::Counts(values) => view(slf.as_any(), values)?.into_any(),
+                Values::Codes(values) => view(slf.as_any(), values)?.into_any(),
+            })
+        }
+    }
+
+    fn __contains__(&self, name: &str) -> bool {
+        self.columns().contains(&name)
+    }
+
+    /// "rotary" of a knob that was turned, "linear" of what was pressed or slid: columns hold mm in place of rad then, and N in
+    /// place of mNm.
+    #[getter]
+    fn axis(&self) -> String {
+        self.loaded.capture.axis.to_string()
+    }
+
     /// Sample rate, Hz.
     #[getter]
     fn rate_hz(&self) -> f64 {
@@ -232,24 +276,25 @@ impl Capture {
         to_dict(py, json(&analysis::facts(&self.loaded))?)
     }
 
-    /// Write the capture where there is no file yet: an archive, or a table if the name ends in ``.csv``.
+    /// Write the capture where there is no file yet: an archive if the name ends in ``.mcap``, a table if it ends in ``.csv``.
     ///
     /// What is known of the rig is in an archive, and is written into a file beside a table, from where it is read again.
     ///
     /// Raises
     /// ------
     /// Error
-    ///     If there is a file already, or the folder cannot be written to.
+    ///     If the name ends otherwise, there is a file already, or the folder cannot be written to.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let capture = &self.loaded.capture;
-        py.detach(|| {
-            if path.extension().is_some_and(|ending| ending == "csv") {
-                self.loaded.write_csv(&path).map(drop)
-            } else {
-                write_whole(&path, Replace::Nothing, |place| capture.write_mcap_to(place))
-            }
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+        py.detach(|| match ending.as_str() {
+            "csv" => self.loaded.write_csv(&path).map(drop).map_err(raised),
+            "mcap" => write_whole(&path, Replace::Nothing, |place| capture.write_mcap_to(place)).map_err(raised),
+            _ => Err(Error::new_err(format!(
+                "{} has none of the endings that a capture can be saved as; name the file .mcap or .csv",
+                path.display()
+            ))),
         })
-        .map_err(raised)
     }
 
     fn __len__(&self) -> usize {
@@ -289,9 +334,9 @@ impl Capture {
         arrow::stream(py, &self.loaded)
     }
 
-    /// Captures are read from their files where they are needed: pickle the path instead.
+    /// Captures are read from their files where they are needed.
     fn __reduce__(&self) -> PyResult<()> {
-        Err(Error::new_err("a capture is not pickled; pass its path on and read it there"))
+        Err(not_pickled("a capture", "its path, and read it there"))
     }
 }
 

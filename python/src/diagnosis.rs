@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use report::{DiagnosisPage, FigureNumbers};
 
-use crate::convert::{CaptureOrPath, ModelOrName, framed, json, save_page, to_dict};
+use crate::convert::{CaptureOrPath, ModelOrName, framed, json, not_pickled, save_page, to_dict};
 use crate::error::raised;
 use crate::model::Model;
 
@@ -251,5 +251,10 @@ impl Diagnosis {
 
     fn __repr__(&self) -> String {
         format!("<Diagnosis: {}>", self.found.summary)
+    }
+
+    /// Its captures are not copied about.
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(not_pickled("a diagnosis", "its model() or its to_dict()"))
     }
 }

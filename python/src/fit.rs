@@ -8,40 +8,47 @@ use identification::{Average, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyType};
 use report::{AveragePage, FigureNumbers};
 
 use crate::columns::field_view;
-use crate::convert::{Captures, framed, json, save_page, to_dict};
+use crate::convert::{
+    CaptureOrPath, OneOrMore, framed, json_on, name_and_unit_on, not_pickled, save_page, to_dict, told,
+};
 use crate::error::{Error, raised};
 use crate::model::Model;
 
 /// A fitted parameter, or the reason why the data cannot tell it.
-#[pyclass(frozen, get_all, module = "haptic_camera")]
+#[pyclass(frozen, eq, get_all, new = "from_fields", module = "haptic_camera")]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Parameter {
     /// Standard name, as in model files.
-    name: &'static str,
+    name: String,
     /// Fitted value; None if the data cannot tell it.
     value: Option<f64>,
     /// Unit of value and interval.
-    unit: &'static str,
+    unit: String,
     /// 95 % interval (low, high), for residuals that are correlated and of varying size.
     ci95: Option<(f64, f64)>,
     /// Why there is no value, in a sentence.
     reason: Option<String>,
 }
 
+/// The fields of a parameter in their order.
+type Fields = (String, Option<f64>, String, Option<(f64, f64)>, Option<String>);
+
 #[pymethods]
 impl Parameter {
-    fn __repr__(&self) -> String {
-        let Self { name, unit, .. } = self;
-        match (self.value, self.ci95, &self.reason) {
-            (Some(value), Some((low, high)), _) => {
-                format!("<Parameter {name}: {value:.6} {unit}, 95 % {low:.6} to {high:.6}>")
-            }
-            (Some(value), ..) => format!("<Parameter {name}: {value:.6} {unit}>"),
-            (None, _, reason) => format!("<Parameter {name}: {}>", reason.as_deref().unwrap_or("not told")),
-        }
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let Self { name, value, unit, ci95, reason } = self;
+        let told = told(py, *value, unit, *ci95, reason.as_deref())?;
+        Ok(format!("<Parameter {name}: {told}>"))
+    }
+
+    /// Pickled as its fields.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, Fields) {
+        let Self { name, value, unit, ci95, reason } = slf.get().clone();
+        (slf.get_type(), (name, value, unit, ci95, reason))
     }
 }
 
@@ -61,7 +68,7 @@ pub(crate) struct Fit {
 ///
 /// Parameters
 /// ----------
-/// captures : Capture, str, os.PathLike, or a sequence of them
+/// captures : Capture, str, os.PathLike, or an iterable of them
 ///     What is fitted, with all that is known of its rig.
 /// preparation : {"automatic", "paper", "central-differences"}
 ///     How the captures are filtered before the fit.
@@ -76,13 +83,13 @@ pub(crate) struct Fit {
 ///     If nothing can be told; what only some parameters lack is their ``reason``.
 #[pyfunction]
 #[pyo3(signature = (captures, *, preparation="automatic"))]
-pub(crate) fn fit(py: Python<'_>, captures: Captures, preparation: &str) -> PyResult<Fit> {
+pub(crate) fn fit(py: Python<'_>, captures: OneOrMore<CaptureOrPath>, preparation: &str) -> PyResult<Fit> {
     let methods = [PreparationMethod::Automatic, PreparationMethod::Paper, PreparationMethod::CentralDifferences];
     let method = methods.into_iter().find(|method| method.name() == preparation).ok_or_else(|| {
         let known = methods.map(PreparationMethod::name).join(", ");
         Error::new_err(format!("there is no preparation '{preparation}'; give one of {known}"))
     })?;
-    let captures = captures.loaded(py)?;
+    let captures: Vec<_> = captures.0.into_iter().map(|capture| capture.loaded(py)).collect::<PyResult<_>>()?;
     if captures.is_empty() {
         return Err(Error::new_err("there is no capture to fit; give at least one"));
     }
@@ -100,6 +107,11 @@ impl Fit {
         self.average.as_ref().map_or(&self.each[0], |average| &average.fit)
     }
 
+    /// A text in the words of the axis that was fitted.
+    fn said(&self, text: &str) -> String {
+        self.told().axis.words(text).into_owned()
+    }
+
     fn loaded(&self) -> Vec<&LoadedCapture> {
         self.captures.iter().map(Arc::as_ref).collect()
     }
@@ -113,8 +125,10 @@ impl Fit {
         let parameters = PyDict::new(py);
         for told in &self.told().parameters.0 {
             let identification::Parameter { name, value, unit, ci95, reason, .. } = told.clone();
+            let (name, unit) = name_and_unit_on(self.told().axis, name, unit);
+            let reason = reason.map(|reason| self.said(&reason));
             let ci95 = ci95.map(|[low, high]| (low, high));
-            parameters.set_item(name, Bound::new(py, Parameter { name, value, unit, ci95, reason })?)?;
+            parameters.set_item(name.clone(), Bound::new(py, Parameter { name, value, unit, ci95, reason })?)?;
         }
         Ok(parameters)
     }
@@ -127,11 +141,11 @@ impl Fit {
 
     /// Names of the parameters in the order of the covariance's rows and columns.
     #[getter]
-    fn covariance_order(&self) -> Vec<&'static str> {
-        self.told().covariance.order.clone()
+    fn covariance_order(&self) -> Vec<String> {
+        self.told().covariance.order.iter().map(|name| self.said(name)).collect()
     }
 
-    /// RMS of measured minus model torque, mNm.
+    /// RMS of measured minus model torque, mNm; of what is pressed or slid N.
     #[getter]
     fn residual_rms_mnm(&self) -> f64 {
         self.told().residual_rms_mnm
@@ -143,7 +157,7 @@ impl Fit {
         self.told().relative_error_percent
     }
 
-    /// Mean half width of the 95 % interval of the model's torque, mNm.
+    /// Mean half width of the 95 % interval of the model's torque, mNm; of what is pressed or slid N.
     #[getter]
     fn mean_ci95_mnm(&self) -> f64 {
         self.told().mean_ci95_mnm
@@ -158,7 +172,7 @@ impl Fit {
     /// What a reader of the numbers should know.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.told().notes.clone()
+        self.told().notes.iter().map(|note| self.said(note)).collect()
     }
 
     /// Each capture's own fit.
@@ -189,7 +203,7 @@ impl Fit {
             #[allow(unsafe_code, reason = "the array looks at the fit's memory")]
             let column: Bound<'py, PyArray1<f64>> =
                 unsafe { field_view(slf.as_any(), &slf.get().told().points, field) }?;
-            columns.set_item(name, column)?;
+            columns.set_item(slf.get().said(name), column)?;
         }
         Ok(columns)
     }
@@ -209,20 +223,20 @@ impl Fit {
     /// The same as text.
     fn to_json(&self) -> PyResult<String> {
         match &self.average {
-            Some(average) => json(&ToldAverage::of(average, &self.loaded(), &self.each)),
-            None => json(&ToldFit::of(&self.captures[0], &self.each[0], FigureNumbers::new())),
+            Some(average) => json_on(self.told().axis, &ToldAverage::of(average, &self.loaded(), &self.each)),
+            None => json_on(self.told().axis, &ToldFit::of(&self.captures[0], &self.each[0], FigureNumbers::new())),
         }
     }
 
     /// The report page, one HTML file that fetches nothing.
     fn to_html(&self) -> String {
         match &self.average {
-            Some(average) => report::average_page(&AveragePage {
+            Some(average) => self.said(&report::average_page(&AveragePage {
                 average,
                 fits: &self.each,
                 captures: self.captures.iter().map(|capture| analysis::facts(capture)).collect(),
                 truth: analysis::common_truth(&self.loaded()),
-            }),
+            })),
             None => analysis::fit_page(&self.captures[0], &self.each[0]).0,
         }
     }
@@ -240,11 +254,13 @@ impl Fit {
 
     fn __repr__(&self) -> String {
         let fit = self.told();
-        format!(
-            "<Fit of {}: residual {:.3} mNm, {:.2} % of the torque>",
-            analysis::titles(&self.loaded()),
-            fit.residual_rms_mnm,
-            fit.relative_error_percent
-        )
+        let told =
+            format!("residual {:.3} mNm, {:.2} % of the torque", fit.residual_rms_mnm, fit.relative_error_percent);
+        format!("<Fit of {}: {}>", analysis::titles(&self.loaded()), self.said(&told))
+    }
+
+    /// Its captures are not copied about.
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(not_pickled("a fit", "its parameters, its model() or its to_dict()"))
     }
 }

@@ -5,21 +5,21 @@ use std::path::{Path, PathBuf};
 use analysis::{Judgements, judged, load_specification};
 use archive::testers::ColumnChoice;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyType};
 use report::JudgedUnit;
 
-use crate::capture::Capture;
-use crate::convert::{framed, json, save_page, to_dict};
+use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not, not_pickled, save_page, to_dict};
 use crate::error::{Error, raised};
-use crate::sheet::{CurveSource, Sheet, choice};
+use crate::sheet::{Sheet, choice};
 
 /// The verdict on one unit.
-#[pyclass(frozen, get_all, module = "haptic_camera")]
+#[pyclass(frozen, eq, get_all, new = "from_fields", module = "haptic_camera")]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Verdict {
     /// Name of the unit's file or folder.
     unit: String,
     /// "pass", "fail", or "undecided" where the data do not tell.
-    verdict: &'static str,
+    verdict: String,
     /// Why the unit does not pass, a sentence each.
     reasons: Vec<String>,
 }
@@ -28,6 +28,12 @@ pub(crate) struct Verdict {
 impl Verdict {
     fn __repr__(&self) -> String {
         format!("<Verdict on {}: {}>", self.unit, self.verdict)
+    }
+
+    /// Pickled as its fields.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, (String, String, Vec<String>)) {
+        let Self { unit, verdict, reasons } = slf.get().clone();
+        (slf.get_type(), (unit, verdict, reasons))
     }
 }
 
@@ -40,25 +46,28 @@ pub(crate) struct Judgement {
 }
 
 /// A unit: its sheet, its only capture, or its file or folder.
-#[derive(FromPyObject)]
 pub(crate) enum Unit {
     Sheet(Py<Sheet>),
-    Capture(Py<Capture>),
-    Path(PathBuf),
+    Curve(CaptureOrPath),
 }
 
-/// One unit, or several.
-#[derive(FromPyObject)]
-pub(crate) enum Units {
-    One(Unit),
-    Several(Vec<Unit>),
+impl FromPyObject<'_, '_> for Unit {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        match (given.extract(), given.extract()) {
+            (Ok(sheet), _) => Ok(Self::Sheet(sheet)),
+            (_, Ok(curve)) => Ok(Self::Curve(curve)),
+            _ => Err(not("a Sheet, a Capture or the path of one", given)),
+        }
+    }
 }
 
 /// Judge units by a specification: pass, fail, or undecided.
 ///
 /// Parameters
 /// ----------
-/// captures : Sheet, Capture, str, os.PathLike, or a sequence of them
+/// captures : Sheet, Capture, str, os.PathLike, or an iterable of them
 ///     A unit each; a folder is one unit that was captured several times.
 /// spec : str or os.PathLike
 ///     The specification, a TOML file of limits on figures, and envelopes for the curve, with the risk of a wrong verdict.
@@ -83,22 +92,18 @@ pub(crate) enum Units {
 #[pyo3(signature = (captures, spec, *, columns=None, units=None))]
 pub(crate) fn judge(
     py: Python<'_>,
-    captures: Units,
+    captures: OneOrMore<Unit>,
     spec: PathBuf,
     columns: Option<Bound<'_, PyDict>>,
     units: Option<Bound<'_, PyDict>>,
 ) -> PyResult<Judgement> {
     let choice = choice(columns, units)?;
     let specification = py.detach(|| load_specification(&spec)).map_err(raised)?;
-    let given = match captures {
-        Units::One(unit) => vec![unit],
-        Units::Several(units) => units,
-    };
-    if given.is_empty() {
+    if captures.0.is_empty() {
         return Err(Error::new_err("there is no unit to judge; give at least one"));
     }
-    let mut units = Vec::with_capacity(given.len());
-    for unit in given {
+    let mut units = Vec::with_capacity(captures.0.len());
+    for unit in captures.0 {
         let unit = unit.with_sheet(py, choice.as_ref(), |name, sheet| judged(name, &specification, sheet))?;
         units.push(unit);
         py.check_signals()?;
@@ -114,10 +119,13 @@ impl Unit {
         choice: Option<&ColumnChoice>,
         judged: impl Fn(&Path, &::sheet::Sheet) -> JudgedUnit,
     ) -> PyResult<JudgedUnit> {
-        let (source, folder) = match self {
+        let source = match self {
             Self::Sheet(sheet) => return Ok(judged(sheet.get().unit(), &sheet.get().sheet)),
-            Self::Capture(capture) => (CurveSource::Capture(capture), None),
-            Self::Path(path) => (CurveSource::Path(path.clone()), Some(path)),
+            Self::Curve(source) => source,
+        };
+        let folder = match &source {
+            CaptureOrPath::Capture(_) => None,
+            CaptureOrPath::Path(path) => Some(path.clone()),
         };
         let sheet = Sheet::of(py, vec![source], choice)?;
         Ok(judged(folder.as_deref().unwrap_or(sheet.unit()), &sheet.sheet))
@@ -143,7 +151,7 @@ impl Judgement {
     fn units(&self) -> Vec<Verdict> {
         let verdict = |JudgedUnit { unit, judgement }: &JudgedUnit| Verdict {
             unit: unit.clone(),
-            verdict: judgement.verdict.word(),
+            verdict: judgement.verdict.word().to_owned(),
             reasons: judgement.reasons.clone(),
         };
         self.judgements.units.iter().map(verdict).collect()
@@ -176,6 +184,11 @@ impl Judgement {
     }
 
     fn __repr__(&self) -> String {
-        format!("<Judgement of {} units: {}>", self.judgements.units.len(), self.verdict())
+        format!("<Judgement of {}: {}>", counted(self.judgements.units.len(), "unit"), self.verdict())
+    }
+
+    /// What it was made of is not copied about.
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(not_pickled("a judgement", "its units or its to_dict()"))
     }
 }

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use archive::whole_file::{Replace, write_bytes};
-use dynamics::{Composition, Motion, Role, Source};
-use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1};
+use dynamics::{Composition, Motion, Parts, Role, Source, TorqueTable, composition_notes};
+use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::ModelOrName;
+use crate::convert::{Column, ModelOrName, name_and_unit_on};
 use crate::error::{Error, raised};
 
 /// A knob as numbers: a named list of effects with their parameters.
@@ -55,7 +55,8 @@ impl Model {
     /// Parameters
     /// ----------
     /// inertia, friction, detents : Model, str, os.PathLike or int, optional
-    ///     Where each part comes from.
+    ///     Where each part comes from. Detents may be drawn, too: a CSV file with the header ``angle_rad,torque_mnm``, or a pair of
+    ///     columns, angle (rad, rising) and torque (mNm). Either is one period, whose last point repeats the first.
     /// extra : dict of str to Model, str, os.PathLike or int, optional
     ///     One more effect each, by its name: ``{"backlash": 5}``.
     /// name : str, optional
@@ -64,36 +65,33 @@ impl Model {
     /// Raises
     /// ------
     /// Error
-    ///     If a source lacks the part, or two parts have one effect.
+    ///     If a source lacks the part, two parts have one effect, or a drawn torque does not repeat.
     #[staticmethod]
     #[pyo3(signature = (*, inertia=None, friction=None, detents=None, extra=None, name="composed"))]
     fn compose(
         inertia: Option<ModelOrName>,
         friction: Option<ModelOrName>,
-        detents: Option<ModelOrName>,
+        detents: Option<Detents>,
         extra: Option<Bound<'_, PyDict>>,
         name: &str,
     ) -> PyResult<Self> {
-        let mut composition = Composition::default();
-        let mut parts = Vec::new();
-        for (role, part) in [(Role::Inertia, inertia), (Role::Friction, friction), (Role::Detents, detents)] {
-            if let Some(part) = part {
-                let source = source(part)?;
-                composition.take(role, &source).map_err(raised)?;
-                parts.push(format!("{role} of {}", source.label));
-            }
+        let mut parts = Parts::default();
+        for (role, part) in [
+            (Role::Inertia, inertia.map(ModelOrName::source)),
+            (Role::Friction, friction.map(ModelOrName::source)),
+            (Role::Detents, detents.map(Detents::source)),
+        ] {
+            parts.roles.extend(part.transpose()?.map(|source| (role, source)));
         }
         for (effect, from) in extra.into_iter().flatten() {
-            let (effect, source): (String, Source) = (effect.extract()?, source(from.extract()?)?);
-            composition.take_effect(&effect, &source).map_err(raised)?;
-            parts.push(format!("{effect} of {}", source.label));
+            parts.effects.push((effect.extract()?, from.extract::<ModelOrName>()?.source()?));
         }
-        if parts.is_empty() {
+        if parts == Parts::default() {
             return Err(Error::new_err(
                 "nothing was named to compose a model of; give inertia, friction, detents or extra",
             ));
         }
-        Ok(Self { model: composition.model(name, &parts.join(", ")) })
+        parts.composition().map_err(raised).map(|composition| composition.model(name, &parts.description()).into())
     }
 
     /// The model with other values for some of its parameters, by their names: ``model.change(detent_amplitude=1.5)``.
@@ -110,7 +108,9 @@ impl Model {
             composition.take_effect(effect.kind().name, &source).map_err(raised)?;
         }
         for (name, value) in values.into_iter().flatten() {
-            composition.set(&name.extract::<String>()?, value.extract()?).map_err(raised)?;
+            let name: String = name.extract()?;
+            let within = self.model.axis.name_within(&name).unwrap_or(name);
+            composition.set(&within, value.extract()?).map_err(raised)?;
         }
         Ok(Self { model: composition.model(&self.model.name, &self.model.description) })
     }
@@ -133,11 +133,20 @@ impl Model {
         self.model.effects.iter().map(|effect| effect.kind().name).collect()
     }
 
+    /// Where its effects act together otherwise than one may expect, a sentence each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        composition_notes(&self.model)
+            .iter()
+            .map(|note| self.model.axis.words(&note.to_string()).into_owned())
+            .collect()
+    }
+
     /// Values of its parameters by name, in the units of `units`.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let values = PyDict::new(py);
-        self.model.parameters().try_for_each(|(kind, value)| values.set_item(kind.name, value))?;
+        self.parameters_with_units().try_for_each(|(name, _, value)| values.set_item(name, value))?;
         Ok(values)
     }
 
@@ -145,15 +154,21 @@ impl Model {
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let units = PyDict::new(py);
-        self.model.parameters().try_for_each(|(kind, _)| units.set_item(kind.name, kind.unit))?;
+        self.parameters_with_units().try_for_each(|(name, unit, _)| units.set_item(name, unit))?;
         Ok(units)
+    }
+
+    /// "rotary" for a knob that is turned, "linear" for what is pressed or slid: mm stand for rad then, and N for mNm.
+    #[getter]
+    fn axis(&self) -> String {
+        self.model.axis.to_string()
     }
 
     /// What the torque sensor reads while the knob goes through a motion, from rest, all effects together.
     ///
     /// Parameters
     /// ----------
-    /// t_s, angle_rad, velocity_rad_s, acceleration_rad_s2 : ndarray of float64, shape (n,)
+    /// t_s, angle_rad, velocity_rad_s, acceleration_rad_s2 : array_like of float, shape (n,)
     ///     The motion: time, s, rising; angle, rad; velocity, rad/s; acceleration, rad/s².
     ///
     /// Returns
@@ -169,16 +184,16 @@ impl Model {
     fn torque_mnm<'py>(
         &self,
         py: Python<'py>,
-        t_s: PyReadonlyArray1<'py, f64>,
-        angle_rad: PyReadonlyArray1<'py, f64>,
-        velocity_rad_s: PyReadonlyArray1<'py, f64>,
-        acceleration_rad_s2: PyReadonlyArray1<'py, f64>,
+        t_s: Column,
+        angle_rad: Column,
+        velocity_rad_s: Column,
+        acceleration_rad_s2: Column,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let columns = [&t_s, &angle_rad, &velocity_rad_s, &acceleration_rad_s2].map(|column| column.as_array());
-        if columns.iter().any(|column| column.len() != columns[0].len()) {
+        let columns = [t_s, angle_rad, velocity_rad_s, acceleration_rad_s2].map(|Column(column)| column);
+        let rows = columns.each_ref().map(Vec::len);
+        if rows.iter().any(|other| *other != rows[0]) {
             return Err(Error::new_err(format!(
-                "the columns of the motion have {:?} values; give columns of one length",
-                columns.map(|column| column.len())
+                "the columns of the motion have {rows:?} values; give columns of one length"
             )));
         }
         let [time, angle, velocity, acceleration] = columns;
@@ -220,6 +235,50 @@ impl Model {
     }
 }
 
-fn source(given: ModelOrName) -> PyResult<Source> {
-    given.named().map(|(name, model)| Source::new(name, model))
+impl Model {
+    fn parameters_with_units(&self) -> impl Iterator<Item = (String, String, f64)> {
+        self.model.parameters().map(|(kind, value)| {
+            let (name, unit) = name_and_unit_on(self.model.axis, kind.name, kind.unit);
+            (name, unit, value)
+        })
+    }
+}
+
+/// Where detents come from: a knob, or a drawn torque over the angle.
+enum Detents {
+    Of(ModelOrName),
+    Drawn([Column; 2]),
+}
+
+impl FromPyObject<'_, '_> for Detents {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, '_, PyAny>) -> PyResult<Self> {
+        match (given.extract(), given.try_iter()) {
+            (Ok(knob), _) => Ok(Self::Of(knob)),
+            (Err(_), Ok(columns)) => {
+                let columns: Vec<Column> = columns.map(|column| column?.extract()).collect::<PyResult<_>>()?;
+                let pair = columns.try_into().map_err(|columns: Vec<Column>| {
+                    Error::new_err(format!(
+                        "drawn detents are a pair of columns, angle_rad and torque_mnm; {} were given",
+                        columns.len()
+                    ))
+                });
+                pair.map(Self::Drawn)
+            }
+            (Err(error), Err(_)) => Err(error),
+        }
+    }
+}
+
+impl Detents {
+    fn source(self) -> PyResult<Source> {
+        match self {
+            Self::Of(knob) => knob.source(),
+            Self::Drawn([Column(angle_rad), Column(torque_mnm)]) => {
+                let table = TorqueTable::kept(&angle_rad, &torque_mnm, None).map_err(raised)?;
+                Ok(Source::drawn("a drawn table", table))
+            }
+        }
+    }
 }

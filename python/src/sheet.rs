@@ -5,42 +5,47 @@ use std::path::{Path, PathBuf};
 use analysis::{curve_files, curves, sheet_page};
 use archive::testers::{Assignments, ColumnChoice, Curve};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyType};
 use shared_types::Axis;
 
-use crate::capture::Capture;
-use crate::convert::{framed, json, save_page, to_dict};
+use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not_pickled, save_page, to_dict, told};
 use crate::error::{Error, raised};
 
 /// A figure of a data sheet, or the reason why the curve does not tell it.
-#[pyclass(frozen, get_all, module = "haptic_camera")]
+#[pyclass(frozen, eq, get_all, new = "from_fields", module = "haptic_camera")]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Figure {
     /// Its name, as in specifications.
-    name: &'static str,
+    name: String,
     /// Its value; None if the curve does not tell it.
     value: Option<f64>,
     /// Unit of value and interval; "share" for a ratio, empty for a number.
-    unit: &'static str,
+    unit: String,
     /// 95 % interval (low, high): of one curve from its noise, of several that which holds one more of them.
     ci95: Option<(f64, f64)>,
     /// Why there is no value, in a sentence.
     reason: Option<String>,
     /// What it is, in a sentence.
-    definition: &'static str,
+    definition: String,
     /// Whose definition that is.
-    source: &'static str,
+    source: String,
 }
+
+/// The fields of a figure in their order.
+type Fields = (String, Option<f64>, String, Option<(f64, f64)>, Option<String>, String, String);
 
 #[pymethods]
 impl Figure {
-    fn __repr__(&self) -> String {
-        let Self { name, unit, .. } = self;
-        match (self.value, self.ci95, &self.reason) {
-            (Some(value), Some((low, high)), _) => {
-                format!("<Figure {name}: {value:.6} {unit}, 95 % {low:.6} to {high:.6}>")
-            }
-            (.., reason) => format!("<Figure {name}: {}>", reason.as_deref().unwrap_or("not told")),
-        }
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let Self { name, value, unit, ci95, reason, .. } = self;
+        let told = told(py, *value, unit, *ci95, reason.as_deref())?;
+        Ok(format!("<Figure {name}: {told}>"))
+    }
+
+    /// Pickled as its fields.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, Fields) {
+        let Self { name, value, unit, ci95, reason, definition, source } = slf.get().clone();
+        (slf.get_type(), (name, value, unit, ci95, reason, definition, source))
     }
 }
 
@@ -54,25 +59,11 @@ pub(crate) struct Sheet {
     pub(crate) files: Vec<PathBuf>,
 }
 
-/// A capture, or the path of a file or folder of curves.
-#[derive(FromPyObject)]
-pub(crate) enum CurveSource {
-    Capture(Py<Capture>),
-    Path(PathBuf),
-}
-
-/// The curves of one part.
-#[derive(FromPyObject)]
-pub(crate) enum CurveSources {
-    One(CurveSource),
-    Several(Vec<CurveSource>),
-}
-
 /// Make the data sheet of a part.
 ///
 /// Parameters
 /// ----------
-/// captures : Capture, str, os.PathLike, or a sequence of them
+/// captures : Capture, str, os.PathLike, or an iterable of them
 ///     Curves of one part: captures turned slowly there and back, as by the sweep ``slow-turn``, or testers' files. A folder
 ///     stands for the files in it. Several are averaged.
 /// columns : dict of str to str or int, optional
@@ -94,16 +85,12 @@ pub(crate) enum CurveSources {
 #[pyo3(signature = (captures, *, columns=None, units=None))]
 pub(crate) fn sheet(
     py: Python<'_>,
-    captures: CurveSources,
+    captures: OneOrMore<CaptureOrPath>,
     columns: Option<Bound<'_, PyDict>>,
     units: Option<Bound<'_, PyDict>>,
 ) -> PyResult<Sheet> {
     let choice = choice(columns, units)?;
-    let sources = match captures {
-        CurveSources::One(source) => vec![source],
-        CurveSources::Several(sources) => sources,
-    };
-    Sheet::of(py, sources, choice.as_ref())
+    Sheet::of(py, captures.0, choice.as_ref())
 }
 
 /// The columns as chosen; None where a file's format says.
@@ -126,16 +113,16 @@ fn assignments(given: &Bound<'_, PyDict>) -> PyResult<Assignments> {
 }
 
 impl Sheet {
-    pub(crate) fn of(py: Python<'_>, sources: Vec<CurveSource>, choice: Option<&ColumnChoice>) -> PyResult<Self> {
+    pub(crate) fn of(py: Python<'_>, sources: Vec<CaptureOrPath>, choice: Option<&ColumnChoice>) -> PyResult<Self> {
         py.detach(|| {
             let (mut all, mut files): (Vec<Curve>, Vec<PathBuf>) = Default::default();
             for source in sources {
                 match source {
-                    CurveSource::Capture(capture) => {
+                    CaptureOrPath::Capture(capture) => {
                         files.push(capture.get().loaded.capture.source.clone());
                         all.push(capture.get().loaded.curve());
                     }
-                    CurveSource::Path(path) => {
+                    CaptureOrPath::Path(path) => {
                         let found = curve_files(&[path]).map_err(raised)?;
                         all.extend(curves(&found, choice).map_err(raised)?);
                         files.extend(found);
@@ -177,8 +164,10 @@ impl Sheet {
         for figure in ::sheet::kinds().filter_map(|kind| self.sheet.figure(kind)) {
             let ::sheet::Figure { value, ci95, kind, reason, .. } = figure.clone();
             let ::sheet::FigureKind { name, unit, definition, source } = *kind;
+            let [unit, definition, source] = [unit, definition, source].map(str::to_owned);
             let ci95 = ci95.map(|[low, high]| (low, high));
-            figures.set_item(name, Bound::new(py, Figure { name, value, unit, ci95, reason, definition, source })?)?;
+            let figure = Figure { name: name.to_owned(), value, unit, ci95, reason, definition, source };
+            figures.set_item(name, Bound::new(py, figure)?)?;
         }
         Ok(figures)
     }
@@ -212,6 +201,11 @@ impl Sheet {
 
     fn __repr__(&self) -> String {
         let told = self.sheet.figures.values().filter(|figure| figure.value.is_some()).count();
-        format!("<Sheet of {} curves, {}: {told} figures>", self.sheet.runs, self.axis())
+        format!("<Sheet of {}, {}: {}>", counted(self.sheet.runs, "curve"), self.axis(), counted(told, "figure"))
+    }
+
+    /// Its curves are not copied about.
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(not_pickled("a sheet", "its figures or its to_dict()"))
     }
 }

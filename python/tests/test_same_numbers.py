@@ -1,6 +1,7 @@
 """Every number of a result is the command line's."""
 
 import json
+import pickle
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -118,6 +119,7 @@ def test_a_sheet_is_that_of_the_command_line(
             found = (figure.value, figure.unit, figure.definition, figure.source, figure.reason)
             assert found == (*(expected[key] for key in ("value", "unit", "definition", "source")), expected.get("reason"))
             assert figure.ci95 == (expected["ci95"] and tuple(expected["ci95"]))
+    assert pickle.loads(pickle.dumps(sheet.figures)) == sheet.figures
     assert (hc.sheet(turned).axis, hc.sheet(domes, **COLUMNS).axis) == ("rotary", "linear")
     command_line("sheet", turned[0].source, "--report", tmp_path / "page.html")
     assert hc.sheet(turned[0].source).to_html() == (tmp_path / "page.html").read_text()
@@ -142,6 +144,7 @@ def test_a_verdict_is_that_of_the_command_line(turned: list[hc.Capture], tmp_pat
         assert [[one.unit, one.verdict, one.reasons] for one in judgement.units] == [
             [one["unit"], one["verdict"], one["reasons"]] for one in of_json
         ]
+    assert [pickle.loads(pickle.dumps(unit)) for unit in judgement.units] == judgement.units
     sheet = hc.sheet(good, **COLUMNS)
     assert hc.judge(sheet, tmp_path / "pressed.toml").to_dict()["units"] == of_json[:1]
 
@@ -149,12 +152,15 @@ def test_a_verdict_is_that_of_the_command_line(turned: list[hc.Capture], tmp_pat
 def test_errors_are_the_sentences_of_the_command_line(captures: list[hc.Capture], tmp_path: Path) -> None:
     missing, short, empty = tmp_path / "missing.mcap", tmp_path / "short.csv", tmp_path / "empty"
     short.write_text("t_s,angle_rad,torque_mnm\n0,0,0\n1,1,1\n2,2,2\n")
-    spec, archive = tmp_path / "spec.toml", captures[0].source
+    spec, dome, archive = tmp_path / "spec.toml", tmp_path / "dome.toml", captures[0].source
+    hc.Model.load("dome").save(dome)
     empty.mkdir()
     spec.write_text("risk = 0.01\n")
     for words, call in [
         (["fit", missing], lambda: hc.fit(missing)),
         (["fit", short], lambda: hc.fit(short)),
+        (["diagnose", archive, "--model", dome], lambda: hc.diagnose(archive, model=dome)),
+        (["simulate", dome, "--like", archive], lambda: hc.simulate(dome, archive)),
         (["sheet", missing], lambda: hc.sheet(missing)),
         (["sheet", archive], lambda: hc.sheet(archive)),
         (["sheet", empty], lambda: hc.sheet(empty)),

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 FOLDER = Path(__file__).resolve().parent.parent
 
 
@@ -12,7 +14,8 @@ def test_the_stubs_are_those_of_the_module() -> None:
     assert ended.returncode == 0, ended.stdout + ended.stderr
 
 
-def test_the_examples_are_strictly_typed() -> None:
-    command = [sys.executable, "-m", "mypy", "--config-file", str(FOLDER / "pyproject.toml"), str(FOLDER / "examples")]
+@pytest.mark.parametrize("folder", ["haptic_camera", "examples"])
+def test_the_package_and_its_examples_are_strictly_typed(folder: str) -> None:
+    command = [sys.executable, "-m", "mypy", "--config-file", str(FOLDER / "pyproject.toml"), str(FOLDER / folder)]
     ended = subprocess.run(command, capture_output=True, text=True, cwd=FOLDER.parent / "target")
     assert ended.returncode == 0, ended.stdout + ended.stderr

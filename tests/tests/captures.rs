@@ -57,6 +57,15 @@ fn a_calibration_makes_its_run_as_a_capture_does_and_is_ended_as_one() {
 }
 
 #[test]
+fn standard_output_of_a_live_run_is_its_json_alone() {
+    let bench = Bench::new().unwrap();
+    std::fs::write(bench.path("rig.toml"), "name = \"bench\"\ndriver = \"simulated\"\n").unwrap();
+    let output = bench.run(&["rig", "check", "rig.toml", "--duration-s", "1", "--json", "-"]).unwrap();
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&found["made_by"], &found["rig"]), (&"haptic-camera".into(), &"bench".into()), "{}", printed(&output));
+}
+
+#[test]
 fn sixty_seconds_at_10_khz_are_recorded_without_a_gap() {
     let bench = Bench::new().unwrap();
     let output = bench.run(&["capture", "--duration-s", "60", "--no-viewer", "--out", "out"]).unwrap();

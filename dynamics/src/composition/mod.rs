@@ -17,28 +17,13 @@
 mod error;
 mod nearest;
 mod notes;
+mod source;
 
 use crate::{Axis, Effect, Model, ParameterKind, Role, effects};
 
 pub use self::error::CompositionError;
 pub use self::notes::{CompositionNote, composition_notes};
-
-/// A model to take parts from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Source {
-    /// What it is called where the composed model says what comes from it: `knob 3`, or a path.
-    pub label: String,
-    /// The model.
-    pub model: Model,
-}
-
-impl Source {
-    /// A model under a label.
-    #[must_use]
-    pub fn new(label: impl Into<String>, model: Model) -> Self {
-        Self { label: label.into(), model }
-    }
-}
+pub use self::source::{Parts, Source};
 
 /// A model in the making.
 ///

@@ -15,6 +15,14 @@ pub enum ModelError {
         /// The system's word for it.
         reason: std::io::Error,
     },
+    /// The file of a drawn table cannot be read.
+    #[error("the table {} cannot be read ({reason}); check the path", path.display())]
+    UnreadableTable {
+        /// Path as given.
+        path: PathBuf,
+        /// The system's word for it.
+        reason: std::io::Error,
+    },
     /// The text is not TOML, or not of a model's form.
     #[error("{origin} is not a model file: {reason}")]
     Malformed {

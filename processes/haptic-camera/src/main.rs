@@ -56,7 +56,11 @@ fn main() -> ExitCode {
         Ok(line) => line.command,
         Err(status) => return status,
     };
-    let result = command.files().check().and_then(|()| match command {
+    let files = command.files();
+    if files.give_json() {
+        outcome::keep_output_for_json();
+    }
+    let result = files.check().and_then(|()| match command {
         Command::Capture(options) => capture::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Tune(options) => tune::run(&options),

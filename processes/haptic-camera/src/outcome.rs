@@ -2,6 +2,7 @@
 
 use std::io::{Error, Write as _};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use indicatif::ProgressBar;
@@ -10,6 +11,9 @@ use operator::visible;
 
 /// The panel that is on the screen: it is taken away while something else is printed, and drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Whether standard output is for one JSON document alone.
+static OUTPUT_IS_JSON: AtomicBool = AtomicBool::new(false);
 
 /// Why standard output no longer takes anything.
 static LOST_OUTPUT: OnceLock<Error> = OnceLock::new();
@@ -66,14 +70,38 @@ impl From<Outcome> for ExitCode {
     }
 }
 
+/// Keeps standard output for the result as JSON: whatever else is said goes to standard error.
+pub fn keep_output_for_json() {
+    OUTPUT_IS_JSON.store(true, Ordering::Relaxed);
+}
+
+/// Whether standard output is kept for the result as JSON.
+pub fn is_output_json() -> bool {
+    OUTPUT_IS_JSON.load(Ordering::Relaxed)
+}
+
 /// Prints a line for the operator on standard output, or several, without the blanks with which tables fill their lines.
 ///
 /// A failure ends nothing here; [`Outcome::if_output_was_taken`] tells it in the end.
 pub fn say(lines: impl std::fmt::Display) {
     let lines = lines.to_string();
     let lines = visible(&lines);
-    let trimmed: Vec<&str> = lines.split('\n').map(str::trim_end).collect();
-    beside_panel(|| note_output(writeln!(std::io::stdout(), "{}", trimmed.join("\n"))));
+    let trimmed = lines.split('\n').map(str::trim_end).collect::<Vec<_>>().join("\n");
+    if is_output_json() {
+        // A terminal that is gone is no reason to end.
+        beside_panel(|| drop(writeln!(std::io::stderr(), "{trimmed}")));
+    } else {
+        print(&trimmed);
+    }
+}
+
+/// Prints the result as JSON on standard output.
+pub fn print_json(text: &str) {
+    print(&visible(text));
+}
+
+fn print(text: &str) {
+    beside_panel(|| note_output(writeln!(std::io::stdout(), "{text}")));
 }
 
 /// Prints a remark for the operator on standard error, in one line apart from results.

@@ -3,13 +3,12 @@
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
-use archive::ArchiveError;
 use archive::whole_file::{self, Replace, write_bytes};
 use dynamics::Axis;
 use loaded_capture::CALIBRATION_MARK;
 use serde::Serialize;
 
-use crate::outcome::say;
+use crate::outcome::print_json;
 
 /// What an output is, and so what it may replace: an earlier one of its kind, known by words that every one has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +74,7 @@ pub const FIGURES_HEADER: &str = "figure,angle_rad,direction,value,unit,ci95_low
 pub struct Files {
     inputs: Vec<PathBuf>,
     outputs: Vec<(PathBuf, Replace)>,
+    gives_json: bool,
 }
 
 impl Files {
@@ -87,8 +87,15 @@ impl Files {
 
     /// With a file that is written, if it was asked for; standard output is none.
     #[must_use]
-    pub fn writing(self, path: Option<&PathBuf>, kind: Kind) -> Self {
+    pub fn writing(mut self, path: Option<&PathBuf>, kind: Kind) -> Self {
+        self.gives_json |= kind == Kind::Json && to_output(path.map(PathBuf::as_path));
         self.replacing(path, kind.replaces())
+    }
+
+    /// Whether standard output is for the result as JSON.
+    #[must_use]
+    pub fn give_json(&self) -> bool {
+        self.gives_json
     }
 
     /// The same with what it may replace.
@@ -164,12 +171,12 @@ pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Resul
 /// When the file cannot be written.
 pub fn write_json_on(axis: Axis, path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
-    let text = analysis::to_json_on(axis, result)? + "\n";
+    let text = analysis::to_json_on(axis, result)?;
     if to_output(Some(path)) {
-        say(text.trim_end());
+        print_json(&text);
         return Ok(());
     }
-    write(path, Kind::Json, &text)
+    write(path, Kind::Json, &(text + "\n"))
 }
 
 /// Writes a text file; whole or not at all.
@@ -185,11 +192,5 @@ pub fn write(path: &Path, kind: Kind, text: &str) -> anyhow::Result<()> {
 /// # Errors
 /// As [`write()`].
 pub fn replace(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
-    write_bytes(path, replace, text.as_bytes()).map_err(|error| match error {
-        ArchiveError::Occupied { .. } => error.into(),
-        // The folder is missing, or closed to the user.
-        error => {
-            anyhow::Error::new(error).context(format!("{} cannot be written; choose another place", path.display()))
-        }
-    })
+    Ok(write_bytes(path, replace, text.as_bytes())?)
 }

@@ -21,8 +21,8 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     if options.verify {
         return verify::run(options, &interrupted);
     }
-    let claim = claim_archive(&options.run.out, &options.model, "replay-")?;
     let request = options.request();
+    let claim = claim_archive(&options.run.out, request.knob_name(), "replay-")?;
     let run = SupervisedRun {
         in_words: in_words(options, &request),
         request,
@@ -40,8 +40,9 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
 
 /// What is rendered, and for whom.
 fn in_words(options: &ReplayOptions, request: &RunRequest) -> String {
-    let ReplayOptions { model, hand: HandRequest { hand, hand_torque, .. }, .. } = options;
-    let model = if model.parse::<u32>().is_ok() { format!("knob {model}") } else { model.clone() };
+    let HandRequest { hand, hand_torque, .. } = &options.hand;
+    let model = request.knob_name();
+    let model = if model.parse::<u32>().is_ok() { format!("knob {model}") } else { model.to_owned() };
     let hand = match (hand_torque, hand.as_str()) {
         (Some(torque_mnm), _) => format!("a hand that turns it with {torque_mnm} mNm"),
         (None, "none") => "nobody's hand on it".to_owned(),

@@ -323,7 +323,7 @@ impl Plan {
             check_servo(&control, &rig, inertia, |rate_hz| gains(&rig, request, rate_hz))?;
         }
         let rendering = request.rendering.as_ref().map(|asked| make_rendering(asked, &rig, rate_hz)).transpose()?;
-        let knob = request.rendering.as_ref().map_or(request.knob_name(), |rendering| &rendering.model).to_owned();
+        let knob = request.knob_name().to_owned();
         let has_servo = rendering.is_none() && simulated_knob.is_none();
         let servo_remark = has_servo.then(|| rattle(&control, &rig)).flatten();
         Ok(Self { apparatus, rig, control, knob, rendering, servo_remark, simulated_knob, core })

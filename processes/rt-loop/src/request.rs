@@ -28,6 +28,9 @@ pub struct RunRequest {
     /// on a real rig its name
     #[arg(long, value_name = "1…5|FILE.toml|none|locked|NAME")]
     pub knob: Option<String>,
+    /// What the archive calls the knob, or the model that is rendered [default: as it was named]
+    #[arg(long)]
+    pub name: Option<String>,
     /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
     /// torque-ramp, tone or hold
     #[arg(long, default_value = "linear-chirp")]
@@ -164,11 +167,12 @@ impl From<Options> for RunRequest {
 }
 
 impl RunRequest {
-    /// What is on the rig, as the operator named it.
+    /// What is on the rig, or rendered, as the operator named it.
     #[must_use]
     pub fn knob_name(&self) -> &str {
-        match (&self.knob, crate::rigs::file(&self.rig)) {
-            (Some(knob), _) => knob,
+        let model = self.rendering.as_ref().map(|rendering| &rendering.model);
+        match (self.name.as_ref().or(model).or(self.knob.as_ref()), crate::rigs::file(&self.rig)) {
+            (Some(name), _) => name,
             (None, Ok(file)) if file.driver == "simulated" => default_knob(file.axis),
             (None, _) => "unnamed",
         }

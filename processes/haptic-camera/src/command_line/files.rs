@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use archive::whole_file::Replace;
 
-use super::{CalibrateOptions, Command, ExportOptions, SimulateOptions};
+use super::{CalibrateOptions, Command, ExportOptions, RigCommand, SimulateOptions};
 use crate::outputs::{Files, Kind, is_same};
 
 impl Command {
@@ -94,6 +94,9 @@ impl Command {
             Self::List(options) => files.writing(options.json.as_ref(), Kind::Json),
             Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), Kind::Json),
             Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), Kind::Data),
+            Self::Rig(RigCommand::Check(options)) => {
+                files.reading([&options.file]).writing(options.json.as_ref(), Kind::Json)
+            }
             // `compose` looks at its own place, which it may be told to write over; `man` writes into a folder.
             Self::Compose(_)
             | Self::Man(_)

@@ -16,6 +16,9 @@ pub struct ReplayOptions {
     /// The model to feel like: a model file, or 1 to 5 for the paper's knobs
     #[arg(value_name = "1…5|MODEL.toml")]
     pub model: String,
+    /// What the archive calls the model [default: as it was named]
+    #[arg(long)]
+    pub name: Option<String>,
     /// Render the nearest that the rig can, instead of refusing a model that exceeds its limits, and say what was clipped, from
     /// what to what
     #[arg(long)]
@@ -54,9 +57,10 @@ impl ReplayOptions {
     /// What the control loop is asked to do.
     #[must_use]
     pub fn request(&self) -> RunRequest {
-        let Self { model, nearest, hand, amplitude, duration_s, pace, rig, run, .. } = self;
+        let Self { model, name, nearest, hand, amplitude, duration_s, pace, rig, run, .. } = self;
         let mut request = RunRequest {
             rendering: Some(RenderingRequest { model: model.clone(), nearest: *nearest, without_remarks: false }),
+            name: name.clone(),
             amplitude: *amplitude,
             duration_s: duration_s.unwrap_or(if run.offline { OFFLINE_S } else { LONGEST_DURATION_S }),
             pace: pace.clone(),

@@ -2,10 +2,9 @@
 
 mod arguments;
 mod destination;
-mod source;
 mod table;
 
-use dynamics::{Composition, CompositionError, Model, Role, Source, composition_notes};
+use dynamics::{Composition, CompositionError, Model, ModelError, Parts, Role, Source, composition_notes};
 
 pub use self::arguments::{Assignment, Extra};
 
@@ -28,7 +27,7 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
             return Ok(Outcome::WrongUsage);
         }
     };
-    let model = composition.model(&name(options), &sources.description());
+    let model = composition.model(&name(options), &sources.parts.description());
     replace(&options.out, replaced, &model.to_toml())?;
     say(table::parts(&composition, &model));
     say(format!(
@@ -45,46 +44,30 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
 
 /// The models that parts and values come from.
 struct Sources {
-    parts: Vec<(Role, Source)>,
-    extras: Vec<(String, Source)>,
+    parts: Parts,
     values: Vec<(String, Source)>,
 }
 
 impl Sources {
-    fn load(options: &ComposeOptions) -> anyhow::Result<Self> {
+    fn load(options: &ComposeOptions) -> Result<Self, ModelError> {
         let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
-        let parts = [(Role::Inertia, inertia), (Role::Friction, friction), (Role::Detents, detents)];
-        let part =
-            |(role, given): (Role, &Option<String>)| Some(source::load(given.as_ref()?).map(|from| (role, from)));
+        let roles = [(Role::Inertia, inertia), (Role::Friction, friction), (Role::Detents, detents)];
+        let role =
+            |(role, given): (Role, &Option<String>)| Some(Source::named(given.as_ref()?).map(|from| (role, from)));
+        let effect = |extra: &Extra| Ok((extra.effect.clone(), Source::named(&extra.source)?));
+        let value = |from: &Assignment<String>| Ok((from.name.clone(), Source::named(&from.value)?));
         Ok(Self {
-            parts: parts.into_iter().filter_map(part).collect::<anyhow::Result<_>>()?,
-            extras: extra
-                .iter()
-                .map(|extra| Ok((extra.effect.clone(), source::load(&extra.source)?)))
-                .collect::<anyhow::Result<_>>()?,
-            values: from
-                .iter()
-                .map(|from| Ok((from.name.clone(), source::load(&from.value)?)))
-                .collect::<anyhow::Result<_>>()?,
+            parts: Parts {
+                roles: roles.into_iter().filter_map(role).collect::<Result<_, _>>()?,
+                effects: extra.iter().map(effect).collect::<Result<_, ModelError>>()?,
+            },
+            values: from.iter().map(value).collect::<Result<_, ModelError>>()?,
         })
-    }
-
-    /// In one line what the model was composed of.
-    fn description(&self) -> String {
-        let parts = self.parts.iter().map(|(role, source)| format!("{role} of {}", source.label));
-        let extras = self.extras.iter().map(|(effect, source)| format!("{effect} of {}", source.label));
-        parts.chain(extras).collect::<Vec<_>>().join(", ")
     }
 }
 
 fn composed(sources: &Sources, options: &ComposeOptions) -> Result<Composition, CompositionError> {
-    let mut composition = Composition::default();
-    for (role, source) in &sources.parts {
-        composition.take(*role, source)?;
-    }
-    for (effect, source) in &sources.extras {
-        composition.take_effect(effect, source)?;
-    }
+    let mut composition = sources.parts.composition()?;
     for (name, source) in &sources.values {
         composition.take_parameter(name, source)?;
     }

@@ -10,6 +10,8 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use shared_types::lease;
 
+use crate::outcome::is_output_json;
+
 /// The command that starts one of our programs, which lie beside this one, for as long as this one lives.
 ///
 /// # Errors
@@ -21,6 +23,9 @@ pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
     // A Ctrl-C at the terminal reaches this program alone, which then ends the run in order.
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     lease::grant(&mut command);
+    if is_output_json() {
+        command.stdout(std::io::stderr());
+    }
     if !operator::log_may_be_coloured() {
         // Their logs go where ours goes.
         command.env("NO_COLOR", "1");

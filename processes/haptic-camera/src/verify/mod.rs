@@ -160,7 +160,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     // The model that is to be felt: the one asked for, or the nearest to it that the rig renders.
     let model = Plan::new(&asked)?.rendering.context("no model is rendered")?.model;
     let out = &options.run.out;
-    let folder = claim::folder(out, &archive_stem(&options.model, "verify-"))
+    let folder = claim::folder(out, &archive_stem(asked.knob_name(), "verify-"))
         .with_context(|| format!("no folder can be made in {}; choose another with --out", out.display()))?;
     let mut whole = Outcome::Done;
     let mut make =
