@@ -179,6 +179,7 @@ impl<'model> InnerBody<'model> {
         self.velocity_rad_s = end_rad_s;
     }
 
+    #[inline]
     fn without_dry_friction(&self, step_s: f64, cap_rad: f64, cap_rad_s: f64, held: &Held) -> Free {
         let Coupling { half_gap_rad, stiffness_mnm_rad, damping, .. } = self.coupling;
         let velocity = self.velocity_rad_s;
@@ -194,6 +195,7 @@ impl<'model> InnerBody<'model> {
         Free { momentum, mass: self.inertia + 0.5 * step_s * implicit, load_mnm }
     }
 
+    #[inline]
     fn dry_end_rad_s(&self, step_s: f64, free: &Free, held: &Held) -> f64 {
         let velocity = self.velocity_rad_s;
         let frictionless = free.momentum / free.mass;

@@ -130,7 +130,7 @@ impl Model {
             each.fold(0.0, |sum, friction_mnm| sum + friction_mnm)
         };
         let coulomb_mnm = || sum_mnm(&Motion { velocity_rad_s: 0.0, ..*motion });
-        FrictionChange::of(self, motion).applied_mnm(sum_mnm(motion), coulomb_mnm, direction)
+        FrictionChange::of(&self.effects, self, motion).applied_mnm(sum_mnm(motion), coulomb_mnm, direction)
     }
 
     /// What a knob at rest bears: Karnopp's limits, but at least the friction with which it begins to slide.
@@ -176,9 +176,10 @@ pub(crate) struct FrictionChange {
 }
 
 impl FrictionChange {
-    pub(crate) fn of(model: &Model, motion: &Motion) -> Self {
+    /// By these effects of a model.
+    pub(crate) fn of<'a>(effects: impl IntoIterator<Item = &'a Effect>, model: &Model, motion: &Motion) -> Self {
         let (mut of_all, mut of_coulomb, mut load_friction) = (0.0, 0.0, 0.0);
-        for effect in &model.effects {
+        for effect in effects {
             match effect.kind().part {
                 Part::FrictionFactor(change) => of_all += change(effect.values(), motion),
                 Part::CoulombFactor(change) => of_coulomb += change(effect.values(), motion),

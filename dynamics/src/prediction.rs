@@ -70,6 +70,10 @@ impl Model {
     /// is left out, as in [`Model::torque_mnm`].
     #[must_use]
     pub fn readings_mnm(&self, motions: &[Motion]) -> Vec<f64> {
+        if let Some(coupling) = self.coupling() {
+            let [readings_mnm] = Self::coupled_mnm([self], [coupling], motions);
+            return readings_mnm;
+        }
         let mut reader = TorqueReader::of(self);
         motions.iter().map(|motion| reader.read_mnm(motion)).collect()
     }

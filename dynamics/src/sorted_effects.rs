@@ -11,8 +11,8 @@ pub(crate) struct SortedEffects<'model> {
     free: Vec<&'model Effect>,
     /// Effects that rub, with what they do at the lowest speed where that is the same everywhere.
     rubbing: Vec<(&'model Effect, Option<[f64; 2]>)>,
-    /// Whether any effect changes what others rub.
-    friction_changes: bool,
+    /// Effects that change what others rub.
+    changing: Vec<&'model Effect>,
     /// Whether that change depends on the velocity.
     changes_with_velocity: bool,
 }
@@ -34,9 +34,7 @@ impl<'model> SortedEffects<'model> {
             model.effects.iter().filter(|effect| is(effect.kind().part)).collect()
         };
         let level = |effect: &Effect| {
-            let levels =
-                [Direction::Negative, Direction::Positive].map(|to| effect.friction_mnm(&Motion::default(), to));
-            effect.kind().depends_only_on(Coordinate::Velocity).then_some(levels)
+            effect.kind().depends_only_on(Coordinate::Velocity).then(|| levels_mnm(effect, &Motion::default()))
         };
         let of_velocity = |effect: &&Effect| {
             effect.kind().depends_on.iter().any(|of| matches!(of, Coordinate::Velocity | Coordinate::Load))
@@ -46,8 +44,8 @@ impl<'model> SortedEffects<'model> {
             model,
             free: with(&is_free),
             rubbing: with(&rubs).into_iter().map(|effect| (effect, level(effect))).collect(),
-            friction_changes: !changing.is_empty(),
             changes_with_velocity: changing.iter().any(of_velocity),
+            changing,
         }
     }
 
@@ -64,24 +62,28 @@ impl<'model> SortedEffects<'model> {
         let mut level_mnm = [0.0; 2];
         let mut sliding_mnm = 0.0;
         for (effect, levels) in &self.rubbing {
-            let levels = levels.unwrap_or_else(|| {
-                [Direction::Negative, Direction::Positive].map(|to| effect.friction_mnm(&still, to))
-            });
-            level_mnm[0] += levels[0];
-            level_mnm[1] += levels[1];
+            let [negative_mnm, positive_mnm] = levels.unwrap_or_else(|| levels_mnm(effect, &still));
+            level_mnm[0] += negative_mnm;
+            level_mnm[1] += positive_mnm;
             sliding_mnm += effect.friction_mnm(turning, direction);
         }
-        if !self.friction_changes {
+        if self.changing.is_empty() {
             return Friction { level_mnm, sliding_mnm };
         }
-        let change = FrictionChange::of(self.model, &still);
-        let while_turning = if self.changes_with_velocity { FrictionChange::of(self.model, turning) } else { change };
-        Friction {
-            level_mnm: [Direction::Negative, Direction::Positive].map(|to| {
-                let level_mnm = level_mnm[to as usize];
-                change.applied_mnm(level_mnm, || level_mnm, to)
-            }),
-            sliding_mnm: while_turning.applied_mnm(sliding_mnm, || level_mnm[direction as usize], direction),
-        }
+        let change = |motion| FrictionChange::of(self.changing.iter().copied(), self.model, motion);
+        let while_still = change(&still);
+        let while_turning = if self.changes_with_velocity { change(turning) } else { while_still };
+        let [negative_mnm, positive_mnm] = level_mnm;
+        let sliding_mnm = while_turning.applied_mnm(sliding_mnm, || level_mnm[direction as usize], direction);
+        let level_mnm = [
+            while_still.applied_mnm(negative_mnm, || negative_mnm, Direction::Negative),
+            while_still.applied_mnm(positive_mnm, || positive_mnm, Direction::Positive),
+        ];
+        Friction { level_mnm, sliding_mnm }
     }
+}
+
+/// Friction in either direction, mNm.
+fn levels_mnm(effect: &Effect, still: &Motion) -> [f64; 2] {
+    [effect.friction_mnm(still, Direction::Negative), effect.friction_mnm(still, Direction::Positive)]
 }

@@ -203,7 +203,7 @@ pub(crate) fn fill(
         }
         _ => {}
     }
-    let mut row = vec![0.0; regressors.columns];
+    let mut row = vec![0.0; columns.len()];
     for (place, index) in range.enumerate() {
         if !takes_part(index) {
             columns.iter_mut().for_each(|column| column[place] = 0.0);

@@ -3,7 +3,7 @@
 use dynamics::effects::{self, cogging};
 use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part};
 
-use super::both_cores::on_both_cores;
+use super::both_cores::{on_both_cores, side_by_side};
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
@@ -127,10 +127,10 @@ pub(crate) enum Effort {
 }
 
 /// The best fit of a structure and a coupling of `kind` to the first capture, judged by both.
-pub(crate) fn coupled(
+pub(crate) fn coupled<'a>(
     kind: &'static EffectKind,
     base: &Structure,
-    [train, heldout]: [&Capture; 2],
+    [train, heldout]: [&'a Capture; 2],
     effort: Effort,
 ) -> Option<Judged> {
     let hypothesis = kind.hypothesis?;
@@ -143,10 +143,10 @@ pub(crate) fn coupled(
         fit.refine();
         return Some(Judged::nonlinear(&fit, train, heldout));
     }
-    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> = on_both_cores(&effects, |effect| {
-        let fit = Nonlinear::new(unskewed.with(*effect, 0), train);
-        Some((fit.slow_squares(SLOW), fit.squares(), fit))
-    });
+    let structures: Vec<Structure> = effects.iter().map(|effect| unskewed.with(*effect, 0)).collect();
+    let fits = Nonlinear::all(&structures, train).into_iter();
+    let mut starts: Vec<(f64, f64, Nonlinear<'_>)> =
+        fits.map(|fit| (fit.slow_squares(SLOW), fit.squares(), fit)).collect();
     // The best starts on slow motion, and the best on the whole band among the others.
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let first = starts.len().min(STARTED);
@@ -162,25 +162,34 @@ pub(crate) fn coupled(
     slow.sort_by(|a, b| a.0.total_cmp(&b.0));
     // What other starts led to as well need not be refined twice.
     slow.dedup_by(|later, sooner| later.0 < (1.0 + ALIKE) * sooner.0 && later.1.is_like(&sooner.1, ALIKE));
-    let mut best: Option<(f64, Nonlinear<'_>)> = None;
-    for (_, mut fit) in slow {
-        // Most starts show soon that they lead nowhere.
-        fit.refine_shortly();
+    let mut slow = slow.into_iter().map(|(_, fit)| fit);
+    // Most starts show soon that they lead nowhere.
+    let begun = |fit: Option<Nonlinear<'a>>| {
+        fit.map(|mut fit| {
+            fit.refine_shortly();
+            fit
+        })
+    };
+    let mut best: Option<(Judged, Nonlinear<'_>)> = None;
+    let mut next = begun(slow.next());
+    while let Some(mut fit) = next {
+        let after = slow.next();
         if best.as_ref().is_some_and(|(_, best)| fit.squares() > LOSING * best.squares()) {
+            next = begun(after);
             continue;
         }
-        fit.refine();
-        let over_floor = Judged::nonlinear(&fit, train, heldout).train_over_floor();
+        ((), next) = side_by_side(|| fit.refine(), || begun(after));
+        let judged = Judged::nonlinear(&fit, train, heldout);
+        let is_closed = judged.train_over_floor() < CLOSED;
         if best.as_ref().is_none_or(|(_, best)| fit.squares() < best.squares()) {
-            best = Some((over_floor, fit));
+            best = Some((judged, fit));
         }
-        if over_floor < CLOSED {
+        if is_closed {
             break;
         }
     }
-    let (over_floor, fit) = best?;
-    let judged = Judged::nonlinear(&fit, train, heldout);
-    if effort == Effort::Short || over_floor < OPEN {
+    let (judged, fit) = best?;
+    if effort == Effort::Short || judged.train_over_floor() < OPEN {
         return Some(judged);
     }
     let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
@@ -202,14 +211,14 @@ fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train:
     while ratio > FINEST {
         let mut moved = false;
         for search in hypothesis.searched {
-            for factor in [ratio, 1.0 / ratio] {
+            let at = |factor: f64| {
                 let mut tried = best;
                 tried.values_mut()[search.parameter] *= factor;
-                let there = squares(&tried);
-                if there < least {
-                    (least, best, moved) = (there, tried, true);
-                    break;
-                }
+                (squares(&tried), tried)
+            };
+            let (up, down) = side_by_side(|| at(ratio), || at(1.0 / ratio));
+            if let Some(better) = [up, down].into_iter().find(|(there, _)| *there < least) {
+                ((least, best), moved) = (better, true);
             }
         }
         if !moved {
@@ -365,12 +374,12 @@ impl Coarse {
             _ => None,
         };
         // A further line of the law does not occur yet.
-        let mut columns = vec![Vec::with_capacity(self.motions.len()); effect.kind().columns_of_a_line()];
+        let mut columns = vec![vec![0.0; self.motions.len()]; effect.kind().columns_of_a_line()];
         let mut row = [0.0; dynamics::MAX_PARAMETERS];
-        for (index, (motion, mask)) in self.motions.iter().enumerate() {
+        for (index, (motion, mask)) in self.motions.iter().enumerate().filter(|(_, (_, mask))| *mask != 0.0) {
             (regressors.fill)(effect, motion, &mut row[..regressors.columns]);
             let weight = mask * factor.map_or(1.0, |friction| friction[index]);
-            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(weight * value));
+            columns.iter_mut().zip(row).for_each(|(column, value)| column[index] = weight * value);
         }
         for column in &mut columns {
             for known in &self.basis {

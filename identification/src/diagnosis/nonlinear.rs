@@ -7,6 +7,7 @@
 use dynamics::{Minimum, Model, Part};
 use nalgebra::{DMatrix, DVector};
 
+use super::both_cores::{on_both_cores, side_by_side};
 use super::capture::Capture;
 use super::structure::{Searched, Structure};
 use crate::filter::Fir;
@@ -93,9 +94,23 @@ pub(crate) struct Nonlinear<'a> {
 
 impl<'a> Nonlinear<'a> {
     pub(crate) fn new(structure: Structure, capture: &'a Capture) -> Self {
-        let values = values(&structure, capture);
         let residual = residual(&structure, capture);
-        Self { capture, structure, values, residual }
+        Self::with_residual(structure, residual, capture)
+    }
+
+    /// Those of several structures.
+    pub(crate) fn all(structures: &[Structure], capture: &'a Capture) -> Vec<Self> {
+        let groups: Vec<&[Structure]> = structures.chunks(TOGETHER).collect();
+        let fits = on_both_cores(&groups, |group| {
+            let residuals = residuals(&group.iter().collect::<Vec<_>>(), capture);
+            let fits = group.iter().zip(residuals);
+            Some(fits.map(|(structure, residual)| Self::with_residual(structure.clone(), residual, capture)).collect())
+        });
+        fits.into_iter().flat_map(|group: Vec<Self>| group).collect()
+    }
+
+    fn with_residual(structure: Structure, residual: Vec<f64>, capture: &'a Capture) -> Self {
+        Self { capture, values: values(&structure, capture), structure, residual }
     }
 
     pub(crate) fn squares(&self) -> f64 {
@@ -251,15 +266,9 @@ impl<'a> Nonlinear<'a> {
     pub(crate) fn tangents(&self, share: f64) -> Vec<Vec<f64>> {
         let all: Vec<usize> = (0..self.values.len()).collect();
         let (left, right) = all.split_at(all.len() / 2);
-        std::thread::scope(|scope| {
-            let other = scope.spawn(|| self.tangents_by(right, share));
-            let mut all = self.tangents_by(left, share);
-            match other.join() {
-                Ok(rest) => all.extend(rest),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-            all
-        })
+        let (mut all, rest) = side_by_side(|| self.tangents_by(left, share), || self.tangents_by(right, share));
+        all.extend(rest);
+        all
     }
 
     /// Rows of the derivatives by some of the values.
@@ -290,7 +299,7 @@ impl<'a> Nonlinear<'a> {
 
 /// Measured minus simulated torque, in rows.
 pub(crate) fn residual(structure: &Structure, capture: &Capture) -> Vec<f64> {
-    left_by(structure, &structure.model().readings_mnm(capture.motions()), capture)
+    left_by(&structure.model().readings_mnm(capture.motions()), &capture.target(structure.delay_s()), capture)
 }
 
 /// The same of several structures.
@@ -301,13 +310,21 @@ fn residuals(structures: &[&Structure], capture: &Capture) -> Vec<Vec<f64>> {
         [first, second] => Model::readings_of_mnm([first, second], capture.motions()).to_vec(),
         others => others.iter().map(|model| model.readings_mnm(capture.motions())).collect(),
     });
-    structures.iter().zip(readings_mnm).map(|(structure, readings)| left_by(structure, &readings, capture)).collect()
+    // Hardly any two differ in their delay.
+    let mut target: Option<(f64, Vec<f64>)> = None;
+    let left = |(structure, readings_mnm): (&&Structure, Vec<f64>)| {
+        let delay_s = structure.delay_s();
+        let at_delay = target.take().filter(|(of_s, _)| *of_s == delay_s);
+        let (_, target) = target.insert(at_delay.unwrap_or_else(|| (delay_s, capture.target(delay_s))));
+        left_by(&readings_mnm, target, capture)
+    };
+    structures.iter().zip(readings_mnm).map(left).collect()
 }
 
-/// What a structure that makes given readings leaves of a capture, in rows.
-fn left_by(structure: &Structure, readings_mnm: &[f64], capture: &Capture) -> Vec<f64> {
+/// What given readings leave of a target, in rows.
+fn left_by(readings_mnm: &[f64], target: &[f64], capture: &Capture) -> Vec<f64> {
     let simulated = capture.frame.rows(readings_mnm);
-    capture.target(structure.delay_s()).iter().zip(&simulated).map(|(target, torque)| target - torque).collect()
+    target.iter().zip(&simulated).map(|(target, torque)| target - torque).collect()
 }
 
 /// Rows below a share of the comparison's band.

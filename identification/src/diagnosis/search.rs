@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use dynamics::effects::{self, cogging};
 use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part};
 
-use super::both_cores::on_both_cores;
+use super::both_cores::{on_both_cores, side_by_side};
 use super::capture::Capture;
 use super::error::DiagnosisError;
 use super::findings::{Characteristic, Partial, Value};
@@ -334,15 +334,18 @@ impl Search<'_> {
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             self.say(Progress::Tried { effect: kind.name, done, of });
         };
-        let mut tried = on_both_cores(&separable, |kind| {
-            let judged = hypotheses::separable(kind, &base, self.heldout);
-            say(kind);
-            judged
-        });
+        let one_more = || {
+            on_both_cores(&separable, |kind| {
+                let judged = hypotheses::separable(kind, &base, self.heldout);
+                say(kind);
+                judged
+            })
+        };
         if self.detents_are_equal {
-            return tried;
+            return one_more();
         }
-        tried.extend(self.unequal_detents(current));
+        let (unequal, mut tried) = side_by_side(|| self.unequal_detents(current), one_more);
+        tried.extend(unequal);
         let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
         let closes =
             |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();

@@ -9,7 +9,6 @@
 use dynamics::effects::{backlash, karnopp_stick};
 use dynamics::{Effect, Part};
 
-use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::nonlinear::Nonlinear;
 use super::structure::Structure;
@@ -46,8 +45,7 @@ pub(crate) fn fitted<'a>(fit: &Nonlinear<'a>, train: &'a Capture) -> Option<Nonl
 
 /// The structure that leaves least as it stands.
 fn best_of<'a>(trials: &[Structure], train: &'a Capture) -> Option<Nonlinear<'a>> {
-    let tried = on_both_cores(trials, |trial| Some(Nonlinear::new(trial.clone(), train)));
-    tried.into_iter().min_by(|a, b| a.squares().total_cmp(&b.squares()))
+    Nonlinear::all(trials, train).into_iter().min_by(|a, b| a.squares().total_cmp(&b.squares()))
 }
 
 /// Structures with other limits, more damping and less inertia outside: what a structure without stick took for inertia

@@ -233,16 +233,27 @@ impl Structure {
     /// Rows of the columns of the effect at an index, in a frame of a motion.
     pub(crate) fn rows(&self, index: usize, motion: &KnobMotion, frame: &Frame) -> Vec<Vec<f64>> {
         if self.depends_on_others(index) {
-            return self.full_columns(index, motion, frame).iter().map(|column| frame.rows(column)).collect();
+            return self.rows_beside_others(index, motion, frame);
         }
         frame.leading_effect_rows(&self.effects[index], self.columns[index], motion)
     }
 
-    /// Full-rate columns of an effect that depends on others, or on what was before; nothing where they are masked.
-    fn full_columns(&self, index: usize, motion: &KnobMotion, frame: &Frame) -> Vec<Vec<f64>> {
+    /// The same of an effect that depends on others, or on what was before.
+    fn rows_beside_others(&self, index: usize, motion: &KnobMotion, frame: &Frame) -> Vec<Vec<f64>> {
         let effect = &self.effects[index];
-        let width = self.widths()[index];
-        let each = |row: &dyn Fn(usize, &mut [f64])| columns_of(&frame.mask, width, row);
+        let mut values = vec![0.0; self.widths()[index]];
+        let mut each = |row: &dyn Fn(usize, &mut [f64])| {
+            frame.rows_of(values.len(), |range, columns| {
+                for (place, at) in range.enumerate() {
+                    if frame.mask[at] == 0.0 {
+                        values.fill(0.0);
+                    } else {
+                        row(at, &mut values);
+                    }
+                    columns.iter_mut().zip(&values).for_each(|(column, value)| column[place] = *value);
+                }
+            })
+        };
         let Some(regressors) = effect.kind().regressors else {
             if let Part::Bristles(bristles) = effect.kind().part {
                 let deflections = deflections(bristles(effect.values()), motion);
@@ -319,21 +330,6 @@ fn regressors(effect: &Effect) -> Option<Regressors> {
 /// The motion at the lowest speed with the sign of `sign`.
 fn slowest(sign: f64, motion: &Motion) -> Motion {
     Motion { velocity_rad_s: if sign == 0.0 { 0.0 } else { sign.signum() * f64::MIN_POSITIVE }, ..*motion }
-}
-
-/// So many columns, from rows that are nothing where they are masked.
-fn columns_of(mask: &[f64], width: usize, row: &dyn Fn(usize, &mut [f64])) -> Vec<Vec<f64>> {
-    let mut columns = vec![Vec::with_capacity(mask.len()); width];
-    let mut values = vec![0.0; width];
-    for (index, mask) in mask.iter().enumerate() {
-        if *mask == 0.0 {
-            values.fill(0.0);
-        } else {
-            row(index, &mut values);
-        }
-        columns.iter_mut().zip(&values).for_each(|(column, value)| column.push(*value));
-    }
-    columns
 }
 
 /// Deflection z of the bristles at every sample; unbent at the start.

@@ -20,11 +20,12 @@ use crate::motion::KnobMotion;
 /// Sum of squares of what a structure leaves behind a shaft, and the coefficients with which it does, mNm².
 pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> (f64, Vec<f64>) {
     let behind = motion(shaft, capture);
-    let response = |rows: Vec<f64>| turned_down(&rows, base.inertia(), shaft, capture);
+    let target = capture.target(0.0);
+    let response = turned_down(target.len(), base.inertia(), shaft, capture);
     let rows: Vec<Vec<f64>> =
-        (0..base.effects.len()).flat_map(|index| base.rows(index, &behind, &capture.frame)).map(response).collect();
+        (0..base.effects.len()).flat_map(|index| base.rows(index, &behind, &capture.frame)).map(&response).collect();
     let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    let target = response(capture.target(0.0));
+    let target = response(target);
     let coefficients = normal::solve(&columns, &target, &base.nonnegative());
     let left = normal::residual(&columns, &target, &coefficients);
     (dot(&left, &left), coefficients)
@@ -51,14 +52,19 @@ fn motion(shaft: &Coupling, capture: &Capture) -> KnobMotion {
     motion
 }
 
-/// Rows through the response of an inertia on the shaft: torque at the sensor over torque on the inertia.
+/// So many rows through the response of an inertia on the shaft: torque at the sensor over torque on the inertia.
 #[allow(clippy::cast_precision_loss, reason = "a decimation")]
-fn turned_down(rows: &[f64], inertia: f64, shaft: &Coupling, capture: &Capture) -> Vec<f64> {
+fn turned_down(
+    rows: usize,
+    inertia: f64,
+    shaft: &Coupling,
+    capture: &Capture,
+) -> impl Fn(Vec<f64>) -> Vec<f64> + use<> {
     let rate_hz = capture.rate_hz / capture.frame.step as f64;
     let response = |cycles: f64| {
         let turning = TAU * cycles * rate_hz;
         let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
         spring / (spring - inertia * turning * turning)
     };
-    fourier::through(rows, response)
+    fourier::through(rows, &response)
 }
