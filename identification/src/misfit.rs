@@ -46,9 +46,9 @@ impl Shift {
         robust: &RobustCovariance,
         change: impl Fn(&[f64]) -> Vec<f64>,
     ) -> Option<Self> {
-        let Trimmed { columns, solution, problem, .. } = trimmed;
+        let Trimmed { columns, solution, target, .. } = trimmed;
         let is_fitted = |index: usize| !solution.collinear[index] && !at_zero[index];
-        let target = change(&problem.target);
+        let target = change(target);
         let columns: Vec<Vec<f64>> = columns
             .iter()
             .enumerate()
