@@ -48,7 +48,7 @@ pub fn diagnosed_model(found: &Diagnosis, train: &LoadedCapture) -> Model {
         name: title(train),
         description: format!("diagnosed from {}: {}", train.capture.source.display(), found.summary),
         effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
-        ..Model::default()
+        axis: train.capture.axis,
     }
 }
 
