@@ -351,8 +351,8 @@ impl Trimmed<'_> {
             (places, half)
         });
         let mut beyond = problem.target.to_vec();
-        for index in 0..columns.len() {
-            let column = columns[index].clone();
+        for (index, place) in columns.iter_mut().enumerate() {
+            let column = place.clone();
             let part = match &coulomb {
                 _ if of_curves.contains(&index) => {
                     beyond = less(&beyond, &column);
@@ -361,7 +361,7 @@ impl Trimmed<'_> {
                 Some((places, half)) if places.contains(&index) => half.clone(),
                 _ => done(&column),
             };
-            columns[index] = less(&column, &part).into();
+            *place = less(&column, &part).into();
         }
         beyond = beside.left_of(&beyond);
         for index in of_curves {

@@ -169,7 +169,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     let files: Vec<String> = taken.iter().map(|one| one.path.display().to_string()).collect();
     let model = Model {
         name: analysis::title(&first.loaded),
-        description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
+        description: format!("diagnosed from {}: {}", files.join(", "), axis.words(&found.summary)),
         effects: found.model.effects.clone(),
         axis,
     };
