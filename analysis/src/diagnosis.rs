@@ -48,9 +48,13 @@ pub fn refuse_drawn(model: &Model, called: &str) -> Result<(), AnalysisError> {
 pub fn diagnosed_model(found: &Diagnosis, train: &LoadedCapture) -> Model {
     Model {
         name: title(train),
-        description: format!("diagnosed from {}: {}", train.capture.source.display(), found.summary),
+        description: format!(
+            "diagnosed from {}: {}",
+            train.capture.source.display(),
+            train.capture.axis.words(&found.summary)
+        ),
         effects: found.model.effects.iter().map(|effect| effect.without_origin()).collect(),
-        ..Model::default()
+        axis: train.capture.axis,
     }
 }
 

@@ -49,6 +49,12 @@ pub fn named(name: &str) -> Result<Model, ModelError> {
     }
 }
 
+/// Whether a name is that of a shipped model: the number of a knob, or the dome.
+#[must_use]
+pub fn is_shipped(name: &str) -> bool {
+    name == DOME || name.parse::<u32>().is_ok()
+}
+
 /// What a rig is tried with instead of a knob.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fixture {

@@ -2,9 +2,11 @@
 //! effects that have a name.
 
 use dynamics::{Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
+use nalgebra::DMatrix;
 
-use crate::least_squares::{LeastSquares, dot};
+use crate::least_squares::{ColumnNoise, LeastSquares, dot};
 use crate::statistics::NORMAL_95;
+use crate::vector;
 
 /// Numbers of points that are tried.
 const POINTS: [u16; 5] = [8, 16, 32, 64, 128];
@@ -16,6 +18,8 @@ const CELLS: usize = 200;
 const HELD: f64 = 1e-6;
 /// The same of a friction, larger: where one direction alone was seen, what it shows is a torque.
 const FRICTION_HELD: f64 = 1e-3;
+/// Share of a column's square that is rounding.
+const ROUNDING: f64 = 1e-18;
 /// A point is told if its column has this share of the mean point's square.
 const SHOWN: f64 = 1e-3;
 
@@ -188,17 +192,59 @@ pub(crate) struct Measured {
     /// The solution over them.
     pub(crate) solution: LeastSquares,
     /// Covariance of its coefficients.
-    pub(crate) covariance: nalgebra::DMatrix<f64>,
+    pub(crate) covariance: DMatrix<f64>,
+}
+
+/// What the points of measured curves can do by themselves, to be left out of columns: the coefficients beside the curves, and how well they are
+/// known, then come out as from a fit of all together (R. Frisch and F. V. Waugh, Econometrica 1, 1933, 387–401).
+pub(crate) struct Beside {
+    points: Vec<Vec<f64>>,
+    products: DMatrix<f64>,
+}
+
+impl Beside {
+    /// Beside the points of what was measured, over its rows without those that held the points; `both` is the column of a Coulomb friction alike
+    /// in both directions, of which a measured friction has no part.
+    pub(crate) fn new(measured: &Measured, both: &[f64]) -> Self {
+        let count: usize = measured.curves.iter().map(|curve| curve.points.len()).sum();
+        let of_torque = measured.curves.first().map_or(0, |curve| curve.points.len());
+        let square = dot(both, both).max(f64::MIN_POSITIVE);
+        let columns = measured.columns[measured.columns.len() - count..].iter().enumerate();
+        let points: Vec<Vec<f64>> = columns
+            .map(|(place, column)| {
+                let mut column = column[..both.len()].to_vec();
+                let share = if place < of_torque { 0.0 } else { dot(&column, both) / square };
+                column.iter_mut().zip(both).for_each(|(value, both)| *value -= share * both);
+                column
+            })
+            .collect();
+        let mut products = DMatrix::zeros(count, count);
+        vector::products(&points, 0, &mut products);
+        Self { points, products }
+    }
+
+    /// Number of points.
+    pub(crate) fn count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// What the points cannot do of a column; nothing where only rounding is left.
+    pub(crate) fn left_of(&self, column: &[f64]) -> Vec<f64> {
+        let free = vec![false; self.points.len()];
+        let left = LeastSquares::solve_noisy(&self.points, &self.products, column, &free, &[]).residual;
+        if dot(&left, &left) > ROUNDING * dot(column, column) { left } else { vec![0.0; column.len()] }
+    }
 }
 
 /// Measures the torque over the angle beside the columns of a base: the mean of both directions, and, where there
 /// are both, by how much half their difference varies. The number of points is that with the least of Schwarz's criterion (G. Schwarz, Ann.
 /// Statist. 6, 1978, 461–464); `None` where the samples tell no point.
 ///
-/// `rows` makes the columns of a spline's points.
+/// `rows` makes the columns of a spline's points; `noise` is that of the base's columns.
 pub(crate) fn measure(
     base: &[impl AsRef<[f64]>],
     nonnegative: &[bool],
+    noise: &[ColumnNoise],
     target: &[f64],
     places: &Places,
     both_ways: bool,
@@ -216,7 +262,7 @@ pub(crate) fn measure(
         let (columns, extended) = held(base, &points, target, share);
         let bounds: Vec<bool> =
             nonnegative.iter().copied().chain(std::iter::repeat(false)).take(columns.len()).collect();
-        let solution = LeastSquares::solve(&columns, &extended, &bounds);
+        let solution = LeastSquares::solve_within(&columns, &extended, &bounds, noise);
         let left = dot(&solution.residual[..target.len()], &solution.residual[..target.len()]);
         #[allow(clippy::cast_precision_loss, reason = "numbers of rows and columns")]
         let criterion = {
@@ -226,7 +272,13 @@ pub(crate) fn measure(
         Some((criterion, splines, columns, solution))
     });
     let (_, splines, columns, solution) = fitted.min_by(|one, other| one.0.total_cmp(&other.0))?;
-    let covariance = solution.robust_of_many(&columns);
+    let mut covariance = solution.robust_of_many(&columns);
+    // A point that few passes show has few scores to tell its variance by, of which the fit took a good part: it is not known better than if
+    // the residual were noise of one size.
+    let even = solution.textbook_covariance();
+    for place in base.len()..columns.len() {
+        covariance[(place, place)] = covariance[(place, place)].max(even[(place, place)]);
+    }
     let mut first = base.len();
     let (mut effects, mut curves) = (Vec::new(), Vec::new());
     for spline in &splines {

@@ -5,14 +5,14 @@ use std::borrow::Cow;
 use dynamics::{Calibration, Effect, Part, effects};
 
 use crate::central_differences::central_differences;
-use crate::characteristic::{Measured, NO_DETENTS, Places, measure};
+use crate::characteristic::{Beside, Measured, NO_DETENTS, Places, measure};
 use crate::detents::{self, Detents, Found};
 use crate::encoder_step::encoder_step;
 use crate::estimate::{Fit, Harmonic, Preparation};
 use crate::fixed_preparation::FixedPreparation;
 use crate::frame::Frame;
 use crate::karnopp::Stick;
-use crate::least_squares::{LeastSquares, dot};
+use crate::least_squares::{ColumnNoise, LeastSquares, dot};
 use crate::motion::{Band, KnobMotion};
 use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
 use crate::paper_preparation::paper_preparation;
@@ -127,10 +127,11 @@ fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitErr
     let first = Prepared::new(&uniform, exact, band, options)?;
     if let Some(measured) = options.characteristic.then(|| first.measure(options)).flatten() {
         let mut further_effects = options.further_effects.clone();
-        further_effects.extend(measured.effects);
+        further_effects.extend(&measured.effects);
         let options = FitOptions { further_effects, without_detents: true, ..options.clone() };
         let mut solved = first.solve(samples, &options);
         solved.no_detents = Some(NO_DETENTS.to_owned());
+        solved.beside = solved.problem.both_ways().map(|(_, both)| Beside::new(&measured, &both));
         let fit = first.report(solved, &uniform, samples, &options);
         return Ok(Fit { characteristics: measured.curves, ..fit });
     }
@@ -161,6 +162,8 @@ struct Solved<'a> {
     aliases_rad: Vec<f64>,
     harmonics: Vec<Harmonic>,
     no_detents: Option<String>,
+    /// Measured curves among the effects.
+    beside: Option<Beside>,
 }
 
 impl<'a> Prepared<'a> {
@@ -204,7 +207,7 @@ impl<'a> Prepared<'a> {
         match found {
             Detents::Found(found) => {
                 let Found { problem, solution, aliases_rad, harmonics } = *found;
-                Solved { problem, solution, aliases_rad, harmonics, no_detents: None }
+                Solved { problem, solution, aliases_rad, harmonics, no_detents: None, beside: None }
             }
             Detents::None(reason) => Solved {
                 problem: base,
@@ -212,6 +215,7 @@ impl<'a> Prepared<'a> {
                 aliases_rad: Vec::new(),
                 harmonics: Vec::new(),
                 no_detents: Some(reason),
+                beside: None,
             },
         }
     }
@@ -220,21 +224,20 @@ impl<'a> Prepared<'a> {
     fn measure(&self, options: &FitOptions) -> Option<Measured> {
         let Self { band, motion, torque_mnm, frame } = self;
         let base = Problem::new(frame, motion, band, torque_mnm, &base_effects(&options.further_effects));
-        let friction = base.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
-        let [negative, positive] = [0, 1].map(|place| base.range(friction).start + place);
         // One Coulomb friction for both directions: half of what differs between them is a torque that does not change with them.
-        let both =
-            base.columns[negative].iter().zip(&*base.columns[positive]).map(|(one, other)| one + other).collect();
+        let ([negative, positive], both) = base.both_ways()?;
         let mut columns = base.columns.clone();
         columns[negative] = both;
         columns.remove(positive);
         let mut nonnegative = base.nonnegative().to_vec();
         nonnegative.remove(positive);
+        let mut noise = base.column_noise();
+        noise.iter_mut().for_each(|noise| noise.column -= usize::from(noise.column > positive));
         let sliding = |index: &usize| frame.mask[*index] > 0.0;
         let places =
             Places::of(&(0..motion.len()).filter(sliding).map(|index| (motion.angle_rad[index], torque_mnm[index])))?;
         let [back, forth] = [negative, positive].map(|column| base.columns[column].iter().any(|value| *value != 0.0));
-        measure(&columns, &nonnegative, &base.target, &places, back && forth, |spline| {
+        measure(&columns, &nonnegative, &noise, &base.target, &places, back && forth, |spline| {
             spline.columns(motion.len(), |index| motion.at(index)).map(|column| frame.rows(&column)).collect()
         })
     }
@@ -253,12 +256,15 @@ impl<'a> Prepared<'a> {
     fn report(&self, solved: Solved<'_>, uniform: &Uniform, samples: &Samples<'_>, options: &FitOptions) -> Fit {
         let calibration = options.calibration.as_ref();
         let Self { band, motion, torque_mnm, frame } = self;
-        let Solved { problem, solution, aliases_rad, harmonics, no_detents } = solved;
+        let Solved { problem, solution, aliases_rad, harmonics, no_detents, beside } = solved;
         let mut trimmed = if options.preparation == PreparationMethod::CentralDifferences {
             untrimmed(problem)
         } else {
             trim(problem, &solution)
         };
+        if let Some(beside) = beside {
+            trimmed.beside(beside);
+        }
         let instrumented = options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer;
         if instrumented {
             let encoder = KnobMotion::measured(uniform, band, calibration, AccelerationUse::Encoder);
@@ -268,6 +274,8 @@ impl<'a> Prepared<'a> {
             PreparationMethod::Automatic => frame.next_to_standstill(uniform, motion),
             PreparationMethod::Paper | PreparationMethod::CentralDifferences => None,
         };
+        // Rows beside measured curves are freed of what the curves do at their own samples.
+        let near = near.filter(|_| trimmed.beside.is_none());
         let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
         let report = Report { trimmed: &trimmed, motion, frame, band, calibration, near };
         let (mut parameters, covariance, comparison) = report.parameters(no_detents);
@@ -309,9 +317,13 @@ pub(crate) struct Trimmed<'a> {
     pub(crate) problem: Problem<'a>,
     /// All columns: the effects' linear ones, then those of searched parameters, then that of the delay if it is fitted.
     pub(crate) columns: Vec<Column>,
+    /// What they were fitted to: the problem's target, without what measured curves do.
+    pub(crate) target: Column,
     pub(crate) solution: LeastSquares,
     /// What the residual was made orthogonal to, if not the columns themselves.
     pub(crate) instruments: Option<Vec<Column>>,
+    /// Measured curves of which the columns have been freed.
+    pub(crate) beside: Option<Beside>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
     /// Delay that the data ask for although it is too long for a trim, s.
@@ -346,9 +358,57 @@ impl Trimmed<'_> {
 
     /// Solves again with another sensor's acceleration as the instrument for the inertia.
     fn instrument(&mut self, acceleration_rad_s2: &[f64]) {
-        let instruments = self.problem.instruments(&self.columns, acceleration_rad_s2);
-        self.solution = self.solution.clone().instrumented(&self.columns, &instruments, &self.problem.target);
+        let acceleration = self.problem.frame.rows(acceleration_rad_s2);
+        let acceleration = self.beside.as_ref().map_or(acceleration.clone(), |beside| beside.left_of(&acceleration));
+        let instruments = self.problem.instruments(&self.columns, &acceleration.into());
+        self.solution = self.solution.clone().instrumented(&self.columns, &instruments, &self.target);
         self.instruments = Some(instruments);
+    }
+
+    /// Solves again with what the points of measured curves can do left out of the other columns: the curves stay as they are, and how little
+    /// is known of them joins what is known of the rest.
+    #[allow(clippy::cast_precision_loss, reason = "numbers of rows and points")]
+    fn beside(&mut self, beside: Beside) {
+        let Self { problem, columns, target, .. } = self;
+        let less = |column: &[f64], part: &[f64]| -> Vec<f64> {
+            column.iter().zip(part).map(|(value, part)| value - part).collect()
+        };
+        let done = |column: &[f64]| less(column, &beside.left_of(column));
+        let is_curve = |effect: &Effect| matches!(effect.kind().part, Part::TorqueTable(_) | Part::FrictionTable(_));
+        let effects = (0..problem.effects.len()).filter(|effect| is_curve(&problem.effects[*effect]));
+        let of_curves: Vec<usize> = effects.flat_map(|effect| problem.range(effect)).collect();
+        // The mean of both directions is the curves', so that only half of the two Coulomb frictions' sum is told beside them.
+        let coulomb = problem.both_ways().map(|(places, both)| {
+            let half: Vec<f64> = done(&both).into_iter().map(|value| 0.5 * value).collect();
+            (places, half)
+        });
+        let mut beyond = problem.target.to_vec();
+        for (index, place) in columns.iter_mut().enumerate() {
+            let column = place.clone();
+            let part = match &coulomb {
+                _ if of_curves.contains(&index) => {
+                    beyond = less(&beyond, &column);
+                    beside.left_of(&column)
+                }
+                Some((places, half)) if places.contains(&index) => half.clone(),
+                _ => done(&column),
+            };
+            *place = less(&column, &part).into();
+        }
+        beyond = beside.left_of(&beyond);
+        for index in of_curves {
+            beyond.iter_mut().zip(&*columns[index]).for_each(|(sum, value)| *sum += value);
+        }
+        *target = beyond.into();
+        let mut nonnegative = problem.nonnegative().to_vec();
+        nonnegative.resize(columns.len(), false);
+        let share = 1.0 - beside.count() as f64 / target.len() as f64;
+        let noise = problem.column_noise().into_iter();
+        let noise: Vec<ColumnNoise> = noise
+            .map(|noise| ColumnNoise { square: share * noise.square, product: share * noise.product, ..noise })
+            .collect();
+        self.solution = LeastSquares::solve_within(columns, target, &nonnegative, &noise);
+        self.beside = Some(beside);
     }
 
     /// The effects with all their values filled in.
@@ -388,14 +448,26 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
             problem.searched().iter().map(|which| problem.tangent(*which, &settled.coefficients)).collect();
         more.push(delay_rows);
         let (columns, solution) = problem.solve_with(&more);
-        return Trimmed { problem, columns, solution, instruments: None, delay_s, refused_delay_s: None };
+        let target = problem.target.clone();
+        return Trimmed {
+            problem,
+            columns,
+            target,
+            solution,
+            instruments: None,
+            beside: None,
+            delay_s,
+            refused_delay_s: None,
+        };
     }
     let (columns, solution) = problem.solve_with(&tangents);
     Trimmed {
+        target: problem.target.clone(),
         problem,
         columns,
         solution,
         instruments: None,
+        beside: None,
         delay_s: 0.0,
         refused_delay_s: (significant && worthwhile).then_some(delay_s),
     }
@@ -407,7 +479,16 @@ fn untrimmed(problem: Problem<'_>) -> Trimmed<'_> {
     let tangents: Vec<Column> =
         problem.searched().iter().map(|which| problem.tangent(*which, &solution.coefficients)).collect();
     let (columns, solution) = problem.solve_with(&tangents);
-    Trimmed { problem, columns, solution, instruments: None, delay_s: 0.0, refused_delay_s: None }
+    Trimmed {
+        target: problem.target.clone(),
+        problem,
+        columns,
+        solution,
+        instruments: None,
+        beside: None,
+        delay_s: 0.0,
+        refused_delay_s: None,
+    }
 }
 
 fn base_effects(further: &[Effect]) -> Vec<Effect> {

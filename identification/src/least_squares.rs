@@ -53,11 +53,19 @@ pub(crate) struct RobustCovariance {
     /// Degrees of freedom with which the variances are known, harmonic mean over the coefficients.
     pub(crate) degrees_of_freedom: f64,
     leverage: Leverage,
+    /// Number of rows.
+    rows: usize,
     /// What takes the scores to the coefficients.
     inverse: DMatrix<f64>,
 }
 
 impl RobustCovariance {
+    /// Allows for so many more columns that took their part of the residual and are not among those looked at.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn enlarge(&mut self, columns: usize) {
+        self.matrix *= self.rows as f64 / self.rows.saturating_sub(columns).max(1) as f64;
+    }
+
     /// Degrees of freedom with which the variance of Σ `derivatives`ⱼ·coefficientⱼ is known.
     pub(crate) fn degrees_of_freedom_of(&self, derivatives: &DVector<f64>) -> f64 {
         self.leverage.degrees_of_freedom(&self.inverse.tr_mul(derivatives))
@@ -67,12 +75,22 @@ impl RobustCovariance {
 impl LeastSquares {
     /// Solves for `columns` (each as long as `target`); coefficients marked in `nonnegative` stay at or above zero.
     pub(crate) fn solve<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], nonnegative: &[bool]) -> Self {
-        let mut products = DMatrix::zeros(columns.len(), columns.len());
-        vector::products(columns, 0, &mut products);
-        Self::solve_noisy(columns, &products, target, nonnegative, &[])
+        Self::solve_within(columns, target, nonnegative, &[])
     }
 
-    /// The same with the columns' inner products given and the sums that `noise` gives taken off the normal equations.
+    /// The same with the sums that `noise` gives taken off the normal equations.
+    pub(crate) fn solve_within<C: Deref<Target = [f64]>>(
+        columns: &[C],
+        target: &[f64],
+        nonnegative: &[bool],
+        noise: &[ColumnNoise],
+    ) -> Self {
+        let mut products = DMatrix::zeros(columns.len(), columns.len());
+        vector::products(columns, 0, &mut products);
+        Self::solve_noisy(columns, &products, target, nonnegative, noise)
+    }
+
+    /// The same with the columns' inner products given.
     pub(crate) fn solve_noisy<C: Deref<Target = [f64]>>(
         columns: &[C],
         products: &DMatrix<f64>,
@@ -229,6 +247,7 @@ impl LeastSquares {
             matrix: &factor * middle * factor.transpose() * kernel_scale(width),
             degrees_of_freedom: f64::INFINITY,
             leverage,
+            rows: self.residual.len(),
             inverse: self.inverse.clone(),
         };
         let unit = |index: &usize| DVector::from_fn(count, |row, _| if row == *index { 1.0 } else { 0.0 });

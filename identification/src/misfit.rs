@@ -93,7 +93,7 @@ impl Misfit {
         let where_speed = |kept: &dyn Fn(f64) -> bool, rows: &[f64]| -> Vec<f64> {
             rows.iter().zip(&speeds).map(|(value, speed)| if kept(*speed) { *value } else { 0.0 }).collect()
         };
-        let fitted = Rows { columns: trimmed.columns.clone(), target: trimmed.problem.target.clone() };
+        let fitted = Rows { columns: trimmed.columns.clone(), target: trimmed.target.clone() };
         let rows = near.unwrap_or(&fitted);
         let shifts = [
             near.and_then(|near| Shift::of(trimmed, near, at_zero, robust, <[f64]>::to_vec)),

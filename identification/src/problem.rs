@@ -124,7 +124,8 @@ impl<'a> Problem<'a> {
         LeastSquares::solve_noisy(&self.columns, &self.products, &self.target, &self.nonnegative, &self.column_noise())
     }
 
-    fn column_noise(&self) -> Vec<ColumnNoise> {
+    /// Noise of the columns.
+    pub(crate) fn column_noise(&self) -> Vec<ColumnNoise> {
         let SensorNoise { acceleration_squares, acceleration_torque, .. } = self.noise;
         self.inertial
             .iter()
@@ -274,11 +275,19 @@ impl<'a> Problem<'a> {
         Some((step, gain))
     }
 
-    /// All `columns`, the inertia's from another sensor's acceleration.
-    pub(crate) fn instruments(&self, columns: &[Column], acceleration_rad_s2: &[f64]) -> Vec<Column> {
+    /// Where the columns of the Coulomb friction are, of the negative direction first, and their sum: that of a friction alike in both.
+    pub(crate) fn both_ways(&self) -> Option<([usize; 2], Column)> {
+        let friction = self.effects.iter().position(|effect| effect.kind().name == effects::friction::KIND.name)?;
+        let places = [0, 1].map(|place| self.range(friction).start + place);
+        let [negative, positive] = places.map(|place| &self.columns[place]);
+        Some((places, negative.iter().zip(&**positive).map(|(one, other)| one + other).collect()))
+    }
+
+    /// All `columns`, the inertia's from the rows of another sensor's acceleration.
+    pub(crate) fn instruments(&self, columns: &[Column], acceleration: &Column) -> Vec<Column> {
         let mut instruments = columns.to_vec();
         for column in &self.inertial {
-            instruments[*column] = self.frame.rows(acceleration_rad_s2).into();
+            instruments[*column] = acceleration.clone();
         }
         instruments
     }

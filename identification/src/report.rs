@@ -50,7 +50,10 @@ impl Report<'_> {
         let Trimmed { columns, solution, .. } = self.trimmed;
         let textbook = solution.textbook_covariance();
         let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
-        let robust = solution.robust(instruments);
+        let mut robust = solution.robust(instruments);
+        if let Some(beside) = &self.trimmed.beside {
+            robust.enlarge(beside.count());
+        }
         let degrees_of_freedom = robust.degrees_of_freedom;
         let critical = student_95(degrees_of_freedom);
         let misfit = Misfit::of(self.trimmed, self.near.as_ref(), self.motion, &robust);

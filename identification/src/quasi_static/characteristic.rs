@@ -30,7 +30,7 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, rails: &Rails) -> Option<Fit
         ..Motion::default()
     };
     let rows = map.angle_rad.len();
-    let measured = measure(&base, &vec![true; base.len()], &map.torque_mnm, &places, both_ways, |spline| {
+    let measured = measure(&base, &vec![true; base.len()], &[], &map.torque_mnm, &places, both_ways, |spline| {
         spline.columns(rows, motion).collect()
     })?;
     let Measured { effects, curves, columns: all, solution, covariance, .. } = measured;

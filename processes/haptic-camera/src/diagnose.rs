@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use analysis::{ToldDiagnosis, diagnosed_model, refuse_drawn};
-use dynamics::Model;
+use dynamics::{Axis, Model};
 use identification::diagnosis::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use report::DiagnosisPage;
@@ -12,7 +12,7 @@ use crate::command_line;
 use crate::diagnosis_text;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outputs::{Kind, to_output, write, write_json_on};
 use crate::recording;
 
 /// Diagnoses a capture and writes what was asked for.
@@ -23,6 +23,7 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
     let load = |path: &Path| load::load_chosen(path, &options.columns);
     let train = load(&options.train)?;
     let heldout = options.heldout.as_deref().map(load).transpose()?;
+    let axis = train.capture.axis;
     let model = options.model.as_deref().map(starting_model).transpose()?;
     let bar = progress_bar();
     let progress = |progress: Progress| show_progress(&bar, progress);
@@ -30,14 +31,14 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     let found = found?;
     if !to_output(options.json.as_deref()) {
-        diagnosis_text::lines(&found).iter().for_each(say);
+        diagnosis_text::lines(&found).iter().for_each(|line| say(axis.words(line)));
     }
     if let Some(path) = &options.out {
         write(path, Kind::DiagnosedModel, &diagnosed_model(&found, &train).to_toml())?;
     }
     let page =
         DiagnosisPage { found: &found, train: analysis::facts(&train), heldout: heldout.as_ref().map(analysis::facts) };
-    tell(&page, options.json.as_deref(), options.report.as_deref())?;
+    tell(axis, &page, options.json.as_deref(), options.report.as_deref())?;
     if let Some(path) = &options.recording {
         recording::write(path, &found, &analysis::title(&train), heldout.as_ref().map(analysis::title).as_deref())?;
     }
@@ -48,16 +49,16 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn tell(page: &DiagnosisPage<'_>, json: Option<&Path>, report: Option<&Path>) -> anyhow::Result<()> {
+pub fn tell(axis: Axis, page: &DiagnosisPage<'_>, json: Option<&Path>, report: Option<&Path>) -> anyhow::Result<()> {
     let made = report.map(|path| (path, report::diagnosis_page_with_numbers(page)));
     let figures = made.as_ref().map(|(_, (_, figures))| figures.clone()).unwrap_or_default();
-    write_json(json, &ToldDiagnosis::of(page, figures))?;
-    made.map_or(Ok(()), |(path, (html, _))| write(path, Kind::Page, &html))
+    write_json_on(axis, json, &ToldDiagnosis::of(page, figures))?;
+    made.map_or(Ok(()), |(path, (html, _))| write(path, Kind::Page, &axis.words(&html)))
 }
 
 /// The model to start from.
 fn starting_model(path: &Path) -> anyhow::Result<Model> {
-    let model = Model::load(path)?;
+    let model = load::model(path)?;
     refuse_drawn(&model, &path.display().to_string())?;
     Ok(model)
 }

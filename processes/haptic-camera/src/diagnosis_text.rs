@@ -25,7 +25,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     if is_floor_doubtful(found) {
         say(
             "The model leaves less than the noise floor, which cannot be: the floor is read off the knob's rests, and more \
-             than noise acted there. Effects below that floor are not found: judge by the millinewton-metres.",
+             than noise acted there. Effects below that floor are not found: judge by the torque that is left.",
         );
     }
     if let Some(words) = goes_with(&found.locations) {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dynamics::{Axis, Model, ModelError, knobs};
 use loaded_capture::LoadedCapture;
 
 use crate::command_line::ColumnOptions;
@@ -29,6 +30,28 @@ pub fn load_chosen(path: &Path, columns: &ColumnOptions) -> anyhow::Result<Loade
 /// One sentence on what is wrong with a file.
 pub fn load(path: &Path) -> anyhow::Result<LoadedCapture> {
     Ok(told(LoadedCapture::load(path)?))
+}
+
+/// The model of a file, or the shipped one that is called so.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn model(path: &Path) -> Result<Model, ModelError> {
+    path.to_str().map_or_else(|| Model::load(path), knobs::named)
+}
+
+/// The axis of several captures, the turning one of none.
+///
+/// # Errors
+/// Where some turn and others press or slide.
+pub fn common_axis(axes: impl IntoIterator<Item = Axis>) -> anyhow::Result<Axis> {
+    let mut axes = axes.into_iter();
+    let first = axes.next().unwrap_or_default();
+    anyhow::ensure!(
+        axes.all(|axis| axis == first),
+        "some captures are of what turns, others of what is pressed or slid; take them apart"
+    );
+    Ok(first)
 }
 
 fn told(loaded: LoadedCapture) -> LoadedCapture {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dynamics::Axis;
 use rt_loop::request::{HandRequest, LONGEST_DURATION_S, RunRequest};
 
 use crate::command_line::ReplayOptions;
@@ -23,8 +24,9 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     }
     let request = options.request();
     let claim = claim_archive(&options.run.out, request.knob_name(), "replay-")?;
+    let axis = rt_loop::rigs::file(&request.rig)?.axis;
     let run = SupervisedRun {
-        in_words: in_words(options, &request),
+        in_words: in_words(options, axis, &request),
         request,
         offline: options.run.offline,
         viewer: options.run.viewer(),
@@ -39,12 +41,12 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
 }
 
 /// What is rendered, and for whom.
-fn in_words(options: &ReplayOptions, request: &RunRequest) -> String {
+fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String {
     let HandRequest { hand, hand_torque, .. } = &options.hand;
     let model = request.knob_name();
     let model = if model.parse::<u32>().is_ok() { format!("knob {model}") } else { model.to_owned() };
     let hand = match (hand_torque, hand.as_str()) {
-        (Some(torque_mnm), _) => format!("a hand that turns it with {torque_mnm} mNm"),
+        (Some(torque_mnm), _) => axis.words(&format!("a hand that turns it with {torque_mnm} mNm")).into_owned(),
         (None, "none") => "nobody's hand on it".to_owned(),
         (None, motion) => format!("a hand that follows {motion}"),
     };

@@ -2,7 +2,6 @@
 
 use analysis::{Drive, Simulation};
 use archive::whole_file;
-use dynamics::Model;
 
 use crate::command_line::{SimulateOptions, SimulationDrive};
 use crate::load;
@@ -14,7 +13,7 @@ use crate::outputs::Kind;
 /// # Errors
 /// One sentence on what is wrong with the model, the capture or the output.
 pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
-    let model = Model::load(&options.model)?;
+    let model = load::model(&options.model)?;
     let like = load::load_chosen(&options.like, &options.columns)?;
     let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, options.drive.into())?;
     let differs = match options.drive {

@@ -111,7 +111,7 @@ fn what_the_rig_cannot_render_is_refused_with_the_nearest_that_would_do() {
     let stick = "[[effects]]\neffect = \"karnopp-stick\"\nstatic_negative = 400.0\nstatic_positive = 400.0\n\
                  stick_velocity = 0.01\n";
     assert!(tried("0.05", stick).contains("the largest torque is 400.0000 mNm, but the rig renders at most 324.7200"));
-    assert!(tried("0.05", &detent(40.0, 0.01)).contains("the steepest rise of torque over angle is 4000.0"));
+    assert!(tried("0.05", &detent(40.0, 0.001)).contains("the steepest rise of torque over angle is 40000.0"));
     let gap = "[[effects]]\neffect = \"backlash\"\nbacklash_half_gap = 0.01\nbacklash_inner_share = 0.5\n\
                backlash_stiffness = 1e5\nbacklash_damping = 2.0\n";
     assert!(tried("0.05", gap).contains("the stiffness of contact or shaft is 100000.0000 mNm/rad"));

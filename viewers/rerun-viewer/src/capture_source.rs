@@ -34,7 +34,13 @@ impl CaptureSource {
     /// One sentence on what is wrong with the file.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let loaded = LoadedCapture::load(path)?;
-        let options = FitOptions { calibration: loaded.calibration.clone(), ..FitOptions::default() };
+        let axis = loaded.capture.axis;
+        let options = FitOptions {
+            calibration: loaded.calibration.clone(),
+            characteristic: !axis.is_rotary(),
+            axis,
+            ..FitOptions::default()
+        };
         let fit = identification::fit(&loaded.samples(), &options).map_err(|error| error.to_string());
         let LoadedCapture { capture, calibration, .. } = loaded;
         Ok(Self { capture, calibration, fit, next_row: 0, ended: false })
@@ -48,6 +54,7 @@ impl CaptureSource {
     /// What is laid out: the columns that the capture has.
     pub fn subject(&self) -> Subject {
         Subject::Capture {
+            axis: self.capture.axis,
             velocity: self.capture.velocity_rad_s.is_some(),
             acceleration: self.capture.acceleration_rad_s2.is_some(),
         }
@@ -87,7 +94,8 @@ impl Source for CaptureSource {
             return Ok(());
         }
         if self.next_row == 0 {
-            take_in(Event::Text(&capture_summary::markdown(&self.capture, &self.fit)));
+            let text = capture_summary::markdown(&self.capture, &self.fit);
+            take_in(Event::Text(&self.capture.axis.words(&text)));
         }
         let end = (self.next_row + SAMPLES_PER_POLL).min(self.capture.len());
         take_in(Event::Readings(&self.readings(self.next_row..end)));
@@ -173,7 +181,10 @@ mod tests {
             (t_s, sine, -0.2 * 9.0 * sine + 4.0 * cosine.signum())
         });
         let mut source = CaptureSource::open(table(rows).path()).unwrap();
-        assert_eq!(source.subject(), Subject::Capture { velocity: false, acceleration: false });
+        assert_eq!(
+            source.subject(),
+            Subject::Capture { axis: dynamics::Axis::Rotary, velocity: false, acceleration: false }
+        );
         let (readings, torques, text) = everything(&mut source);
         assert_eq!(readings.len(), 50_000);
         assert!(readings.iter().zip(0..).all(|(reading, row)| reading.time_ns == row * 1_000_000));

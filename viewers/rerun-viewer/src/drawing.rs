@@ -1,5 +1,6 @@
 //! Draws frames into a rerun recording.
 
+use dynamics::Axis;
 use rerun::{BarChart, RecordingStream, RecordingStreamResult, Scalars, TextDocument, TimeCell, TimeColumn};
 use shared_types::LATENESS_BIN_EDGES_NS;
 
@@ -7,6 +8,7 @@ use crate::entities;
 use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::palette::MEASURED;
 use crate::plot_drawing::PlotPen;
+use crate::slider_drawing::Slider;
 use crate::{knob_drawing, series_styles};
 
 /// Time since the start of the run: the only timeline.
@@ -15,7 +17,10 @@ pub const TIMELINE: &str = "time_s";
 /// Draws one run into one recording.
 pub struct Pen {
     recording: RecordingStream,
+    axis: Axis,
     plots: PlotPen,
+    /// What moves along a line; `None` for what turns.
+    slider: Option<Slider>,
 }
 
 impl Pen {
@@ -23,12 +28,15 @@ impl Pen {
     ///
     /// # Errors
     /// When rerun refuses a style.
-    pub fn new(recording: RecordingStream) -> RecordingStreamResult<Self> {
+    pub fn new(recording: RecordingStream, axis: Axis) -> RecordingStreamResult<Self> {
         recording.set_log_tick_enabled(false);
         recording.set_log_time_enabled(false);
-        series_styles::draw(&recording)?;
-        knob_drawing::draw_dial(&recording)?;
-        Ok(Self { recording, plots: PlotPen::default() })
+        series_styles::draw(&recording, axis)?;
+        if axis.is_rotary() {
+            knob_drawing::draw_dial(&recording)?;
+        }
+        let slider = (!axis.is_rotary()).then(Slider::default);
+        Ok(Self { recording, axis, plots: PlotPen::new(axis), slider })
     }
 
     /// Draws one frame.
@@ -36,9 +44,9 @@ impl Pen {
     /// # Errors
     /// When rerun refuses a part of it.
     pub fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
-        let Self { recording, plots } = self;
+        let Self { recording, axis, plots, slider } = self;
         for rows in &frame.series {
-            draw_series(recording, rows)?;
+            draw_series(recording, rows, *axis)?;
         }
         recording.set_time(TIMELINE, TimeCell::from_duration_nanos(frame.time_ns));
         for plot in &frame.plots {
@@ -48,7 +56,10 @@ impl Pen {
             draw_histogram(recording, lateness)?;
         }
         if let Some(knob) = &frame.knob {
-            knob_drawing::draw(recording, knob)?;
+            match slider {
+                Some(slider) => slider.draw(recording, knob)?,
+                None => knob_drawing::draw(recording, knob)?,
+            }
         }
         for (entity, text) in &frame.texts {
             recording.log(*entity, &TextDocument::from_markdown(text.as_str()))?;
@@ -65,14 +76,15 @@ impl Pen {
     }
 }
 
-fn draw_series(recording: &RecordingStream, rows: &SeriesRows) -> anyhow::Result<()> {
+fn draw_series(recording: &RecordingStream, rows: &SeriesRows, axis: Axis) -> anyhow::Result<()> {
+    let entity = axis.words(&rows.entity);
     let times = TimeColumn::new_duration_nanos(TIMELINE, rows.times_ns.iter().copied());
     let values = Scalars::new(rows.values.iter().copied());
     if rows.values_per_row == 1 {
-        recording.send_columns(rows.entity.as_str(), [times], values.columns_of_unit_batches()?)?;
+        recording.send_columns(entity.as_ref(), [times], values.columns_of_unit_batches()?)?;
     } else {
         let lengths = rows.times_ns.iter().map(|_| rows.values_per_row);
-        recording.send_columns(rows.entity.as_str(), [times], values.columns(lengths)?)?;
+        recording.send_columns(entity.as_ref(), [times], values.columns(lengths)?)?;
     }
     Ok(())
 }

@@ -5,6 +5,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use dynamics::Axis;
 use serde::Serialize;
 use shared_types::LoopState;
 
@@ -30,12 +31,8 @@ pub struct Glance {
     pub time_s: f64,
     /// Length of the run, s; `None` where the operator ends it.
     pub planned_s: Option<f64>,
-    /// Newest angle, rad.
-    pub angle_rad: Option<f64>,
-    /// Newest velocity, rad/s.
-    pub velocity_rad_s: Option<f64>,
-    /// Newest torque, mNm.
-    pub torque_mnm: Option<f64>,
+    /// Newest position, speed and load.
+    pub readings: Vec<ReadingAtAGlance>,
     /// Whether the knob sticks.
     pub sticking: Option<bool>,
     /// The parameters that the model has.
@@ -46,6 +43,17 @@ pub struct Glance {
     pub max_lateness_us: f64,
     /// The processes, the control loop first.
     pub processes: Vec<ProcessAtAGlance>,
+}
+
+/// One reading.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReadingAtAGlance {
+    /// What it is, with its unit.
+    pub name: String,
+    /// Its value; `None` before there is one.
+    pub value: Option<f64>,
+    /// Decimals that are worth showing.
+    pub decimals: u32,
 }
 
 /// One parameter.
@@ -74,7 +82,15 @@ impl Glance {
     /// The figures of these facts, of a run that rerun knows as `recording`.
     pub fn of(facts: &Facts<'_>, recording: Option<String>, finished: bool) -> Self {
         let reading = facts.newest.as_ref();
-        let finite = |value: f64| value.is_finite().then_some(value);
+        let axis = facts.description.map(|run| run.axis).unwrap_or_default();
+        let decimals = if axis.is_rotary() { [2, 1, 1] } else { [2, 1, 3] };
+        let values = reading.map(|reading| [reading.angle_rad, reading.velocity_rad_s, reading.torque_mnm]);
+        let names = ["angle, rad", "velocity, rad/s", "torque, mNm"].into_iter().enumerate();
+        let readings = names.map(|(place, name)| ReadingAtAGlance {
+            name: axis.words(name).into_owned(),
+            value: values.map(|values| values[place]).filter(|value| value.is_finite()),
+            decimals: decimals[place],
+        });
         let fault = facts.status.is_some_and(|status| LoopState::from_code(status.state) == Some(LoopState::Fault));
         let mut glance = Self {
             recording,
@@ -85,11 +101,9 @@ impl Glance {
             finished,
             time_s: facts.time_s.unwrap_or(0.0),
             planned_s: facts.description.and_then(summary::planned_s),
-            angle_rad: reading.and_then(|reading| finite(reading.angle_rad)),
-            velocity_rad_s: reading.and_then(|reading| finite(reading.velocity_rad_s)),
-            torque_mnm: reading.and_then(|reading| finite(reading.torque_mnm)),
+            readings: readings.collect(),
             sticking: facts.motion.map(|motion| motion == Motion::Sticking),
-            parameters: parameters(facts),
+            parameters: parameters(facts, axis),
             processes: processes(facts),
             ..Self::default()
         };
@@ -104,14 +118,18 @@ impl Glance {
     }
 }
 
-fn parameters(facts: &Facts<'_>) -> Vec<ParameterAtAGlance> {
+fn parameters(facts: &Facts<'_>, axis: Axis) -> Vec<ParameterAtAGlance> {
     let Some(fit) = facts.fit else { return Vec::new() };
     let estimates = fit.estimates().into_iter().zip(PARAMETERS);
     estimates
         .filter(|((_, estimate), _)| estimate.is_in_model())
         .map(|((name, estimate), (_, unit))| ParameterAtAGlance {
             name: name.replace('_', " "),
-            value: format!("{} {unit}", value_and_interval(&estimate)),
+            value: if name.ends_with("_phase") {
+                format!("{} {unit}", value_and_interval(&estimate))
+            } else {
+                format!("{} {}", value_and_interval(&estimate), axis.words(unit))
+            },
             enough: estimate.is_settled(),
         })
         .collect()

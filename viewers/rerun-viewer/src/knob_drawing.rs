@@ -23,7 +23,7 @@ const BODY_HEIGHT: f64 = 0.34;
 /// Radius of the ring of detents where the detent torque is nothing.
 const RING_RADIUS: f64 = 0.8;
 /// Depth of a detent whose torque is a whole step of its scale.
-const FULL_DEPTH: f64 = 0.13;
+pub(crate) const FULL_DEPTH: f64 = 0.13;
 /// Largest angle that the dial has a label for, rad.
 const LAST_LABEL_HALF_RAD: i32 = 6;
 
@@ -110,7 +110,7 @@ fn draw_body(recording: &RecordingStream, motion: Motion) -> RecordingStreamResu
     recording.log(format!("{KNOB}/motion"), &label([0.0, 1.55, 0.0], motion.word().to_owned()))
 }
 
-const fn color(motion: Motion) -> Rgb {
+pub(crate) const fn color(motion: Motion) -> Rgb {
     match motion {
         Motion::Sticking => STICKING,
         Motion::SlippingPositive => POSITIVE,
@@ -120,7 +120,7 @@ const fn color(motion: Motion) -> Rgb {
 
 /// Like the plots' axes they belong to no time, so that a page that is opened late has them first.
 fn draw_detents(recording: &RecordingStream, ring: &DetentRing) -> RecordingStreamResult<()> {
-    let DetentRing { depths, stable_rad, amplitude_mnm, spacing_rad } = ring;
+    let DetentRing { depths, stable_rad, amplitude_mnm, .. } = ring;
     let scale_mnm = round_step(*amplitude_mnm);
     let depth = FULL_DEPTH * amplitude_mnm / scale_mnm;
     let outline: Vec<[f32; 3]> =
@@ -135,12 +135,17 @@ fn draw_detents(recording: &RecordingStream, ring: &DetentRing) -> RecordingStre
             .with_colors([MODEL.opaque()])
             .with_radii([Radius::new_ui_points(3.5)]),
     )?;
-    let text = format!("detents: {} mNm deep, {} rad apart", three_digits(*amplitude_mnm), three_digits(*spacing_rad));
-    recording.log_static(format!("{KNOB}/detents/label"), &label([0.0, -1.5, 0.0], text))
+    recording.log_static(format!("{KNOB}/detents/label"), &label([0.0, -1.5, 0.0], detents_in_words(ring)))
+}
+
+/// How deep the detents are and how far apart.
+pub(crate) fn detents_in_words(ring: &DetentRing) -> String {
+    let [deep, apart] = [ring.amplitude_mnm, ring.spacing_rad].map(three_digits);
+    format!("detents: {deep} mNm deep, {apart} rad apart")
 }
 
 /// A text at a place; its ground is between light and dark in either theme.
-fn label(place: [f64; 3], text: String) -> Points3D {
+pub(crate) fn label(place: [f64; 3], text: String) -> Points3D {
     Points3D::new([place.map(single)])
         .with_labels([text])
         .with_show_labels(true)
@@ -156,6 +161,6 @@ fn place(angle_rad: f64, radius: f64, height: f64) -> [f32; 3] {
 
 /// rerun draws in single precision.
 #[allow(clippy::cast_possible_truncation, reason = "the screen has fewer digits than an f32")]
-const fn single(value: f64) -> f32 {
+pub(crate) const fn single(value: f64) -> f32 {
     value as f32
 }

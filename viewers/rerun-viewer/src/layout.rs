@@ -1,5 +1,6 @@
 //! Which views there are and how they lie: the first tab is readable at a glance.
 
+use dynamics::Axis;
 use rerun::RecordingStream;
 use rerun::blueprint::components::{BackgroundKind, LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
 use rerun::blueprint::{
@@ -31,9 +32,14 @@ const LOOK_TARGET: [f32; 3] = [0.0, -0.12, 0.0];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// The running capture: its last seconds.
-    Live,
+    Live {
+        /// Whether the rig turns.
+        axis: Axis,
+    },
     /// A finished capture: all of it, as far as it has the columns.
     Capture {
+        /// Whether the rig turned.
+        axis: Axis,
         /// Whether it has a velocity.
         velocity: bool,
         /// Whether it has an acceleration.
@@ -42,20 +48,27 @@ pub enum Subject {
 }
 
 impl Subject {
+    /// Whether it turns, or is pressed or slid.
+    pub const fn axis(self) -> Axis {
+        match self {
+            Self::Live { axis } | Self::Capture { axis, .. } => axis,
+        }
+    }
+
     /// What the signals' plots reach back, s; `None` for everything.
     const fn window_s(self) -> Option<i64> {
         match self {
-            Self::Live => Some(LIVE_WINDOW_S),
+            Self::Live { .. } => Some(LIVE_WINDOW_S),
             Self::Capture { .. } => None,
         }
     }
 
     const fn has_velocity(self) -> bool {
-        matches!(self, Self::Live | Self::Capture { velocity: true, .. })
+        matches!(self, Self::Live { .. } | Self::Capture { velocity: true, .. })
     }
 
     const fn has_acceleration(self) -> bool {
-        matches!(self, Self::Live | Self::Capture { acceleration: true, .. })
+        matches!(self, Self::Live { .. } | Self::Capture { acceleration: true, .. })
     }
 }
 
@@ -68,7 +81,9 @@ pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()>
     let knob = knob(&mut properties, subject);
     let signals = signals(&mut properties, subject);
     let tabs = match subject {
-        Subject::Live => Tabs::new([knob, signals, parameters(&mut properties), timing_and_processes(&mut properties)]),
+        Subject::Live { axis } => {
+            Tabs::new([knob, signals, parameters(&mut properties, axis), timing_and_processes(&mut properties)])
+        }
         // The text tells the parameters; how the processes fared is not in the archive's columns.
         Subject::Capture { .. } => Tabs::new([signals, knob]),
     };
@@ -89,7 +104,7 @@ pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()>
 /// The knob itself, large, with its torque and its angle.
 fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let title = "knob: green slips positive, rose slips negative, violet sticks; orange: detents of the model";
-    let space: ContainerLike = Spatial3DView::new(title).with_origin(entities::KNOB).into();
+    let space: ContainerLike = Spatial3DView::new(subject.axis().words(title)).with_origin(entities::KNOB).into();
     let from_above = EyeControls3D::new().with_position(EYE).with_look_target(LOOK_TARGET).with_eye_up([0.0, 0.0, 1.0]);
     properties.of_view(&space, "EyeControls3D", from_above);
     let ground = Background::new(BackgroundKind::SolidColor).with_color(GROUND.opaque());
@@ -99,11 +114,11 @@ fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let angle = signal_plot(properties, subject, "angle_rad", &["angle_rad"]);
     let mut columns = vec![space, Vertical::new([torque, angle]).into()];
     let mut shares = vec![4.5, 3.3];
-    if subject == Subject::Live {
+    if matches!(subject, Subject::Live { .. }) {
         columns.push(TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT).into());
         shares.push(4.7);
     }
-    Horizontal::new(columns).with_column_shares(shares).with_name("Knob").into()
+    Horizontal::new(columns).with_column_shares(shares).with_name(subject.axis().words("Knob")).into()
 }
 
 fn torque_plot(properties: &mut Properties, subject: Subject) -> ContainerLike {
@@ -127,7 +142,7 @@ fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
         plots.push(plot(properties, Abscissa::Velocity, subject));
     }
     let (tab, text) = match subject {
-        Subject::Live => ("Signals and model", "run"),
+        Subject::Live { .. } => ("Signals and model", "run"),
         Subject::Capture { .. } => ("Capture", "capture"),
     };
     let summary = TextDocumentView::new(text).with_origin(entities::SUMMARY);
@@ -142,7 +157,9 @@ fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
 }
 
 fn signal_plot(properties: &mut Properties, subject: Subject, title: &str, fields: &[&str]) -> ContainerLike {
-    let view = series(properties, title, fields.iter().map(|field| entities::signal(field)), subject.window_s());
+    let axis = subject.axis();
+    let fields = fields.iter().map(|field| axis.words(&entities::signal(field)).into_owned());
+    let view = series(properties, &axis.words(title), fields, subject.window_s());
     if subject.window_s().is_none() {
         // Whoever looks into one signal sees the others at the same time.
         properties.of_view(&view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal));
@@ -150,7 +167,7 @@ fn signal_plot(properties: &mut Properties, subject: Subject, title: &str, field
     view
 }
 
-fn parameters(properties: &mut Properties) -> ContainerLike {
+fn parameters(properties: &mut Properties, axis: Axis) -> ContainerLike {
     let groups: [(&str, &[&str]); 6] = [
         ("inertia", &["inertia"]),
         ("Coulomb friction, negative (rose) and positive (green)", &["coulomb_negative", "coulomb_positive"]),
@@ -161,7 +178,12 @@ fn parameters(properties: &mut Properties) -> ContainerLike {
     ];
     let views = groups.map(|(title, names)| {
         let unit = PARAMETERS.iter().find(|(name, _)| *name == names[0]).map_or("", |(_, unit)| unit);
-        series(properties, &format!("{title}, {unit}"), names.iter().map(|name| entities::parameter(name)), None)
+        series(
+            properties,
+            &axis.words(&format!("{title}, {unit}")),
+            names.iter().map(|name| entities::parameter(name)),
+            None,
+        )
     });
     let text = TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT);
     Horizontal::new([Grid::new(views).with_grid_columns(3).into(), text.into()])
@@ -230,9 +252,10 @@ fn without_legend(properties: &mut Properties, view: ContainerLike) -> Container
 }
 
 fn plot(properties: &mut Properties, abscissa: Abscissa, subject: Subject) -> ContainerLike {
-    let origin = entities::plot(abscissa);
+    let axis = subject.axis();
+    let origin = axis.words(&entities::plot(abscissa)).into_owned();
     let title = format!("torque_mnm over {} (green turning positive, rose negative)", abscissa.name());
-    let view: ContainerLike = Spatial2DView::new(title).with_origin(origin.as_str()).into();
+    let view: ContainerLike = Spatial2DView::new(axis.words(&title)).with_origin(origin.as_str()).into();
     let bounds = rerun::datatypes::Range2D {
         x_range: [-0.14 * BOX_WIDTH, 1.05 * BOX_WIDTH].into(),
         y_range: [-0.10 * BOX_HEIGHT, 1.17 * BOX_HEIGHT].into(),

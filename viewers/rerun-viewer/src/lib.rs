@@ -61,6 +61,7 @@ pub mod scatter;
 pub mod screen;
 pub mod series_styles;
 pub mod signals;
+pub mod slider_drawing;
 pub mod source;
 pub mod summary;
 pub mod waiting_rows;

@@ -21,6 +21,8 @@ use rerun_viewer::rig_source::RigSource;
 use rerun_viewer::screen::{Destination, Screen};
 use rerun_viewer::source::Source;
 
+/// How long a run's description is waited for before the view is laid out.
+const DESCRIPTION_PATIENCE: Duration = Duration::from_secs(1);
 /// How often shared memory is looked at.
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// How often a frame goes to the screen.
@@ -78,7 +80,7 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     let shown = screen.show_from(Arc::clone(&outbox))?;
     let is_over = || stop.is_asked() || outbox.is_closed();
     follow(source, picture, &outbox, &glance, &is_over, ends_with_run)?;
-    if in_foreground && subject == Subject::Live {
+    if in_foreground && matches!(subject, Subject::Live { .. }) {
         // There is no supervisor to do it.
         shared_types::clean_up::clear_shared_memory()?;
     }
@@ -105,7 +107,16 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
 /// Where the samples come from, and the empty picture of them.
 fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subject)> {
     let Some(path) = &arguments.capture else {
-        return Ok((Box::new(RigSource::attach(arguments.restarts)?), Picture::default(), Subject::Live));
+        let mut source = RigSource::attach(arguments.restarts)?;
+        let mut picture = Picture::default();
+        // Names and units are the run's; where none is under way, those of what turns.
+        let until = Instant::now() + DESCRIPTION_PATIENCE;
+        while picture.axis().is_none() && Instant::now() < until {
+            source.poll(false, &mut |event| picture.take_in(event))?;
+            std::thread::sleep(POLL_PERIOD);
+        }
+        let axis = picture.axis().unwrap_or_default();
+        return Ok((Box::new(source), picture, Subject::Live { axis }));
     };
     if let Some(file) = arguments.save.as_deref().filter(|file| is_same_file(file, path)) {
         anyhow::bail!("{} is the capture itself; give --save another name", file.display());
@@ -160,7 +171,7 @@ fn announce_tunnel(command: &str, port: u16) {
 #[allow(clippy::print_stdout, reason = "the address is this program's output")]
 fn announce(place: &str, subject: Subject, in_foreground: bool) {
     let what = match subject {
-        Subject::Live => "live view",
+        Subject::Live { .. } => "live view",
         Subject::Capture { .. } => "view of the capture",
     };
     let how_to_end = if in_foreground { " (Ctrl-C ends it)" } else { "" };

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use dynamics::Calibration;
+use dynamics::{Axis, Calibration};
 use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
 
 use crate::consumers::Consumers;
@@ -133,6 +133,11 @@ impl Picture {
     pub fn rate_hz(&self) -> Option<f64> {
         let described = self.description.as_ref().map(|description| description.rate_hz);
         described.or(self.status.map(|status| status.rate_hz)).filter(|rate_hz| *rate_hz > 0.0)
+    }
+
+    /// Whether the rig turns, once the run has told it.
+    pub fn axis(&self) -> Option<Axis> {
+        self.description.as_ref().map(|description| description.axis)
     }
 
     /// Whether the run has ended and all of it was taken in.
@@ -343,7 +348,9 @@ impl Picture {
             Some(text) => [text.clone(), String::new(), String::new()],
             None => {
                 let facts = self.facts(frames_dropped);
+                let axis = self.axis().unwrap_or_default();
                 [summary::markdown(&facts), summary::parameters(&facts), process_conditions::markdown(&facts)]
+                    .map(|text| axis.words(&text).into_owned())
             }
         };
         let entities = [entities::SUMMARY, entities::PARAMETERS_TEXT, entities::PROCESSES_TEXT];

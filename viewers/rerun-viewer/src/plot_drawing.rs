@@ -1,5 +1,8 @@
 //! Draws an x-y plot in a plane: grid, frame, labels, points and curves.
 
+use std::borrow::Cow;
+
+use dynamics::Axis;
 use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, Scale3D, Transform3D};
 
 use crate::entities;
@@ -11,28 +14,39 @@ use crate::scatter::{Abscissa, ModelCurves, PlotUpdate};
 ///
 /// Axes belong to no time: a page that is opened late is given them before anything else, and whoever looks back sees
 /// the past in the present axes.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct PlotPen {
+    axis: Axis,
     drawn: Vec<(Abscissa, PlotAxes)>,
 }
 
 impl PlotPen {
+    /// Plots of what has that axis.
+    pub const fn new(axis: Axis) -> Self {
+        Self { axis, drawn: Vec::new() }
+    }
+
     /// Draws what is new in a plot at the recording's current time.
     ///
     /// # Errors
     /// When rerun refuses a part of it.
     pub fn draw(&mut self, recording: &RecordingStream, plot: &PlotUpdate) -> RecordingStreamResult<()> {
-        let root = entities::plot(plot.abscissa);
+        let root = self.axis.words(&entities::plot(plot.abscissa)).into_owned();
         let now = (plot.abscissa, plot.axes.clone());
         if !self.drawn.contains(&now) {
-            draw_axes(recording, &root, plot.abscissa, &plot.axes)?;
+            draw_axes(
+                recording,
+                &root,
+                [plot.abscissa.name(), "torque_mnm"].map(|name| self.axis.words(name)),
+                &plot.axes,
+            )?;
             self.drawn.retain(|(abscissa, _)| *abscissa != plot.abscissa);
             self.drawn.push(now);
         }
         if !plot.points.is_empty() {
             draw_points(recording, &root, plot)?;
         }
-        plot.model.as_ref().map_or(Ok(()), |model| draw_model(recording, &root, model))
+        plot.model.as_ref().map_or(Ok(()), |model| draw_model(recording, &root, self.axis, model))
     }
 }
 
@@ -48,7 +62,7 @@ fn draw_points(recording: &RecordingStream, root: &str, plot: &PlotUpdate) -> Re
 }
 
 /// The model as thick lines, the ends of its interval as thin ones, and the interval in figures.
-fn draw_model(recording: &RecordingStream, root: &str, model: &ModelCurves) -> RecordingStreamResult<()> {
+fn draw_model(recording: &RecordingStream, root: &str, axis: Axis, model: &ModelCurves) -> RecordingStreamResult<()> {
     for (name, curves, radius, order) in
         [("model", &model.curves, 1.3, 20.0), ("model_ci95", &model.borders, 0.5, 19.0)]
     {
@@ -61,7 +75,8 @@ fn draw_model(recording: &RecordingStream, root: &str, model: &ModelCurves) -> R
                 .with_draw_order(order),
         )?;
     }
-    let label = model.half_width_mnm.map(|half_width| format!("model ± {half_width:.3} mNm (95 %)"));
+    let label =
+        model.half_width_mnm.map(|half_width| axis.words(&format!("model ± {half_width:.3} mNm (95 %)")).into_owned());
     recording.log(
         format!("{root}/model_label"),
         &Points2D::new([[0.82 * single(BOX_WIDTH), -0.095 * single(BOX_HEIGHT)]])
@@ -75,7 +90,7 @@ fn draw_model(recording: &RecordingStream, root: &str, model: &ModelCurves) -> R
 fn draw_axes(
     recording: &RecordingStream,
     root: &str,
-    abscissa: Abscissa,
+    [abscissa, ordinate]: [Cow<'_, str>; 2],
     axes: &PlotAxes,
 ) -> RecordingStreamResult<()> {
     let (x_ticks, y_ticks) = (axes.x.ticks(), axes.y.ticks());
@@ -103,10 +118,8 @@ fn draw_axes(
 
     let x_labels = x_ticks.into_iter().map(|(value, label)| ([x_at(value), height * 1.005], label));
     let y_labels = y_ticks.into_iter().map(|(value, label)| ([-0.055 * width, y_at(value) - 0.045 * height], label));
-    let titles = [
-        ([width / 2.0, height * 1.085], abscissa.name().to_owned()),
-        ([0.0, -0.095 * height], "torque_mnm".to_owned()),
-    ];
+    let titles =
+        [([width / 2.0, height * 1.085], abscissa.into_owned()), ([0.0, -0.095 * height], ordinate.into_owned())];
     let (places, labels): (Vec<[f32; 2]>, Vec<String>) = x_labels.chain(y_labels).chain(titles).unzip();
     recording.log_static(
         format!("{root}/labels"),

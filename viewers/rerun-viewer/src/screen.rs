@@ -222,8 +222,10 @@ impl Screen {
         let pen = match self.shown.take() {
             Some((shown, pen)) if shown == run_id => pen,
             // A file and a window begin with the run itself.
-            None if !matches!(self.destination, Destination::Web { .. }) => Pen::new(self.carrier.clone())?,
-            _ => Pen::new(recording_of(run_id, &self.carrier)?)?,
+            None if !matches!(self.destination, Destination::Web { .. }) => {
+                Pen::new(self.carrier.clone(), self.subject.axis())?
+            }
+            _ => Pen::new(recording_of(run_id, &self.carrier)?, self.subject.axis())?,
         };
         Ok(&mut self.shown.insert((run_id, pen)).1)
     }

@@ -1,5 +1,6 @@
 //! Names, colours and widths of the time series.
 
+use dynamics::Axis;
 use rerun::components::{AggregationPolicy, MarkerShape};
 use rerun::{RecordingStream, RecordingStreamResult, SeriesLines, SeriesPoints};
 use shared_types::ProcessKind;
@@ -11,7 +12,7 @@ use crate::palette::{MEASURED, MODEL, NEGATIVE, POSITIVE, Rgb};
 ///
 /// # Errors
 /// When rerun refuses the entity.
-pub fn draw(recording: &RecordingStream) -> RecordingStreamResult<()> {
+pub fn draw(recording: &RecordingStream, axis: Axis) -> RecordingStreamResult<()> {
     let lines = |names: Vec<String>, color: Rgb, widths: Vec<f32>| {
         let dimmed = |index: usize| {
             if index == 0 { color.opaque() } else { color.translucent(200) }
@@ -23,14 +24,15 @@ pub fn draw(recording: &RecordingStream) -> RecordingStreamResult<()> {
             .with_aggregation_policy(AggregationPolicy::MinMax)
     };
     for field in SIGNALS.into_iter().filter(|field| *field != MODEL_TORQUE) {
-        recording.log_static(entities::signal(field), &lines(vec![field.to_owned()], MEASURED, vec![1.2]))?;
+        let name = axis.words(field).into_owned();
+        recording.log_static(axis.words(&entities::signal(field)).as_ref(), &lines(vec![name], MEASURED, vec![1.2]))?;
     }
     // rerun draws points over lines: as dots the model is seen over what was measured. At this size a square
     // looks like a circle and has a fifteenth of its triangles.
     recording.log_static(
-        entities::signal(MODEL_TORQUE),
+        axis.words(&entities::signal(MODEL_TORQUE)).as_ref(),
         &SeriesPoints::new()
-            .with_names([MODEL_TORQUE])
+            .with_names([axis.words(MODEL_TORQUE).into_owned()])
             .with_colors([MODEL.opaque()])
             .with_markers([MarkerShape::Square])
             .with_marker_sizes([1.2]),

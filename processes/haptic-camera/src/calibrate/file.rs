@@ -46,7 +46,9 @@ pub fn write(
     captures: &[PathBuf],
 ) -> anyhow::Result<()> {
     let learnt = |comment: &&String| {
-        told.estimates.iter().any(|estimate| comment.starts_with(&format!("# {}:", estimate.quantity)))
+        told.estimates
+            .iter()
+            .any(|estimate| comment.starts_with(&format!("# {}:", known.axis.words(estimate.quantity))))
             || (told.cogging.is_some() && comment.starts_with("# motor_cogging"))
     };
     let mut text = CALIBRATION_MARK.to_owned();
@@ -60,10 +62,10 @@ pub fn write(
         let _ = writeln!(
             text,
             "# {}: {:.digits$} ± {:.digits$} {}, 95 %, {date} from {}",
-            estimate.quantity,
+            known.axis.words(estimate.quantity),
             estimate.value,
             estimate.half_width,
-            estimate.unit,
+            known.axis.words(estimate.unit),
             sources.join(", ")
         );
     }

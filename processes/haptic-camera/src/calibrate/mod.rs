@@ -45,6 +45,12 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
                 path.display()
             ),
         };
+        let of_angle = matches!(options.what, CalibrationKind::Gravity | CalibrationKind::Cogging);
+        anyhow::ensure!(
+            base.axis.is_rotary() || !of_angle,
+            "a rig that presses or slides has no {} that comes again with every turn; `calibrate zero` takes what is alike at every travel",
+            options.what.subject()
+        );
         let told = options
             .what
             .calibrate(&loaded, &base)
@@ -56,13 +62,13 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
         anyhow::bail!("there is no capture to calibrate from");
     };
     if !told.estimates.is_empty() {
-        say(table::table(&known, &told));
+        say(known.axis.words(&table::table(&known, &told).to_string()));
     }
     for line in told.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
-        say(format!("cogging  {line}"));
+        say(known.axis.words(&format!("cogging  {line}")));
     }
     for note in &told.notes {
-        say(format!("- {note}"));
+        say(known.axis.words(&format!("- {note}")));
     }
     file::write(&options.out, options.replaced(), &told, &known, previous.as_ref(), &captures)?;
     say(format!("calibration  {}", options.out.display()));

@@ -157,9 +157,10 @@ fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
 /// Tells the diagnosis and writes it beside the first capture.
 fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> anyhow::Result<()> {
     let Some([first, held_out]) = taken.first_chunk() else { return Ok(()) };
+    let axis = first.loaded.capture.axis;
     if !to_output(options.json.as_deref()) {
         say("");
-        diagnosis_text::lines(found).iter().for_each(say);
+        diagnosis_text::lines(found).iter().for_each(|line| say(axis.words(line)));
     }
     let beside = |extension: &str| {
         let stem = first.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -168,9 +169,9 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     let files: Vec<String> = taken.iter().map(|one| one.path.display().to_string()).collect();
     let model = Model {
         name: analysis::title(&first.loaded),
-        description: format!("diagnosed from {}: {}", files.join(", "), found.summary),
+        description: format!("diagnosed from {}: {}", files.join(", "), axis.words(&found.summary)),
         effects: found.model.effects.clone(),
-        ..Model::default()
+        axis,
     };
     write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
@@ -180,7 +181,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         heldout: Some(analysis::facts(&held_out.loaded)),
     };
     let report = options.report.clone().unwrap_or_else(|| beside("html"));
-    diagnose::tell(&page, options.json.as_deref(), Some(&report))?;
+    diagnose::tell(axis, &page, options.json.as_deref(), Some(&report))?;
     say(format!("report   {}", report.display()));
     if let Some(path) = &options.recording {
         recording::write(path, found, &analysis::title(&first.loaded), Some(&analysis::title(&held_out.loaded)))?;

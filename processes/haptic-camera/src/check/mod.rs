@@ -3,7 +3,7 @@
 mod breakaway;
 mod table;
 
-use dynamics::Model;
+use dynamics::{Axis, Model};
 use identification::checks::{DetentCount, FreeTravel, breakaways, count_detents, free_travel};
 use loaded_capture::LoadedCapture;
 use serde::Serialize;
@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::command_line::CheckOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{to_output, write_json};
+use crate::outputs::{to_output, write_json_on};
 pub use breakaway::Threshold;
 
 /// What one capture shows.
@@ -56,25 +56,27 @@ struct Check {
 /// # Errors
 /// One sentence on what is wrong with a capture or the model.
 pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
-    let model = options.model.as_deref().map(Model::load).transpose()?;
-    let mut captures = Vec::new();
+    let model = options.model.as_deref().map(load::model).transpose()?;
+    let (mut captures, mut axes) = (Vec::new(), Vec::new());
     for path in &options.captures {
         let loaded = load::load_chosen(path, &options.columns)?;
+        axes.push(loaded.capture.axis);
         captures.push(look(&loaded, model.as_ref())?);
     }
-    withhold_breakaways(&mut captures);
-    let check = Check { agreement: agreement(&captures, model.as_ref()), captures };
+    let axis = load::common_axis(axes)?;
+    withhold_breakaways(axis, &mut captures);
+    let check = Check { agreement: agreement(axis, &captures, model.as_ref()), captures };
     if !to_output(options.json.as_deref()) {
         if check.agreement.is_empty() {
             say("neither detents nor breakaways to be told");
         } else {
-            say(table::table(&check.agreement));
+            say(axis.words(&table::table(&check.agreement).to_string()));
         }
         for shown in &check.captures {
-            say(format!("- {}: {}", shown.capture, shown.in_words()));
+            say(format!("- {}: {}", shown.capture, axis.words(&shown.in_words(axis))));
         }
     }
-    write_json(options.json.as_deref(), &check)?;
+    write_json_on(axis, options.json.as_deref(), &check)?;
     Ok(Outcome::Done)
 }
 
@@ -93,7 +95,7 @@ fn look(loaded: &LoadedCapture, model: Option<&Model>) -> anyhow::Result<Shown> 
 
 /// Takes back all breakaways of a knob that one of its captures shows to have lost motion: where its cap sets out through
 /// the gap looks like a breakaway, and what bears the torque beyond it rests at an angle that the encoder does not see.
-fn withhold_breakaways(captures: &mut [Shown]) {
+fn withhold_breakaways(axis: Axis, captures: &mut [Shown]) {
     let ways: Vec<f64> = captures.iter().flat_map(|shown| &shown.free_travel).map(FreeTravel::travel_rad).collect();
     if ways.is_empty() {
         return;
@@ -101,10 +103,9 @@ fn withhold_breakaways(captures: &mut [Shown]) {
     let longest_rad = ways.iter().copied().fold(0.0, f64::max);
     let times = if ways.len() == 1 { "once".to_owned() } else { format!("{} times", ways.len()) };
     let reason = format!(
-        "static_negative and static_positive cannot be told: the knob turned freely, {times} and for up to {:.2}° ({longest_rad:.3} rad), \
-         before it met any torque, and where it sets out through such lost motion looks like a breakaway; \
+        "static_negative and static_positive cannot be told: the knob turned freely, {times} and for up to {}, before it met any torque, and where it sets out through such lost motion looks like a breakaway; \
          take the lost motion out, or `diagnose` it",
-        longest_rad.to_degrees()
+        way_in_words(axis, longest_rad)
     );
     for shown in captures {
         (shown.static_negative, shown.static_positive) = (None, None);
@@ -112,12 +113,24 @@ fn withhold_breakaways(captures: &mut [Shown]) {
     }
 }
 
+/// A way as it is read: an angle in degrees too.
+fn way_in_words(axis: Axis, way_rad: f64) -> String {
+    match axis {
+        Axis::Rotary => format!("{:.2}° ({way_rad:.3} rad)", way_rad.to_degrees()),
+        Axis::Linear => format!("{way_rad:.3} mm"),
+    }
+}
+
 impl Shown {
-    fn in_words(&self) -> String {
+    fn in_words(&self, axis: Axis) -> String {
         let mut words = Vec::new();
         match (&self.detents, &self.no_detents) {
             (Some(count), _) => {
-                words.push(format!("{} detents in {:.0}°", count.detents, count.turned_rad.to_degrees()));
+                let way = match axis {
+                    Axis::Rotary => format!("{:.0}°", count.turned_rad.to_degrees()),
+                    Axis::Linear => way_in_words(axis, count.turned_rad),
+                };
+                words.push(format!("{} detents in {way}", count.detents));
             }
             (None, Some(reason)) => words.push(reason.clone()),
             (None, None) => {}
@@ -134,7 +147,7 @@ impl Shown {
 }
 
 /// The best word of all captures on each quantity, beside the model's.
-fn agreement(captures: &[Shown], model: Option<&Model>) -> Vec<Agreement> {
+fn agreement(axis: Axis, captures: &[Shown], model: Option<&Model>) -> Vec<Agreement> {
     let mut agreement = Vec::new();
     let mut add = |quantity, unit, checked: f64, ci95, model: Option<f64>| {
         agreement.push(Agreement {
@@ -150,7 +163,9 @@ fn agreement(captures: &[Shown], model: Option<&Model>) -> Vec<Agreement> {
     if let Some(count) = counted.max_by(|a, b| a.turned_rad.total_cmp(&b.turned_rad)) {
         let period = model.and_then(|model| model.parameter("detent_period"));
         let per_turn_ci95 = [1.0 / count.period_ci95_rad[1], 1.0 / count.period_ci95_rad[0]];
-        add("detents per turn", "", count.per_turn, Some(per_turn_ci95), period.map(|period| 1.0 / period));
+        if axis.is_rotary() {
+            add("detents per turn", "", count.per_turn, Some(per_turn_ci95), period.map(|period| 1.0 / period));
+        }
         add("detent_period", "rad", count.period_rad, Some(count.period_ci95_rad), period);
     }
     let negative = captures.iter().filter_map(|shown| shown.static_negative.as_ref());

@@ -226,5 +226,5 @@ fn quality(fit: &Fit) -> ComparedQuality {
 
 /// Whether what was named is a model: a shipped knob's number or a model file.
 fn names_model(subject: &str) -> bool {
-    subject.parse::<u32>().is_ok() || Path::new(subject).extension().is_some_and(|extension| extension == "toml")
+    knobs::is_shipped(subject) || Path::new(subject).extension().is_some_and(|extension| extension == "toml")
 }

@@ -29,15 +29,15 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     };
     let model = composition.model(&name(options), &sources.parts.description());
     replace(&options.out, replaced, &model.to_toml())?;
-    say(table::parts(&composition, &model));
+    say(model.axis.words(&table::parts(&composition, &model).to_string()));
     say(format!(
-        "{}: {}; its torque changes by up to {:.4} mNm/rad",
+        "{}: {}; {}",
         options.out.display(),
         effects(&model),
-        model.steepest_stiffness_mnm_rad()
+        model.axis.words(&format!("its torque changes by up to {:.4} mNm/rad", model.steepest_stiffness_mnm_rad()))
     ));
     for note in composition_notes(&model) {
-        remark(format!("note: {note}"));
+        remark(format!("note: {}", model.axis.words(&note.to_string())));
     }
     Ok(Outcome::Done)
 }

@@ -5,10 +5,11 @@
 //! changes over to the next position at `snap_point` · `position_width_radians`. The header gives these figures, and the table
 //! for firmware that takes one.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use dynamics::effects::end_stop;
-use dynamics::{Model, ParameterKind};
+use dynamics::{Axis, Model, ParameterKind};
 
 use super::torque_over_angle::TorqueOverAngle;
 
@@ -19,13 +20,16 @@ const PER_LINE: usize = 6;
 pub(super) fn header(model: &Model, table: Option<&TorqueOverAngle>, source: &str, name: &str) -> String {
     let upper = identifier(name).to_uppercase();
     let mut text = String::new();
+    let axis = model.axis;
+    let signs = axis.words(
+        " * Torque is what the knob takes from whoever turns it: positive at an angle from which it pulls back towards\n \
+         * smaller angles. A motor that is to feel like the knob gives the opposite.\n \
+         * Angles count from the knob's zero. Units are in the names: mNm, rad, s.\n",
+    );
+    let signs = signs.replace("whoever moves it", "whoever presses or slides it");
     let _ = write!(
         text,
-        "/* {} as numbers, made by haptic-camera {} from {}.\n *\n\
-         \x20* Torque is what the knob takes from whoever turns it: positive at an angle from which it pulls back towards\n\
-         \x20* smaller angles. A motor that is to feel like the knob gives the opposite.\n\
-         \x20* Angles count from the knob's zero. Units are in the names: mNm, rad, s.\n */\n\
-         #ifndef {upper}_H\n#define {upper}_H\n",
+        "/* {} as numbers, made by haptic-camera {} from {}.\n *\n{signs} */\n#ifndef {upper}_H\n#define {upper}_H\n",
         comment(&model.name),
         env!("CARGO_PKG_VERSION"),
         comment(source),
@@ -42,15 +46,16 @@ pub(super) fn header(model: &Model, table: Option<&TorqueOverAngle>, source: &st
 /// Every parameter of the model, with its meaning.
 fn constants(model: &Model, upper: &str, text: &mut String) {
     for effect in &model.effects {
-        let _ = writeln!(text, "\n/* {}: {} */", effect.kind().name, comment(effect.kind().description));
+        let words = |text: &str| comment(&model.axis.words(text));
+        let _ = writeln!(text, "\n/* {}: {} */", words(effect.kind().name), words(effect.kind().description));
         for (kind, value) in effect.parameters() {
             let _ = writeln!(
                 text,
                 "#define {upper}_{} {}  /* {}, {} */",
-                macro_name(kind),
+                macro_name(model.axis, kind),
                 float(value),
-                comment(kind.description),
-                comment(kind.unit)
+                words(kind.description),
+                unit(model.axis, kind)
             );
         }
     }
@@ -89,12 +94,20 @@ pub(super) fn stiffest_end_stop_mnm_rad(model: &Model) -> Option<f64> {
 fn write_table(table: &TorqueOverAngle, upper: &str, text: &mut String) {
     let lower = upper.to_lowercase();
     let points = table.torque_mnm.len();
-    let over = if table.is_period { "one period of the detents" } else { "one turn" };
+    let over = match (table.axis, table.is_period) {
+        (Axis::Linear, _) => "the travel",
+        (Axis::Rotary, true) => "one period of the detents",
+        (Axis::Rotary, false) => "one turn",
+    };
+    let axis = table.axis;
+    let unit = axis.position_unit().to_uppercase();
+    let [array, at, torque, angle, place] =
+        ["torque_mnm", "torque_at_mnm", "Torque", "angle", "angle_rad"].map(|name| axis.words(name));
     let _ = write!(
         text,
         "\n/* {} over {over}: point i is at i * SPAN / POINTS. */\n\
-         #define {upper}_TABLE_POINTS {points}\n#define {upper}_TABLE_SPAN_RAD {}\n\
-         static const float {lower}_torque_mnm[{upper}_TABLE_POINTS] = {{\n",
+         #define {upper}_TABLE_POINTS {points}\n#define {upper}_TABLE_SPAN_{unit} {}\n\
+         static const float {lower}_{array}[{upper}_TABLE_POINTS] = {{\n",
         comment(&table.effects.join(" + ")),
         float(table.span_rad)
     );
@@ -102,24 +115,47 @@ fn write_table(table: &TorqueOverAngle, upper: &str, text: &mut String) {
         let numbers: Vec<String> = line.iter().map(|&torque| float(torque)).collect();
         let _ = writeln!(text, "    {},", numbers.join(", "));
     }
+    // What turns comes round again; what is pressed does not.
+    let (beyond, ends) = match axis {
+        Axis::Rotary => (
+            "it repeats after SPAN",
+            format!(
+                "    long whole = (long)place - (place < (float)(long)place);\n    \
+                 float part = place - (float)whole;\n    \
+                 long first = ((whole % {upper}_TABLE_POINTS) + {upper}_TABLE_POINTS) % {upper}_TABLE_POINTS;\n    \
+                 long second = (first + 1) % {upper}_TABLE_POINTS;\n"
+            ),
+        ),
+        Axis::Linear => (
+            "beyond its ends it stays as it is there",
+            format!(
+                "    if (place < 0.0f) place = 0.0f;\n    \
+                 if (place > {upper}_TABLE_POINTS - 1) place = {upper}_TABLE_POINTS - 1;\n    \
+                 long first = (long)place;\n    \
+                 long second = first + (first < {upper}_TABLE_POINTS - 1);\n    \
+                 float part = place - (float)first;\n"
+            ),
+        ),
+    };
     let _ = write!(
         text,
-        "}};\n\n/* Torque at any angle: straight lines between the points; it repeats after SPAN. */\n\
-         static inline float {lower}_torque_at_mnm(float angle_rad)\n{{\n    \
-         float place = angle_rad * ({upper}_TABLE_POINTS / {upper}_TABLE_SPAN_RAD);\n    \
-         long whole = (long)place - (place < (float)(long)place);\n    \
-         float part = place - (float)whole;\n    \
-         long first = ((whole % {upper}_TABLE_POINTS) + {upper}_TABLE_POINTS) % {upper}_TABLE_POINTS;\n    \
-         long second = (first + 1) % {upper}_TABLE_POINTS;\n    \
-         return {lower}_torque_mnm[first] + part * ({lower}_torque_mnm[second] - {lower}_torque_mnm[first]);\n}}\n"
+        "}};\n\n/* {torque} at any {angle}: straight lines between the points; {beyond}. */\n\
+         static inline float {lower}_{at}(float {place})\n{{\n    \
+         float place = {place} * ({upper}_TABLE_POINTS / {upper}_TABLE_SPAN_{unit});\n\
+         {ends}    return {lower}_{array}[first] + part * ({lower}_{array}[second] - {lower}_{array}[first]);\n}}\n"
     );
 }
 
+/// The parameter's unit; that of a phase is no travel.
+fn unit(axis: Axis, kind: &ParameterKind) -> Cow<'static, str> {
+    if kind.name.ends_with("_phase") { kind.unit.into() } else { axis.words(kind.unit) }
+}
+
 /// The parameter's name with its unit: `COULOMB_POSITIVE_MNM`, `VISCOUS_POSITIVE_MNM_S_PER_RAD`.
-fn macro_name(kind: &ParameterKind) -> String {
-    let unit = kind.unit.replace('²', "2").replace('/', "_per_").replace([' ', '·'], "_");
+fn macro_name(axis: Axis, kind: &ParameterKind) -> String {
+    let unit = unit(axis, kind).replace('²', "2").replace('/', "_per_").replace([' ', '·'], "_");
     let unit = if unit == "1" { String::new() } else { format!("_{unit}") };
-    format!("{}{unit}", kind.name).to_uppercase()
+    format!("{}{unit}", axis.words(kind.name)).to_uppercase()
 }
 
 /// The shortest literal that is the same single-precision number.
@@ -151,7 +187,7 @@ mod tests {
     #[test]
     fn names_carry_the_unit() {
         let kinds = dynamics::effects::ALL.iter().flat_map(|kind| kind.parameters);
-        let names: Vec<String> = kinds.map(macro_name).collect();
+        let names: Vec<String> = kinds.map(|kind| macro_name(Axis::Rotary, kind)).collect();
         for name in ["INERTIA_MNM_S2_PER_RAD", "COULOMB_NEGATIVE_MNM", "VISCOUS_POSITIVE_MNM_S_PER_RAD", "TABLE_SCALE"]
         {
             assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");

@@ -37,7 +37,7 @@ enum UsageError {
 pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let is_model = options.source.parse::<u32>().is_ok() || source.extension().is_some_and(|ending| ending == "toml");
+    let is_model = knobs::is_shipped(&options.source) || source.extension().is_some_and(|ending| ending == "toml");
     let wrong = match (is_model, ending.as_str()) {
         (true, "csv" | "h" | "xml" | "urdf" | "fmu" | "json") | (false, "csv" | "parquet") => None,
         (true, _) => Some(UsageError::Model(options.out.clone())),

@@ -3,7 +3,7 @@
 use anyhow::Context as _;
 use archive::whole_file::write_bytes;
 use dynamics::excitation::{Drive, Excitation};
-use dynamics::{Motion, knobs};
+use dynamics::{Axis, Motion, knobs};
 use simulators::{Export, fmi, isaac_lab, left_out_mnm};
 
 use crate::command_line::ExportOptions;
@@ -25,11 +25,12 @@ pub(super) fn write_export<Content: AsRef<[u8]>>(
     export: &Export<Content>,
 ) -> anyhow::Result<Outcome> {
     let model = knobs::named(&options.source)?;
-    let (motions, motion) = motion(options)?;
+    let (motions, motion) = motion(options, model.axis)?;
     write_bytes(&options.out, Kind::Simulator.replaces(), export.content.as_ref())?;
     let left_out_mnm = left_out_mnm(&model, &export.said, &motions);
-    say(format!("{}: leaves out {left_out_mnm:.6} mNm RMS along {motion}", options.out.display()));
-    export.left_out.iter().for_each(|words| say(format!("- {words}")));
+    let left_out = model.axis.words(&format!("leaves out {left_out_mnm:.6} mNm RMS")).into_owned();
+    say(format!("{}: {left_out} along {motion}", options.out.display()));
+    export.left_out.iter().for_each(|words| say(format!("- {}", model.axis.words(words))));
     Ok(Outcome::Done)
 }
 
@@ -55,13 +56,13 @@ pub(super) fn fmu(options: &ExportOptions) -> anyhow::Result<Outcome> {
 
 /// The motion along which torques are compared, and what it is called.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand samples")]
-pub(super) fn motion(options: &ExportOptions) -> anyhow::Result<(Vec<Motion>, String)> {
+pub(super) fn motion(options: &ExportOptions, axis: Axis) -> anyhow::Result<(Vec<Motion>, String)> {
     if let Some(capture) = &options.along {
         let loaded = load::load(capture)?;
         let motions = identification::knob_motion(&loaded.samples(), loaded.calibration.as_ref())?;
         return Ok((motions, format!("the motion of {}", capture.display())));
     }
-    let sweep = Excitation::named("linear-chirp", Drive::Position)?;
+    let sweep = Excitation::named("linear-chirp", Drive::Position)?.on(axis);
     let samples = 0..(SWEEP_S * SWEEP_HZ) as u32;
     let motions = samples.map(|sample| {
         let time_s = f64::from(sample) / SWEEP_HZ;

@@ -51,6 +51,7 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
         return Ok(Outcome::WrongUsage);
     };
     let model = knobs::named(&options.source)?;
+    anyhow::ensure!(model.axis.is_rotary(), "{} is pressed or slid; a SmartKnob turns", model.name);
     let table = TorqueOverAngle::of(&model, options.points, None).ok().filter(|table| table.is_period);
     let rest = table.as_ref().and_then(|table| table.rest);
     let width_deg = rest.zip(table.as_ref()).map_or(WIDTH_DEG, |(_, table)| table.span_rad.to_degrees());
@@ -65,7 +66,7 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
         endstop_strength: stiffest_end_stop_mnm_rad(&model).map_or(0.0, strength),
         snap_point: SNAP_POINT,
     };
-    let (motions, along) = motion(options)?;
+    let (motions, along) = motion(options, model.axis)?;
     let first_rad = middle_rad + f64::from(first) * knob.width_rad();
     let mut turned = Turned { knob: &knob, position: -first };
     let said: Vec<f64> =

@@ -16,7 +16,8 @@ const MOST_SAMPLES: u64 = 1_000_000;
 pub(super) struct Quality {
     /// RMS of what the model leaves, as a share of the torque, %.
     pub(super) relative_error_percent: Option<f64>,
-    /// Mean half width of the 95 % interval of the model's torque, mNm.
+    /// Mean half width of the 95 % interval of the model's torque, mNm or N.
+    #[serde(alias = "mean_ci95_n")]
     pub(super) mean_ci95_mnm: Option<f64>,
 }
 

@@ -37,7 +37,7 @@ pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
         }
     }
     let mut lines: Vec<String> = table.lines().map(|line| line.trim_end().to_owned()).collect();
-    lines.push("s: length; error: residual as a share of the torque; 95 %: mean half width, mNm".to_owned());
+    lines.push("s: length; error: residual, share of torque; 95 %: mean half width, mNm or N".to_owned());
     lines.extend(entries.iter().filter_map(remark));
     lines
 }

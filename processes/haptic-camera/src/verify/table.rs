@@ -21,16 +21,21 @@ pub fn lines(verification: &Verification) -> Vec<String> {
     let Verification { torque_error_rms_mnm, torque_rms_mnm, torque_error_percent, .. } = verification;
     let mut lines = vec![table.to_string()];
     lines.push(format!(
-        "torque   rendered minus intended {torque_error_rms_mnm:.3} of {torque_rms_mnm:.2} mNm RMS, \
-         {torque_error_percent:.2} % (at most {LARGEST_TORQUE_ERROR_PERCENT} %)"
+        "torque   rendered minus intended {torque_error_rms_mnm:.*} of {torque_rms_mnm:.*} mNm RMS, \
+         {torque_error_percent:.2} % (at most {LARGEST_TORQUE_ERROR_PERCENT} %)",
+        decimals(1e3 * torque_error_rms_mnm).max(3),
+        decimals(*torque_rms_mnm).max(2),
     ));
     if let Some(lost) = &verification.lost_motion {
         lines.extend(lost_motion_in_words(lost));
     }
     if let Some(held) = &verification.held_still {
         lines.push(format!(
-            "held     under {:.1} mNm for {:.1} s: {:.1} steps of the encoder",
-            held.torque_mnm, held.duration_s, held.encoder_steps
+            "held     under {:.*} mNm for {:.1} s: {:.1} steps of the encoder",
+            decimals(held.torque_mnm).max(1),
+            held.torque_mnm,
+            held.duration_s,
+            held.encoder_steps
         ));
     }
     if let Some(added) = &verification.added {

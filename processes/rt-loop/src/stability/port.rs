@@ -5,7 +5,7 @@ use dynamics::{Axis, Calibration};
 use num_complex::Complex64;
 
 use crate::control::notch;
-use crate::control::rendering::{RenderGains, slow_part};
+use crate::control::rendering::{RenderGains, slow_part, taken_in};
 
 /// What the virtual body is, as far as small motions go.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,19 +104,28 @@ impl Port {
         let slow = of_z(slow_part(self.gains.slow_edge_hz, self.gains.slow_damping, self.rate_hz))
             * (-s * self.torque_delay_s).exp();
         let notch = of_z(notch(self.resonance_hz, self.gains.notch_depth, self.gains.notch_width, self.rate_hz));
-        let RenderGains { stiffness_mnm_rad, damping, lead_s, .. } = self.gains;
+        let RenderGains { stiffness_mnm_rad, damping, lead_s, place_edge_hz, .. } = self.gains;
         // Torque of the coupling per angle of the rotor and per velocity of the body.
         let of_rotor = notch * (stiffness_mnm_rad + (damping + stiffness_mnm_rad * lead_s) * (1.0 - z.inv()) / step_s);
         // Angle of the body per its velocity: the trapezium that the body is integrated with.
         let angle_per_velocity = 0.5 * step_s * (z + 1.0) / (z - 1.0);
         let of_body = notch * (stiffness_mnm_rad * angle_per_velocity + damping);
+        // The share of the way from body to rotor that torques of the angle are taken further, and the rotor's part of it per angle.
+        let taken_in = taken_in(place_edge_hz, step_s);
+        let further = taken_in / (1.0 - (1.0 - taken_in) / z);
+        let of_place = match *model {
+            LinearModel::Sliding { stiffness_mnm_rad, .. } => {
+                stiffness_mnm_rad * further * (1.0 + lead_s * (1.0 - z.inv()) / step_s)
+            }
+            LinearModel::Stuck | LinearModel::TwoBodies { .. } => Complex64::ZERO,
+        };
         // The body: inertia·(z − 1)/T·ω = drive − torques of the model.
         let body = match *model {
             LinearModel::Stuck => None,
             LinearModel::Sliding { inertia, damping, stiffness_mnm_rad } => Some(
                 (inertia - self.gripper_inertia) * (z - 1.0) / step_s
                     + damping * z
-                    + stiffness_mnm_rad * (angle_per_velocity + 0.5 * step_s),
+                    + stiffness_mnm_rad * (angle_per_velocity * (1.0 - further) + 0.5 * step_s),
             ),
             LinearModel::TwoBodies { cap_inertia, stiffness_mnm_rad, damping, inner } => {
                 // Spring at the middle of a tick, damper at its end.
@@ -135,7 +144,7 @@ impl Port {
             None => (-slow, of_rotor, Complex64::ZERO, Complex64::ZERO),
             Some(body) => {
                 let total = body + of_body;
-                let (by_sensor, by_rotor) = (-slow / total, of_rotor / total);
+                let (by_sensor, by_rotor) = (-slow / total, (of_rotor - of_place) / total);
                 (-slow - of_body * by_sensor, of_rotor - of_body * by_rotor, by_sensor, by_rotor)
             }
         };

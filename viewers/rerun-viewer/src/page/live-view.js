@@ -84,9 +84,11 @@ function draw(status) {
   show("knob", status.knob);
   const planned = status.planned_s == null ? "" : ` of ${status.planned_s.toFixed(0)}`;
   show("time", status.recording ? `${status.time_s.toFixed(1)}${planned} s` : "");
-  show("angle", figure(status.angle_rad, 2));
-  show("velocity", figure(status.velocity_rad_s, 1));
-  show("torque", figure(status.torque_mnm, 1));
+  status.readings.forEach(({ name, value, decimals }, place) => {
+    const id = ["angle", "velocity", "torque"][place];
+    show(id, figure(value, decimals));
+    show(`${id}-name`, name);
+  });
   if (status.sticking == null) show("motion", "–");
   else show("motion", status.sticking ? "sticking" : "slipping", status.sticking ? "sticking" : "good");
   show("enough", all ? `${known} of ${all}` : "–", all && known === all ? "good" : "wait");

@@ -20,6 +20,10 @@ pub struct RenderGains {
     pub slow_edge_hz: f64,
     /// Damping ratio of that filter.
     pub slow_damping: f64,
+    /// Edge below which torques of the angle are those of the rotor's angle and not of the body's, Hz; zero for the body's. A recording without
+    /// it was rendered so.
+    #[serde(default)]
+    pub place_edge_hz: f64,
     /// Frequency of the notch, Hz.
     pub notch_hz: f64,
     /// Damping ratio of the notch's zeros, at the resonance of rotor and gripper: its depth.
@@ -56,6 +60,7 @@ impl RenderGains {
                 lead_s,
                 slow_edge_hz: 50.0,
                 slow_damping: 4.0,
+                place_edge_hz: 100.0,
                 notch_hz: 1_100.0,
                 notch_depth: 0.1,
                 notch_width: 0.8,
@@ -69,6 +74,7 @@ impl RenderGains {
                 lead_s,
                 slow_edge_hz: slower * 30.0,
                 slow_damping: 3.0,
+                place_edge_hz: slower * 100.0,
                 notch_hz: 1_050.0,
                 notch_depth: 0.07,
                 notch_width: 2.9,

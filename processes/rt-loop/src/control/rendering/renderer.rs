@@ -10,7 +10,7 @@ use super::cross_fade::CrossFade;
 use super::gains::RenderGains;
 use super::passivity::{PassivityObserver, Tick};
 use super::rendered_model::RenderedModel;
-use super::slow_part::slow_part;
+use super::slow_part::{slow_part, taken_in};
 use super::virtual_knob::VirtualKnob;
 
 /// What a tick begins with.
@@ -69,6 +69,8 @@ pub struct Renderer {
     slow: DirectForm2Transposed<f64>,
     fade: CrossFade,
     knob: VirtualKnob,
+    /// Angle by which the rotor is ahead of the body, its slow part, rad.
+    given_way_rad: f64,
     observer: PassivityObserver,
     previous_angle_rad: Option<f64>,
 }
@@ -93,6 +95,7 @@ impl Renderer {
             slow: DirectForm2Transposed::new(slow_part(gains.slow_edge_hz, gains.slow_damping, rate_hz)?),
             fade: CrossFade::new(model),
             knob: VirtualKnob::at_rest(0.0),
+            given_way_rad: 0.0,
             observer: PassivityObserver::new(gains.slack, gains.damping),
             previous_angle_rad: None,
         })
@@ -101,6 +104,7 @@ impl Renderer {
     /// Begins at this angle, at rest.
     pub fn begin(&mut self, angle_rad: f64) {
         self.knob = VirtualKnob::at_rest(angle_rad);
+        self.given_way_rad = 0.0;
     }
 
     /// Takes a model that is to be felt from now on; `Err` gives it back while the one before still waits.
@@ -138,12 +142,13 @@ impl Renderer {
         // The sensor reads what the rig puts into the gripper; the hand puts in the opposite.
         let slow_mnm = self.slow.run(self.torque_zero_mnm - measurement.torque_mnm);
         let ahead_rad = measurement.angle_rad + self.gains.lead_s * velocity_rad_s - start_rad;
+        self.given_way_rad += taken_in(self.gains.place_edge_hz, step_s) * (ahead_rad - self.given_way_rad);
         let spring_mnm = self.gains.stiffness_mnm_rad * ahead_rad + self.gains.damping * (velocity_rad_s - start_rad_s);
         let coupling_mnm = self.notch.as_mut().map_or(spring_mnm, |notch| notch.run(spring_mnm));
         // The body feels no more than the motor can pass on: otherwise a clipped command would give out energy.
         let drive_mnm = (slow_mnm + coupling_mnm).clamp(-self.motor_torque_mnm, self.motor_torque_mnm);
         let forces = self.fade.forces();
-        let work = self.knob.advance(&forces, drive_mnm, time_s, step_s);
+        let work = self.knob.advance(&forces, drive_mnm, self.given_way_rad, time_s, step_s);
         let acceleration_rad_s2 = (self.knob.velocity_rad_s() - start_rad_s) / step_s;
         let rendered_mnm = self.motor_inertia * acceleration_rad_s2 - drive_mnm;
         let kept = self.knob.kept(&forces, self.motor_inertia);

@@ -21,3 +21,8 @@ pub(crate) fn slow_part(edge_hz: f64, damping_ratio: f64, rate_hz: f64) -> Optio
         a2: scale * (1.0 - damped + square),
     })
 }
+
+/// Share of the newest value that a low-pass of first order takes in at each tick; none for an edge of zero.
+pub(crate) fn taken_in(edge_hz: f64, step_s: f64) -> f64 {
+    -(-std::f64::consts::TAU * edge_hz * step_s).exp_m1()
+}

@@ -63,9 +63,18 @@ impl VirtualBody {
         }
     }
 
-    /// One tick from `time_s` on under `drive_mnm` from outside; gives its work against detents and springs, mNm·rad.
-    pub(super) fn advance(&mut self, forces: &Forces<'_>, drive_mnm: f64, time_s: f64, step_s: f64) -> f64 {
+    /// One tick from `time_s` on under `drive_mnm` from outside, torques of the angle taken `given_way_rad` further; gives its work against
+    /// detents and springs, mNm·rad.
+    pub(super) fn advance(
+        &mut self,
+        forces: &Forces<'_>,
+        drive_mnm: f64,
+        given_way_rad: f64,
+        time_s: f64,
+        step_s: f64,
+    ) -> f64 {
         let middle = self.middle(time_s, step_s);
+        let middle = Motion { angle_rad: middle.angle_rad + given_way_rad, ..middle };
         let free_mnm = forces.free_mnm(&middle);
         let load = Load { inertia: forces.inertia(), torque_mnm: drive_mnm - free_mnm, yielding: 0.0 };
         let before_rad_s = self.velocity_rad_s;

@@ -71,12 +71,21 @@ impl VirtualKnob {
     }
 
     /// One tick from `time_s` on under `drive_mnm` on the cap; gives the work against detents and springs, mNm·rad.
-    pub(super) fn advance(&mut self, forces: &Forces<'_>, drive_mnm: f64, time_s: f64, step_s: f64) -> f64 {
+    ///
+    /// Of a knob of one body those act at the angle that is `given_way_rad` further; what is behind a joint is nowhere near the rotor.
+    pub(super) fn advance(
+        &mut self,
+        forces: &Forces<'_>,
+        drive_mnm: f64,
+        given_way_rad: f64,
+        time_s: f64,
+        step_s: f64,
+    ) -> f64 {
         self.joint = forces.joint();
         let Some(joint) = self.joint else {
             // What a joint that became rigid still gave way is below what the encoder tells.
             self.inner.angle_rad = self.cap_rad;
-            let work = self.inner.advance(forces, drive_mnm, time_s, step_s);
+            let work = self.inner.advance(forces, drive_mnm, given_way_rad, time_s, step_s);
             (self.cap_rad, self.cap_rad_s) = (self.inner.angle_rad, self.inner.velocity_rad_s);
             return work;
         };

@@ -1,0 +1,138 @@
+//! Draws what is pressed or slid in space: a rail with a scale in mm, a body that moves along it, the detents beside it.
+//!
+//! The rail goes from left to right and is two units long; the travel's range is fitted to it, and changes as a plot's axis does.
+
+use dynamics::Axis as MotionAxis;
+use rerun::components::FillMode;
+use rerun::{
+    Boxes3D, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult, Scale3D, TimeColumn, Transform3D,
+};
+
+use crate::drawing::TIMELINE;
+use crate::entities::KNOB;
+use crate::knob_drawing::{FULL_DEPTH, color, detents_in_words, label, single};
+use crate::knob_track::{DetentRing, KnobUpdate, Motion};
+use crate::palette::{MODEL, NEUTRAL, WHITE};
+use crate::plot_axes::{Axis, round_step};
+
+/// Half of the rail's length.
+const HALF_RAIL: f64 = 1.2;
+/// Where the line of detents lies where their force is nothing.
+const DETENTS_Y: f64 = 0.45;
+
+/// A slider, and what of it was drawn.
+#[derive(Debug, Default)]
+pub struct Slider {
+    /// The travel that the rail shows, mm.
+    scale: Option<Axis>,
+    motion: Option<Motion>,
+    detents: Option<DetentRing>,
+}
+
+impl Slider {
+    /// Draws what is new at the recording's current time; travels have times of their own.
+    ///
+    /// # Errors
+    /// When rerun refuses a part of it.
+    pub fn draw(&mut self, recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
+        let travels = &update.turns.values;
+        let start = self.scale.as_ref().map_or((f64::INFINITY, f64::NEG_INFINITY), |scale| (scale.low, scale.high));
+        let (low, high) = travels.iter().fold(start, |(low, high), travel| (low.min(*travel), high.max(*travel)));
+        if low > high {
+            return Ok(());
+        }
+        let scale = self.scale.as_ref().map_or_else(|| Axis::around(low, high), |scale| scale.following(low, high));
+        let rescaled = self.scale.as_ref() != Some(&scale);
+        let redrawn = rescaled || update.motion.is_some() || update.detents.is_some();
+        self.motion = update.motion.or(self.motion);
+        self.detents = update.detents.clone().or_else(|| self.detents.take());
+        if rescaled {
+            draw_rail(recording, &scale)?;
+        }
+        if redrawn && let Some(motion) = self.motion {
+            draw_body(recording, motion, &scale)?;
+        }
+        if redrawn && let Some(ring) = &self.detents {
+            draw_detents(recording, ring, &scale)?;
+        }
+        self.scale = Some(scale);
+        if !travels.is_empty() {
+            let times = TimeColumn::new_duration_nanos(TIMELINE, update.turns.times_ns.iter().copied());
+            let places = travels.iter().map(|travel| [single(*travel), 0.0, 0.0]);
+            let moved = Transform3D::update_fields().with_many_translation(places);
+            recording.send_columns(format!("{KNOB}/travel/moving"), [times], moved.columns_of_unit_batches()?)?;
+        }
+        Ok(())
+    }
+}
+
+/// Units of the drawing in a mm.
+fn units_in_mm(scale: &Axis) -> f64 {
+    2.0 * HALF_RAIL / (scale.high - scale.low)
+}
+
+/// Where a travel lies on the rail.
+fn place(scale: &Axis, travel_mm: f64) -> f64 {
+    (travel_mm - scale.low) * units_in_mm(scale) - HALF_RAIL
+}
+
+/// Like the plots' axes the rail belongs to no time, and what moves on it stays in mm: when the range changes, only this does.
+fn draw_rail(recording: &RecordingStream, scale: &Axis) -> RecordingStreamResult<()> {
+    let at = |travel_mm: f64, y: f64| [single(place(scale, travel_mm)), single(y), 0.0];
+    let ticks = scale.ticks();
+    let rail = vec![at(scale.low, 0.0), at(scale.high, 0.0)];
+    let strips = ticks.iter().map(|(travel_mm, _)| vec![at(*travel_mm, -0.3), at(*travel_mm, -0.36)]);
+    recording.log_static(
+        format!("{KNOB}/rail"),
+        &LineStrips3D::new(std::iter::once(rail).chain(strips))
+            .with_colors([NEUTRAL.opaque()])
+            .with_radii([Radius::new_ui_points(0.9)]),
+    )?;
+    let (places, labels): (Vec<_>, Vec<_>) =
+        ticks.into_iter().map(|(travel_mm, label)| (at(travel_mm, -0.5), format!("{label} mm"))).unzip();
+    recording.log_static(
+        format!("{KNOB}/rail/labels"),
+        &Points3D::new(places)
+            .with_labels(labels)
+            .with_show_labels(true)
+            .with_colors([WHITE.opaque()])
+            .with_radii([Radius::new_ui_points(0.0)]),
+    )?;
+    recording.log_static(
+        format!("{KNOB}/travel"),
+        &Transform3D::from_translation_scale(
+            [single(place(scale, 0.0)), 0.0, 0.0],
+            Scale3D::from([single(units_in_mm(scale)), 1.0, 1.0]),
+        ),
+    )
+}
+
+/// The body in the colour of its motion, which is also written over it.
+fn draw_body(recording: &RecordingStream, motion: Motion, scale: &Axis) -> RecordingStreamResult<()> {
+    let half_mm = 0.13 / units_in_mm(scale);
+    let body = Boxes3D::from_centers_and_half_sizes([[0.0, 0.0, 0.15]], [[single(half_mm), 0.24, 0.15]])
+        .with_colors([color(motion).opaque()])
+        .with_fill_mode(FillMode::Solid);
+    recording.log(format!("{KNOB}/travel/moving/body"), &body)?;
+    recording.log(format!("{KNOB}/motion"), &label([0.0, 1.0, 0.0], motion.word().to_owned()))
+}
+
+fn draw_detents(recording: &RecordingStream, ring: &DetentRing, scale: &Axis) -> RecordingStreamResult<()> {
+    let depth = FULL_DEPTH * ring.amplitude_mnm / round_step(ring.amplitude_mnm);
+    let on_rail = |travel_mm: &f64| (scale.low..=scale.high).contains(travel_mm);
+    let at = |travel_mm: f64, share: f64| [single(place(scale, travel_mm)), single(DETENTS_Y - depth * share), 0.0];
+    let outline: Vec<_> =
+        ring.depths.iter().filter(|[travel, _]| on_rail(travel)).map(|[travel, share]| at(*travel, *share)).collect();
+    recording.log_static(
+        format!("{KNOB}/detents/line"),
+        &LineStrips3D::new([outline]).with_colors([MODEL.opaque()]).with_radii([Radius::new_ui_points(1.8)]),
+    )?;
+    recording.log_static(
+        format!("{KNOB}/detents/stable"),
+        &Points3D::new(ring.stable_rad.iter().copied().filter(|travel| on_rail(travel)).map(|travel| at(travel, 1.0)))
+            .with_colors([MODEL.opaque()])
+            .with_radii([Radius::new_ui_points(3.5)]),
+    )?;
+    let text = MotionAxis::Linear.words(&detents_in_words(ring)).into_owned();
+    recording.log_static(format!("{KNOB}/detents/label"), &label([0.0, -0.9, 0.0], text))
+}
