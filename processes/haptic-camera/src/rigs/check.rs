@@ -43,6 +43,8 @@ struct Checked {
     /// Time of the amplifier's watchdog as it was read back; `None` where the rig does not say.
     watchdog: Option<String>,
     channels: Vec<Reading>,
+    /// A stated delay that seems to be counted twice, in a sentence.
+    delay: Option<String>,
     /// What is amiss, in sentences.
     amiss: Vec<String>,
 }
@@ -62,7 +64,7 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
         tell(&found);
     }
     write_json(options.json.as_deref(), &found)?;
-    found.amiss.iter().for_each(remark);
+    found.delay.iter().chain(&found.amiss).for_each(remark);
     Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
 }
 
@@ -116,6 +118,7 @@ fn check(capture: &Capture) -> Checked {
         read_after_us: after_us.map(|(mean_us, _)| mean_us),
         read_after_sd_us: after_us.map(|(_, deviation_us)| deviation_us),
         watchdog,
+        delay: note("delay"),
         channels: [angle, torque].into_iter().chain(acceleration).collect(),
         amiss,
     }

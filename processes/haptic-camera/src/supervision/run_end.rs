@@ -50,7 +50,9 @@ impl RigWords {
             (Fault::Apparatus, code) if code != 0 => {
                 format!("the rig '{}': {}", self.name, ApparatusError::Device(code).reason(&self.codes))
             }
-            (Fault::Apparatus | Fault::Sensor | Fault::Stale, _) => format!("the rig '{}': {fault}", self.name),
+            (Fault::Apparatus | Fault::Sensor | Fault::Stale | Fault::Jump | Fault::Clock, _) => {
+                self.axis.words(&format!("the rig '{}': {fault}", self.name)).into_owned()
+            }
             _ => self.axis.words(&fault.to_string()).into_owned(),
         })
     }
