@@ -252,7 +252,7 @@ impl<'a> Prepared<'a> {
 
     fn report(&self, solved: Solved<'_>, uniform: &Uniform, samples: &Samples<'_>, options: &FitOptions) -> Fit {
         let calibration = options.calibration.as_ref();
-        let Self { band, motion, frame, .. } = self;
+        let Self { band, motion, torque_mnm, frame } = self;
         let Solved { problem, solution, aliases_rad, harmonics, no_detents } = solved;
         let mut trimmed = if options.preparation == PreparationMethod::CentralDifferences {
             untrimmed(problem)
@@ -264,7 +264,12 @@ impl<'a> Prepared<'a> {
             let encoder = KnobMotion::measured(uniform, band, calibration, AccelerationUse::Encoder);
             trimmed.instrument(&encoder.acceleration_rad_s2);
         }
-        let report = Report { trimmed: &trimmed, motion, frame, band, calibration };
+        let near = match options.preparation {
+            PreparationMethod::Automatic => frame.next_to_standstill(uniform, motion),
+            PreparationMethod::Paper | PreparationMethod::CentralDifferences => None,
+        };
+        let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
+        let report = Report { trimmed: &trimmed, motion, frame, band, calibration, near };
         let (mut parameters, covariance, comparison) = report.parameters(no_detents);
         let mut effects = trimmed.effects();
         Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
@@ -313,7 +318,32 @@ pub(crate) struct Trimmed<'a> {
     pub(crate) refused_delay_s: Option<f64>,
 }
 
+/// Rows of torque and of every column.
+pub(crate) struct Rows {
+    pub(crate) columns: Vec<Column>,
+    pub(crate) target: Column,
+}
+
 impl Trimmed<'_> {
+    /// The rows, together with those of samples that only another frame has.
+    fn with_rows_of(&self, other: &Frame, band: &Band, torque_mnm: &[f64]) -> Rows {
+        let coefficients = &self.solution.coefficients;
+        let problem = Problem::new(other, self.problem.motion, band, torque_mnm, &self.problem.effects);
+        let mut columns = problem.columns.clone();
+        columns.extend(problem.searched().iter().map(|which| problem.tangent(*which, coefficients)));
+        let mut target = problem.target.to_vec();
+        if columns.len() < self.columns.len() {
+            let delay = problem.delay_column(coefficients);
+            target.iter_mut().zip(&*delay).for_each(|(torque, value)| *torque -= self.delay_s * value);
+            columns.push(delay);
+        }
+        let sum = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one + other).collect();
+        Rows {
+            columns: self.columns.iter().zip(&columns).map(|(one, other)| sum(one, other)).collect(),
+            target: sum(&self.problem.target, &target),
+        }
+    }
+
     /// Solves again with another sensor's acceleration as the instrument for the inertia.
     fn instrument(&mut self, acceleration_rad_s2: &[f64]) {
         let instruments = self.problem.instruments(&self.columns, acceleration_rad_s2);

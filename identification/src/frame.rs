@@ -46,14 +46,27 @@ impl Frame {
             let slow = SLOW * rms(&motion.velocity_rad_s);
             (slow.max(8.0 * motion.velocity_noise_rad_s), GUARD_S)
         };
-        let guard = (guard_s * rate_hz).round() as usize + motion.reach;
-        let mut mask = mask(uniform, motion, threshold_rad_s, guard, motion.reach);
+        let guard = samples(guard_s, rate_hz) + motion.reach;
+        let mut mask = mask(uniform, motion, threshold_rad_s, |_| guard);
         if !motion.exact {
-            fade(&mut mask, (FADE_S * rate_hz).round() as usize);
+            fade(&mut mask, samples(FADE_S, rate_hz));
         }
         let step = whole(rate_hz / (ROWS_PER_EDGE * band.edge_hz)).max(1);
         let half_length = (HALF_LENGTH_PERIODS * rate_hz / band.edge_hz).round() as usize;
         Self { rate_hz, mask, fir: Fir::low_pass(half_length, band.edge_hz, rate_hz), step, threshold_rad_s }
+    }
+
+    /// The frame of the samples that the mask leaves out for nothing but the filters' reach to where the knob turns round without
+    /// a rest; `None` if there are none.
+    pub(crate) fn next_to_standstill(&self, uniform: &Uniform, motion: &KnobMotion) -> Option<Self> {
+        let guard = samples(GUARD_S, self.rate_hz);
+        let is_rest = |run: usize| run > motion.reach;
+        let mut mask =
+            mask(uniform, motion, self.threshold_rad_s, |run| if is_rest(run) { guard + motion.reach } else { guard });
+        fade(&mut mask, samples(FADE_S, self.rate_hz));
+        mask.iter_mut().zip(&self.mask).for_each(|(wider, mask)| *wider -= mask);
+        let is_empty = mask.iter().all(|share| *share == 0.0);
+        (!is_empty).then(|| Self { mask, ..self.clone() })
     }
 
     /// Masks, filters and decimates a full-rate column.
@@ -71,6 +84,9 @@ impl Frame {
         for start in (0..total).step_by(block) {
             let end = (start + block).min(total);
             let range = (start * self.step).saturating_sub(half)..((end - 1) * self.step + half + 1).min(samples);
+            if self.mask[range.clone()].iter().all(|share| *share == 0.0) {
+                continue;
+            }
             columns.iter_mut().for_each(|column| column.resize(range.len(), 0.0));
             fill(range.clone(), &mut columns);
             let first = start * self.step - range.start;
@@ -107,30 +123,34 @@ impl Frame {
     }
 }
 
-fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: usize, settle: usize) -> Vec<f64> {
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+fn samples(duration_s: f64, rate_hz: f64) -> usize {
+    (duration_s * rate_hz).round() as usize
+}
+
+/// 0 at slow and at lost samples, at both ends, and as far around slow samples as `guard` says for the length of their run.
+fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: impl Fn(usize) -> usize) -> Vec<f64> {
     let length = motion.len();
     let mut mask = vec![1.0; length];
-    let blank = |mask: &mut [f64], index: usize, reach: usize| {
-        mask[index.saturating_sub(reach)..(index + reach + 1).min(length)].fill(0.0);
-    };
-    // A run of slow samples is blanked as one, so that the cost stays linear in the samples.
-    for index in 0..length {
-        let slow = motion.velocity_rad_s[index].abs() <= threshold_rad_s;
-        let edge = index == 0
-            || index + 1 == length
-            || (motion.velocity_rad_s[index - 1].abs() <= threshold_rad_s) != slow
-            || (motion.velocity_rad_s[index + 1].abs() <= threshold_rad_s) != slow;
-        if slow {
-            blank(&mut mask, index, if edge { guard } else { 0 });
-        }
-        if !uniform.present[index] {
-            let edge = index == 0 || index + 1 == length || uniform.present[index - 1] || uniform.present[index + 1];
-            blank(&mut mask, index, if edge { settle } else { 0 });
-        }
-    }
-    mask[..settle.min(length)].fill(0.0);
-    mask[length - settle.min(length)..].fill(0.0);
+    let settle = motion.reach.min(length);
+    blank_runs(&mut mask, &motion.velocity_rad_s, |velocity| velocity.abs() <= threshold_rad_s, guard);
+    blank_runs(&mut mask, &uniform.present, |is_present| !is_present, |_| settle);
+    mask[..settle].fill(0.0);
+    mask[length - settle..].fill(0.0);
     mask
+}
+
+/// Sets the mask to zero at every run of samples that are to be `left_out`, and as far around it as `guard` says for its length.
+fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool, guard: impl Fn(usize) -> usize) {
+    let mut start = 0;
+    for run in samples.chunk_by(|one, other| left_out(one) == left_out(other)) {
+        let end = start + run.len();
+        if left_out(&run[0]) {
+            let guard = guard(run.len());
+            mask[start.saturating_sub(guard)..(end + guard).min(samples.len())].fill(0.0);
+        }
+        start = end;
+    }
 }
 
 /// Lets the mask rise as a squared sine over `length` samples from where it was zero.

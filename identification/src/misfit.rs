@@ -2,14 +2,15 @@
 //!
 //! An interval for residuals that are correlated holds if the model is right. On a real machine it seldom is: friction that
 //! rises from near zero speed, a band in which something rings. The parameters then depend on which speeds and which
-//! frequencies they were fitted to. They are fitted again to half the band, to the faster and to the slower half of the motion;
-//! where an estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), the rest of the
-//! shift belongs into its interval.
+//! frequencies they were fitted to. They are fitted again with the rows next to where the knob turns round without a rest, which the
+//! fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of the motion. Where an
+//! estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), the rest of the shift belongs
+//! into its interval.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 use crate::filter::Fir;
-use crate::fit::Trimmed;
+use crate::fit::{Rows, Trimmed};
 use crate::frame::HALF_LENGTH_PERIODS;
 use crate::least_squares::{LeastSquares, RobustCovariance};
 use crate::motion::{KnobMotion, ROWS_PER_EDGE};
@@ -38,17 +39,18 @@ struct Shift {
 }
 
 impl Shift {
-    /// The estimates from rows that went through `change`, the coefficients `at_zero` held there; `None` where the rows do
+    /// The estimates from `rows` that went through `change`, the coefficients `at_zero` held there; `None` where the rows do
     /// not give all of them.
     fn of(
         trimmed: &Trimmed<'_>,
+        Rows { columns, target }: &Rows,
         at_zero: &[bool],
         robust: &RobustCovariance,
         change: impl Fn(&[f64]) -> Vec<f64>,
     ) -> Option<Self> {
-        let Trimmed { columns, solution, problem, .. } = trimmed;
+        let solution = &trimmed.solution;
         let is_fitted = |index: usize| !solution.collinear[index] && !at_zero[index];
-        let target = change(&problem.target);
+        let target = change(target);
         let columns: Vec<Vec<f64>> = columns
             .iter()
             .enumerate()
@@ -68,8 +70,14 @@ impl Shift {
 }
 
 impl Misfit {
-    /// Fits the settled problem's columns to half the band and to the faster and the slower half of the motion.
-    pub(crate) fn of(trimmed: &Trimmed<'_>, motion: &KnobMotion, robust: &RobustCovariance) -> Self {
+    /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band and to the faster and the
+    /// slower half of their motion.
+    pub(crate) fn of(
+        trimmed: &Trimmed<'_>,
+        near: Option<&Rows>,
+        motion: &KnobMotion,
+        robust: &RobustCovariance,
+    ) -> Self {
         // Instruments are for noise that these fits would see anew.
         if trimmed.instruments.is_some() {
             return Self { rows: Vec::new(), unbounded: None };
@@ -85,16 +93,16 @@ impl Misfit {
         let where_speed = |kept: &dyn Fn(f64) -> bool, rows: &[f64]| -> Vec<f64> {
             rows.iter().zip(&speeds).map(|(value, speed)| if kept(*speed) { *value } else { 0.0 }).collect()
         };
-        let faster = |rows: &[f64]| where_speed(&|speed| speed > typical, rows);
-        let slower = |rows: &[f64]| where_speed(&|speed| speed <= typical, rows);
-        let lower = |rows: &[f64]| narrow.decimate(rows, EVERY);
+        let fitted = Rows { columns: trimmed.columns.clone(), target: trimmed.problem.target.clone() };
+        let rows = near.unwrap_or(&fitted);
         let shifts = [
-            Shift::of(trimmed, at_zero, robust, lower),
-            Shift::of(trimmed, at_zero, robust, faster),
-            Shift::of(trimmed, at_zero, robust, slower),
+            near.and_then(|near| Shift::of(trimmed, near, at_zero, robust, <[f64]>::to_vec)),
+            Shift::of(trimmed, rows, at_zero, robust, |rows| narrow.decimate(rows, EVERY)),
+            Shift::of(trimmed, rows, at_zero, robust, |rows| where_speed(&|speed| speed > typical, rows)),
+            Shift::of(trimmed, rows, at_zero, robust, |rows| where_speed(&|speed| speed <= typical, rows)),
         ];
-        let unbounded =
-            is_held.then(|| Shift::of(trimmed, &vec![false; at_zero.len()], robust, <[f64]>::to_vec)).flatten();
+        let is_free = vec![false; at_zero.len()];
+        let unbounded = is_held.then(|| Shift::of(trimmed, &fitted, &is_free, robust, <[f64]>::to_vec)).flatten();
         Self { rows: shifts.into_iter().flatten().collect(), unbounded }
     }
 

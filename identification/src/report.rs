@@ -4,7 +4,7 @@ use dynamics::{Calibration, Effect, Part, effects};
 use nalgebra::{DMatrix, RowDVector};
 
 use crate::estimate::{Covariance, Parameter, Parameters, Point};
-use crate::fit::Trimmed;
+use crate::fit::{Rows, Trimmed};
 use crate::frame::Frame;
 use crate::least_squares::{RobustCovariance, dot};
 use crate::misfit::Misfit;
@@ -31,6 +31,8 @@ pub(crate) struct Report<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) band: &'a Band,
     pub(crate) calibration: Option<&'a Calibration>,
+    /// The rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
+    pub(crate) near: Option<Rows>,
 }
 
 /// Measured against model, row by row, and in sum.
@@ -51,7 +53,7 @@ impl Report<'_> {
         let robust = solution.robust(instruments);
         let degrees_of_freedom = robust.degrees_of_freedom;
         let critical = student_95(degrees_of_freedom);
-        let misfit = Misfit::of(self.trimmed, self.motion, &robust);
+        let misfit = Misfit::of(self.trimmed, self.near.as_ref(), self.motion, &robust);
         let mut parameters = Vec::new();
         for (index, effect) in self.trimmed.effects().iter().enumerate() {
             self.effect_parameters(index, effect, &robust, &textbook, &misfit, &mut parameters);

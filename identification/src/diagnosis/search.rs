@@ -387,6 +387,10 @@ impl Search<'_> {
             .filter(|(index, parameter)| effect.kind().regressors.is_some() && is_strength(*index, parameter.unit))
             .map(|(_, parameter)| parameter)
             .collect();
+        // A damper beside a spring is part of a contact, which there is none without stiffness.
+        let stiffnesses: Vec<&ParameterKind> =
+            linear.iter().copied().filter(|parameter| parameter.unit == "mNm/rad").collect();
+        let linear = if stiffnesses.is_empty() { linear } else { stiffnesses };
         // What has no torque of its own is told by its first parameter: a gap, a stiffness, a delay.
         if linear.is_empty() { parameters.first().is_some_and(holds_zero) } else { linear.into_iter().all(holds_zero) }
     }
