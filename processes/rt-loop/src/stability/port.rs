@@ -186,7 +186,7 @@ impl Port {
     fn frequencies_hz(&self) -> impl Iterator<Item = f64> {
         let resonance_hz = |inverse_inertia: f64| {
             let hz = (self.stiffness_mnm_rad * inverse_inertia).sqrt() / std::f64::consts::TAU;
-            hz.min(MOST_RATES * self.rate_hz)
+            hz.min(RIGID_HZ)
         };
         let loaded_hz = RESONANCE_MARGIN.recip() * resonance_hz(self.motor_inertia.recip());
         let free_hz = RESONANCE_MARGIN * resonance_hz(self.motor_inertia.recip() + self.gripper_inertia.recip());
@@ -194,8 +194,8 @@ impl Port {
     }
 }
 
-/// Times the rate beyond which no resonance is looked for: the hold lets 3 % through.
-const MOST_RATES: f64 = 10.0;
+/// Resonance from which on a torque sensor counts as rigid, Hz; a calibration that knows no stiffness has one far beyond.
+const RIGID_HZ: f64 = 20_000.0;
 /// By how much the calibration may be off a resonance.
 const RESONANCE_MARGIN: f64 = 1.1;
 
