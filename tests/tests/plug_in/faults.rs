@@ -105,13 +105,23 @@ fn a_library_that_goes_wrong_is_told_once_and_costs_no_sample() {
         ("clock-back", "the rig 'rotary plant': the sensors brought nothing new"),
         ("clock-jumps", "the rig 'rotary plant': its own clock jumped by half a second or more"),
         ("angle-jumps", "the rig 'rotary plant': the angle jumped by more than a knob can turn"),
-        ("blocks-in-disable", "the rig 'rotary plant' does not come back from a call"),
     ];
     for (ill, words) in cases {
         let (told, archive) = captured(&bench, &format!("ill = \"{ill}\"\nfault_s = 1.0"));
         told_once(&told, words);
         is_whole(archive, &told);
     }
+}
+
+#[test]
+fn a_rig_that_does_not_come_back_from_switching_off_is_told_and_the_capture_kept() {
+    let bench = Bench::new().unwrap();
+    compile(&bench, &repository().join("tests/tests/plug_in/ill_plant.c"), "rotary_plant.so");
+    let file = rig(&bench, "ill = \"blocks-in-disable\"", |text| text);
+    let output = bench.run(&["capture", "--rig", &file, "--duration-s", "3", "--no-viewer", "--out", "out"]).unwrap();
+    told_once(&String::from_utf8_lossy(&output.stderr), "the rig 'rotary plant' does not come back from a call");
+    assert!(Capture::load(&bench.only_archive("out").unwrap()).unwrap().gaps.is_empty());
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
 
 #[test]
