@@ -9,7 +9,7 @@ use super::lowpass::ButterworthLowPass;
 use super::rendering::{Felt, RenderedModel, Renderer};
 use super::servo::{Servo, ServoGains};
 
-/// Jump of a rig's own clock against the ticks that no stall of a host makes, s.
+/// Jump forward of a rig's own clock against the ticks that no stall of a host makes, s; one that does not rise brings nothing new.
 const CLOCK_JUMP_S: f64 = 0.5;
 /// Times the rig's largest speed at which no knob turns between two readings.
 const JUMP_SPEEDS: f64 = 10.0;
@@ -470,7 +470,7 @@ impl ControlState {
         self.unmeasured_ticks += elapsed_ticks;
         let before_s = self.newest.map_or(after_s, |newest| newest.after_s);
         let step_s = self.seconds(self.unmeasured_ticks) + (after_s - before_s);
-        if !is_stale && (after_s - before_s).abs() > CLOCK_JUMP_S {
+        if !is_stale && after_s - before_s > CLOCK_JUMP_S {
             return Err(Fault::Clock);
         }
         if is_stale || step_s <= 0.0 {
