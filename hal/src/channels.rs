@@ -117,6 +117,9 @@ pub enum ChannelError {
     },
 }
 
+/// By how much a stated delay may differ from half a period and still be taken for it.
+const ALIKE_SHARE: f64 = 0.25;
+
 /// What a device read at a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawMeasurement {
@@ -137,6 +140,8 @@ pub struct Wiring {
     acceleration: Option<Wire>,
     motor: Scaling,
     angle_delay_s: f64,
+    /// What of the torque's delay the driver knows by itself, s.
+    pub known_delay_s: f64,
     /// Delay of the torque behind the angle, s.
     pub torque_delay_s: f64,
     /// Delay of the acceleration behind the angle, s.
@@ -227,6 +232,7 @@ impl Channels {
             acceleration: acceleration.as_ref().map(|given| of("acceleration", given)).transpose()?,
             motor: *motor,
             angle_delay_s: angle.delay_s,
+            known_delay_s: 0.0,
             torque_delay_s: torque.delay_s - angle.delay_s,
             acceleration_delay_s: acceleration.as_ref().map_or(0.0, |given| given.delay_s - angle.delay_s),
             torque_source: if torque.of_motor || is_commanded { TorqueSource::Motor } else { TorqueSource::Sensor },
@@ -254,7 +260,8 @@ impl Wiring {
     #[must_use]
     pub fn at_rate(mut self, rate_hz: f64) -> Self {
         if self.torque.is_none() {
-            self.torque_delay_s += 0.5 / rate_hz;
+            self.known_delay_s = 0.5 / rate_hz;
+            self.torque_delay_s += self.known_delay_s;
         }
         self
     }
@@ -263,14 +270,48 @@ impl Wiring {
     /// current or by a sensor: what that torque makes is half a period old at the mean, the acceleration too.
     #[must_use]
     pub fn held_between_exchanges(mut self, rate_hz: f64) -> Self {
-        self.torque_delay_s += 0.5 / rate_hz;
-        self.acceleration_delay_s += 0.5 / rate_hz;
+        self.known_delay_s = 0.5 / rate_hz;
+        self.torque_delay_s += self.known_delay_s;
+        self.acceleration_delay_s += self.known_delay_s;
         self
+    }
+
+    /// What is to be said of a torque whose stated delay looks like the half period that the driver takes off by itself.
+    #[must_use]
+    pub fn doubled_delay(&self) -> Option<String> {
+        let stated_s = self.torque_delay_s - self.known_delay_s;
+        let share = stated_s / self.known_delay_s;
+        (self.known_delay_s > 0.0 && (share - 1.0).abs() < ALIKE_SHARE).then(|| {
+            format!(
+                "[channels.torque] delay_s states {stated_s} s, and the driver takes off half a period, {} s, by itself: if the one is the \
+                 other, leave delay_s out; it is for what sensor and amplifier add",
+                self.known_delay_s
+            )
+        })
     }
 
     /// What the device is given so that the motor makes a torque, mNm.
     #[must_use]
     pub fn of_motor(&self, torque_mnm: f64) -> f64 {
         (torque_mnm - self.motor.offset) / (self.motor.scale * f64::from(self.motor.sign))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+    use super::Channels;
+
+    #[test]
+    fn a_delay_that_states_the_half_period_which_the_driver_takes_off_is_told() {
+        let doubled = |delay_s: f64| {
+            let text = format!("[angle]\nsource = \"a\"\n[torque]\nsource = \"t\"\ndelay_s = {delay_s}\n[motor]\n");
+            let channels: Channels = toml::from_str(&text).unwrap();
+            let wiring = channels.wire(&["a".to_owned(), "t".to_owned()]).unwrap();
+            assert_eq!(wiring.doubled_delay(), None, "a driver that takes nothing off");
+            wiring.held_between_exchanges(1_000.0).doubled_delay()
+        };
+        assert!(doubled(5e-4).unwrap().contains("states 0.0005 s"));
+        assert_eq!([0.0, 5e-5, -3e-4].map(doubled), [None, None, None]);
     }
 }

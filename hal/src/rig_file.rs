@@ -198,6 +198,10 @@ impl RigFile {
                 let mut table = neutral();
                 table.extend(given.clone());
                 // The names in it are those within the program by now.
+                // Where it stands in the file the merged table does not tell: the parser's word is enough.
+                if let Err(error) = Calibration::deserialize(toml::Value::Table(table.clone())) {
+                    return Err(self.error(format!("[calibration]: {}", self.axis.words(error.message()))));
+                }
                 let read = Calibration::from_toml(&table.to_string());
                 read.map(|calibration| Some(Calibration { axis: self.axis, ..calibration }))
                     .map_err(|error| self.error(format!("[calibration]: {error}")))

@@ -122,6 +122,10 @@ wire_code! {
         Stale = 7,
         /// The knob turned against the motor.
         Runaway = 8,
+        /// The angle changed by more than a knob can turn between two readings.
+        Jump = 9,
+        /// The rig's own clock did not go on with the ticks.
+        Clock = 10,
     }
 }
 
@@ -138,6 +142,11 @@ impl std::fmt::Display for Fault {
                 "the knob turned against the motor: if no hand did that, motor and encoder count in opposite directions; turn one \
                  `sign` in the rig file round, and try `haptic-camera rig commission`"
             }
+            Self::Jump => {
+                "the angle jumped by more than a knob can turn between two readings; check the encoder's cable and supply, and its scale \
+                 in the rig file"
+            }
+            Self::Clock => "its own clock jumped by half a second or more; check what sets that clock",
             Self::Stale => "the sensors brought nothing new for more ticks than the rig file permits; check cable and bus",
         })
     }

@@ -90,7 +90,9 @@ fn main() -> ExitCode {
     });
     let outcome = result.unwrap_or_else(|error| {
         tracing::debug!("{error:?}");
-        outcome::tell_error(&error);
+        if !error.is::<supervision::LoopSaidWhy>() {
+            outcome::tell_error(&error);
+        }
         if error.is::<outputs::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
     });
     outcome.if_output_was_taken().into()

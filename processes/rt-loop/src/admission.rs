@@ -1,10 +1,9 @@
 //! What a model must pass before it is rendered, at the start of a run and while it goes on.
 
 use dynamics::{Calibration, Model};
-use hal::Limits;
 use shared_types::MODEL_MAX_BYTES;
 
-use crate::control::rendering::{RenderGains, RenderedModel};
+use crate::control::rendering::RenderedModel;
 use crate::plan::PlanError;
 use crate::stability::Bounds;
 
@@ -25,16 +24,10 @@ pub struct Admitted {
 }
 
 impl Admission {
-    /// What a rig with this calibration renders under these gains.
+    /// What a rig with this calibration renders within these bounds.
     #[must_use]
-    pub fn new(gains: &RenderGains, calibration: &Calibration, limits: &Limits, rate_hz: f64) -> Self {
-        Self { bounds: Bounds::of(gains, calibration, limits, rate_hz), calibration: calibration.clone() }
-    }
-
-    /// The same for a rig that takes a torque so much later, s.
-    #[must_use]
-    pub fn delayed(self, by_s: f64) -> Self {
-        Self { bounds: self.bounds.delayed(by_s), ..self }
+    pub fn new(bounds: Bounds, calibration: &Calibration) -> Self {
+        Self { bounds, calibration: calibration.clone() }
     }
 
     /// Checks a model and makes it ready for the renderer.

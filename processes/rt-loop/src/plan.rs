@@ -16,7 +16,7 @@ use crate::realtime::call_numbers;
 use crate::recomputation::ControlDescription;
 use crate::request::{LONGEST_DURATION_S, RenderingRequest, RunRequest};
 use crate::rigs::{self, Registry, Rig};
-use crate::stability::{BoundExceeded, Bounds};
+use crate::stability::{BoundExceeded, Firmness, gains_for};
 
 /// Slowest rate at which a knob is captured, Hz: the paper's sweep goes to some hertz, and detents pass tens of times a second.
 const SLOWEST_RATE_HZ: f64 = 500.0;
@@ -388,28 +388,32 @@ fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) 
     if rig.calibration.motor_coulomb_mnm.is_none() {
         return Err(PlanError::Uncalibrated);
     }
-    let gains = RenderGains::at_rate(rate_hz).on(axis);
-    let later_s = |rate_hz: f64| rig.torque_late_ticks / rate_hz;
-    let holds = |rate_hz| {
-        let bounds = Bounds::of(&RenderGains::at_rate(rate_hz).on(axis), &rig.calibration, &rig.limits, rate_hz);
-        bounds.delayed(later_s(rate_hz)).holds_rest()
-    };
+    let firmness = |rate_hz| gains_for(&rig.calibration, &rig.limits, rate_hz, rig.torque_late_ticks / rate_hz);
+    let rates = RENDERING_RATES_HZ.into_iter().filter(|other| *other <= rig.limits.rate_hz);
     let too_slow = || PlanError::TooSlow {
         asked: rate_hz,
         rig: rig.name.clone(),
         remedy: {
-            let mut rates =
-                RENDERING_RATES_HZ.into_iter().filter(|other| *other <= rig.limits.rate_hz && holds(*other));
+            let mut rates = rates.clone().filter(|other| firmness(*other).is_some());
             match (rates.clone().find(|other| *other > rate_hz), rates.next_back()) {
                 (Some(other), _) | (None, Some(other)) => format!("give --rate-hz {other}"),
                 (None, None) => "it renders at no rate that it holds; calibrate it again".to_owned(),
             }
         },
     };
-    if !holds(rate_hz) {
-        return Err(too_slow());
-    }
-    let admission = Admission::new(&gains, &rig.calibration, &rig.limits, rate_hz).delayed(later_s(rate_hz));
+    let Firmness { gains, bounds, share } = firmness(rate_hz).ok_or_else(too_slow)?;
+    let softer = (share < 1.0).then(|| {
+        let damping = |rate_hz| firmness(rate_hz).map_or(0.0, |other| other.gains.damping);
+        let firmest = rates.clone().rev().max_by(|one, other| damping(*one).total_cmp(&damping(*other)));
+        let remedy = firmest.filter(|other| damping(*other) > gains.damping);
+        format!(
+            "at {rate_hz} Hz the usual stiffness would let rotor and gripper swing over the torque sensor: the model is held to the rotor \
+             by {:.2} of it{}",
+            share * share,
+            remedy.map_or_else(String::new, |other| format!("; --rate-hz {other} holds it more firmly"))
+        )
+    });
+    let admission = Admission::new(bounds, &rig.calibration);
     let (model, Admitted { rendered, remarks }) = if asked.nearest {
         let Nearest { model, admitted, clipped } = admission.nearest(&model)?;
         let clipped = clipped.into_iter().map(|change| format!("clipped to what the rig renders: {change}"));
@@ -420,7 +424,7 @@ fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) 
     };
     let renderer =
         Renderer::new(rendered, gains, &rig.calibration, rig.limits.motor_torque_mnm, rate_hz).ok_or_else(too_slow)?;
-    let remarks = remarks.iter().map(|remark| axis.words(remark).into_owned()).collect();
+    let remarks = softer.iter().chain(&remarks).map(|remark| axis.words(remark).into_owned()).collect();
     Ok(Rendering { model, renderer, gains, remarks, admission, without_remarks: asked.without_remarks })
 }
 

@@ -30,7 +30,7 @@ use crate::rigs::Registry;
 
 /// Longest time that a rig may take to come up, s.
 pub const LONGEST_PREPARATION_S: f64 = 60.0;
-/// Time that a rig has to give up its preparation when it is told to.
+/// Time that a rig has to give up its preparation when it is told to, and to switch off.
 const GIVES_UP: Duration = Duration::from_secs(2);
 
 /// The real-time process with these drivers: the whole of a program that drives rigs of its own.
@@ -145,7 +145,7 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
         }
         real_time.is_running()
     });
-    if served.is_err() {
+    if served.is_err() || !real_time.ends_within(GIVES_UP) {
         // Its thread cannot be ended but with the process; what it drives goes torque-free by its watchdog.
         let watchdog = rig.watchdog_s.map_or_else(String::new, |watchdog_s| format!(" within {watchdog_s} s"));
         drop(publisher);
@@ -231,6 +231,16 @@ struct RunningLoop {
 impl RunningLoop {
     fn is_running(&self) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
+    }
+
+    /// Has it end; `false` where it has not within this time.
+    fn ends_within(&self, patience: Duration) -> bool {
+        self.shared.quit();
+        let begun = Instant::now();
+        while self.is_running() && begun.elapsed() < patience {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        !self.is_running()
     }
 
     fn join(mut self) -> anyhow::Result<()> {

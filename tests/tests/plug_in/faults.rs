@@ -6,7 +6,7 @@ use nix::unistd::Pid;
 use shared_types::{Fault, rig as rig_folder};
 use tests::{Bench, printed};
 
-use super::{repository, rig};
+use super::{compile, repository, rig};
 
 /// Captures with a fault; what was told, and the archive if there is one.
 fn captured(bench: &Bench, settings: &str) -> (String, Option<Capture>) {
@@ -89,6 +89,54 @@ fn a_rig_that_does_not_come_back_from_a_call_is_given_up() {
     let (told, archive) = captured(&bench, "fault = \"blocks\"\nfault_s = 1.0");
     told_once(&told, "the rig 'rotary plant' does not come back from a call");
     is_whole(archive, &told);
+}
+
+#[test]
+fn a_library_that_goes_wrong_is_told_once_and_costs_no_sample() {
+    let bench = Bench::new().unwrap();
+    let source = repository().join("tests/tests/plug_in/ill_plant.c");
+    compile(&bench, &source, "rotary_plant.so");
+    let cases = [
+        ("aborts", "it was ended by SIGABRT), driving the rig 'rotary plant'"),
+        ("overflows", "it was ended by SIGSEGV), driving the rig 'rotary plant'"),
+        ("exits", "its exit status is 0), driving the rig 'rotary plant'"),
+        ("thread-aborts", "it was ended by SIGABRT), driving the rig 'rotary plant'"),
+        ("infinite", "the rig 'rotary plant': a sensor gave a value that is not a number"),
+        ("clock-back", "the rig 'rotary plant': the sensors brought nothing new"),
+        ("clock-jumps", "the rig 'rotary plant': its own clock jumped by half a second or more"),
+        ("angle-jumps", "the rig 'rotary plant': the angle jumped by more than a knob can turn"),
+    ];
+    for (ill, words) in cases {
+        let (told, archive) = captured(&bench, &format!("ill = \"{ill}\"\nfault_s = 1.0"));
+        told_once(&told, words);
+        is_whole(archive, &told);
+    }
+}
+
+#[test]
+fn a_rig_that_does_not_come_back_from_switching_off_is_told_and_the_capture_kept() {
+    let bench = Bench::new().unwrap();
+    compile(&bench, &repository().join("tests/tests/plug_in/ill_plant.c"), "rotary_plant.so");
+    let file = rig(&bench, "ill = \"blocks-in-disable\"", |text| text);
+    let output = bench.run(&["capture", "--rig", &file, "--duration-s", "3", "--no-viewer", "--out", "out"]).unwrap();
+    told_once(&String::from_utf8_lossy(&output.stderr), "the rig 'rotary plant' does not come back from a call");
+    assert!(Capture::load(&bench.only_archive("out").unwrap()).unwrap().gaps.is_empty());
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
+}
+
+#[test]
+fn a_preparation_that_never_ends_is_given_up_when_the_run_is_stopped() {
+    let bench = Bench::new().unwrap();
+    compile(&bench, &repository().join("tests/tests/plug_in/ill_plant.c"), "rotary_plant.so");
+    let file = rig(&bench, "ill = \"blocks-in-prepare\"", |text| text);
+    let child = bench.start(&["capture", "--rig", &file, "--duration-s", "3", "--no-viewer"]).unwrap();
+    bench.wait_for_process("rt-loop").unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    kill(Pid::from_raw(child.id().cast_signed()), Signal::SIGINT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    told_once(&String::from_utf8_lossy(&output.stderr), "does not come back from its preparation");
+    assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
 
 #[test]

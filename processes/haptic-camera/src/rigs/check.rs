@@ -2,6 +2,8 @@
 
 use archive::Capture;
 use comfy_table::{CellAlignment, Table, presets};
+use dynamics::Axis;
+use hal::RigFile;
 use serde::Serialize;
 
 use super::torque_run;
@@ -43,6 +45,8 @@ struct Checked {
     /// Time of the amplifier's watchdog as it was read back; `None` where the rig does not say.
     watchdog: Option<String>,
     channels: Vec<Reading>,
+    /// What in its file looks like another unit, or is counted twice, in sentences.
+    doubts: Vec<String>,
     /// What is amiss, in sentences.
     amiss: Vec<String>,
 }
@@ -57,12 +61,13 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let request = torque_run(&options.file, options.rate_hz, options.duration_s)?;
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: folder.path().to_owned() };
     let (archive, _) = rig_run::archive(request, &rig, "rig-check", &interrupted)?;
-    let found = check(&load::load(&archive)?.capture);
+    let mut found = check(&load::load(&archive)?.capture);
+    found.doubts.extend(doubts(&RigFile::load(&options.file)?)?);
     if !to_output(options.json.as_deref()) {
         tell(&found);
     }
     write_json(options.json.as_deref(), &found)?;
-    found.amiss.iter().for_each(remark);
+    found.doubts.iter().chain(&found.amiss).for_each(remark);
     Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
 }
 
@@ -116,9 +121,33 @@ fn check(capture: &Capture) -> Checked {
         read_after_us: after_us.map(|(mean_us, _)| mean_us),
         read_after_sd_us: after_us.map(|(_, deviation_us)| deviation_us),
         watchdog,
+        doubts: note("delay").into_iter().collect(),
         channels: [angle, torque].into_iter().chain(acceleration).collect(),
         amiss,
     }
+}
+
+/// Numbers of a rig that turns a knob which a slip of three places would make of usual ones: table and key, what is usual, and the unit.
+static USUAL: [(&str, &str, std::ops::RangeInclusive<f64>, &str); 4] = [
+    ("limits", "motor_torque_mnm", 5.0..=2e4, "mNm"),
+    ("limits", "speed_rad_s", 1.0..=1e3, "rad/s"),
+    ("watchdog", "timeout_s", 1e-3..=5.0, "s"),
+    ("calibration", "motor_inertia", 2e-4..=5.0, "mNm·s²/rad (1 g·cm² is 0.0001)"),
+];
+
+/// What in a rig's file looks like another unit, in sentences.
+fn doubts(file: &RigFile) -> anyhow::Result<Vec<String>> {
+    let values = [
+        file.limits.map(|limits| limits.motor_torque_mnm),
+        file.limits.map(|limits| limits.speed_rad_s),
+        file.watchdog.map(|watchdog| watchdog.timeout_s),
+        file.calibration()?.map(|calibration| calibration.motor_inertia),
+    ];
+    let odd = USUAL.iter().zip(values).filter_map(|((table, key, usual, unit), value)| {
+        let value = value.filter(|value| file.axis == Axis::Rotary && !usual.contains(value))?;
+        Some(format!("[{table}] {key} is {value}, which few rigs have: is it in {unit}?"))
+    });
+    Ok(odd.collect())
 }
 
 fn reading(channel: &'static str, unit: &'static str, values: &[f64]) -> Reading {

@@ -122,7 +122,7 @@ impl SupervisedRun {
     /// Whatever keeps the run from coming to its planned end, the operator too.
     pub(crate) fn complete(&self, interrupted: &AtomicBool) -> anyhow::Result<(PathBuf, Outcome)> {
         let Self { in_words, archive, .. } = self;
-        let end = self.take(interrupted)?.context("the control loop could not run")?;
+        let end = self.take(interrupted)?.ok_or(LoopSaidWhy)?;
         let folder = archive.parent().unwrap_or(archive).display();
         anyhow::ensure!(!end.interrupted, "stopped by the operator; what was captured so far is in {folder}");
         if let Some(fault) = end.fault_words() {
@@ -253,6 +253,11 @@ pub(crate) fn clear_shared_memory() {
         Err(error) => remark(error),
     }
 }
+
+/// The control loop did not run, and has told the operator why.
+#[derive(Debug, thiserror::Error)]
+#[error("the control loop could not run")]
+pub(crate) struct LoopSaidWhy;
 
 /// Waits until the loop is armed; `None` when it ended first, having said why.
 fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<LoopLink>> {

@@ -48,7 +48,9 @@ impl RigWords {
         let fault = Fault::from_code(status.fault)?;
         let reason = match (fault, status.device_code.cast_signed()) {
             (Fault::Apparatus, code) if code != 0 => ApparatusError::Device(code).reason(&self.codes),
-            (Fault::Apparatus | Fault::Sensor | Fault::Stale, _) => fault.to_string(),
+            (Fault::Apparatus | Fault::Sensor | Fault::Stale | Fault::Jump | Fault::Clock, _) => {
+                self.axis.words(&fault.to_string()).into_owned()
+            }
             _ => return Some(self.axis.words(&fault.to_string()).into_owned()),
         };
         Some(format!("the rig '{}': {reason}", self.name))

@@ -34,10 +34,10 @@ fn main() {
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of knobs")]
 fn inside(what: &str, drawn: impl Fn(u64, f64) -> (Model, Hand), knobs: f64, rate_hz: f64, cogging: &[Cogging]) {
+    let gains = passivity::firmness(rate_hz).gains;
     let (mut grown, mut given_out, mut guarded) = (0, Vec::new(), 0);
     for seed in 0..knobs as u64 {
         let (model, hand) = drawn(seed, rate_hz);
-        let gains = RenderGains::at_rate(rate_hz);
         let seen = passivity::behaviour_on(cogging, &model, gains, hand, rate_hz, seed);
         if passivity::grew(&seen) {
             grown += 1;

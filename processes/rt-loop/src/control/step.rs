@@ -9,6 +9,10 @@ use super::lowpass::ButterworthLowPass;
 use super::rendering::{Felt, RenderedModel, Renderer};
 use super::servo::{Servo, ServoGains};
 
+/// Jump forward of a rig's own clock against the ticks that no stall of a host makes, s; one that does not rise brings nothing new.
+const CLOCK_JUMP_S: f64 = 0.5;
+/// Times the rig's largest speed at which no knob turns between two readings.
+const JUMP_SPEEDS: f64 = 10.0;
 /// Edge of the published velocity's filter, Hz: the paper's 10th-order Butterworth.
 const VELOCITY_EDGE_HZ: f64 = 500.0;
 /// Its edge at most, as a share of the rate.
@@ -466,6 +470,9 @@ impl ControlState {
         self.unmeasured_ticks += elapsed_ticks;
         let before_s = self.newest.map_or(after_s, |newest| newest.after_s);
         let step_s = self.seconds(self.unmeasured_ticks) + (after_s - before_s);
+        if !is_stale && after_s - before_s > CLOCK_JUMP_S {
+            return Err(Fault::Clock);
+        }
         if is_stale || step_s <= 0.0 {
             self.stale_ticks = self.stale_ticks.saturating_add(1);
             self.stale_code = stale_code;
@@ -474,6 +481,11 @@ impl ControlState {
         (self.newest, self.unmeasured_ticks) = (Some(*measurement), 0);
         (self.stale_ticks, self.stale_code) = (0, 0);
         let before_rad = self.previous_angle_rad.unwrap_or(angle_rad);
+        let limits = &self.plan.limits;
+        let farthest_rad = limits.following_error_rad.max(JUMP_SPEEDS * limits.speed_rad_s * step_s);
+        if (angle_rad - before_rad).abs() > farthest_rad {
+            return Err(Fault::Jump);
+        }
         self.work += self.last_torque_mnm * (angle_rad - before_rad);
         self.track_velocity(angle_rad, step_s);
         Ok(self.newest)

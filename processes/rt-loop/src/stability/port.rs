@@ -175,7 +175,7 @@ impl Port {
     /// The lowest frequency at which a hand of the class could make it swing, Hz.
     #[must_use]
     pub fn first_unsafe_hz(&self, model: &LinearModel, hands: &Hands) -> Option<f64> {
-        frequencies_hz(self.rate_hz).find(|frequency_hz| {
+        self.frequencies_hz().find(|frequency_hz| {
             let omega = std::f64::consts::TAU * frequency_hz;
             let impedance = self.impedance(omega, model);
             // The softest grip that cancels what is mass-like, and what it dissipates at least.
@@ -186,15 +186,31 @@ impl Port {
                 && -impedance.im <= hands.inertia * omega
         })
     }
+
+    /// The frequencies that are looked at, Hz: in steps of 3 % up to half the rate, and of 0.5 % where rotor and gripper swing
+    /// against each other, beyond half the rate too.
+    ///
+    /// A resonance beyond half the rate is read, and fed back, as it is below: the loop's filters are periodic, and the hold
+    /// lets a share through. Next to that resonance the other frequencies that are read as the same one do not count.
+    fn frequencies_hz(&self) -> impl Iterator<Item = f64> {
+        let resonance_hz = |inverse_inertia: f64| {
+            let hz = (self.stiffness_mnm_rad * inverse_inertia).sqrt() / std::f64::consts::TAU;
+            hz.min(RIGID_HZ)
+        };
+        let loaded_hz = RESONANCE_MARGIN.recip() * resonance_hz(self.motor_inertia.recip());
+        let free_hz = RESONANCE_MARGIN * resonance_hz(self.motor_inertia.recip() + self.gripper_inertia.recip());
+        ladder(0.1, 0.5 * self.rate_hz, 1.03).chain(ladder(loaded_hz, free_hz, 1.005))
+    }
 }
 
-/// From 0.1 Hz to half the rate, forty to a decade and denser than any resonance of the loop is wide.
-fn frequencies_hz(rate_hz: f64) -> impl Iterator<Item = f64> {
-    let decades = (0.5 * rate_hz / 0.1).log10();
-    let steps = 80.0 * decades;
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred")]
-    let last = steps as u32;
-    (0..last).map(|step| 0.1 * 10_f64.powf(f64::from(step) / 80.0))
+/// Resonance from which on a torque sensor counts as rigid, Hz; a calibration that knows no stiffness has one far beyond.
+const RIGID_HZ: f64 = 20_000.0;
+/// By how much the calibration may be off a resonance.
+const RESONANCE_MARGIN: f64 = 1.1;
+
+/// From `first` to `last`, each so many times the one before.
+fn ladder(first: f64, last: f64, times: f64) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(first), move |value| Some(value * times)).take_while(move |value| *value < last)
 }
 
 /// A class of hands: every passive second-order grip within these limits, and no hand at all.

@@ -39,8 +39,21 @@ impl HeldKnob {
         rate_hz: f64,
         seed: u64,
     ) -> Self {
-        let nothing = Fixture::None.model().unwrap();
         let parameters = RigParameters { motor_cogging: cogging.to_vec(), ..RigParameters::default() };
+        Self::on(parameters, cogging, model, gains, hand, rate_hz, seed)
+    }
+
+    /// The same on a rig of other parameters, of whose motor this cogging is known.
+    pub fn on(
+        parameters: RigParameters,
+        cogging: &[Cogging],
+        model: &Model,
+        gains: RenderGains,
+        hand: Option<Hand>,
+        rate_hz: f64,
+        seed: u64,
+    ) -> Self {
+        let nothing = Fixture::None.model().unwrap();
         let mut rig = SimulatedRig::held(parameters, nothing, hand, seed).unwrap();
         rig.enable().unwrap();
         let mut calibration = rig.description().calibration.clone();

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs, reason = "a test may stop at a failure")]
 
+mod firmness;
 mod held_knob;
 mod numbers;
 mod passivity;

@@ -3,7 +3,7 @@
 use hal::Apparatus as _;
 use hal::simulated::{Cogging, Grip, Hand, Intention, RigParameters, SimulatedRig};
 use rt_loop::control::rendering::RenderGains;
-use rt_loop::stability::Bounds;
+use rt_loop::stability::{Bounds, Firmness, gains_for};
 
 use crate::held_knob::{HeldKnob, held_by_contact, held_by_springs};
 use crate::numbers::Numbers;
@@ -78,13 +78,17 @@ pub fn behaviour_on(
     seen
 }
 
-/// The bounds of the simulated rig.
-pub fn bounds(rate_hz: f64) -> Bounds {
+/// What the simulated rig renders at a rate, and under which gains.
+pub fn firmness(rate_hz: f64) -> Firmness {
     let nothing = dynamics::knobs::Fixture::None.model().unwrap();
     let rig = SimulatedRig::new(RigParameters::default(), nothing, 1).unwrap();
     let description = rig.description();
-    let gains = RenderGains::at_rate(rate_hz);
-    Bounds::of(&gains, &description.calibration, &description.limits, rate_hz)
+    gains_for(&description.calibration, &description.limits, rate_hz, 0.0).unwrap()
+}
+
+/// The bounds of the simulated rig.
+pub fn bounds(rate_hz: f64) -> Bounds {
+    firmness(rate_hz).bounds
 }
 
 /// A knob inside the bounds in a hand of the class, drawn by `seed`.

@@ -6,6 +6,7 @@ use hal::Apparatus as _;
 use hal::simulated::{Grip, Hand, Intention, RigParameters, SimulatedRig};
 use rt_loop::admission::Admission;
 use rt_loop::control::rendering::RenderGains;
+use rt_loop::stability::gains_for;
 
 use crate::held_knob::HeldKnob;
 
@@ -17,8 +18,8 @@ fn nearest_to_knob_5(rate_hz: f64) -> Model {
     let nothing = Fixture::None.model().unwrap();
     let rig = SimulatedRig::new(RigParameters::default(), nothing, 1).unwrap();
     let known = rig.description();
-    let gains = RenderGains::at_rate(rate_hz);
-    let admission = Admission::new(&gains, &known.calibration, &known.limits, rate_hz);
+    let bounds = gains_for(&known.calibration, &known.limits, rate_hz, 0.0).unwrap().bounds;
+    let admission = Admission::new(bounds, &known.calibration);
     admission.nearest(&paper_knob(5).unwrap()).unwrap().model
 }
 

@@ -48,8 +48,8 @@ impl RenderGains {
     /// these are rounded, and gains beside them were found safe too. The lead balances what remains of a spring's
     /// delay with what an inertia gets too much of it.
     ///
-    /// Below the slower of the two rates all frequencies come down with it. Whether anything can be rendered then is for
-    /// [`Bounds`](crate::stability::Bounds) to say, which compute it from calibration, rate and gains.
+    /// Below the slower of the two rates all frequencies come down with it. Whether that is enough on a rig is for
+    /// [`gains_for`](crate::stability::gains_for) to say.
     #[must_use]
     pub fn at_rate(rate_hz: f64) -> Self {
         let lead_s = 0.4 / rate_hz;
@@ -67,19 +67,30 @@ impl RenderGains {
                 slack: SLACK,
             }
         } else {
-            let slower = (rate_hz / MEDIUM_RATE_HZ).min(1.0);
-            Self {
-                stiffness_mnm_rad: slower * slower * 3_000.0,
-                damping: slower * 50.0,
+            let medium = Self {
+                stiffness_mnm_rad: 3_000.0,
+                damping: 50.0,
                 lead_s,
-                slow_edge_hz: slower * 30.0,
+                slow_edge_hz: 30.0,
                 slow_damping: 3.0,
                 place_edge_hz: slower * 100.0,
                 notch_hz: 1_050.0,
                 notch_depth: 0.07,
                 notch_width: 2.9,
                 slack: SLACK,
-            }
+            };
+            medium.slower((rate_hz / MEDIUM_RATE_HZ).min(1.0))
+        }
+    }
+
+    /// The same with all frequencies of the coupling so many times as high.
+    #[must_use]
+    pub fn slower(self, times: f64) -> Self {
+        Self {
+            stiffness_mnm_rad: times * times * self.stiffness_mnm_rad,
+            damping: times * self.damping,
+            slow_edge_hz: times * self.slow_edge_hz,
+            ..self
         }
     }
 }
