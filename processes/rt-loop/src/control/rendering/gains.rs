@@ -73,7 +73,7 @@ impl RenderGains {
                 lead_s,
                 slow_edge_hz: 30.0,
                 slow_damping: 3.0,
-                place_edge_hz: slower * 100.0,
+                place_edge_hz: 100.0,
                 notch_hz: 1_050.0,
                 notch_depth: 0.07,
                 notch_width: 2.9,
@@ -90,6 +90,7 @@ impl RenderGains {
             stiffness_mnm_rad: times * times * self.stiffness_mnm_rad,
             damping: times * self.damping,
             slow_edge_hz: times * self.slow_edge_hz,
+            place_edge_hz: times * self.place_edge_hz,
             ..self
         }
     }
