@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn names_carry_the_unit() {
         let kinds = dynamics::effects::ALL.iter().flat_map(|kind| kind.parameters);
-        let names: Vec<String> = kinds.map(|kind| macro_name(Axis::Rotary, kind)).collect();
+        let names: Vec<String> = kinds.map(|kind| macro_name(dynamics::Axis::Rotary, kind)).collect();
         for name in ["INERTIA_MNM_S2_PER_RAD", "COULOMB_NEGATIVE_MNM", "VISCOUS_POSITIVE_MNM_S_PER_RAD", "TABLE_SCALE"]
         {
             assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
