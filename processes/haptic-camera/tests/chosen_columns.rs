@@ -11,13 +11,14 @@ fn run(arguments: &[&str], folder: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(arguments).current_dir(folder).output().unwrap()
 }
 
-/// The columns of a capture as somebody else's table.
-fn foreign(capture: &Capture) -> String {
-    let mut text = "Zeit;Winkel;Moment\n".to_owned();
+/// Time, angle and torque of a capture as our own table and as somebody else's.
+fn tables(capture: &Capture) -> [String; 2] {
+    let [mut own, mut foreign] = ["t_s,angle_rad,torque_mnm\n", "Zeit;Winkel;Moment\n"].map(str::to_owned);
     for ((t_s, angle_rad), torque_mnm) in capture.t_s.iter().zip(&capture.angle_rad).zip(&capture.torque_mnm) {
-        writeln!(text, "{};{};{}", 1e3 * t_s, angle_rad.to_degrees(), 0.1 * torque_mnm).unwrap();
+        writeln!(own, "{t_s},{angle_rad},{torque_mnm}").unwrap();
+        writeln!(foreign, "{};{};{}", 1e3 * t_s, angle_rad.to_degrees(), 0.1 * torque_mnm).unwrap();
     }
-    text
+    [own, foreign]
 }
 
 #[test]
@@ -35,8 +36,9 @@ fn a_table_with_named_columns_is_fitted_diagnosed_and_exported_as_a_capture() {
         archives.next().unwrap()
     };
     let capture = Capture::load(&archive).unwrap();
-    capture.write_csv(&folder.path().join("own.csv")).unwrap();
-    std::fs::write(folder.path().join("bench.csv"), foreign(&capture)).unwrap();
+    for (name, text) in ["own.csv", "bench.csv"].iter().zip(tables(&capture)) {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
     let named = ["--columns", "angle=Winkel,torque=Moment,time=Zeit", "--units", "angle=deg,torque=Ncm,time=ms"];
     run(&["fit", "own.csv", "--json", "own.json"]);
     run(&[&["fit", "bench.csv", "--json", "bench.json"][..], &named].concat());

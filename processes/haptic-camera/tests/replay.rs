@@ -119,9 +119,16 @@ fn what_the_rig_cannot_render_is_refused_with_the_nearest_that_would_do() {
     let bristles =
         "[[effects]]\neffect = \"presliding-hysteresis\"\nbristle_deflection = 0.01\nbristle_damping = 0.0\n";
     assert!(tried("0.05", bristles).contains("'presliding-hysteresis' cannot be rendered"));
-    assert!(refused(folder, "3 --rate-hz 3000").contains("give --rate-hz 5000"));
     assert!(refused(folder, "7").contains("no shipped knob 7"));
     assert!(refused(folder, "3 --hand backwards").contains("no sweep 'backwards'"));
+}
+
+#[test]
+fn a_rate_at_which_the_rig_must_hold_the_model_softly_is_told_with_a_firmer_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = replay(folder.path(), "3 --rate-hz 3000 --duration-s 0.5");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && said.contains("--rate-hz 10000 holds it more firmly"), "{said}");
 }
 
 #[test]

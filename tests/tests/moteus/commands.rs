@@ -55,7 +55,7 @@ fn what_an_owner_captured_can_be_replayed_where_there_is_a_torque_sensor() {
     eprintln!("{}", printed(&output));
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
     let late =
-        |text: String| calibrated(text).replace("motor_viscous = 0.0", "motor_viscous = 0.0\ncommand_delay_s = 5e-3");
+        |text: String| calibrated(text).replace("motor_viscous = 0.0", "motor_viscous = 0.0\ncommand_delay_s = 9.5e-3");
     let file = rig(&bench, late);
     let output = bench
         .run(&["replay", "2", "--nearest", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"])
