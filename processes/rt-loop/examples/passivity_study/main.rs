@@ -18,6 +18,7 @@ mod random_knob;
 use dynamics::Model;
 use hal::simulated::{Cogging, Hand};
 use rt_loop::control::rendering::RenderGains;
+use rt_loop::stability::Firmness;
 
 fn main() {
     let argument =
@@ -34,7 +35,10 @@ fn main() {
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of knobs")]
 fn inside(what: &str, drawn: impl Fn(u64, f64) -> (Model, Hand), knobs: f64, rate_hz: f64, cogging: &[Cogging]) {
-    let gains = passivity::firmness(rate_hz).gains;
+    let Some(Firmness { gains, .. }) = passivity::firmness(rate_hz) else {
+        println!("the rig renders nothing at {rate_hz} Hz");
+        return;
+    };
     let (mut grown, mut given_out, mut guarded) = (0, Vec::new(), 0);
     for seed in 0..knobs as u64 {
         let (model, hand) = drawn(seed, rate_hz);

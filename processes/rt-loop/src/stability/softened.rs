@@ -19,6 +19,8 @@ pub struct Firmness {
 
 /// Step from one share to the next.
 const STEP: f64 = 0.95;
+/// Softest coupling as a share of the usual stiffness: a softer one renders another knob, and one that a hand swings more easily.
+const SOFTEST: f64 = 0.1;
 /// Rate whose gains are the softest that are tried, Hz: the slowest at which anything is captured.
 const SOFTEST_RATE_HZ: f64 = 500.0;
 
@@ -32,7 +34,7 @@ const SOFTEST_RATE_HZ: f64 = 500.0;
 pub fn gains_for(calibration: &Calibration, limits: &Limits, rate_hz: f64, later_s: f64) -> Option<Firmness> {
     let [usual, softest] = [rate_hz, SOFTEST_RATE_HZ].map(RenderGains::at_rate);
     std::iter::successors(Some(1.0), |share| Some(STEP * share))
-        .take_while(|share| share * usual.damping >= softest.damping)
+        .take_while(|share| share * share >= SOFTEST && share * usual.damping >= softest.damping)
         .map(|share| {
             let gains = usual.slower(share).on(calibration.axis);
             Firmness { gains, bounds: Bounds::of(&gains, calibration, limits, rate_hz).delayed(later_s), share }

@@ -78,17 +78,17 @@ pub fn behaviour_on(
     seen
 }
 
-/// What the simulated rig renders at a rate, and under which gains.
-pub fn firmness(rate_hz: f64) -> Firmness {
+/// What the simulated rig renders at a rate, and under which gains; `None` where it holds nothing firmly enough.
+pub fn firmness(rate_hz: f64) -> Option<Firmness> {
     let nothing = dynamics::knobs::Fixture::None.model().unwrap();
     let rig = SimulatedRig::new(RigParameters::default(), nothing, 1).unwrap();
     let description = rig.description();
-    gains_for(&description.calibration, &description.limits, rate_hz, 0.0).unwrap()
+    gains_for(&description.calibration, &description.limits, rate_hz, 0.0)
 }
 
 /// The bounds of the simulated rig.
 pub fn bounds(rate_hz: f64) -> Bounds {
-    firmness(rate_hz).bounds
+    firmness(rate_hz).unwrap().bounds
 }
 
 /// A knob inside the bounds in a hand of the class, drawn by `seed`.
