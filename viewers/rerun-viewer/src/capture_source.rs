@@ -94,6 +94,7 @@ impl Source for CaptureSource {
             return Ok(());
         }
         if self.next_row == 0 {
+            take_in(Event::Axis(self.capture.axis));
             let text = capture_summary::markdown(&self.capture, &self.fit);
             take_in(Event::Text(&self.capture.axis.words(&text)));
         }

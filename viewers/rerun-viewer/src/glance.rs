@@ -80,9 +80,8 @@ pub struct ProcessAtAGlance {
 
 impl Glance {
     /// The figures of these facts, of a run that rerun knows as `recording`.
-    pub fn of(facts: &Facts<'_>, recording: Option<String>, finished: bool) -> Self {
+    pub fn of(facts: &Facts<'_>, axis: Axis, recording: Option<String>, finished: bool) -> Self {
         let reading = facts.newest.as_ref();
-        let axis = facts.description.map(|run| run.axis).unwrap_or_default();
         let decimals = if axis.is_rotary() { [2, 1, 1] } else { [2, 1, 3] };
         let values = reading.map(|reading| [reading.angle_rad, reading.velocity_rad_s, reading.torque_mnm]);
         let names = ["angle, rad", "velocity, rad/s", "torque, mNm"].into_iter().enumerate();

@@ -45,6 +45,8 @@ const TABS_PERIOD: Duration = Duration::from_millis(5_000);
 pub struct Picture {
     run_id: Option<u64>,
     description: Option<RunDescription>,
+    /// Whether what is shown turns, once that is known.
+    axis: Option<Axis>,
     status: Option<LoopStatus>,
     fit: Option<FitUpdate>,
     fit_is_new: bool,
@@ -87,6 +89,7 @@ impl Default for Picture {
         Self {
             run_id: None,
             description: None,
+            axis: None,
             rendered: None,
             status: None,
             fit: None,
@@ -135,9 +138,9 @@ impl Picture {
         described.or(self.status.map(|status| status.rate_hz)).filter(|rate_hz| *rate_hz > 0.0)
     }
 
-    /// Whether the rig turns, once the run has told it.
+    /// Whether the rig turns, once the run or the capture has told it.
     pub fn axis(&self) -> Option<Axis> {
-        self.description.as_ref().map(|description| description.axis)
+        self.axis
     }
 
     /// Whether the run has ended and all of it was taken in.
@@ -151,8 +154,10 @@ impl Picture {
             Event::Description(description) => {
                 self.turn_to_run(description.run_id);
                 self.calibration = calibration(description);
+                self.axis = Some(description.axis);
                 self.description = Some(description.clone());
             }
+            Event::Axis(axis) => self.axis = Some(axis),
             Event::Status(status) => {
                 self.turn_to_run(status.run_id);
                 self.status = Some(*status);
@@ -367,7 +372,7 @@ impl Picture {
     /// What is to be read from two metres.
     pub fn glance(&self, frames_dropped: u64) -> Glance {
         let recording = self.run_id.map(entities::recording);
-        Glance::of(&self.facts(frames_dropped), recording, self.finished())
+        Glance::of(&self.facts(frames_dropped), self.axis.unwrap_or_default(), recording, self.finished())
     }
 
     fn facts(&self, frames_dropped: u64) -> summary::Facts<'_> {

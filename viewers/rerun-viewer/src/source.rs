@@ -1,5 +1,6 @@
 //! Where samples, fits and health come from.
 
+use dynamics::Axis;
 use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
 
 use crate::model_torque::KnobModel;
@@ -37,6 +38,8 @@ pub struct ModelTorque {
 pub enum Event<'a> {
     /// What the run is.
     Description(&'a RunDescription),
+    /// Whether a capture's axis turns.
+    Axis(Axis),
     /// Consecutive samples of a run.
     Samples {
         /// Identity of the run.
