@@ -16,6 +16,7 @@ use crate::arrow::{self, ArrayCapsules};
 use crate::columns::view;
 use crate::convert::{Column, json, not_pickled, to_dict};
 use crate::error::{Error, raised};
+use crate::interruptible::interruptible;
 use crate::model::Model;
 use crate::sheet::choice;
 
@@ -60,7 +61,7 @@ pub(crate) fn read(
     units: Option<Bound<'_, PyDict>>,
 ) -> PyResult<Capture> {
     let choice = choice(columns, units)?;
-    let loaded = py.detach(|| LoadedCapture::load_chosen(&path, choice.as_ref())).map_err(raised)?;
+    let loaded = interruptible(py, move || LoadedCapture::load_chosen(&path, choice.as_ref()))?.map_err(raised)?;
     Ok(Capture { loaded: Arc::new(loaded) })
 }
 

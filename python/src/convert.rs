@@ -15,6 +15,7 @@ use serde::Serialize;
 
 use crate::capture::Capture;
 use crate::error::{Error, raised};
+use crate::interruptible::interruptible;
 use crate::model::Model;
 
 /// A capture, or the path of one.
@@ -39,7 +40,7 @@ impl CaptureOrPath {
     pub(crate) fn loaded(self, py: Python<'_>) -> PyResult<Arc<LoadedCapture>> {
         match self {
             Self::Capture(capture) => Ok(Arc::clone(&capture.get().loaded)),
-            Self::Path(path) => py.detach(|| LoadedCapture::load(&path)).map(Arc::new).map_err(raised),
+            Self::Path(path) => interruptible(py, move || LoadedCapture::load(&path))?.map(Arc::new).map_err(raised),
         }
     }
 }

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::Duration;
 
 use analysis::{AnalysisError, ToldDiagnosis, diagnosed_model, refuse_drawn};
 use identification::diagnosis;
@@ -17,10 +16,8 @@ use report::{DiagnosisPage, FigureNumbers};
 
 use crate::convert::{CaptureOrPath, ModelOrName, framed, json, not_pickled, save_page, to_dict};
 use crate::error::raised;
+use crate::interruptible::BETWEEN_LOOKS;
 use crate::model::Model;
-
-/// Longest time without a look at Ctrl-C.
-const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
 /// How far a diagnosis has come.
 #[pyclass(frozen, get_all, module = "haptic_camera")]

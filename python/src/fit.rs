@@ -16,6 +16,7 @@ use crate::convert::{
     CaptureOrPath, OneOrMore, framed, json_on, name_and_unit_on, not_pickled, save_page, to_dict, told,
 };
 use crate::error::{Error, raised};
+use crate::interruptible::interruptible;
 use crate::model::Model;
 
 /// A fitted parameter, or the reason why the data cannot tell it.
@@ -81,6 +82,8 @@ pub(crate) struct Fit {
 /// ------
 /// Error
 ///     If nothing can be told; what only some parameters lack is their ``reason``.
+/// KeyboardInterrupt
+///     At Ctrl-C.
 #[pyfunction]
 #[pyo3(signature = (captures, *, preparation="automatic"))]
 pub(crate) fn fit(py: Python<'_>, captures: OneOrMore<CaptureOrPath>, preparation: &str) -> PyResult<Fit> {
@@ -95,8 +98,8 @@ pub(crate) fn fit(py: Python<'_>, captures: OneOrMore<CaptureOrPath>, preparatio
     }
     let mut each = Vec::with_capacity(captures.len());
     for capture in &captures {
-        each.push(py.detach(|| analysis::fit(capture, method)).map_err(raised)?);
-        py.check_signals()?;
+        let capture = Arc::clone(capture);
+        each.push(interruptible(py, move || analysis::fit(&capture, method))?.map_err(raised)?);
     }
     let average = if each.len() > 1 { py.detach(|| identification::average(&each)) } else { None };
     Ok(Fit { captures, each, average })

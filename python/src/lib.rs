@@ -10,6 +10,7 @@ mod convert;
 mod diagnosis;
 mod error;
 mod fit;
+mod interruptible;
 mod judgement;
 mod model;
 mod row;

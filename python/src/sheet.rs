@@ -10,6 +10,7 @@ use shared_types::Axis;
 
 use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not_pickled, save_page, to_dict, told};
 use crate::error::{Error, raised};
+use crate::interruptible::interruptible;
 
 /// A figure of a data sheet, or the reason why the curve does not tell it.
 #[pyclass(frozen, eq, get_all, new = "from_fields", module = "haptic_camera")]
@@ -114,7 +115,8 @@ fn assignments(given: &Bound<'_, PyDict>) -> PyResult<Assignments> {
 
 impl Sheet {
     pub(crate) fn of(py: Python<'_>, sources: Vec<CaptureOrPath>, choice: Option<&ColumnChoice>) -> PyResult<Self> {
-        py.detach(|| {
+        let choice = choice.cloned();
+        interruptible(py, move || {
             let (mut all, mut files): (Vec<Curve>, Vec<PathBuf>) = Default::default();
             for source in sources {
                 match source {
@@ -124,13 +126,13 @@ impl Sheet {
                     }
                     CaptureOrPath::Path(path) => {
                         let found = curve_files(&[path]).map_err(raised)?;
-                        all.extend(curves(&found, choice).map_err(raised)?);
+                        all.extend(curves(&found, choice.as_ref()).map_err(raised)?);
                         files.extend(found);
                     }
                 }
             }
             Ok(Self { sheet: ::sheet::Sheet::of(&all).map_err(raised)?, files })
-        })
+        })?
     }
 
     /// The file or folder that the part is called by.

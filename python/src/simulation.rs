@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use crate::capture::Capture;
 use crate::convert::{CaptureOrPath, ModelOrName};
 use crate::error::{Error, raised};
+use crate::interruptible::interruptible;
 
 /// Simulate a model along a capture's motion, or under its torque.
 ///
@@ -36,6 +37,6 @@ pub(crate) fn simulate(py: Python<'_>, model: ModelOrName, motion: CaptureOrPath
         other => return Err(Error::new_err(format!("there is no drive '{other}'; give \"motion\" or \"torque\""))),
     };
     let (model, like) = (model.model()?, motion.loaded(py)?);
-    let simulated = py.detach(|| analysis::simulate(&model, &like, drive)).map_err(raised)?;
+    let simulated = interruptible(py, move || analysis::simulate(&model, &like, drive))?.map_err(raised)?;
     Ok(Capture::of(simulated.capture))
 }

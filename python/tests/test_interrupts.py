@@ -1,4 +1,4 @@
-"""A diagnosis can be ended from Python."""
+"""Work can be ended from Python."""
 
 import signal
 import threading
@@ -39,3 +39,10 @@ def test_the_interpreter_goes_on_while_a_diagnosis_is_made(captures: list[hc.Cap
         counted += 1
     worker.join()
     assert counted > 10
+
+
+def test_ctrl_c_ends_a_fit(captures: list[hc.Capture]) -> None:
+    timer = threading.Timer(0.005, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        hc.fit([captures[0]] * 100)

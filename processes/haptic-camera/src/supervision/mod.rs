@@ -86,9 +86,10 @@ pub(crate) fn claim_archive(out: &Path, knob: &str, before: &str) -> anyhow::Res
 
 /// What an archive is called: a name that sorts by time, the operator's, and says what was on the rig, a knob's number or file.
 pub(crate) fn archive_stem(knob: &str, before: &str) -> String {
-    let knob = Path::new(knob).file_stem().map_or_else(String::new, |stem| {
-        stem.to_string_lossy().chars().map(|letter| if letter.is_alphanumeric() { letter } else { '-' }).collect()
-    });
+    let file = Path::new(knob).file_name().unwrap_or_default().to_string_lossy();
+    // A name such as `v1.5` has no ending.
+    let name = file.strip_suffix(".toml").unwrap_or(&file);
+    let knob: String = name.chars().map(|letter| if letter.is_alphanumeric() { letter } else { '-' }).collect();
     let knob = if knob.parse::<u32>().is_ok() { format!("knob-{knob}") } else { knob };
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
     format!("{time}-{before}{knob}")
