@@ -29,6 +29,10 @@ const FINEST: f64 = 1.02;
 const STARTED: usize = 3;
 /// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
 const HOPELESS: f64 = 0.95;
+/// Further starts that are refined where the best of those still leaves much, …
+const FURTHER: usize = 14;
+/// … but less than this share of the squares without a coupling.
+const PARTIAL: f64 = 0.75;
 /// A gap this close to the floor is closed, in floors.
 pub(crate) const CLOSED: f64 = 1.12;
 /// A fit that leaves more than this may lack a stick limit, in floors.
@@ -147,17 +151,42 @@ pub(crate) fn coupled<'a>(
     let fits = Nonlinear::all(&structures, train).into_iter();
     let mut starts: Vec<(f64, f64, Nonlinear<'_>)> =
         fits.map(|fit| (fit.slow_squares(SLOW), fit.squares(), fit)).collect();
-    // The best starts on slow motion, and the best on the whole band among the others.
+    // The best starts on slow motion, then the best on the whole band among the others.
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let first = starts.len().min(STARTED);
     starts[first..].sort_by(|a, b| a.1.total_cmp(&b.1));
-    starts.truncate(2 * STARTED);
-    let present = Nonlinear::new(unskewed, train).slow_squares(SLOW);
-    let mut slow = on_both_cores(&starts, |(_, _, start)| {
+    let starts: Vec<Nonlinear<'_>> = starts.into_iter().map(|(_, _, fit)| fit).collect();
+    let (first, others) = starts.split_at(starts.len().min(2 * STARTED));
+    let present = Nonlinear::new(unskewed, train);
+    let mut best = best_of(first, &present, None, [train, heldout]);
+    // A fit that explains much and leaves much may stand in a neighbouring valley.
+    let in_a_neighbouring_valley = |(judged, fit): &(Judged, Nonlinear<'_>)| {
+        judged.train_over_floor() > OPEN && fit.squares() < PARTIAL * present.squares()
+    };
+    if best.as_ref().is_some_and(in_a_neighbouring_valley) {
+        best = best_of(&others[..others.len().min(FURTHER)], &present, best, [train, heldout]);
+    }
+    let (judged, fit) = best?;
+    if effort == Effort::Short || judged.train_over_floor() < OPEN {
+        return Some(judged);
+    }
+    let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
+    stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+}
+
+/// The best of the fits from `starts` and the `best` so far; ends at the first fit that leaves no more than noise.
+fn best_of<'a>(
+    starts: &[Nonlinear<'a>],
+    present: &Nonlinear<'_>,
+    mut best: Option<(Judged, Nonlinear<'a>)>,
+    [train, heldout]: [&'a Capture; 2],
+) -> Option<(Judged, Nonlinear<'a>)> {
+    let hopeless = HOPELESS * present.slow_squares(SLOW);
+    let mut slow = on_both_cores(starts, |start| {
         let mut fit = start.clone();
         fit.refine_slow();
         let left = fit.slow_squares(SLOW);
-        (left < HOPELESS * present).then_some((left, fit))
+        (left < hopeless).then_some((left, fit))
     });
     slow.sort_by(|a, b| a.0.total_cmp(&b.0));
     // What other starts led to as well need not be refined twice.
@@ -170,7 +199,6 @@ pub(crate) fn coupled<'a>(
             fit
         })
     };
-    let mut best: Option<(Judged, Nonlinear<'_>)> = None;
     let mut next = begun(slow.next());
     while let Some(mut fit) = next {
         let after = slow.next();
@@ -188,12 +216,7 @@ pub(crate) fn coupled<'a>(
             break;
         }
     }
-    let (judged, fit) = best?;
-    if effort == Effort::Short || judged.train_over_floor() < OPEN {
-        return Some(judged);
-    }
-    let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
-    stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+    best
 }
 
 /// Where the measured torque tells the twist of a shaft, the best values for it, found without simulation by going
