@@ -4,7 +4,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use dynamics::{Axis, Effect, Model, Motion, effects};
 
-use crate::characteristic::MeasuredCurve;
+use crate::regression::characteristic::MeasuredCurve;
 
 /// A fitted parameter, or the reason why the data cannot tell it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

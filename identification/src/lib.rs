@@ -23,53 +23,31 @@
 //! [`live::LiveFit`] does the same to a stream. [`average()`] makes one model of several captures,
 //! [`calibration`] finds out what is known of a rig, and [`checks`] looks at a capture without a fit.
 
-mod angle_spectrum;
 mod average;
-mod bends;
 pub mod calibration;
-mod central_differences;
-mod characteristic;
 pub mod checks;
 mod detents;
 pub mod diagnosis;
-mod encoder_step;
 mod estimate;
-pub mod filter;
 mod fit;
-mod fixed_preparation;
-mod fourier;
-mod frame;
-mod fusion;
-mod held_out;
 mod karnopp;
-mod knob_motion;
-mod least_squares;
-mod leverage;
 pub mod live;
-mod long_run;
-mod misfit;
-mod motion;
+mod numerics;
 mod options;
-mod paper_preparation;
-mod problem;
+mod preparation;
 mod quasi_static;
-mod report;
+mod regression;
 mod samples;
-mod sampling;
-mod saturation;
-mod scan;
-mod sensor_noise;
-mod spectrum;
-pub mod statistics;
-mod time_order;
-mod uniform;
-mod vector;
+mod uncertainty;
 
 pub use average::{Agreement, Average, Repeatability, Told, average};
-pub use characteristic::{CharacteristicPoint, MeasuredCurve};
-pub use encoder_step::encoder_step;
+pub use regression::characteristic::{CharacteristicPoint, MeasuredCurve};
+
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
-pub use knob_motion::knob_motion;
 pub use options::{AccelerationUse, FitOptions, PreparationMethod};
+pub use preparation::encoder_step::encoder_step;
+pub use preparation::filter;
+pub use preparation::knob_motion::knob_motion;
 pub use samples::{FEWEST_SAMPLES, FitError, Samples};
+pub use uncertainty::statistics;

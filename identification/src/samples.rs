@@ -1,7 +1,7 @@
 //! The samples of a capture, and why they may not do.
 
-use crate::uniform::typical_step;
-use crate::vector;
+use crate::numerics::vector;
+use crate::preparation::uniform::typical_step;
 
 /// A capture's columns, borrowed. All have one length.
 #[derive(Clone, Copy, Debug)]

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use dynamics::{Effect, Model, effects};
 
 use crate::estimate::{Covariance, Fit, Parameter, Parameters};
-use crate::statistics::NORMAL_95;
+use crate::uncertainty::statistics::NORMAL_95;
 use observation::Observation;
 
 pub use repeatability::{Repeatability, Told};

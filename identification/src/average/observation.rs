@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::position;
 use super::reference::{PERIOD, PHASE};
 use crate::estimate::{Fit, Parameter};
-use crate::statistics::NORMAL_95;
+use crate::uncertainty::statistics::NORMAL_95;
 
 /// Parameters that a capture told, in their own order.
 #[derive(Clone, Debug)]

@@ -18,11 +18,11 @@ use super::friction::motors_share_mnm;
 use super::regression::Band;
 use crate::Samples;
 use crate::estimate::Harmonic;
-use crate::motion::gradient;
+use crate::preparation::motion::gradient;
+use crate::preparation::uniform::{Uniform, whole};
 use crate::quasi_static;
 use crate::samples::{FEWEST_SAMPLES, span};
-use crate::statistics::median;
-use crate::uniform::{Uniform, whole};
+use crate::uncertainty::statistics::median;
 
 /// Band in which torque is compared with angle, Hz: well below the resonance of rotor and gripper.
 const EDGE_HZ: f64 = 200.0;

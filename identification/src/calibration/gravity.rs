@@ -14,9 +14,9 @@ use dynamics::Calibration;
 use super::estimate::{CalibrateError, Calibrated, Estimate};
 use super::regression::Band;
 use crate::Samples;
-use crate::motion::gradient;
+use crate::preparation::motion::gradient;
+use crate::preparation::uniform::Uniform;
 use crate::samples::span;
-use crate::uniform::Uniform;
 
 /// Band of the comparison, Hz: above whatever a slow turn does, below where the encoder gets noisy.
 const EDGE_HZ: f64 = 40.0;

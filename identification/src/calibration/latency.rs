@@ -17,9 +17,9 @@ use super::estimate::{CalibrateError, Calibrated, Estimate};
 use super::gravity::knob_angle;
 use super::regression::{Band, Solved};
 use crate::Samples;
-use crate::motion::gradient;
-use crate::spectrum::Spectrum;
-use crate::uniform::{Uniform, advance};
+use crate::preparation::motion::gradient;
+use crate::preparation::spectrum::Spectrum;
+use crate::preparation::uniform::{Uniform, advance};
 
 /// The band reaches to this multiple of the frequency below which the motion's power lies …
 const EDGE_PER_SWEEP: f64 = 1.5;

@@ -2,11 +2,11 @@
 
 use nalgebra::DMatrix;
 
-use crate::filter::butterworth_low_pass;
-use crate::least_squares::{LeastSquares, RobustCovariance};
-use crate::motion::ROWS_PER_EDGE;
-use crate::statistics::{MEDIAN_MAGNITUDE, median, rms, student_95};
-use crate::uniform::whole;
+use crate::preparation::filter::butterworth_low_pass;
+use crate::preparation::motion::ROWS_PER_EDGE;
+use crate::preparation::uniform::whole;
+use crate::regression::least_squares::{LeastSquares, RobustCovariance};
+use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, median, rms, student_95};
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.

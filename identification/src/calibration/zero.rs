@@ -4,7 +4,7 @@ use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_at_rest};
 use crate::samples::span;
-use crate::statistics::student_95;
+use crate::uncertainty::statistics::student_95;
 
 /// Travel up to which the rig counts as at rest, rad.
 const REST_RAD: f64 = 2e-3;

@@ -2,8 +2,8 @@
 
 use dynamics::{Calibration, Direction};
 
+use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples};
-use crate::uniform::typical_step;
 
 /// Shortest rest before a breakaway, s.
 const REST_S: f64 = 0.020;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::profile::{BINS_PER_TURN, Profile};
 use crate::samples::{FitError, Samples, span};
-use crate::statistics::student_95;
+use crate::uncertainty::statistics::student_95;
 
 /// Agreement of the two directions' torques over angle from which they show detents, as a correlation.
 const REPEATS: f64 = 0.5;

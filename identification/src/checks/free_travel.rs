@@ -3,8 +3,8 @@
 use dynamics::Calibration;
 
 use super::breakaway::knob_angles;
+use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples};
-use crate::uniform::typical_step;
 
 /// Time over which torque and angle are averaged, s.
 const BIN_S: f64 = 0.005;

@@ -6,7 +6,7 @@ use dynamics::Direction;
 
 use super::series::{bridged, centred, longest_run, smoothed, without_shocks};
 use crate::samples::{Samples, span};
-use crate::statistics::median;
+use crate::uncertainty::statistics::median;
 
 /// Bins of angle in one turn: a detent needs some ten of them.
 pub(super) const BINS_PER_TURN: f64 = 1440.0;

@@ -1,6 +1,6 @@
 //! Bins in a row: holes bridged, shocks and slopes taken out.
 
-use crate::statistics::median;
+use crate::uncertainty::statistics::median;
 
 /// Bins over which the torque's median is taken, so that single shocks do not count.
 const MEDIAN_OF: usize = 5;

@@ -9,16 +9,16 @@ use rand_xoshiro::rand_core::SeedableRng as _;
 
 use super::periodogram::periodogram;
 use super::structure::Structure;
-use crate::filter::Fir;
-use crate::frame::Frame;
-use crate::least_squares::dot;
-use crate::motion::{Band, KnobMotion, gradient, scatter};
 use crate::options::AccelerationUse;
+use crate::preparation::filter::Fir;
+use crate::preparation::frame::Frame;
+use crate::preparation::motion::{Band, KnobMotion, gradient, scatter};
+use crate::preparation::sensor_noise::SensorNoise;
+use crate::preparation::uniform::Uniform;
 use crate::quasi_static::SlowMotion;
+use crate::regression::least_squares::dot;
 use crate::samples::{FitError, Samples, span};
-use crate::sensor_noise::SensorNoise;
-use crate::statistics::{median, quantile, rms};
-use crate::uniform::Uniform;
+use crate::uncertainty::statistics::{median, quantile, rms};
 
 /// Upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
 const EDGE_HZ: f64 = 200.0;

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use dynamics::{Coordinate, effects};
+use rayon::prelude::*;
 
-use super::both_cores::on_both_cores;
 use super::capture::Capture;
 use super::findings::Characteristic;
 use super::judged::Judged;
@@ -14,9 +14,9 @@ use super::separable::Separable;
 use super::verdict::LEFT;
 use super::worth::{FALSE_DISCOVERIES, takes_its_part};
 use super::{normal, placebo};
-use crate::characteristic::{CharacteristicPoint, Spline, held};
-use crate::least_squares::LeastSquares;
-use crate::statistics::{false_discovery_rate, student_95};
+use crate::regression::characteristic::{CharacteristicPoint, Spline, held};
+use crate::regression::least_squares::LeastSquares;
+use crate::uncertainty::statistics::{false_discovery_rate, student_95};
 
 /// Points of a spline that are tried: a scratch over a twentieth of the travel needs many.
 const POINTS: [u16; 4] = [8, 16, 32, 64];
@@ -105,12 +105,11 @@ impl Search<'_> {
         let mut splines = all_splines(self.train);
         let name_is_new = |spline: &Spline| current.structure.position(spline.kind.name).is_none();
         splines.retain(name_is_new);
-        let indices: Vec<usize> = (0..splines.len()).collect();
-        let tried = on_both_cores(&indices, |index| {
-            let spline = &splines[*index];
+        let settled = splines.par_iter().enumerate().filter_map(|(index, spline)| {
             let effect = spline.effect(&torques_mnm(spline, &present, self.train))?;
-            Some((*index, self.settled(current.structure.with(effect, 1))))
+            Some((index, self.settled(current.structure.with(effect, 1))))
         });
+        let tried: Vec<(usize, Judged)> = settled.collect();
         let p_values: Vec<f64> = tried.iter().map(|(_, judged)| judged.heldout_p_value(current)).collect();
         let mut best: Vec<(&(usize, Judged), f64)> = tried
             .iter()

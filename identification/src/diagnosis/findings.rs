@@ -6,7 +6,7 @@ use dynamics::Model;
 use dynamics::simulate::RigMotor;
 
 use super::locate::Location;
-use crate::characteristic::CharacteristicPoint;
+use crate::regression::characteristic::CharacteristicPoint;
 
 /// What is missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

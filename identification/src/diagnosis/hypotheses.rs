@@ -2,8 +2,8 @@
 
 use dynamics::effects::{self, cogging};
 use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part};
+use rayon::prelude::*;
 
-use super::both_cores::{on_both_cores, side_by_side};
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
@@ -13,8 +13,8 @@ use super::sticking;
 use super::structure::Structure;
 use super::twist;
 use super::worth::WORTHWHILE;
-use crate::least_squares::dot;
-use crate::vector::subtract;
+use crate::numerics::vector::subtract;
+use crate::regression::least_squares::dot;
 
 /// Starts of a separable hypothesis that are refined.
 const REFINED: usize = 2;
@@ -182,12 +182,13 @@ fn best_of<'a>(
     [train, heldout]: [&'a Capture; 2],
 ) -> Option<(Judged, Nonlinear<'a>)> {
     let hopeless = HOPELESS * present.slow_squares(SLOW);
-    let mut slow = on_both_cores(starts, |start| {
+    let refined = starts.par_iter().filter_map(|start| {
         let mut fit = start.clone();
         fit.refine_slow();
         let left = fit.slow_squares(SLOW);
         (left < hopeless).then_some((left, fit))
     });
+    let mut slow: Vec<(f64, Nonlinear<'_>)> = refined.collect();
     slow.sort_by(|a, b| a.0.total_cmp(&b.0));
     // What other starts led to as well need not be refined twice.
     slow.dedup_by(|later, sooner| later.0 < (1.0 + ALIKE) * sooner.0 && later.1.is_like(&sooner.1, ALIKE));
@@ -206,7 +207,7 @@ fn best_of<'a>(
             next = begun(after);
             continue;
         }
-        ((), next) = side_by_side(|| fit.refine(), || begun(after));
+        ((), next) = rayon::join(|| fit.refine(), || begun(after));
         let judged = Judged::nonlinear(&fit, train, heldout);
         let is_closed = judged.train_over_floor() < CLOSED;
         if best.as_ref().is_none_or(|(_, best)| fit.squares() < best.squares()) {
@@ -228,7 +229,7 @@ fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train:
     };
     let squares = |effect: &Effect| shaft(effect).map_or(f64::INFINITY, |shaft| twist::squares(base, &shaft, train).0);
     effects.first().and_then(shaft)?;
-    let starts = on_both_cores(effects, |effect| Some((squares(effect), *effect)));
+    let starts: Vec<(f64, Effect)> = effects.par_iter().map(|effect| (squares(effect), *effect)).collect();
     let (mut least, mut best) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut ratio = COARSEST;
     while ratio > FINEST {
@@ -239,7 +240,7 @@ fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train:
                 tried.values_mut()[search.parameter] *= factor;
                 (squares(&tried), tried)
             };
-            let (up, down) = side_by_side(|| at(ratio), || at(1.0 / ratio));
+            let (up, down) = rayon::join(|| at(ratio), || at(1.0 / ratio));
             if let Some(better) = [up, down].into_iter().find(|(there, _)| *there < least) {
                 ((least, best), moved) = (better, true);
             }

@@ -6,8 +6,8 @@ use super::capture::Capture;
 use super::findings::Value;
 use super::nonlinear::Nonlinear;
 use super::structure::Structure;
-use crate::least_squares::{LeastSquares, RobustCovariance};
-use crate::statistics::student_95;
+use crate::regression::least_squares::{LeastSquares, RobustCovariance};
+use crate::uncertainty::statistics::student_95;
 
 /// Values with intervals of each effect of a structure that was fitted to a capture.
 ///

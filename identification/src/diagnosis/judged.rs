@@ -5,8 +5,8 @@ use super::nonlinear::{self, Nonlinear};
 use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
-use crate::least_squares::dot;
-use crate::statistics::student_above;
+use crate::regression::least_squares::dot;
+use crate::uncertainty::statistics::student_above;
 
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;

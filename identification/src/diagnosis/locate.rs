@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use super::capture::Capture;
 use super::periodogram::periodogram;
 use super::structure::Structure;
-use crate::least_squares::dot;
-use crate::statistics::{false_discovery_rate, median, student_above};
+use crate::regression::least_squares::dot;
+use crate::uncertainty::statistics::{false_discovery_rate, median, student_above};
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;

@@ -1,6 +1,5 @@
 //! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
 
-mod both_cores;
 mod capture;
 mod characteristic;
 mod commanded;

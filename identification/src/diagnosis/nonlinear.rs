@@ -6,13 +6,13 @@
 
 use dynamics::{Minimum, Model, Part};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
-use super::both_cores::{on_both_cores, side_by_side};
 use super::capture::Capture;
 use super::structure::{Searched, Structure};
-use crate::filter::Fir;
-use crate::least_squares::dot;
-use crate::uniform::whole;
+use crate::preparation::filter::Fir;
+use crate::preparation::uniform::whole;
+use crate::regression::least_squares::dot;
 
 /// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in
 /// each.
@@ -100,13 +100,12 @@ impl<'a> Nonlinear<'a> {
 
     /// Those of several structures.
     pub(crate) fn all(structures: &[Structure], capture: &'a Capture) -> Vec<Self> {
-        let groups: Vec<&[Structure]> = structures.chunks(TOGETHER).collect();
-        let fits = on_both_cores(&groups, |group| {
+        let fits = structures.par_chunks(TOGETHER).flat_map_iter(|group| {
             let residuals = residuals(&group.iter().collect::<Vec<_>>(), capture);
             let fits = group.iter().zip(residuals);
-            Some(fits.map(|(structure, residual)| Self::with_residual(structure.clone(), residual, capture)).collect())
+            fits.map(|(structure, residual)| Self::with_residual(structure.clone(), residual, capture))
         });
-        fits.into_iter().flat_map(|group: Vec<Self>| group).collect()
+        fits.collect()
     }
 
     fn with_residual(structure: Structure, residual: Vec<f64>, capture: &'a Capture) -> Self {
@@ -262,11 +261,11 @@ impl<'a> Nonlinear<'a> {
         at_bound.map(|search| effect.kind().parameters[search.parameter].name)
     }
 
-    /// Rows of the residual's derivatives with the sign turned, one per value, half of them on another core.
+    /// Rows of the residual's derivatives with the sign turned, one per value.
     pub(crate) fn tangents(&self, share: f64) -> Vec<Vec<f64>> {
         let all: Vec<usize> = (0..self.values.len()).collect();
         let (left, right) = all.split_at(all.len() / 2);
-        let (mut all, rest) = side_by_side(|| self.tangents_by(left, share), || self.tangents_by(right, share));
+        let (mut all, rest) = rayon::join(|| self.tangents_by(left, share), || self.tangents_by(right, share));
         all.extend(rest);
         all
     }

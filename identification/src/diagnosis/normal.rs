@@ -2,8 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::least_squares::dot;
-use crate::vector::subtract;
+use crate::numerics::vector::subtract;
+use crate::regression::least_squares::dot;
 
 /// What holds a coefficient of either sign near zero, as a share of its column's square: too little to be felt unless
 /// other columns can do the same.

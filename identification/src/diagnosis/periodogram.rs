@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::fourier;
+use crate::numerics::fourier;
 
 /// Densities (mean squares per cycle, one-sided) at whole numbers of cycles through Hann's window, the two lowest apart;
 /// frequencies are in cycles per row.

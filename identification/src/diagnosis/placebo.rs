@@ -5,8 +5,8 @@ use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::normal;
 use super::structure::Structure;
-use crate::least_squares::dot;
-use crate::statistics::median;
+use crate::regression::least_squares::dot;
+use crate::uncertainty::statistics::median;
 
 /// Shifts of the columns, as shares of the capture.
 const SHIFTS: [f64; 5] = [0.19, 0.31, 0.43, 0.61, 0.77];

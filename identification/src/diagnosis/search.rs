@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dynamics::effects::{self, cogging};
 use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part};
+use rayon::prelude::*;
 
-use super::both_cores::{on_both_cores, side_by_side};
 use super::capture::Capture;
 use super::error::DiagnosisError;
 use super::findings::{Characteristic, Partial, Value};
@@ -20,7 +20,7 @@ use super::unequal;
 use super::verdict::LEFT;
 use super::workflow::{DiagnoseOptions, Progress};
 use super::worth::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, takes_its_part, worthwhile};
-use crate::statistics::false_discovery_rate;
+use crate::uncertainty::statistics::false_discovery_rate;
 use crate::{FitError, FitOptions, Samples, fit};
 
 /// Most effects that are added.
@@ -125,7 +125,8 @@ impl Search<'_> {
             let cost = 0.5 * freedom as f64 * weight.ln();
             -0.5 * weight * squares.max(f64::MIN_POSITIVE).ln() - cost
         };
-        let squares = |judged: &Judged| crate::least_squares::dot(&judged.train_residual, &judged.train_residual);
+        let squares =
+            |judged: &Judged| crate::regression::least_squares::dot(&judged.train_residual, &judged.train_residual);
         let freedom = current.structure.freedom() + BEND;
         (evidence(squares(&unequal), unequal.structure.freedom()) > evidence(squares(&bent), freedom))
             .then_some(unequal)
@@ -149,14 +150,15 @@ impl Search<'_> {
             [("training", self.train, &base.train_residual), ("held-out", self.heldout, &base.heldout_residual)]
         {
             let target = capture.target(base.structure.delay_s());
-            let square = crate::least_squares::dot(&target, &target);
+            let square = crate::regression::least_squares::dot(&target, &target);
             let over_floor = (square / capture.weight).sqrt() / capture.floor_mnm(0.0);
             if over_floor < 2.0 {
                 return Err(DiagnosisError::TooQuiet { which, over_floor });
             }
             let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
-            let predicted_square = crate::least_squares::dot(&predicted, &predicted);
-            let factor = crate::least_squares::dot(&target, &predicted) / predicted_square.max(f64::MIN_POSITIVE);
+            let predicted_square = crate::regression::least_squares::dot(&predicted, &predicted);
+            let factor =
+                crate::regression::least_squares::dot(&target, &predicted) / predicted_square.max(f64::MIN_POSITIVE);
             // A model that lacks gravity may well predict the opposite; only a good prediction shows a wrong unit.
             let predicts = predicted_square * factor.powi(2) > WELL_PREDICTED * square;
             if which == "held-out" && predicts && !(0.1..10.0).contains(&factor) {
@@ -292,10 +294,11 @@ impl Search<'_> {
             .collect();
         let pairs: Vec<(&Judged, &'static EffectKind)> =
             firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
-        let mut both = on_both_cores(&pairs, |(first, kind)| {
+        let pairs = pairs.par_iter().filter_map(|(first, kind)| {
             let judged = hypotheses::coupled(kind, &first.structure, [self.train, self.heldout], Effort::Short)?;
             Some(((*first).clone(), judged))
         });
+        let mut both: Vec<(Judged, Judged)> = pairs.collect();
         both.retain(|(_, judged)| {
             self.disqualified(judged).is_none()
                 && worthwhile(current, judged, &found.chain[0], self.heldout)
@@ -317,7 +320,7 @@ impl Search<'_> {
         }
     }
 
-    /// The best fit with each effect of the catalogue more, on both cores.
+    /// The best fit with each effect of the catalogue more.
     fn try_all(&self, current: &Judged, found: &Found) -> Vec<Judged> {
         let first = &found.chain[0];
         let kinds = self.candidates(&current.structure);
@@ -335,16 +338,17 @@ impl Search<'_> {
             self.say(Progress::Tried { effect: kind.name, done, of });
         };
         let one_more = || {
-            on_both_cores(&separable, |kind| {
+            let fits = separable.par_iter().filter_map(|kind| {
                 let judged = hypotheses::separable(kind, &base, self.heldout);
                 say(kind);
                 judged
-            })
+            });
+            fits.collect::<Vec<Judged>>()
         };
         if self.detents_are_equal {
             return one_more();
         }
-        let (unequal, mut tried) = side_by_side(|| self.unequal_detents(current), one_more);
+        let (unequal, mut tried) = rayon::join(|| self.unequal_detents(current), one_more);
         tried.extend(unequal);
         let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
         let closes =

@@ -5,7 +5,7 @@ use dynamics::{Effect, Part};
 use super::capture::Capture;
 use super::normal::{residual, solve};
 use super::structure::{Searched, Structure};
-use crate::least_squares::dot;
+use crate::regression::least_squares::dot;
 
 /// Relative change of a searched parameter for its column by differences.
 const DIFFERENCE: f64 = 1e-5;

@@ -12,7 +12,7 @@ use dynamics::{Effect, Part};
 use super::capture::Capture;
 use super::nonlinear::Nonlinear;
 use super::structure::Structure;
-use crate::statistics::quantile;
+use crate::uncertainty::statistics::quantile;
 
 /// Shares of the largest torque that are tried as limits, together with everything else …
 const LEVELS: [f64; 2] = [0.3, 1.0];

@@ -5,8 +5,8 @@ use std::ops::Range;
 use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
 
 use super::capture::Capture;
-use crate::frame::Frame;
-use crate::motion::KnobMotion;
+use crate::preparation::frame::Frame;
+use crate::preparation::motion::KnobMotion;
 
 /// A model while it is looked for.
 #[derive(Clone, Debug)]

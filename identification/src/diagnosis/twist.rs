@@ -13,9 +13,9 @@ use realfft::num_complex::Complex;
 use super::capture::Capture;
 use super::normal;
 use super::structure::Structure;
-use crate::fourier;
-use crate::least_squares::dot;
-use crate::motion::KnobMotion;
+use crate::numerics::fourier;
+use crate::preparation::motion::KnobMotion;
+use crate::regression::least_squares::dot;
 
 /// Sum of squares of what a structure leaves behind a shaft, and the coefficients with which it does, mNm².
 pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> (f64, Vec<f64>) {

@@ -13,8 +13,8 @@ use super::findings::{UnequalDetent, Value};
 use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
-use crate::least_squares::{LeastSquares, dot};
-use crate::statistics::student_95;
+use crate::regression::least_squares::{LeastSquares, dot};
+use crate::uncertainty::statistics::student_95;
 
 /// Gauss–Newton steps; each moves a zero by at most this share of the distance between two.
 const STEPS: usize = 12;

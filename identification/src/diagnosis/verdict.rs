@@ -12,7 +12,7 @@ use super::search::{Found, Search};
 use super::structure::Structure;
 use super::worth::{MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
 use super::{experiment, intervals, rows, unequal};
-use crate::statistics::rank_correlation;
+use crate::uncertainty::statistics::rank_correlation;
 
 /// RMS in floors above which something is left, if it goes with something …
 pub(crate) const LEFT: f64 = 1.3;
@@ -201,7 +201,7 @@ impl Search<'_> {
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {
         let target = self.heldout.target(judged.structure.delay_s());
-        let square = |values: &[f64]| crate::least_squares::dot(values, values);
+        let square = |values: &[f64]| crate::regression::least_squares::dot(values, values);
         100.0 * (square(&judged.heldout_residual) / square(&target)).sqrt()
     }
 
@@ -261,7 +261,7 @@ impl Search<'_> {
                 let late: f64 = delayed.map(|(with, without)| (with - without).powi(2)).sum();
                 let difference: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
                 let rows = self.train.frame.rows(&difference);
-                Some((crate::least_squares::dot(&rows, &rows) + late, step.effect))
+                Some((crate::regression::least_squares::dot(&rows, &rows) + late, step.effect))
             })
             .collect();
         sizes.sort_by(|a, b| b.0.total_cmp(&a.0));

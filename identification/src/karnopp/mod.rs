@@ -15,8 +15,8 @@ use std::ops::Range;
 use dynamics::{Direction, Effect, effects};
 
 use crate::estimate::{Parameter, Parameters};
-use crate::motion::KnobMotion;
-use crate::uniform::Uniform;
+use crate::preparation::motion::KnobMotion;
+use crate::preparation::uniform::Uniform;
 
 use ramp::ramp_end;
 use readings::Readings;

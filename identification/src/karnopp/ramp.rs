@@ -1,6 +1,6 @@
 //! The torque at an instant, from the ramp before it.
 
-use crate::least_squares::LeastSquares;
+use crate::regression::least_squares::LeastSquares;
 
 use super::slide::to_f64;
 

@@ -3,7 +3,7 @@
 use dynamics::{Minimum, ParameterKind};
 
 use crate::estimate::Parameter;
-use crate::statistics::{NORMAL_95, student_95};
+use crate::uncertainty::statistics::{NORMAL_95, student_95};
 
 use super::slide::to_f64;
 

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use realfft::{RealFftPlanner, num_complex::Complex};
 
-use crate::scan::FEWEST_PERIODS;
-use crate::statistics::median;
+use crate::detents::scan::FEWEST_PERIODS;
+use crate::uncertainty::statistics::median;
 
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::statistics::student_95;
+use crate::uncertainty::statistics::student_95;
 
 /// Most columns of a row, torque included.
 pub(super) const MOST_COLUMNS: usize = 16;

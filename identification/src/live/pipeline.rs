@@ -6,8 +6,8 @@ use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
 use super::ring::Ring;
-use crate::filter::Fir;
-use crate::statistics::MEDIAN_MAGNITUDE;
+use crate::preparation::filter::Fir;
+use crate::uncertainty::statistics::MEDIAN_MAGNITUDE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
 const ANGLE_BAND: f64 = 2.5;

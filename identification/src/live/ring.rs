@@ -1,9 +1,9 @@
 //! Rings: the last few values of a stream, and the filter that turns masked samples into rows.
 
 use super::blocks::MOST_COLUMNS;
-use crate::filter::Fir;
-use crate::motion::ROWS_PER_EDGE;
-use crate::uniform::whole;
+use crate::preparation::filter::Fir;
+use crate::preparation::motion::ROWS_PER_EDGE;
+use crate::preparation::uniform::whole;
 
 /// The last values of a stream, addressed by their count since the start.
 #[derive(Clone, Debug)]

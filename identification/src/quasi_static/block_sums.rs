@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::least_squares::dot;
-use crate::statistics::student_95;
+use crate::regression::least_squares::dot;
+use crate::uncertainty::statistics::student_95;
 
 /// Stretches of equal length.
 pub(super) const BLOCKS: usize = 32;

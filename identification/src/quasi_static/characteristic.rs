@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::block_sums::BlockSums;
 use super::{Fitted, Map};
-use crate::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::estimate::Fit;
+use crate::preparation::saturation::Rails;
+use crate::regression::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::samples::Samples;
-use crate::saturation::Rails;
 
 /// Fits friction and the torque over the angle to a map; `None` where its rows tell no point.
 ///

@@ -9,7 +9,7 @@ use realfft::RealFftPlanner;
 
 use super::block_sums::BlockSums;
 use crate::samples::span;
-use crate::statistics::median;
+use crate::uncertainty::statistics::median;
 
 /// Places of the angle over which the residual is summed for the transform.
 const PLACES: usize = 16_384;

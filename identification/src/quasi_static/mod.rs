@@ -15,11 +15,11 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 use crate::fit::smallest_step;
-use crate::motion::scatter;
 use crate::options::FitOptions;
+use crate::preparation::motion::scatter;
+use crate::preparation::saturation::Rails;
 use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::saturation::Rails;
-use crate::statistics::{NORMAL_95, median, rms};
+use crate::uncertainty::statistics::{NORMAL_95, median, rms};
 use block_sums::{BlockSums, critical};
 use ladder::Grid;
 pub(crate) use sinusoids::of_turns;

@@ -1,6 +1,6 @@
 //! Which way a slowly turned knob was going at every sample.
 
-use crate::motion::scatter;
+use crate::preparation::motion::scatter;
 use crate::samples::span;
 
 /// A reversal counts once the knob has come back by this many times what the encoder resolves.

@@ -1,0 +1,235 @@
+//! Whether there are detents at all, and of which period.
+
+mod bends;
+pub(crate) mod scan;
+
+use dynamics::{Effect, effects};
+
+use self::bends::bends;
+use self::scan::{FEWEST_PERIODS, Scan};
+use crate::estimate::Harmonic;
+use crate::preparation::frame::Frame;
+use crate::preparation::motion::{Band, KnobMotion};
+use crate::regression::held_out;
+use crate::regression::least_squares::{LeastSquares, dot};
+use crate::regression::problem::{Column, Problem};
+use crate::uncertainty::statistics::rms;
+
+/// Peaks of the scan that are refined, at most, …
+const CANDIDATES: usize = 3;
+/// … if they explain at least this share of what the strongest explains.
+const RIVAL: f64 = 0.5;
+/// A detent must explain this share of the sum of squares that the rest of the model leaves …
+const WORTHWHILE_SHARE: f64 = 0.25;
+/// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
+const WORTHWHILE_AMPLITUDE: f64 = 0.1;
+/// How far above the background the evidence for a period must stand beyond what the number of periods tried gives by chance.
+const MARGIN: f64 = 6.0;
+/// Standard errors by which detents must predict stretches of the capture that they were not fitted to.
+const PREDICTS: f64 = 3.0;
+/// A detent must take away this many times what the placebo does: the best other period, one further true
+/// sinusoid being granted, in what the detent leaves …
+const PLACEBO: f64 = 2.0;
+/// … and this many times where the travel holds few of its periods: then any bend in the torque looks like it.
+const PLACEBO_OF_FEW: f64 = 20.0;
+/// Beside springs and gravity it must still take away this many times what the placebo does there.
+const BESIDE_BENDS: f64 = 10.0;
+/// So many periods are few.
+const FEW_PERIODS: f64 = 3.0;
+/// Margin for harmonics in the residual.
+const HARMONIC_MARGIN: f64 = 14.0;
+/// A harmonic explains at least this share of the residual's sum of squares.
+const HARMONIC_SHARE: f64 = 0.01;
+/// A harmonic is looked at closely if the scan shows what it must explain divided by this.
+const HARMONIC_LOOK: f64 = 2.0;
+/// Overtones are looked for up to this multiple of the detent.
+const HIGHEST_OVERTONE: u32 = 12;
+/// A period that explains less than this and does not stand out roughly is not looked at closely.
+const CLEARLY_NOT: f64 = 0.05;
+/// A model that leaves less than this share of the torque has nothing left to explain.
+const NOTHING_LEFT: f64 = 1e-9;
+/// Aliases explain at least this share of what the best period explains.
+const ALIAS: f64 = 0.9;
+
+/// What the search for detents found.
+pub(crate) enum Detents<'a> {
+    /// There are detents.
+    Found(Box<Found<'a>>),
+    /// None that the data can tell, and why.
+    None(String),
+}
+
+/// The problem with detents, solved.
+pub(crate) struct Found<'a> {
+    pub(crate) problem: Problem<'a>,
+    pub(crate) solution: LeastSquares,
+    /// Other periods that explain nearly as much.
+    pub(crate) aliases_rad: Vec<f64>,
+    pub(crate) harmonics: Vec<Harmonic>,
+}
+
+/// Searches all periods that the travel supports, refines the strongest and weighs the evidence.
+pub(crate) fn search<'a>(
+    base: &Problem<'a>,
+    base_solution: &LeastSquares,
+    frame: &Frame,
+    motion: &KnobMotion,
+    band: &Band,
+    angle_step_rad: f64,
+) -> Detents<'a> {
+    let left = dot(&base_solution.residual, &base_solution.residual);
+    if left.sqrt() <= NOTHING_LEFT * dot(&base.target, &base.target).sqrt() {
+        return Detents::None("the knob has no detents: inertia and friction explain the whole torque".to_owned());
+    }
+    let Some(scan) = Scan::new(frame, motion, band, angle_step_rad, &base.columns, &base_solution.inverse) else {
+        return Detents::None(format!(
+            "the travel is too small for detents to be told: it must hold at least {FEWEST_PERIODS} periods; sweep wider"
+        ));
+    };
+    let (longest, shortest) = scan.periods_rad();
+    let powers = scan.powers(frame, motion, &base_solution.residual);
+    let peaks = scan.peaks(&powers, 12);
+    let resolution = scan.resolution();
+    let limit = |_, period: f64| (0.25 * resolution * period * period).min(0.1 * period);
+    let best_power = peaks.first().map_or(0.0, |peak| peak.power);
+    let best = peaks
+        .iter()
+        .take(CANDIDATES)
+        .filter(|peak| peak.power > RIVAL * best_power)
+        .map(|peak| {
+            let mut problem = base.clone();
+            problem.add(Effect::new(&effects::detent::KIND, &[0.0, 1.0 / peak.wavenumber, 0.0]));
+            let solution = problem.refine(2, limit);
+            (dot(&solution.residual, &solution.residual), problem, solution)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((close, mut problem, solution)) = best else {
+        return Detents::None(no_detents(longest, shortest));
+    };
+    let needed = 2.0 * scan.independent().ln() + MARGIN;
+    let rough = needed * scan.background(&powers, 1.0 / problem.effects[problem.effects.len() - 1].values()[1]);
+    if 1.5 * (left - close) < rough && left - close < CLEARLY_NOT * left {
+        return Detents::None(no_detents(longest, shortest));
+    }
+    let solution = problem.refine_from(solution, 12, limit);
+    let detent = problem.effects.len() - 1;
+    let period_rad = problem.effects[detent].values()[1];
+    let range = problem.range(detent);
+    let amplitude_mnm = solution.coefficients[range.start].hypot(solution.coefficients[range.start + 1]);
+    let after = dot(&solution.residual, &solution.residual);
+    let share = 1.0 - after / left;
+    // The background is read with the detent taken out, whose side lobes would else stand in it.
+    let rest = scan.powers(frame, motion, &solution.residual);
+    let background = scan.background(&rest, 1.0 / period_rad);
+    let clear = left - after > needed * background;
+    let predicts = held_out::evidence(&problem.columns, range.start, &problem.target) > PREDICTS;
+    let periods = 1.0 / (period_rad * resolution);
+    let few = periods < FEW_PERIODS;
+    let placebo = scan.placebo(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
+    if clear && !(predicts && left - after > if few { PLACEBO_OF_FEW } else { PLACEBO } * placebo) {
+        return Detents::None(format!(
+            "no detents that can be told from other bends in the torque: the best period (P {period_rad:.4} rad, \
+             {periods:.1} of them in the travel) {}takes away {:.1} times what other periods do; sweep wider, so that the \
+             travel holds more of them",
+            if predicts { "" } else { "does not predict stretches that it was not fitted to, and " },
+            (left - after) / placebo.max(f64::MIN_POSITIVE)
+        ));
+    }
+    let bends = bends(frame, motion);
+    let bent = unbounded(&[&base.columns, &bends[..]].concat(), &base.target);
+    let both = unbounded(&[&base.columns, &bends, &problem.columns[range]].concat(), &base.target);
+    let beside_bends = dot(&bent, &bent) - dot(&both, &both);
+    if clear && beside_bends < BESIDE_BENDS * scan.placebo(&scan.powers(frame, motion, &both), 1.0 / period_rad, 0.0) {
+        return Detents::None(format!(
+            "no detents that can be told from a spring or from gravity: of the torque that varies with the angle, these leave \
+             nothing that the best period (P {period_rad:.4} rad, {periods:.1} of them in the travel) would explain; diagnose \
+             the capture, or sweep wider, so that the travel holds more periods"
+        ));
+    }
+    let inside = period_rad < 1.2 * longest && period_rad > 0.0 && amplitude_mnm.is_finite();
+    if !clear || !inside {
+        return Detents::None(no_detents(longest, shortest));
+    }
+    if share < WORTHWHILE_SHARE && amplitude_mnm < WORTHWHILE_AMPLITUDE * rms(&problem.target) {
+        return Detents::None(format!(
+            "the knob has no detents worth the name: the strongest torque that repeats with the angle (amplitude \
+             {amplitude_mnm:.3} mNm, P {period_rad:.6} rad) is a ripple that explains only {:.0} % of what inertia and \
+             friction leave",
+            100.0 * share
+        ));
+    }
+    let aliases_rad = peaks
+        .iter()
+        .filter(|peak| {
+            peak.power > ALIAS * best_power && (peak.wavenumber - 1.0 / period_rad).abs() > 0.75 * resolution
+        })
+        .map(|peak| 1.0 / peak.wavenumber)
+        .collect();
+    let evident = |order: u32, needed: f64| {
+        scan.near(&rest, f64::from(order) / period_rad).is_none_or(|power| HARMONIC_LOOK * power > needed)
+    };
+    let harmonics = harmonics(&problem, &solution, [period_rad, shortest], background, evident);
+    Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
+}
+
+/// What the columns leave of the target, no coefficient bounded.
+fn unbounded(columns: &[Column], target: &[f64]) -> Vec<f64> {
+    LeastSquares::solve(columns, target, &vec![false; columns.len()]).residual
+}
+
+fn no_detents(longest: f64, shortest: f64) -> String {
+    format!(
+        "no detents: no torque that repeats with the angle stands out for any period P between {shortest:.4} and \
+         {longest:.4} rad, which is what the travel and the speed of the sweep can show"
+    )
+}
+
+/// The overtones in the residual that stand out and predict stretches of the capture that they were not fitted to.
+///
+/// `evident` tells whether the scan shows enough at an order for a closer look, given what the order must explain, mNm².
+fn harmonics(
+    problem: &Problem<'_>,
+    solution: &LeastSquares,
+    [period_rad, shortest_rad]: [f64; 2],
+    background: f64,
+    evident: impl Fn(u32, f64) -> bool,
+) -> Vec<Harmonic> {
+    let mut total = dot(&solution.residual, &solution.residual);
+    let mut found: Vec<(Harmonic, Vec<Column>)> = Vec::new();
+    let orders = (2..=HIGHEST_OVERTONE).take_while(|order| period_rad / f64::from(*order) >= shortest_rad);
+    for order in orders {
+        let needed = (HARMONIC_MARGIN * background).max(HARMONIC_SHARE * total);
+        if !evident(order, needed) {
+            continue;
+        }
+        let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
+        let own: Vec<Column> =
+            problem.frame.effect_rows(&effect, problem.motion).into_iter().map(Column::from).collect();
+        let rows: Vec<Column> = found.iter().flat_map(|(_, rows)| rows).chain(&own).cloned().collect();
+        let (columns, with) = problem.solve_with(&rows);
+        let [.., sine, cosine] = with.coefficients[..] else { continue };
+        let left = dot(&with.residual, &with.residual);
+        let gain = total - left;
+        if gain < needed {
+            continue;
+        }
+        if held_out::evidence(&columns, columns.len() - own.len(), &problem.target) < PREDICTS {
+            continue;
+        }
+        let harmonic = Harmonic {
+            order: Some(order),
+            per_turn: f64::from(order) / period_rad,
+            amplitude_mnm: sine.hypot(cosine),
+            amplitude_ci95_mnm: None,
+            phase_rad: cosine.atan2(sine),
+            phase_ci95_rad: None,
+            explains_percent: 100.0 * gain / total,
+            relative_error_percent: None,
+        };
+        total = left;
+        found.push((harmonic, own));
+    }
+    let mut harmonics: Vec<Harmonic> = found.into_iter().map(|(harmonic, _)| harmonic).collect();
+    harmonics.sort_by(|a, b| b.amplitude_mnm.total_cmp(&a.amplitude_mnm));
+    harmonics
+}

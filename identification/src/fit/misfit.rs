@@ -1,0 +1,127 @@
+//! How far estimates move from rows to rows of which a right model would make the same.
+//!
+//! An interval for residuals that are correlated holds if the model is right. On a real machine it seldom is: friction that
+//! rises from near zero speed, a band in which something rings. The parameters then depend on which speeds and which
+//! frequencies they were fitted to. They are fitted again with the rows next to where the knob turns round without a rest, which the
+//! fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of the motion. Where an
+//! estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), the rest of the shift belongs
+//! into its interval.
+
+use nalgebra::{DMatrix, DVector, RowDVector};
+
+use super::{Rows, Trimmed};
+use crate::preparation::filter::Fir;
+use crate::preparation::frame::HALF_LENGTH_PERIODS;
+use crate::preparation::motion::{KnobMotion, ROWS_PER_EDGE};
+use crate::regression::least_squares::{LeastSquares, RobustCovariance};
+use crate::uncertainty::statistics::{NORMAL_95, median};
+
+/// Share of the band that the narrower fit keeps, and every how many of its rows.
+const NARROWER: f64 = 0.5;
+const EVERY: usize = 2;
+/// A difference of two estimates is known at best to this share of the second one's variance.
+const LEAST_VARIANCE: f64 = 0.25;
+
+/// Other estimates of the same parameters, as their differences from the fit.
+pub(crate) struct Misfit {
+    /// From other rows.
+    rows: Vec<Shift>,
+    /// Without the bounds at zero, where the fit held a coefficient there.
+    unbounded: Option<Shift>,
+}
+
+struct Shift {
+    change: DVector<f64>,
+    /// Covariance of the other estimates.
+    other: DMatrix<f64>,
+    /// … less that of the fit: Hausman's covariance of the difference.
+    difference: DMatrix<f64>,
+}
+
+impl Shift {
+    /// The estimates from `rows` that went through `change`, the coefficients `at_zero` held there; `None` where the rows do
+    /// not give all of them.
+    fn of(
+        trimmed: &Trimmed<'_>,
+        Rows { columns, target }: &Rows,
+        at_zero: &[bool],
+        robust: &RobustCovariance,
+        change: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Option<Self> {
+        let solution = &trimmed.solution;
+        let is_fitted = |index: usize| !solution.collinear[index] && !at_zero[index];
+        let target = change(target);
+        let columns: Vec<Vec<f64>> = columns
+            .iter()
+            .enumerate()
+            .map(|(index, column)| if is_fitted(index) { change(column) } else { vec![0.0; target.len()] })
+            .collect();
+        let other = LeastSquares::solve(&columns, &target, &vec![false; columns.len()]);
+        if (0..columns.len()).any(|index| is_fitted(index) && other.collinear[index]) {
+            return None;
+        }
+        let covariance = other.robust(&columns).matrix;
+        let change = DVector::from_iterator(
+            columns.len(),
+            other.coefficients.iter().zip(&solution.coefficients).map(|(other, fitted)| other - fitted),
+        );
+        Some(Self { change, difference: &covariance - &robust.matrix, other: covariance })
+    }
+}
+
+impl Misfit {
+    /// Fits the settled problem's columns to the rows with those `near` standstill, to half their band and to the faster and the
+    /// slower half of their motion.
+    pub(crate) fn of(
+        trimmed: &Trimmed<'_>,
+        near: Option<&Rows>,
+        motion: &KnobMotion,
+        robust: &RobustCovariance,
+    ) -> Self {
+        // Instruments are for noise that these fits would see anew.
+        if trimmed.instruments.is_some() {
+            return Self { rows: Vec::new(), unbounded: None };
+        }
+        let at_zero = &trimmed.solution.at_zero;
+        let is_held = at_zero.contains(&true);
+        let step = trimmed.problem.frame.step;
+        let speeds: Vec<f64> =
+            (0..trimmed.problem.target.len()).map(|row| motion.velocity_rad_s[row * step].abs()).collect();
+        let typical = median(&mut speeds.clone());
+        let narrow =
+            Fir::low_pass((HALF_LENGTH_PERIODS * ROWS_PER_EDGE / NARROWER).round() as usize, NARROWER, ROWS_PER_EDGE);
+        let where_speed = |kept: &dyn Fn(f64) -> bool, rows: &[f64]| -> Vec<f64> {
+            rows.iter().zip(&speeds).map(|(value, speed)| if kept(*speed) { *value } else { 0.0 }).collect()
+        };
+        let fitted = Rows { columns: trimmed.columns.clone(), target: trimmed.target.clone() };
+        let rows = near.unwrap_or(&fitted);
+        let shifts = [
+            near.and_then(|near| Shift::of(trimmed, near, at_zero, robust, <[f64]>::to_vec)),
+            Shift::of(trimmed, rows, at_zero, robust, |rows| narrow.decimate(rows, EVERY)),
+            Shift::of(trimmed, rows, at_zero, robust, |rows| where_speed(&|speed| speed > typical, rows)),
+            Shift::of(trimmed, rows, at_zero, robust, |rows| where_speed(&|speed| speed <= typical, rows)),
+        ];
+        let is_free = vec![false; at_zero.len()];
+        let unbounded = is_held.then(|| Shift::of(trimmed, &fitted, &is_free, robust, <[f64]>::to_vec)).flatten();
+        Self { rows: shifts.into_iter().flatten().collect(), unbounded }
+    }
+
+    /// How far Σ `derivatives`ⱼ·coefficientⱼ moves beyond chance.
+    pub(crate) fn of_sum(&self, derivatives: &RowDVector<f64>) -> f64 {
+        let variance = |covariance: &DMatrix<f64>| (derivatives * covariance).dot(derivatives);
+        let beyond = self.rows.iter().map(|Shift { change, other, difference }| {
+            let chance = variance(difference).max(LEAST_VARIANCE * variance(other));
+            (derivatives.transpose().dot(change).powi(2) - NORMAL_95.powi(2) * chance).max(0.0).sqrt()
+        });
+        beyond.fold(0.0, f64::max)
+    }
+
+    /// Lowest and highest change of Σ `derivatives`ⱼ·coefficientⱼ in the 95 % interval of the fit without bounds; `None` where
+    /// no coefficient is held at zero. What the bound takes from one coefficient it gives to others.
+    pub(crate) fn without_bounds(&self, derivatives: &RowDVector<f64>, critical: f64) -> Option<[f64; 2]> {
+        let Shift { change, other, .. } = self.unbounded.as_ref()?;
+        let change = derivatives.transpose().dot(change);
+        let half = critical * (derivatives * other).dot(derivatives).max(0.0).sqrt();
+        Some([change - half, change + half])
+    }
+}

@@ -1,0 +1,215 @@
+//! Mask first, then filter: the relation between torque and motion stays exactly linear.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use dynamics::{Effect, effects};
+
+use super::filter::Fir;
+use super::motion::{Band, KnobMotion, ROWS_PER_EDGE};
+use super::uniform::{Uniform, whole};
+use crate::numerics::vector;
+use crate::uncertainty::statistics::rms;
+
+/// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
+/// before the knob breaks away, and contact rings.
+const GUARD_S: f64 = 0.002;
+/// Time over which the mask fades in and out, s: at a hard edge, noise from beyond the band would fold into it.
+const FADE_S: f64 = 0.002;
+/// Speed below which a knob may be sticking, as a share of the RMS speed.
+const SLOW: f64 = 0.01;
+/// Half length of the low-pass in periods of its edge: a Hamming window's transition is then as wide as the edge.
+pub(crate) const HALF_LENGTH_PERIODS: f64 = 1.65;
+/// Samples that are filtered together: few enough to stay in a processor's cache.
+const BLOCK: usize = 2048;
+
+/// The mask, the common filter and the decimation through which torque and every column pass.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame {
+    pub(crate) rate_hz: f64,
+    /// 1 where the knob surely slides, 0 where it may stick, fading from one to the other.
+    pub(crate) mask: Vec<f64>,
+    pub(crate) fir: Fir,
+    /// Every how many samples a row is kept.
+    pub(crate) step: usize,
+    /// Speed below which samples are masked, rad/s.
+    pub(crate) threshold_rad_s: f64,
+}
+
+impl Frame {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
+    pub(crate) fn new(uniform: &Uniform, motion: &KnobMotion, band: &Band) -> Self {
+        let rate_hz = uniform.rate_hz;
+        let (threshold_rad_s, guard_s) = if motion.exact {
+            (1e-6 * rms(&motion.velocity_rad_s), 0.0)
+        } else {
+            let slow = SLOW * rms(&motion.velocity_rad_s);
+            (slow.max(8.0 * motion.velocity_noise_rad_s), GUARD_S)
+        };
+        let guard = samples(guard_s, rate_hz) + motion.reach;
+        let mut mask = mask(uniform, motion, threshold_rad_s, |_| guard);
+        if !motion.exact {
+            fade(&mut mask, samples(FADE_S, rate_hz));
+        }
+        let step = whole(rate_hz / (ROWS_PER_EDGE * band.edge_hz)).max(1);
+        let half_length = (HALF_LENGTH_PERIODS * rate_hz / band.edge_hz).round() as usize;
+        Self { rate_hz, mask, fir: Fir::low_pass(half_length, band.edge_hz, rate_hz), step, threshold_rad_s }
+    }
+
+    /// The frame of the samples that the mask leaves out for nothing but the filters' reach to where the knob turns round without
+    /// a rest; `None` if there are none.
+    pub(crate) fn next_to_standstill(&self, uniform: &Uniform, motion: &KnobMotion) -> Option<Self> {
+        let guard = samples(GUARD_S, self.rate_hz);
+        let is_rest = |run: usize| run > motion.reach;
+        let mut mask =
+            mask(uniform, motion, self.threshold_rad_s, |run| if is_rest(run) { guard + motion.reach } else { guard });
+        fade(&mut mask, samples(FADE_S, self.rate_hz));
+        mask.iter_mut().zip(&self.mask).for_each(|(wider, mask)| *wider -= mask);
+        let is_empty = mask.iter().all(|share| *share == 0.0);
+        (!is_empty).then(|| Self { mask, ..self.clone() })
+    }
+
+    /// Masks, filters and decimates a full-rate column.
+    pub(crate) fn rows(&self, column: &[f64]) -> Vec<f64> {
+        self.rows_of(1, |range, columns| columns[0].copy_from_slice(&column[range])).remove(0)
+    }
+
+    /// Masks, filters and decimates `count` columns that `fill` writes for a range of samples: none is ever held whole.
+    pub(crate) fn rows_of(&self, count: usize, mut fill: impl FnMut(Range<usize>, &mut [Vec<f64>])) -> Vec<Vec<f64>> {
+        let (samples, half) = (self.mask.len(), self.fir.half_length());
+        let total = samples.div_ceil(self.step);
+        let mut rows = vec![vec![0.0; total]; count];
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); count];
+        let block = (BLOCK / self.step).max(1) + half / self.step;
+        for start in (0..total).step_by(block) {
+            let end = (start + block).min(total);
+            let range = (start * self.step).saturating_sub(half)..((end - 1) * self.step + half + 1).min(samples);
+            if self.mask[range.clone()].iter().all(|share| *share == 0.0) {
+                continue;
+            }
+            columns.iter_mut().for_each(|column| column.resize(range.len(), 0.0));
+            fill(range.clone(), &mut columns);
+            let first = start * self.step - range.start;
+            for (rows, column) in rows.iter_mut().zip(&mut columns) {
+                vector::multiply_by(column, &self.mask[range.clone()]);
+                self.fir.decimate_part(column, first, self.step, &mut rows[start..end]);
+            }
+        }
+        rows
+    }
+
+    /// Rows of an effect's columns; none if it has no part in a fit.
+    pub(crate) fn effect_rows(&self, effect: &Effect, motion: &KnobMotion) -> Vec<Vec<f64>> {
+        self.leading_effect_rows(effect, usize::MAX, motion)
+    }
+
+    /// The same of at most so many columns.
+    pub(crate) fn leading_effect_rows(&self, effect: &Effect, most: usize, motion: &KnobMotion) -> Vec<Vec<f64>> {
+        let count = effect.kind().regressors.map_or(0, |regressors| regressors.columns.min(most));
+        let is_unmasked = |index: usize| self.mask[index] != 0.0;
+        self.rows_of(count, |range, columns| fill(effect, motion, is_unmasked, range, columns))
+    }
+
+    /// The adjoint of [`Frame::rows`].
+    pub(crate) fn spread(&self, rows: &[f64]) -> Vec<f64> {
+        let mut spread = self.fir.spread(rows, self.step, self.mask.len());
+        spread.iter_mut().zip(&self.mask).for_each(|(value, mask)| *value *= mask);
+        spread
+    }
+
+    /// What the rows amount to in fully weighted ones.
+    #[allow(clippy::cast_precision_loss, reason = "a decimation")]
+    pub(crate) fn weight(&self) -> f64 {
+        vector::dot(&self.mask, &self.mask) / self.step as f64
+    }
+
+    /// Number of samples that are not masked.
+    pub(crate) fn sliding(&self) -> usize {
+        self.mask.iter().filter(|mask| **mask > 0.0).count()
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+fn samples(duration_s: f64, rate_hz: f64) -> usize {
+    (duration_s * rate_hz).round() as usize
+}
+
+/// 0 at slow and at lost samples, at both ends, and as far around slow samples as `guard` says for the length of their run.
+fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: impl Fn(usize) -> usize) -> Vec<f64> {
+    let length = motion.len();
+    let mut mask = vec![1.0; length];
+    let settle = motion.reach.min(length);
+    blank_runs(&mut mask, &motion.velocity_rad_s, |velocity| velocity.abs() <= threshold_rad_s, guard);
+    blank_runs(&mut mask, &uniform.present, |is_present| !is_present, |_| settle);
+    mask[..settle].fill(0.0);
+    mask[length - settle..].fill(0.0);
+    mask
+}
+
+/// Sets the mask to zero at every run of samples that are to be `left_out`, and as far around it as `guard` says for its length.
+fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool, guard: impl Fn(usize) -> usize) {
+    let mut start = 0;
+    for run in samples.chunk_by(|one, other| left_out(one) == left_out(other)) {
+        let end = start + run.len();
+        if left_out(&run[0]) {
+            let guard = guard(run.len());
+            mask[start.saturating_sub(guard)..(end + guard).min(samples.len())].fill(0.0);
+        }
+        start = end;
+    }
+}
+
+/// Lets the mask rise as a squared sine over `length` samples from where it was zero.
+#[allow(clippy::cast_precision_loss, reason = "a few samples")]
+fn fade(mask: &mut [f64], length: usize) {
+    let rise = |since: usize| (0.5 * PI * (since as f64 / (length + 1) as f64)).sin().powi(2);
+    let sweep = |mask: &mut dyn Iterator<Item = &mut f64>| {
+        let mut since = length + 1;
+        for value in mask {
+            since = if *value == 0.0 { 0 } else { (since + 1).min(length + 1) };
+            *value = value.min(rise(since));
+        }
+    };
+    sweep(&mut mask.iter_mut());
+    sweep(&mut mask.iter_mut().rev());
+}
+
+/// Writes an effect's leading columns for a range of samples; zeros may stand for those that take no part.
+pub(crate) fn fill(
+    effect: &Effect,
+    motion: &KnobMotion,
+    takes_part: impl Fn(usize) -> bool,
+    range: Range<usize>,
+    columns: &mut [Vec<f64>],
+) {
+    let Some(regressors) = effect.kind().regressors else { return };
+    // The base model's effects by whole columns; the others sample by sample, as they define themselves.
+    let name = effect.kind().name;
+    match columns {
+        [acceleration] if name == effects::inertia::KIND.name => {
+            acceleration.copy_from_slice(&motion.acceleration_rad_s2[range]);
+            return;
+        }
+        [sine, cosine] if name == effects::detent::KIND.name => {
+            vector::sines(&motion.angle_rad[range], 1.0 / effect.values()[1], sine, cosine);
+            return;
+        }
+        [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive]
+            if name == effects::friction::KIND.name =>
+        {
+            let columns = [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive];
+            vector::friction(&motion.velocity_rad_s[range], columns.map(Vec::as_mut_slice));
+            return;
+        }
+        _ => {}
+    }
+    let mut row = vec![0.0; columns.len()];
+    for (place, index) in range.enumerate() {
+        if !takes_part(index) {
+            columns.iter_mut().for_each(|column| column[place] = 0.0);
+            continue;
+        }
+        (regressors.fill)(effect, &motion.at(index), &mut row);
+        columns.iter_mut().zip(&row).for_each(|(column, value)| column[place] = *value);
+    }
+}

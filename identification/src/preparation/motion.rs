@@ -1,0 +1,431 @@
+//! The knob's motion from encoder and accelerometer.
+
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+
+use dynamics::{Calibration, Motion};
+
+use super::angle_spectrum::AngleSpectrum;
+use super::filter::{Fir, Sections, butterworth_low_pass};
+use super::fusion::{Sensors, blend, kalman_smoother};
+use super::spectrum::{Spectrum, white_density};
+use super::uniform::Uniform;
+use crate::numerics::vector::{self, dot};
+use crate::options::AccelerationUse;
+use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, median, rms};
+
+/// Share of the torque's power above its noise that may lie beyond the fit's band.
+const POWER_BEYOND_BAND: f64 = 1e-4;
+/// Widest band, as a share of the sample rate.
+const WIDEST: f64 = 0.1;
+/// The band reaches at least to this multiple of the sweep's highest frequency …
+const NARROWEST_PER_SWEEP: f64 = 17.0;
+/// … and at most to this one, unless fine detents need more: beyond, rigs ring and their sensors differ.
+const WIDEST_PER_SWEEP: f64 = 43.0;
+/// Widest band as a multiple of 1/delay of a calibrated torque channel: a lag is a mere delay only far below its
+/// bandwidth. For a second-order Butterworth this is an eighth of it, where the rest is worth half a microsecond.
+const WIDEST_PER_LAG: f64 = 0.028;
+/// Rows are kept at this multiple of the band's edge.
+pub(crate) const ROWS_PER_EDGE: f64 = 2.5;
+/// Noise in the acceleration's power up to which the encoder does alone: an accelerometer's limited bandwidth costs more.
+const CLEAR: f64 = 1e-4;
+/// The encoder's low-pass lies well clear of the band in which the fit compares: flat up to the band's edge.
+const CUTOFF_PER_EDGE: f64 = 3.0;
+/// Kaiser's parameter and, in periods of the cutoff, the half length that make it flat to 10⁻⁴ (80 dB) up to a third
+/// of the cutoff. Its memory is finite: nothing that happens further away than that touches a sample.
+const SMOOTH_BETA: f64 = 7.857;
+const SMOOTH_PERIODS: f64 = 1.9;
+/// Samples on each side that two differentiations look at.
+const DIFFERENCE_REACH: usize = 8;
+/// Share of the filters' length that carries all but 10⁻⁴ of a step: with the whole length left out around stick,
+/// no parameter of the simulated rig's knobs differs.
+const EFFECTIVE: f64 = 0.4;
+/// Rows that the band should give if the sample rate permits: fewer make poor intervals.
+const FEWEST_ROWS: f64 = 200.0;
+/// Scatter of an exact derivative column, relative to its RMS: rounding, not measurement.
+const EXACT: f64 = 1e-7;
+
+/// Angle, velocity and acceleration of the knob at every grid point, and how well they are known.
+#[derive(Clone, Debug)]
+pub(crate) struct KnobMotion {
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) angle_rad: Vec<f64>,
+    pub(crate) velocity_rad_s: Vec<f64>,
+    pub(crate) acceleration_rad_s2: Vec<f64>,
+    /// Whether velocity and acceleration are the angle's exact derivatives, without noise.
+    pub(crate) exact: bool,
+    /// Standard deviation of the velocity's noise, rad/s.
+    pub(crate) velocity_noise_rad_s: f64,
+    /// Edge of the encoder's zero-phase low-pass, Hz; half the sample rate where none was needed.
+    pub(crate) cutoff_hz: f64,
+    /// Samples on each side that the motion at a sample depends on.
+    pub(crate) reach: usize,
+    /// Whether the accelerometer took part.
+    pub(crate) accelerometer: bool,
+    /// White density of the encoder's noise, rad²/Hz.
+    pub(crate) angle_density: f64,
+    /// Twist of the torque sensor that was taken out of the angle, rad/mNm.
+    pub(crate) compliance_rad_mnm: f64,
+    /// White density of the accelerometer's noise, rad²/s⁴ per Hz; 0 if it took no part.
+    pub(crate) accelerometer_density: f64,
+    /// Time constant of the accelerometer's lag that was undone, s.
+    pub(crate) lag_s: f64,
+    /// Frequency from which the accelerometer has the greater share, Hz; infinite if it took no part.
+    pub(crate) equal_hz: f64,
+}
+
+/// The band in which torque and motion are compared.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Band {
+    /// Upper edge, Hz.
+    pub(crate) edge_hz: f64,
+    /// Torque noise, if it is white as the upper end of its spectrum says, mNm.
+    pub(crate) torque_noise_mnm: f64,
+    /// Edge of the widest band in which the acceleration is signal, Hz.
+    pub(crate) clear_hz: f64,
+    /// Density of the encoder's noise in the band, rad²/Hz.
+    pub(crate) angle_density: f64,
+}
+
+impl Band {
+    /// A band whose edge does not depend on the angle's noise, of which nothing is known.
+    pub(crate) fn fixed(edge_hz: f64, torque_noise_mnm: f64) -> Self {
+        Self { edge_hz, torque_noise_mnm, clear_hz: f64::INFINITY, angle_density: 0.0 }
+    }
+
+    /// As wide as the torque's excess over its noise reaches, no wider: beyond, there is only noise, and that
+    /// of a twice differentiated angle grows fast. An exact motion has none and takes the widest band.
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    pub(crate) fn of(uniform: &Uniform, exact: bool, calibration: Option<&Calibration>) -> Self {
+        let rate_hz = uniform.rate_hz;
+        let floor = uniform.torque_density;
+        let torque_noise_mnm = (floor * rate_hz * 0.5).sqrt();
+        let widest_hz = WIDEST * rate_hz;
+        if exact {
+            return Self::fixed(widest_hz, torque_noise_mnm);
+        }
+        let torque = Spectrum::welch(&uniform.torque_mnm, rate_hz);
+        let reach_hz = torque.power_below(1.0 - POWER_BEYOND_BAND, 2.0 * floor);
+        let AngleSpectrum { sweep_hz, clear_hz, noise_density: angle_density } =
+            AngleSpectrum::of(&uniform.angle_rad, rate_hz);
+        // An accelerometer sees what the encoder does not, contact above all, whose spectrum looks like a noise.
+        let (clear_hz, angle_density) = match uniform.acceleration_rad_s2 {
+            Some(_) => (f64::INFINITY, white_density(&uniform.angle_rad, rate_hz)),
+            None => (clear_hz.max(sweep_hz), angle_density),
+        };
+        let duration_s = uniform.torque_mnm.len() as f64 / rate_hz;
+        let enough_hz = FEWEST_ROWS / (ROWS_PER_EDGE * duration_s);
+        let lowest_hz = (NARROWEST_PER_SWEEP * sweep_hz).max(enough_hz);
+        let lag_s = calibration.map_or(0.0, |known| known.torque_delay_s.abs());
+        let alike_hz = (WIDEST_PER_LAG / lag_s).max(enough_hz);
+        let wanted_hz = (1.25 * reach_hz).min(WIDEST_PER_SWEEP * sweep_hz).max(lowest_hz);
+        let edge_hz = wanted_hz.min(alike_hz).min(clear_hz).min(widest_hz);
+        Self { edge_hz, torque_noise_mnm, clear_hz, angle_density }
+    }
+
+    /// The band widened for detents of a wavenumber (1/rad) that the knob crosses at a speed; `None` if it need not be.
+    pub(crate) fn widened(&self, wavenumber: f64, speed_rad_s: f64, rate_hz: f64) -> Option<Self> {
+        let needed_hz = (1.2 * wavenumber * speed_rad_s / TAU).min(WIDEST * rate_hz);
+        (needed_hz > 1.2 * self.edge_hz).then_some(Self { edge_hz: needed_hz, ..*self })
+    }
+}
+
+impl KnobMotion {
+    /// Time, angle, velocity and acceleration as they are given, without noise, up to `cutoff_hz`.
+    pub(crate) fn as_given(columns: [Vec<f64>; 4], cutoff_hz: f64) -> Self {
+        let [time_s, angle_rad, velocity_rad_s, acceleration_rad_s2] = columns;
+        Self {
+            time_s,
+            angle_rad,
+            velocity_rad_s,
+            acceleration_rad_s2,
+            exact: true,
+            velocity_noise_rad_s: 0.0,
+            cutoff_hz,
+            reach: 0,
+            accelerometer: false,
+            angle_density: 0.0,
+            compliance_rad_mnm: 0.0,
+            accelerometer_density: 0.0,
+            lag_s: 0.0,
+            equal_hz: f64::INFINITY,
+        }
+    }
+
+    /// The given velocity and acceleration, if they are the angle's derivatives to within rounding.
+    ///
+    /// The columns move out of `uniform`, which is left without motion.
+    pub(crate) fn exact(uniform: &mut Uniform, calibration: Option<&Calibration>) -> Option<Self> {
+        if calibration.is_some_and(compliant) { None } else { exact_motion(uniform) }
+    }
+
+    /// The motion as the sensors saw it, every cutoff chosen from the signals' own spectra.
+    pub(crate) fn measured(
+        uniform: &Uniform,
+        band: &Band,
+        calibration: Option<&Calibration>,
+        acceleration_use: AccelerationUse,
+    ) -> Self {
+        let rate_hz = uniform.rate_hz;
+        let mut angle_density = band.angle_density;
+        let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
+        let mut angle = uniform.angle_rad.clone();
+        if let Some(known) = calibration.filter(|known| compliant(known)) {
+            // The knob is behind the encoder by the twist of the torque sensor.
+            for (angle, torque) in angle.iter_mut().zip(&uniform.torque_mnm) {
+                *angle -= torque / known.torque_sensor_stiffness_mnm_rad;
+            }
+        }
+        let smoother = smoother(cutoff_hz, rate_hz);
+        let mut smooth = smoother.filter(&angle);
+        let mut velocity = gradient(&smooth, rate_hz);
+        let mut acceleration = gradient(&velocity, rate_hz);
+        let noise = angle_density * TAU.powi(4) * band.edge_hz.powi(5) / 5.0;
+        let clear = noise < CLEAR * rms(&low_pass(4, band.edge_hz, rate_hz, &acceleration)).powi(2);
+        let lag_s = uniform.acceleration_lag_s;
+        let column = uniform.acceleration_rad_s2.as_ref();
+        let sensors = || {
+            let (encoder, present) = (&uniform.angle_rad, &uniform.present);
+            Sensors::of(&angle, encoder, column?, present, lag_s, rate_hz, cutoff_hz)
+        };
+        let (mut accelerometer, mut accelerometer_density) = (false, 0.0);
+        // Where the accelerometer takes over in the acceleration, and in the velocity.
+        let (mut equal_hz, mut fused_hz) = (f64::INFINITY, f64::INFINITY);
+        match acceleration_use {
+            AccelerationUse::Encoder => {}
+            AccelerationUse::Best => {
+                if let Some(sensors) = (!clear).then(sensors).flatten() {
+                    smooth = smoother.filter(&blend(&sensors));
+                    velocity = gradient(&smooth, rate_hz);
+                    acceleration = gradient(&velocity, rate_hz);
+                    (accelerometer, accelerometer_density) = (true, sensors.sensor_density());
+                    angle_density = sensors.angle_density();
+                    (equal_hz, fused_hz) = (sensors.equal_hz(), sensors.equal_hz());
+                }
+            }
+            AccelerationUse::KalmanSmoother => {
+                if let Some(sensors) = sensors() {
+                    let smoothed = kalman_smoother(&sensors);
+                    smooth = smoother.filter(&smoothed.angle_rad);
+                    velocity = smoother.filter(&smoothed.velocity_rad_s);
+                    acceleration = smoother.filter(&smoothed.acceleration_rad_s2);
+                    // Given all readings the smoothed motion's error is no part of it: none is taken off.
+                    (accelerometer, equal_hz, fused_hz) = (true, 0.0, sensors.equal_hz());
+                }
+            }
+            // Nothing is known of the column's noise, so none is taken off.
+            AccelerationUse::Column | AccelerationUse::ColumnInstrumented => {
+                if let Some(column) = column {
+                    acceleration = smoother.filter(&prompt(column, lag_s, rate_hz));
+                    (accelerometer, equal_hz) = (true, 0.0);
+                }
+            }
+        }
+        Self {
+            time_s: uniform.time_s.clone(),
+            angle_rad: smooth,
+            velocity_rad_s: velocity,
+            acceleration_rad_s2: acceleration,
+            exact: false,
+            velocity_noise_rad_s: velocity_noise_rad_s(angle_density, cutoff_hz, fused_hz),
+            cutoff_hz,
+            reach: effective_reach(&smoother),
+            accelerometer,
+            angle_density,
+            compliance_rad_mnm: calibration
+                .filter(|known| compliant(known))
+                .map_or(0.0, |known| 1.0 / known.torque_sensor_stiffness_mnm_rad),
+            accelerometer_density,
+            lag_s,
+            equal_hz,
+        }
+    }
+
+    /// The low-pass that angle and torque passed.
+    pub(crate) fn smoother(&self, rate_hz: f64) -> Fir {
+        if self.exact { Fir::identity() } else { smoother(self.cutoff_hz, rate_hz) }
+    }
+
+    /// Share of the encoder in the acceleration at a frequency.
+    pub(crate) fn encoder_share(&self, frequency_hz: f64) -> f64 {
+        1.0 / (1.0 + (frequency_hz / self.equal_hz).powi(4))
+    }
+
+    /// White density of the acceleration's noise at a frequency, as far as it is known, rad²/s⁴ per Hz; `angle_density` is
+    /// that of the encoder, with all that was added to it.
+    pub(crate) fn acceleration_density(&self, frequency_hz: f64, angle_density: f64) -> f64 {
+        let square = (TAU * frequency_hz).powi(2);
+        let encoder = self.encoder_share(frequency_hz);
+        angle_density * (square * encoder).powi(2)
+            + self.accelerometer_density * (1.0 - encoder).powi(2) * (1.0 + square * self.lag_s.powi(2))
+    }
+
+    /// Standard deviation of the acceleration's noise up to a frequency, as far as it is known, rad/s².
+    pub(crate) fn acceleration_noise_rad_s2(&self, edge_hz: f64) -> f64 {
+        if self.exact {
+            return 0.0;
+        }
+        integral(edge_hz, |frequency_hz| self.acceleration_density(frequency_hz, self.angle_density)).sqrt()
+    }
+
+    /// A torque filtered as the motion is: what rings beyond the cutoff must not be in one and not in the other.
+    pub(crate) fn alike<'a>(&self, torque_mnm: &'a [f64], rate_hz: f64) -> Cow<'a, [f64]> {
+        if self.exact { torque_mnm.into() } else { self.smoother(rate_hz).filter(torque_mnm).into() }
+    }
+
+    /// The motion at a grid point.
+    pub(crate) fn at(&self, index: usize) -> Motion {
+        Motion {
+            time_s: self.time_s[index],
+            angle_rad: self.angle_rad[index],
+            velocity_rad_s: self.velocity_rad_s[index],
+            acceleration_rad_s2: self.acceleration_rad_s2[index],
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.time_s.len()
+    }
+}
+
+fn compliant(calibration: &Calibration) -> bool {
+    calibration.torque_sensor_stiffness_mnm_rad.is_finite() && calibration.torque_sensor_stiffness_mnm_rad != 0.0
+}
+
+/// Samples on each side that [`gradient`] looks at.
+pub(crate) const GRADIENT_REACH: usize = 4;
+/// Standard deviation of the velocity's noise up to `cutoff_hz`: white angle noise differentiated, of which the
+/// accelerometer leaves the share 1/(1 + (f/f₀)⁴) where it takes part from `fused_hz` on.
+fn velocity_noise_rad_s(angle_density: f64, cutoff_hz: f64, fused_hz: f64) -> f64 {
+    let density = |frequency_hz: f64| (TAU * frequency_hz).powi(2) / (1.0 + (frequency_hz / fused_hz).powi(4));
+    (angle_density * integral(cutoff_hz, density)).sqrt()
+}
+
+/// Integral of a density from zero to `edge_hz`.
+fn integral(edge_hz: f64, density: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 256;
+    let width_hz = edge_hz / f64::from(STEPS);
+    width_hz * (0..STEPS).map(|step| density((f64::from(step) + 0.5) * width_hz)).sum::<f64>()
+}
+
+/// Derivative per second by central differences of eighth order, of lower order towards the ends.
+///
+/// Plain central differences take (ωh)²/6 off a signal, ω its frequency and h the sample period: at 100 Hz and
+/// 10 kHz that already shifts an inertia by more than its interval. Eighth order takes off (ωh)⁸/630.
+pub(crate) fn gradient(signal: &[f64], rate_hz: f64) -> Vec<f64> {
+    const WEIGHTS: [&[f64]; GRADIENT_REACH] = [
+        &[1.0 / 2.0],
+        &[2.0 / 3.0, -1.0 / 12.0],
+        &[3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0],
+        &[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0],
+    ];
+    let last = signal.len() - 1;
+    let towards_end = |index: usize| match index.min(last - index).min(WEIGHTS.len()) {
+        0 if last == 0 => 0.0,
+        0 if index == 0 => (signal[1] - signal[0]) * rate_hz,
+        0 => (signal[last] - signal[last - 1]) * rate_hz,
+        order => {
+            let pairs = WEIGHTS[order - 1].iter().zip(1..);
+            rate_hz * pairs.map(|(weight, at)| weight * (signal[index + at] - signal[index - at])).sum::<f64>()
+        }
+    };
+    let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0].map(|weight: f64| weight * rate_hz);
+    let mut rate = vec![0.0; signal.len()];
+    let inside = GRADIENT_REACH..signal.len().saturating_sub(GRADIENT_REACH);
+    if !inside.is_empty() {
+        vector::differences(signal, weights, &mut rate[inside.clone()]);
+    }
+    for index in (0..signal.len()).filter(|index| !inside.contains(index)) {
+        rate[index] = towards_end(index);
+    }
+    rate
+}
+
+/// A Butterworth low-pass run both ways.
+pub(crate) fn low_pass(order: usize, edge_hz: f64, rate_hz: f64, signal: &[f64]) -> Vec<f64> {
+    let sections: Option<Sections> = butterworth_low_pass(order, edge_hz, rate_hz).ok();
+    sections.map_or_else(|| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
+}
+
+/// The common low-pass of angle and torque before anything is masked.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred samples")]
+fn smoother(cutoff_hz: f64, rate_hz: f64) -> Fir {
+    Fir::kaiser_low_pass((SMOOTH_PERIODS * rate_hz / cutoff_hz).ceil() as usize, cutoff_hz, rate_hz, SMOOTH_BETA)
+}
+
+/// Samples on each side that still matter to a smoothed and twice differentiated sample.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a few hundred samples"
+)]
+fn effective_reach(smoother: &Fir) -> usize {
+    (EFFECTIVE * (smoother.half_length() + DIFFERENCE_REACH) as f64) as usize
+}
+
+/// The given columns, if they are the angle's derivatives to within rounding.
+fn exact_motion(uniform: &mut Uniform) -> Option<KnobMotion> {
+    let rate_hz = uniform.rate_hz;
+    let velocity = uniform.velocity_rad_s.as_ref()?;
+    if uniform.lost > 0 || !is_exact_derivative(velocity, &uniform.angle_rad, rate_hz) {
+        return None;
+    }
+    let accelerometer =
+        uniform.acceleration_rad_s2.as_ref().is_some_and(|given| is_exact_derivative(given, velocity, rate_hz));
+    let velocity_rad_s = uniform.velocity_rad_s.take()?;
+    let given = uniform.acceleration_rad_s2.take().filter(|_| accelerometer);
+    let acceleration_rad_s2 = given.unwrap_or_else(|| gradient(&velocity_rad_s, rate_hz));
+    let (time_s, angle_rad) = (std::mem::take(&mut uniform.time_s), std::mem::take(&mut uniform.angle_rad));
+    let columns = [time_s, angle_rad, velocity_rad_s, acceleration_rad_s2];
+    Some(KnobMotion { accelerometer, ..KnobMotion::as_given(columns, 0.5 * rate_hz) })
+}
+
+/// Whether a column is smooth to rounding and neither early nor late against the derivative of another.
+fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
+    /// Samples that are differentiated together.
+    const BLOCK: usize = 2048;
+    let size = rms(column);
+    if !(size > 0.0 && is_smooth(column, EXACT * size)) {
+        return false;
+    }
+    let length = column.len();
+    let (mut lag, mut weight, mut square) = (0.0, 0.0, 0.0);
+    for start in (0..length).step_by(BLOCK) {
+        let end = (start + BLOCK).min(length);
+        let around = start.saturating_sub(2 * GRADIENT_REACH)..(end + 2 * GRADIENT_REACH).min(length);
+        let derivative = gradient(&of[around.clone()], rate_hz);
+        let rate = gradient(&derivative, rate_hz);
+        let inside = start.max(1)..end.min(length - 1);
+        let shifted = inside.start - around.start..inside.end - around.start;
+        let difference: Vec<f64> =
+            column[inside].iter().zip(&derivative[shifted.clone()]).map(|(column, rate)| column - rate).collect();
+        let rate = &rate[shifted];
+        lag += dot(&difference, rate);
+        weight += dot(rate, rate);
+        square += dot(&difference, &difference);
+    }
+    let difference = (square / weight.max(f64::MIN_POSITIVE)).sqrt();
+    (lag / weight.max(f64::MIN_POSITIVE)).abs() < 0.01 / rate_hz && difference < 0.1 / rate_hz
+}
+
+/// Standard deviation of white noise as the fourth differences show it; motion hardly shows there.
+pub(crate) fn scatter(signal: &[f64]) -> f64 {
+    let mut fourth: Vec<f64> =
+        signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+    // Fourth differences raise the variance of white noise 70-fold.
+    median(&mut fourth) / MEDIAN_MAGNITUDE / 70_f64.sqrt()
+}
+
+/// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
+fn is_smooth(signal: &[f64], limit: f64) -> bool {
+    // Fourth differences raise the variance of white noise 70-fold.
+    let limit = limit * MEDIAN_MAGNITUDE * 70_f64.sqrt();
+    2 * vector::small_fourth_differences(signal, limit) > signal.len().saturating_sub(4)
+}
+
+/// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.
+pub(crate) fn prompt(signal: &[f64], lag_s: f64, rate_hz: f64) -> Vec<f64> {
+    let rate = gradient(signal, rate_hz);
+    signal.iter().zip(&rate).map(|(value, rate)| value + lag_s * rate).collect()
+}

@@ -1,0 +1,61 @@
+//! What the sensors' noise adds to sums over rows, and taking it off again.
+//!
+//! Least squares holds its columns for exact, but an acceleration that was differentiated twice is not: its noise adds
+//! to its square and draws the inertia towards zero. And a torque by which the angle was corrected for the torque
+//! sensor's twist brings the same noise into both sides, which draws the inertia up. Both sums are known, since both
+//! noises are white where they enter and every filter after that is known, so they are taken off the normal
+//! equations (W. A. Fuller, Measurement Error Models, Wiley 1987, section 2.2).
+
+use std::f64::consts::TAU;
+
+use super::frame::Frame;
+use super::motion::{Band, KnobMotion};
+
+/// Frequencies at which the noise's spectrum is summed.
+const STEPS: u32 = 256;
+/// Beyond this multiple of the band's edge the rows' filter passes nothing.
+const BEYOND: f64 = 1.6;
+
+/// Sums over all rows that noise alone gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SensorNoise {
+    /// Of the squared velocity, rad²/s².
+    pub(crate) velocity_squares: f64,
+    /// Of the squared acceleration, rad²/s⁴.
+    pub(crate) acceleration_squares: f64,
+    /// Of acceleration times torque, mNm·rad/s².
+    pub(crate) acceleration_torque: f64,
+}
+
+impl SensorNoise {
+    /// What the noise of encoder, torque channel and accelerometer adds in this frame.
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    pub(crate) fn of(frame: &Frame, motion: &KnobMotion, band: &Band) -> Self {
+        if motion.exact || motion.angle_density == 0.0 {
+            return Self::default();
+        }
+        let smoother = motion.smoother(frame.rate_hz);
+        let torque_density = band.torque_noise_mnm.powi(2) / (0.5 * frame.rate_hz);
+        let compliance = motion.compliance_rad_mnm;
+        let width_hz = (BEYOND * band.edge_hz).min(0.5 * frame.rate_hz) / f64::from(STEPS);
+        let mut density = Self::default();
+        for step in 0..STEPS {
+            let frequency_hz = (f64::from(step) + 0.5) * width_hz;
+            let passed =
+                (frame.fir.gain(frequency_hz, frame.rate_hz) * smoother.gain(frequency_hz, frame.rate_hz)).powi(2);
+            let square = (TAU * frequency_hz).powi(2);
+            let encoder = motion.encoder_share(frequency_hz);
+            let angle_density = motion.angle_density + torque_density * compliance * compliance;
+            density.velocity_squares += width_hz * passed * angle_density * square * encoder;
+            density.acceleration_squares +=
+                width_hz * passed * motion.acceleration_density(frequency_hz, angle_density);
+            density.acceleration_torque += width_hz * passed * torque_density * square * compliance * encoder;
+        }
+        let rows = frame.mask.iter().map(|mask| mask * mask).sum::<f64>() / frame.step as f64;
+        Self {
+            velocity_squares: rows * density.velocity_squares,
+            acceleration_squares: rows * density.acceleration_squares,
+            acceleration_torque: rows * density.acceleration_torque,
+        }
+    }
+}

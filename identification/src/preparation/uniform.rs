@@ -1,0 +1,295 @@
+//! One sample rate: a capture's columns on an even grid of time.
+
+use dynamics::Calibration;
+
+use super::sampling::Readings;
+use super::saturation::{Rails, frozen, frozen_note};
+use super::spectrum::Spectrum;
+use crate::Samples;
+use crate::uncertainty::statistics::median;
+
+/// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
+const JITTER: f64 = 0.01;
+/// A step of time longer than this many sample periods is a gap: samples were lost.
+const GAP: f64 = 1.5;
+/// Longest stretch that a gap takes up on the grid, s; the filters forget faster.
+const LONGEST_GAP_S: f64 = 0.5;
+/// Grid points that gaps may take up together, beyond one for each sample: bursts with pauses would fill memory.
+const GAP_POINTS: f64 = 1e5;
+
+/// A capture on an even grid, corrected by the rig's calibration.
+#[derive(Clone, Debug)]
+pub(crate) struct Uniform {
+    pub(crate) rate_hz: f64,
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) angle_rad: Vec<f64>,
+    pub(crate) velocity_rad_s: Option<Vec<f64>>,
+    pub(crate) acceleration_rad_s2: Option<Vec<f64>>,
+    /// Time constant of the first-order lag that is still in the acceleration, s.
+    pub(crate) acceleration_lag_s: f64,
+    pub(crate) torque_mnm: Vec<f64>,
+    /// The torque as it was received, before its delay was taken out, mNm; empty where there was none to take out.
+    received_mnm: Vec<f64>,
+    /// The delay that was taken out, in samples.
+    torque_delay: f64,
+    /// White density of the torque channel's noise, as the upper end of its spectrum shows it, mNm²/Hz.
+    pub(crate) torque_density: f64,
+    /// Whether the grid point was measured; false inside gaps, and where a sensor stood at its rail or still.
+    pub(crate) present: Vec<bool>,
+    /// Grid points that stand for lost samples.
+    pub(crate) lost: usize,
+    /// What is wrong with sensors and samples, a sentence each.
+    pub(crate) notes: Vec<String>,
+}
+
+impl Uniform {
+    /// Places checked samples on a grid of their median period.
+    pub(crate) fn of(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Self {
+        let readings = Readings::of(samples);
+        let samples = &readings.as_ref().map_or(*samples, |readings| readings.rows.samples());
+        let mut uniform = Self::on_grid(samples);
+        uniform.leave_out_faults(samples, calibration);
+        uniform.notes.extend(readings.map(|readings| readings.note));
+        // Before any interpolation, which would take off the upper end.
+        let rate_hz = uniform.rate_hz;
+        uniform.torque_density = Spectrum::welch(&uniform.torque_mnm, rate_hz).median(0.35 * rate_hz, 0.5 * rate_hz);
+        if let Some(calibration) = calibration {
+            uniform.calibrate(calibration);
+        }
+        uniform
+    }
+
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of samples"
+    )]
+    fn on_grid(samples: &Samples<'_>) -> Self {
+        let time = samples.t_s;
+        let count = time.len();
+        let (typical, is_regular) = typical_step(time);
+        if is_regular {
+            return Self::regular(samples, typical);
+        }
+        let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
+        let regular: Vec<f64> = steps.iter().copied().filter(|step| *step <= GAP * typical).collect();
+        let step = exact(regular.iter().sum::<f64>() / regular.len().max(1) as f64);
+        let scatter =
+            (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
+        if gaps == 0 && scatter < JITTER {
+            return Self::regular(samples, step);
+        }
+        // Time without the excess of long gaps, so that a pause does not fill memory.
+        let longest_s = LONGEST_GAP_S.min((count as f64 + GAP_POINTS) / gaps.max(1) as f64 * step).max(GAP * step);
+        let mut compressed = Vec::with_capacity(count);
+        let mut excess = 0.0;
+        compressed.push(0.0);
+        for pair in time.windows(2) {
+            excess += (pair[1] - pair[0] - longest_s).max(0.0);
+            compressed.push(pair[1] - time[0] - excess);
+        }
+        let length = (compressed[count - 1] / step + 1e-6) as usize + 1;
+        let mut places = Vec::with_capacity(length);
+        let mut index = 0;
+        for point in 0..length {
+            let at = point as f64 * step;
+            while index + 2 < count && compressed[index + 1] <= at {
+                index += 1;
+            }
+            let interval = compressed[index + 1] - compressed[index];
+            let share = ((at - compressed[index]) / interval).clamp(0.0, 1.0);
+            let near = share * interval < 0.25 * step || (1.0 - share) * interval < 0.25 * step;
+            places.push((index, share, interval <= GAP * step || near));
+        }
+        let sampled = |column: &[f64]| {
+            places.iter().map(|(i, share, _)| column[*i] + share * (column[*i + 1] - column[*i])).collect::<Vec<_>>()
+        };
+        let present: Vec<bool> = places.iter().map(|place| place.2).collect();
+        Self {
+            rate_hz: 1.0 / step,
+            time_s: sampled(time),
+            angle_rad: sampled(samples.angle_rad),
+            velocity_rad_s: samples.velocity_rad_s.map(sampled),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(sampled),
+            acceleration_lag_s: 0.0,
+            received_mnm: Vec::new(),
+            torque_delay: 0.0,
+            torque_density: 0.0,
+            torque_mnm: sampled(samples.torque_mnm),
+            lost: present.iter().filter(|present| !**present).count(),
+            present,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Marks samples where a channel stood at its rail or the encoder stood still as not measured, and does without an
+    /// accelerometer that is at its rail: the encoder tells the same.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a delay of a few samples")]
+    fn leave_out_faults(&mut self, samples: &Samples<'_>, calibration: Option<&Calibration>) {
+        let torque = Rails::of(samples.torque_mnm);
+        let frozen = frozen(samples.angle_rad, samples.torque_mnm);
+        let delay = calibration.map_or(0.0, |known| known.torque_delay_s.abs()) * self.rate_hz;
+        // Interpolation between samples looks at two neighbours besides.
+        let margin = 2 + delay.ceil() as usize;
+        let mut faulty = vec![false; samples.t_s.len()];
+        for run in torque.runs().iter().chain(&frozen) {
+            let last = (run.end + margin).min(faulty.len());
+            faulty[run.start.saturating_sub(margin)..last].fill(true);
+        }
+        if faulty.contains(&true) {
+            let mut index = 0;
+            for (present, time) in self.present.iter_mut().zip(&self.time_s) {
+                while index + 1 < faulty.len() && samples.t_s[index] < *time {
+                    index += 1;
+                }
+                *present &= !faulty[index] && !faulty[index.saturating_sub(1)];
+            }
+        }
+        // A jump would look like an encoder full of noise.
+        for run in frozen.iter().filter(|run| run.end < samples.t_s.len()) {
+            let (start, end) = (samples.t_s[run.start], samples.t_s[run.end]);
+            let (from, to) = (samples.angle_rad[run.start], samples.angle_rad[run.end]);
+            for (angle, time) in self.angle_rad.iter_mut().zip(&self.time_s) {
+                if (start..end).contains(time) {
+                    *angle = from + (to - from) * (time - start) / (end - start);
+                }
+            }
+        }
+        self.notes.extend(torque.note("torque", "mNm"));
+        self.notes.extend(frozen_note(&frozen));
+        let acceleration = samples.acceleration_rad_s2.map(Rails::of).unwrap_or_default();
+        if acceleration.samples() > 0 {
+            self.acceleration_rad_s2 = None;
+            self.notes.push(format!(
+                "the acceleration channel stands at an end of its range for {} samples: the acceleration was taken from the encoder instead",
+                acceleration.samples()
+            ));
+        }
+    }
+
+    /// Samples that lie on a grid already.
+    fn regular(samples: &Samples<'_>, step_s: f64) -> Self {
+        Self {
+            rate_hz: 1.0 / step_s,
+            time_s: samples.t_s.to_vec(),
+            angle_rad: samples.angle_rad.to_vec(),
+            velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
+            acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
+            acceleration_lag_s: 0.0,
+            torque_mnm: samples.torque_mnm.to_vec(),
+            received_mnm: Vec::new(),
+            torque_delay: 0.0,
+            torque_density: 0.0,
+            present: vec![true; samples.t_s.len()],
+            lost: 0,
+            notes: Vec::new(),
+        }
+    }
+
+    /// The torque as it was received, mNm, and by how many samples that is late.
+    pub(crate) fn received_torque(&self) -> (&[f64], f64) {
+        if self.received_mnm.is_empty() { (&self.torque_mnm, 0.0) } else { (&self.received_mnm, self.torque_delay) }
+    }
+
+    /// Takes out zeros, gravity and the channels' delays.
+    fn calibrate(&mut self, calibration: &Calibration) {
+        for torque in &mut self.torque_mnm {
+            *torque -= calibration.torque_zero_mnm;
+        }
+        self.torque_delay = calibration.torque_delay_s * self.rate_hz;
+        if self.torque_delay != 0.0 {
+            let prompt = advance(&self.torque_mnm, self.torque_delay);
+            self.received_mnm = std::mem::replace(&mut self.torque_mnm, prompt);
+        }
+        if let Some(acceleration) = &mut self.acceleration_rad_s2 {
+            // The sensor's lag stays in for now, and gravity passed it as the motion did.
+            let gravity: Vec<f64> = self.angle_rad.iter().map(|angle| calibration.gravity_rad_s2(*angle)).collect();
+            let lag = calibration.acceleration_delay_s * self.rate_hz;
+            for (value, gravity) in acceleration.iter_mut().zip(&lagged(&gravity, lag)) {
+                *value -= calibration.acceleration_zero_rad_s2 + gravity;
+            }
+            self.acceleration_lag_s = calibration.acceleration_delay_s;
+        }
+    }
+}
+
+/// The time from most samples to the next, s, and whether it is the same from each: without gaps and jitter, and so without
+/// anything to sort.
+#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+pub(crate) fn typical_step(time: &[f64]) -> (f64, bool) {
+    let mean = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+    let mut farthest = 0.0_f64;
+    for (left, right) in time.iter().zip(&time[1..]) {
+        farthest = farthest.max((right - left - mean).abs());
+    }
+    if farthest < JITTER * mean {
+        return (exact(mean), true);
+    }
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    (exact(median(&mut steps)), false)
+}
+
+/// The step of which the rate has twelve digits: all that times in a file have, wherever they begin.
+fn exact(step_s: f64) -> f64 {
+    let rate_hz = 1.0 / step_s;
+    let unit = 10.0_f64.powf(rate_hz.log10().floor() - 11.0);
+    1.0 / ((rate_hz / unit).round() * unit)
+}
+
+/// The whole part of a number of samples, one that is whole but for rounding being itself.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
+pub(crate) fn whole(samples: f64) -> usize {
+    (samples * (1.0 + 1e-9)) as usize
+}
+
+/// The signal behind a first-order low-pass with a time constant of `lag` samples, exact for straight lines between samples.
+fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
+    let Some(first) = signal.first().filter(|_| lag > 0.0) else {
+        return signal.to_vec();
+    };
+    let decay = (-1.0 / lag).exp();
+    let (mut previous, mut state) = (*first, *first);
+    signal
+        .iter()
+        .map(|value| {
+            let slope = value - previous;
+            // Behind a ramp the output trails by slope · lag; what it was further away decays.
+            state = value - slope * lag + (state - previous + slope * lag) * decay;
+            previous = *value;
+            state
+        })
+        .collect()
+}
+
+/// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "an index between 0 and the length"
+)]
+pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
+    if shift == 0.0 || signal.is_empty() {
+        return signal.to_vec();
+    }
+    let whole = shift.floor();
+    let part = shift - whole;
+    let last = signal.len() as isize - 1;
+    let at = |index: isize| signal[index.clamp(0, last) as usize];
+    // Lagrange weights for the nodes −1, 0, 1, 2.
+    let weights = [
+        -part * (part - 1.0) * (part - 2.0) / 6.0,
+        (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
+        -(part + 1.0) * part * (part - 2.0) / 2.0,
+        (part + 1.0) * part * (part - 1.0) / 6.0,
+    ];
+    (0..signal.len() as isize)
+        .map(|index| {
+            let base = index + whole as isize;
+            weights.iter().zip(-1..).map(|(weight, offset)| weight * at(base + offset)).sum()
+        })
+        .collect()
+}

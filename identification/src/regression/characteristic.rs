@@ -1,0 +1,305 @@
+//! Torque measured point by point: splines over a coordinate, linear in the torques of their points, that join a fit beside the
+//! effects that have a name.
+
+use dynamics::{Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
+use nalgebra::DMatrix;
+
+use super::least_squares::{ColumnNoise, LeastSquares, dot};
+use crate::numerics::vector;
+use crate::uncertainty::statistics::NORMAL_95;
+
+/// Numbers of points that are tried.
+const POINTS: [u16; 5] = [8, 16, 32, 64, 128];
+/// Rows that a point must have on the average.
+const ROWS_PER_POINT: usize = 4;
+/// Cells of the travel in which the bending of the torque is looked at.
+const CELLS: usize = 200;
+/// What holds a point that the samples hardly show near zero, as a share of the mean point's square.
+const HELD: f64 = 1e-6;
+/// The same of a friction, larger: where one direction alone was seen, what it shows is a torque.
+const FRICTION_HELD: f64 = 1e-3;
+/// Share of a column's square that is rounding.
+const ROUNDING: f64 = 1e-18;
+/// A point is told if its column has this share of the mean point's square.
+const SHOWN: f64 = 1e-3;
+
+/// A torque measured over a coordinate.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct MeasuredCurve {
+    /// Name of the effect that it is.
+    pub effect: &'static str,
+    /// Points of the spline.
+    pub points: Vec<CharacteristicPoint>,
+}
+
+/// A point of a measured characteristic.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct CharacteristicPoint {
+    /// Where, rad or rad/s.
+    pub at: f64,
+    /// Torque there, mNm.
+    pub torque_mnm: f64,
+    /// Its 95 % interval; none where the capture hardly shows it.
+    pub ci95: Option<[f64; 2]>,
+}
+
+/// A spline through points over one coordinate, before their torques are known.
+pub(crate) struct Spline {
+    pub(crate) kind: &'static EffectKind,
+    pub(crate) of: TableUse,
+    pub(crate) points: Vec<f64>,
+    pub(crate) period_rad: Option<f64>,
+}
+
+impl Spline {
+    /// Through `count` points from one value of the coordinate to another; `None` for an effect without a table.
+    pub(crate) fn new(
+        kind: &'static EffectKind,
+        [from, to]: [f64; 2],
+        count: u16,
+        period_rad: Option<f64>,
+    ) -> Option<Self> {
+        let intervals = f64::from(if period_rad.is_some() { count } else { count - 1 });
+        let points = (0..count).map(|point| from + (to - from) * f64::from(point) / intervals).collect();
+        Self::through(kind, points, period_rad)
+    }
+
+    /// Through points at these values of the coordinate; `None` for an effect without a table.
+    fn through(kind: &'static EffectKind, points: Vec<f64>, period_rad: Option<f64>) -> Option<Self> {
+        let (Part::TorqueTable(of) | Part::FrictionTable(of)) = kind.part else { return None };
+        Some(Self { kind, of, points, period_rad })
+    }
+
+    /// The effect with these torques at the points.
+    pub(crate) fn effect(&self, torque_mnm: &[f64]) -> Option<Effect> {
+        let table = TorqueTable::kept_for(self.of, &self.points, torque_mnm, self.period_rad).ok()?;
+        Some(Effect::new(self.kind, &[1.0]).with_table(table))
+    }
+
+    /// Columns of the torque of every point alone, 1 mNm high, over samples that move like this.
+    pub(crate) fn columns<'a>(
+        &'a self,
+        samples: usize,
+        motion: impl Fn(usize) -> Motion + 'a,
+    ) -> impl Iterator<Item = Vec<f64>> + 'a {
+        let resists = matches!(self.kind.part, Part::FrictionTable(_));
+        let mut unit = vec![0.0; self.points.len()];
+        (0..self.points.len()).map(move |point| {
+            unit.fill(0.0);
+            unit[point] = 1.0;
+            let table = TorqueTable::through(self.of, &self.points, &unit, self.period_rad).ok();
+            let torque_mnm = |index: usize| {
+                let motion = motion(index);
+                let sign = if resists { motion.velocity_sign() } else { 1.0 };
+                sign * table.as_ref().map_or(0.0, |table| self.of.torque_mnm(table, &motion))
+            };
+            (0..samples).map(torque_mnm).collect()
+        })
+    }
+}
+
+/// Columns and target with a row more for each point of a spline, which holds it near zero by its share of the mean point's
+/// square: where the columns of named effects, the base, can do the same, they do it.
+pub(crate) fn held(
+    base: &[impl AsRef<[f64]>],
+    points: &[Vec<f64>],
+    target: &[f64],
+    share: impl Fn(usize) -> f64,
+) -> (Vec<Vec<f64>>, Vec<f64>) {
+    #[allow(clippy::cast_precision_loss, reason = "a number of points")]
+    let mean = points.iter().map(|row| dot(row, row)).sum::<f64>() / points.len() as f64;
+    let extended = |column: &[f64], place: Option<usize>| {
+        let mut column = column.to_vec();
+        column.extend((0..points.len()).map(|row| if place == Some(row) { (share(row) * mean).sqrt() } else { 0.0 }));
+        column
+    };
+    let columns = base.iter().map(|column| extended(column.as_ref(), None));
+    let columns = columns.chain(points.iter().enumerate().map(|(place, column)| extended(column, Some(place))));
+    (columns.collect(), extended(target, None))
+}
+
+/// Where the points of a spline are to lie: closer where the torque bends more.
+pub(crate) struct Places {
+    lowest_rad: f64,
+    cell_rad: f64,
+    /// Share of all bending up to the end of each cell.
+    up_to: Vec<f64>,
+}
+
+impl Places {
+    /// For samples of a torque over an angle: half of the points are spread evenly, half by the root of the second derivative (C. de Boor,
+    /// A Practical Guide to Splines, 1978, chapter XII). `None` where the angle does not change.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of cells, and a place among them"
+    )]
+    pub(crate) fn of(samples: &(impl Iterator<Item = (f64, f64)> + Clone)) -> Option<Self> {
+        let angles = || samples.clone().map(|(angle_rad, _)| angle_rad);
+        let (lowest_rad, highest_rad) =
+            (angles().fold(f64::INFINITY, f64::min), angles().fold(f64::NEG_INFINITY, f64::max));
+        let cell_rad = (highest_rad - lowest_rad) / CELLS as f64;
+        if !(cell_rad > 0.0 && cell_rad.is_finite()) {
+            return None;
+        }
+        let mut sums = [[0.0, 0.0]; CELLS];
+        for (angle_rad, torque_mnm) in samples.clone() {
+            let [sum, count] = &mut sums[(((angle_rad - lowest_rad) / cell_rad) as usize).min(CELLS - 1)];
+            (*sum, *count) = (*sum + torque_mnm, *count + 1.0);
+        }
+        let mut last = 0.0;
+        let means = sums.map(|[sum, count]| {
+            last = if count > 0.0 { sum / count } else { last };
+            last
+        });
+        let mut bending = [0.0; CELLS];
+        for at in 1..CELLS - 1 {
+            bending[at] = (means[at - 1] - 2.0 * means[at] + means[at + 1]).abs().sqrt();
+        }
+        let even = (bending.iter().sum::<f64>() / CELLS as f64).max(f64::MIN_POSITIVE);
+        let total = 2.0 * even * CELLS as f64;
+        let mut up_to = 0.0;
+        let grown = bending.iter().map(|bending| {
+            up_to += (bending + even) / total;
+            up_to
+        });
+        Some(Self { lowest_rad, cell_rad, up_to: grown.collect() })
+    }
+
+    /// So many points, rising.
+    #[allow(clippy::cast_precision_loss, reason = "a number of cells")]
+    fn points(&self, count: u16) -> Vec<f64> {
+        let place = |point: u16| {
+            let share = f64::from(point) / f64::from(count - 1);
+            let cell = self.up_to.partition_point(|up_to| *up_to < share).min(CELLS - 1);
+            let before = if cell == 0 { 0.0 } else { self.up_to[cell - 1] };
+            let within = ((share - before) / (self.up_to[cell] - before)).clamp(0.0, 1.0);
+            self.lowest_rad + self.cell_rad * (cell as f64 + within)
+        };
+        (0..count).map(place).collect()
+    }
+}
+
+/// Torque over the angle, fitted together with a base.
+pub(crate) struct Measured {
+    /// The splines as effects.
+    pub(crate) effects: Vec<Effect>,
+    /// Their points with intervals.
+    pub(crate) curves: Vec<MeasuredCurve>,
+    /// All columns, those of the base first, with the rows that hold the points behind the samples'.
+    pub(crate) columns: Vec<Vec<f64>>,
+    /// The solution over them.
+    pub(crate) solution: LeastSquares,
+    /// Covariance of its coefficients.
+    pub(crate) covariance: DMatrix<f64>,
+}
+
+/// What the points of measured curves can do by themselves, to be left out of columns: the coefficients beside the curves, and how well they are
+/// known, then come out as from a fit of all together (R. Frisch and F. V. Waugh, Econometrica 1, 1933, 387–401).
+pub(crate) struct Beside {
+    points: Vec<Vec<f64>>,
+    products: DMatrix<f64>,
+}
+
+impl Beside {
+    /// Beside the points of what was measured, over its rows without those that held the points; `both` is the column of a Coulomb friction alike
+    /// in both directions, of which a measured friction has no part.
+    pub(crate) fn new(measured: &Measured, both: &[f64]) -> Self {
+        let count: usize = measured.curves.iter().map(|curve| curve.points.len()).sum();
+        let of_torque = measured.curves.first().map_or(0, |curve| curve.points.len());
+        let square = dot(both, both).max(f64::MIN_POSITIVE);
+        let columns = measured.columns[measured.columns.len() - count..].iter().enumerate();
+        let points: Vec<Vec<f64>> = columns
+            .map(|(place, column)| {
+                let mut column = column[..both.len()].to_vec();
+                let share = if place < of_torque { 0.0 } else { dot(&column, both) / square };
+                column.iter_mut().zip(both).for_each(|(value, both)| *value -= share * both);
+                column
+            })
+            .collect();
+        let mut products = DMatrix::zeros(count, count);
+        vector::products(&points, 0, &mut products);
+        Self { points, products }
+    }
+
+    /// Number of points.
+    pub(crate) fn count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// What the points cannot do of a column; nothing where only rounding is left.
+    pub(crate) fn left_of(&self, column: &[f64]) -> Vec<f64> {
+        let free = vec![false; self.points.len()];
+        let left = LeastSquares::solve_noisy(&self.points, &self.products, column, &free, &[]).residual;
+        if dot(&left, &left) > ROUNDING * dot(column, column) { left } else { vec![0.0; column.len()] }
+    }
+}
+
+/// Measures the torque over the angle beside the columns of a base: the mean of both directions, and, where there
+/// are both, by how much half their difference varies. The number of points is that with the least of Schwarz's criterion (G. Schwarz, Ann.
+/// Statist. 6, 1978, 461–464); `None` where the samples tell no point.
+///
+/// `rows` makes the columns of a spline's points; `noise` is that of the base's columns.
+pub(crate) fn measure(
+    base: &[impl AsRef<[f64]>],
+    nonnegative: &[bool],
+    noise: &[ColumnNoise],
+    target: &[f64],
+    places: &Places,
+    both_ways: bool,
+    rows: impl Fn(&Spline) -> Vec<Vec<f64>>,
+) -> Option<Measured> {
+    let kinds = [&effects::angle_characteristic::KIND, &effects::friction_characteristic::KIND];
+    let branches = if both_ways { &[1, 2][..] } else { &[1] };
+    let tried = branches.iter().flat_map(|branches| POINTS.map(|count| (&kinds[..*branches], count)));
+    let enough = |kinds: &[_], count: u16| usize::from(count) * kinds.len() * ROWS_PER_POINT <= target.len();
+    let fitted = tried.filter(|(kinds, count)| enough(kinds, *count)).filter_map(|(kinds, count)| {
+        let splines: Vec<Spline> =
+            kinds.iter().map(|kind| Spline::through(kind, places.points(count), None)).collect::<Option<_>>()?;
+        let points: Vec<Vec<f64>> = splines.iter().flat_map(&rows).collect();
+        let share = |point: usize| if point < usize::from(count) { HELD } else { FRICTION_HELD };
+        let (columns, extended) = held(base, &points, target, share);
+        let bounds: Vec<bool> =
+            nonnegative.iter().copied().chain(std::iter::repeat(false)).take(columns.len()).collect();
+        let solution = LeastSquares::solve_within(&columns, &extended, &bounds, noise);
+        let left = dot(&solution.residual[..target.len()], &solution.residual[..target.len()]);
+        #[allow(clippy::cast_precision_loss, reason = "numbers of rows and columns")]
+        let criterion = {
+            let (rows, fitted) = (target.len() as f64, solution.fitted() as f64);
+            rows * (left / rows).max(f64::MIN_POSITIVE).ln() + fitted * rows.ln()
+        };
+        Some((criterion, splines, columns, solution))
+    });
+    let (_, splines, columns, solution) = fitted.min_by(|one, other| one.0.total_cmp(&other.0))?;
+    let mut covariance = solution.robust_of_many(&columns);
+    // A point that few passes show has few scores to tell its variance by, of which the fit took a good part: it is not known better than if
+    // the residual were noise of one size.
+    let even = solution.textbook_covariance();
+    for place in base.len()..columns.len() {
+        covariance[(place, place)] = covariance[(place, place)].max(even[(place, place)]);
+    }
+    let mut first = base.len();
+    let (mut effects, mut curves) = (Vec::new(), Vec::new());
+    for spline in &splines {
+        let range = first..first + spline.points.len();
+        first = range.end;
+        let torques_mnm = &solution.coefficients[range.clone()];
+        let squares: Vec<f64> = range.clone().map(|at| dot(&columns[at], &columns[at])).collect();
+        #[allow(clippy::cast_precision_loss, reason = "a number of points")]
+        let shown = SHOWN * squares.iter().sum::<f64>() / squares.len() as f64;
+        let point = |(place, at): (usize, &f64)| {
+            let (column, torque_mnm) = (range.start + place, torques_mnm[place]);
+            let half = NORMAL_95 * covariance[(column, column)].max(0.0).sqrt();
+            let known = squares[place] > shown && half.is_finite();
+            CharacteristicPoint { at: *at, torque_mnm, ci95: known.then_some([torque_mnm - half, torque_mnm + half]) }
+        };
+        let points = spline.points.iter().enumerate().map(point).collect();
+        curves.push(MeasuredCurve { effect: spline.kind.name, points });
+        effects.push(spline.effect(torques_mnm)?);
+    }
+    Some(Measured { effects, curves, columns, solution, covariance })
+}
+
+/// Why a fit that measures the torque over the angle tells of no detents.
+pub(crate) const NO_DETENTS: &str = "the torque over the angle was measured point by point instead";

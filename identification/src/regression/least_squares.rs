@@ -1,0 +1,363 @@
+//! Linear least squares with collinear columns told, lower bounds at zero, and intervals that hold.
+
+use std::ops::Deref;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use crate::numerics::vector;
+pub(crate) use crate::numerics::vector::dot;
+use crate::uncertainty::leverage::Leverage;
+use crate::uncertainty::long_run::{kernel_scale, smooth_scores};
+
+/// A column of which less than this share of the square remains beside the others counts as collinear.
+const COLLINEAR: f64 = 1e-9;
+
+/// A correction that would move the prediction by less than this share of the target is rounding, …
+const SETTLED: f64 = 1e-15;
+/// … and one by less than this share of the residual is a billionth of a standard deviation.
+const NEGLIGIBLE: f64 = 1e-9;
+/// Most rounds on the residual.
+const ROUNDS: usize = 3;
+
+/// Noise of a column, in sums over the rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ColumnNoise {
+    pub(crate) column: usize,
+    /// What it adds to the column's square.
+    pub(crate) square: f64,
+    /// What it adds to the column's product with the target.
+    pub(crate) product: f64,
+}
+
+/// Noise of a column may make up at most this share of its square to be taken off: beyond, nothing would be left.
+const MOST_NOISE: f64 = 0.5;
+
+/// The solution of target ≈ Σ coefficient · column.
+#[derive(Clone, Debug)]
+pub(crate) struct LeastSquares {
+    /// One per column; zero for those left out.
+    pub(crate) coefficients: Vec<f64>,
+    /// Target minus prediction, per row.
+    pub(crate) residual: Vec<f64>,
+    /// Inverse of the columns' Gram matrix, zero in the rows and columns of those left out.
+    pub(crate) inverse: DMatrix<f64>,
+    /// Columns that are sums of earlier ones, or empty.
+    pub(crate) collinear: Vec<bool>,
+    /// Columns held at zero because their coefficient would be negative.
+    pub(crate) at_zero: Vec<bool>,
+}
+
+/// Covariance of coefficients for residuals of unknown autocorrelation and varying size.
+pub(crate) struct RobustCovariance {
+    pub(crate) matrix: DMatrix<f64>,
+    /// Degrees of freedom with which the variances are known, harmonic mean over the coefficients.
+    pub(crate) degrees_of_freedom: f64,
+    leverage: Leverage,
+    /// Number of rows.
+    rows: usize,
+    /// What takes the scores to the coefficients.
+    inverse: DMatrix<f64>,
+}
+
+impl RobustCovariance {
+    /// Allows for so many more columns that took their part of the residual and are not among those looked at.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn enlarge(&mut self, columns: usize) {
+        self.matrix *= self.rows as f64 / self.rows.saturating_sub(columns).max(1) as f64;
+    }
+
+    /// Degrees of freedom with which the variance of Σ `derivatives`ⱼ·coefficientⱼ is known.
+    pub(crate) fn degrees_of_freedom_of(&self, derivatives: &DVector<f64>) -> f64 {
+        self.leverage.degrees_of_freedom(&self.inverse.tr_mul(derivatives))
+    }
+}
+
+impl LeastSquares {
+    /// Solves for `columns` (each as long as `target`); coefficients marked in `nonnegative` stay at or above zero.
+    pub(crate) fn solve<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], nonnegative: &[bool]) -> Self {
+        Self::solve_within(columns, target, nonnegative, &[])
+    }
+
+    /// The same with the sums that `noise` gives taken off the normal equations.
+    pub(crate) fn solve_within<C: Deref<Target = [f64]>>(
+        columns: &[C],
+        target: &[f64],
+        nonnegative: &[bool],
+        noise: &[ColumnNoise],
+    ) -> Self {
+        let mut products = DMatrix::zeros(columns.len(), columns.len());
+        vector::products(columns, 0, &mut products);
+        Self::solve_noisy(columns, &products, target, nonnegative, noise)
+    }
+
+    /// The same with the columns' inner products given.
+    pub(crate) fn solve_noisy<C: Deref<Target = [f64]>>(
+        columns: &[C],
+        products: &DMatrix<f64>,
+        target: &[f64],
+        nonnegative: &[bool],
+        noise: &[ColumnNoise],
+    ) -> Self {
+        let count = columns.len();
+        let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
+        let mut gram =
+            DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
+        let collinear = find_collinear(&gram, &scales);
+        let noise: Vec<ColumnNoise> =
+            noise.iter().copied().filter(|noise| noise.square < MOST_NOISE * scales[noise.column].powi(2)).collect();
+        for noise in &noise {
+            gram[(noise.column, noise.column)] -= noise.square / scales[noise.column].powi(2);
+        }
+        let mut at_zero = vec![false; count];
+        loop {
+            let active: Vec<usize> = (0..count).filter(|index| !collinear[*index] && !at_zero[*index]).collect();
+            let mut solution = Self::solve_active(columns, target, &gram, &scales, &active, &noise);
+            let worst = active
+                .iter()
+                .copied()
+                .filter(|index| nonnegative[*index] && solution.coefficients[*index] < 0.0)
+                .min_by(|a, b| {
+                    (solution.coefficients[*a] * scales[*a]).total_cmp(&(solution.coefficients[*b] * scales[*b]))
+                });
+            match worst {
+                Some(index) => at_zero[index] = true,
+                None => {
+                    solution.collinear = collinear;
+                    solution.at_zero = at_zero;
+                    return solution;
+                }
+            }
+        }
+    }
+
+    fn solve_active<C: Deref<Target = [f64]>>(
+        columns: &[C],
+        target: &[f64],
+        gram: &DMatrix<f64>,
+        scales: &[f64],
+        active: &[usize],
+        noise: &[ColumnNoise],
+    ) -> Self {
+        let count = columns.len();
+        let part = DMatrix::from_fn(active.len(), active.len(), |row, column| gram[(active[row], active[column])]);
+        let mut solution = Self {
+            coefficients: vec![0.0; count],
+            residual: target.to_vec(),
+            inverse: DMatrix::zeros(count, count),
+            collinear: Vec::new(),
+            at_zero: Vec::new(),
+        };
+        let Some(factor) = Cholesky::new(part) else {
+            return solution;
+        };
+        let size = dot(target, target).sqrt();
+        // Rounds on the residual win back the digits that the Gram matrix costs.
+        for round in 0..=ROUNDS {
+            let products = vector::residual(columns, &solution.coefficients, target, &mut solution.residual);
+            if round == ROUNDS {
+                break;
+            }
+            let right = DVector::from_iterator(
+                active.len(),
+                active.iter().map(|index| {
+                    let noise = noise.iter().find(|noise| noise.column == *index);
+                    let noise = noise.map_or(0.0, |n| n.square * solution.coefficients[*index] - n.product);
+                    (products[*index] + noise) / scales[*index]
+                }),
+            );
+            let step = factor.solve(&right);
+            let left = dot(&solution.residual, &solution.residual).sqrt();
+            if step.norm() <= (SETTLED * size).max(NEGLIGIBLE * left) {
+                break;
+            }
+            for (index, step) in active.iter().zip(step.iter()) {
+                solution.coefficients[*index] += step / scales[*index];
+            }
+        }
+        let inverse = factor.inverse();
+        for (row, at) in active.iter().enumerate() {
+            for (column, other) in active.iter().enumerate() {
+                solution.inverse[(*at, *other)] = inverse[(row, column)] / (scales[*at] * scales[*other]);
+            }
+        }
+        solution
+    }
+
+    /// The same fit by instrumental variables: the residual is made orthogonal to the `instruments`, one per column,
+    /// which noise in the columns then does not bias. [`Self::robust`] wants the instruments.
+    pub(crate) fn instrumented<C: Deref<Target = [f64]>>(
+        self,
+        columns: &[C],
+        instruments: &[C],
+        target: &[f64],
+    ) -> Self {
+        let active: Vec<usize> =
+            (0..columns.len()).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
+        let size = |columns: &[C], index: usize| dot(&columns[index], &columns[index]).sqrt();
+        let cross = DMatrix::from_fn(active.len(), active.len(), |row, column| {
+            let (row, column) = (active[row], active[column]);
+            dot(&instruments[row], &columns[column]) / (size(instruments, row) * size(columns, column))
+        });
+        let Some(inverse) = cross.try_inverse() else { return self };
+        let mut solution = self;
+        solution.inverse.fill(0.0);
+        solution.coefficients.fill(0.0);
+        for (row, at) in active.iter().enumerate() {
+            for (column, other) in active.iter().enumerate() {
+                let share = inverse[(row, column)] / (size(columns, *at) * size(instruments, *other));
+                solution.inverse[(*at, *other)] = share;
+                solution.coefficients[*at] += share * dot(&instruments[*other], target);
+            }
+        }
+        solution.residual = residual(columns, target, &solution.coefficients);
+        solution
+    }
+
+    /// Whether it leaves less than another solution of the same target.
+    pub(crate) fn improves(&self, other: &Self) -> bool {
+        dot(&self.residual, &self.residual) < (1.0 - 1e-6) * dot(&other.residual, &other.residual)
+    }
+
+    /// Number of columns that were fitted.
+    pub(crate) fn fitted(&self) -> usize {
+        self.collinear.iter().zip(&self.at_zero).filter(|(collinear, at_zero)| !**collinear && !**at_zero).count()
+    }
+
+    /// Covariance of the coefficients if the residuals were independent and alike (the textbook's).
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn textbook_covariance(&self) -> DMatrix<f64> {
+        let freedom = self.residual.len().saturating_sub(self.fitted()).max(1) as f64;
+        &self.inverse * (dot(&self.residual, &self.residual) / freedom)
+    }
+
+    /// Covariance of the coefficients for residuals of unknown autocorrelation and varying size.
+    ///
+    /// Newey and West's sandwich around the long-run covariance of the scores (`long_run`), enlarged by what the
+    /// residuals have lost to the fit (`leverage`).
+    pub(crate) fn robust<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> RobustCovariance {
+        let count = columns.len();
+        let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
+        let (smooth, width, bandwidth) = smooth_scores(&scores);
+        let mut middle = DMatrix::zeros(count, count);
+        vector::products(&smooth, 0, &mut middle);
+        let active: Vec<usize> = (0..count).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
+        let leverage = Leverage::of(columns, &active, bandwidth);
+        let factor = &self.inverse * leverage.correction();
+        let mut robust = RobustCovariance {
+            matrix: &factor * middle * factor.transpose() * kernel_scale(width),
+            degrees_of_freedom: f64::INFINITY,
+            leverage,
+            rows: self.residual.len(),
+            inverse: self.inverse.clone(),
+        };
+        let unit = |index: &usize| DVector::from_fn(count, |row, _| if row == *index { 1.0 } else { 0.0 });
+        let shares = active.iter().map(|index| 1.0 / robust.degrees_of_freedom_of(&unit(index)));
+        let (sum, fitted) = shares.fold((0.0, 0.0), |(sum, fitted), share| (sum + share, fitted + 1.0));
+        if sum > 0.0 {
+            robust.degrees_of_freedom = fitted / sum;
+        }
+        robust
+    }
+
+    /// The same of many columns, enlarged by the rows over those that the fit left: what [`Self::robust`] looks at in the columns
+    /// instead grows with the fourth power of their number.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn robust_of_many<C: Deref<Target = [f64]>>(&self, columns: &[C]) -> DMatrix<f64> {
+        let rows = self.residual.len();
+        let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
+        let (smooth, width, _) = smooth_scores(&scores);
+        let mut middle = DMatrix::zeros(columns.len(), columns.len());
+        vector::products(&smooth, 0, &mut middle);
+        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
+        &self.inverse * middle * &self.inverse * (kernel_scale(width) * freedom)
+    }
+
+    /// Standard deviation of one coefficient, estimated likewise from the one series that it depends on.
+    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+    pub(crate) fn robust_deviation<C: Deref<Target = [f64]>>(&self, columns: &[C], coefficient: usize) -> f64 {
+        let rows = self.residual.len();
+        let shares: Vec<f64> = (0..columns.len()).map(|column| -self.inverse[(coefficient, column)]).collect();
+        let mut influence = vec![0.0; rows];
+        vector::residual(columns, &shares, &influence.clone(), &mut influence);
+        let score = vector::multiply(&influence, &self.residual);
+        let (smooth, width, _) = smooth_scores(&[score]);
+        let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
+        (dot(&smooth[0], &smooth[0]) * kernel_scale(width) * freedom).sqrt()
+    }
+}
+
+/// Target minus the columns' sum.
+fn residual<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
+    let mut residual = target.to_vec();
+    for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0) {
+        residual.iter_mut().zip(column.iter()).for_each(|(left, value)| *left -= coefficient * value);
+    }
+    residual
+}
+
+/// Coefficients of the first `count` columns from inner products, the target's last; zero for collinear columns.
+pub(crate) fn solve_products(products: &DMatrix<f64>, count: usize) -> Vec<f64> {
+    let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
+    let gram = DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
+    let collinear = find_collinear(&gram, &scales);
+    let active: Vec<usize> = (0..count).filter(|index| !collinear[*index]).collect();
+    let part = DMatrix::from_fn(active.len(), active.len(), |row, column| gram[(active[row], active[column])]);
+    let target = products.nrows() - 1;
+    let right =
+        DVector::from_iterator(active.len(), active.iter().map(|index| products[(*index, target)] / scales[*index]));
+    let mut coefficients = vec![0.0; count];
+    if let Some(factor) = Cholesky::new(part) {
+        for (index, value) in active.iter().zip(factor.solve(&right).iter()) {
+            coefficients[*index] = value / scales[*index];
+        }
+    }
+    coefficients
+}
+
+/// Cholesky's pivots tell how much of each column is new beside the earlier ones.
+fn find_collinear(gram: &DMatrix<f64>, scales: &[f64]) -> Vec<bool> {
+    let count = scales.len();
+    let mut collinear: Vec<bool> = scales.iter().map(|scale| !(*scale > 0.0 && scale.is_finite())).collect();
+    let mut factor = DMatrix::<f64>::zeros(count, count);
+    for row in 0..count {
+        if collinear[row] {
+            continue;
+        }
+        for column in (0..row).filter(|column| !collinear[*column]).collect::<Vec<_>>() {
+            let sum: f64 = (0..column).map(|k| factor[(row, k)] * factor[(column, k)]).sum();
+            factor[(row, column)] = (gram[(row, column)] - sum) / factor[(column, column)];
+        }
+        let left = gram[(row, row)] - (0..row).map(|k| factor[(row, k)].powi(2)).sum::<f64>();
+        if left > COLLINEAR {
+            factor[(row, row)] = left.sqrt();
+        } else {
+            collinear[row] = true;
+            (0..row).for_each(|k| factor[(row, k)] = 0.0);
+        }
+    }
+    collinear
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LeastSquares;
+
+    #[test]
+    fn sorting_the_samples_by_position_changes_nothing() {
+        let angle: Vec<f64> = (0..500).map(|n| (f64::from(n) * 0.37).sin()).collect();
+        let velocity: Vec<f64> = (0..500).map(|n| (f64::from(n) * 0.37).cos()).collect();
+        let torque: Vec<f64> = (0..500)
+            .map(|n| 2.0 * angle[n] + 0.5 * velocity[n] + 0.1 * f64::from(u32::try_from(n * n % 17).unwrap_or(0)))
+            .collect();
+        let mut order: Vec<usize> = (0..500).collect();
+        order.sort_by(|a, b| angle[*a].total_cmp(&angle[*b]));
+        let sorted = |values: &[f64]| order.iter().map(|index| values[*index]).collect::<Vec<f64>>();
+        let in_time = LeastSquares::solve(&[angle.clone(), velocity.clone()], &torque, &[false; 2]);
+        let by_angle = LeastSquares::solve(&[sorted(&angle), sorted(&velocity)], &sorted(&torque), &[false; 2]);
+        for (left, right) in in_time.coefficients.iter().zip(&by_angle.coefficients) {
+            assert!((left - right).abs() < 1e-12, "{left} in time, {right} by position");
+        }
+        let difference = in_time.textbook_covariance() - by_angle.textbook_covariance();
+        assert!(difference.norm() < 1e-12 * in_time.textbook_covariance().norm());
+    }
+}

@@ -1,0 +1,7 @@
+//! From rows to coefficients: linear least squares with bounds and robust covariance, the few searched parameters by Gauss–Newton, curves
+//! measured point by point, and whether columns predict what they were not fitted to.
+
+pub(crate) mod characteristic;
+pub(crate) mod held_out;
+pub(crate) mod least_squares;
+pub(crate) mod problem;

@@ -1,0 +1,92 @@
+//! The long-run covariance of correlated scores.
+//!
+//! Newey and West's estimate with Parzen's kernel and the bandwidth of Andrews (Econometrica 59, 1991, 817–858) from
+//! first-order autocorrelations. Parzen's kernel is a triangle convolved with itself, and a triangle is a box convolved
+//! with itself: with running sums the cost does not depend on the bandwidth, and the result has no negative eigenvalue.
+
+use crate::numerics::vector::dot;
+
+/// Places at which half of the kernel is told apart.
+const PLACES_PER_HALF: usize = 16;
+/// Scores whose running sums are taken side by side: one alone would wait for each addition.
+const TOGETHER: usize = 4;
+/// Least bandwidth as a share of the rows.
+const SHARE: f64 = 0.02;
+/// ∫k² of Parzen's kernel from −1 to 1.
+pub(crate) const PARZEN_SQUARES: f64 = 151.0 / 280.0;
+
+/// Scores summed over triangles, whose inner products are the long-run covariance but for [`kernel_scale`]; half the
+/// bandwidth in their own places, and the bandwidth in rows.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of rows"
+)]
+pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) {
+    let rows = scores.first().map_or(0, Vec::len);
+    let half = (0.5 * parzen_bandwidth(scores, rows)).round().max(1.0) as usize;
+    // Neighbours far closer than the bandwidth count as one.
+    let group = (half / PLACES_PER_HALF).max(1);
+    let width = half.div_ceil(group);
+    let smooth = scores.chunks(TOGETHER).flat_map(|scores| {
+        let mut places = vec![[0.0; TOGETHER]; rows.div_ceil(group)];
+        for (lane, score) in scores.iter().enumerate() {
+            for (place, part) in places.iter_mut().zip(score.chunks(group)) {
+                place[lane] = part.iter().sum();
+            }
+        }
+        triangles(&places, width).into_iter().take(scores.len())
+    });
+    (smooth.collect(), width, 2.0 * (width * group) as f64)
+}
+
+/// One over the triangle's sum of squares: what the kernel would else be at lag zero.
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+pub(crate) fn kernel_scale(width: usize) -> f64 {
+    let width = width as f64;
+    3.0 / (width * (2.0 * width * width + 1.0))
+}
+
+/// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
+fn triangles(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
+    const NOTHING: [f64; TOGETHER] = [0.0; TOGETHER];
+    let length = values.len() + 2 * (width - 1);
+    let mut smooth = [const { Vec::new() }; TOGETHER];
+    smooth.iter_mut().for_each(|smooth| smooth.reserve_exact(length));
+    let (mut box_sums, mut triangle_sums) = (NOTHING, NOTHING);
+    // The last `width` box sums, the oldest at the place of the next one.
+    let mut recent = vec![NOTHING; width];
+    let mut oldest = 0;
+    for place in 0..length {
+        let fresh = values.get(place).unwrap_or(&NOTHING);
+        let stale = place.checked_sub(width).and_then(|left| values.get(left)).unwrap_or(&NOTHING);
+        let recent = &mut recent[oldest];
+        for lane in 0..TOGETHER {
+            box_sums[lane] += fresh[lane] - stale[lane];
+            triangle_sums[lane] += box_sums[lane] - recent[lane];
+            smooth[lane].push(triangle_sums[lane]);
+        }
+        *recent = box_sums;
+        oldest = if oldest + 1 == width { 0 } else { oldest + 1 };
+    }
+    smooth
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
+fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
+    let (mut above, mut below) = (0.0, 0.0);
+    for score in scores {
+        let variance = dot(score, score);
+        if variance <= 0.0 {
+            continue;
+        }
+        let correlation = (dot(&score[1..], score) / variance).clamp(-0.97, 0.97);
+        // Scores count alike whatever their unit, so the variances drop out.
+        above += 4.0 * correlation.powi(2) / (1.0 - correlation).powi(8);
+        below += 1.0 / (1.0 - correlation).powi(4);
+    }
+    let plug_in = if below > 0.0 { 2.6614 * (above / below * rows as f64).powf(0.2) } else { 0.0 };
+    // First-order autocorrelations do not see all: a share of the rows.
+    plug_in.max((SHARE * rows as f64).clamp(8.0, 64.0)).min((rows as f64 / 8.0).max(1.0))
+}

@@ -1,0 +1,113 @@
+//! Quantiles, and the factors between a standard deviation and a 95 % interval.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::numerics::vector::dot;
+
+/// Two-sided 95 % of the normal distribution, in standard deviations.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// Share of a distribution below the upper end of a two-sided 95 % interval.
+const UPPER_95: f64 = 0.975;
+/// Median of the magnitudes of normal values, in standard deviations.
+pub const MEDIAN_MAGNITUDE: f64 = 0.674_489_750_196_081_7;
+
+/// Two-sided 95 % of Student's distribution with `degrees_of_freedom`, in standard deviations; infinite where there are
+/// none.
+///
+/// ```
+/// use identification::statistics::student_95;
+///
+/// // The tables' 12.706 for one degree of freedom, 2.042 for thirty.
+/// assert!((student_95(1.0) - 12.706).abs() < 5e-4 && (student_95(30.0) - 2.042).abs() < 5e-4);
+/// assert!(student_95(0.0).is_infinite());
+/// ```
+#[must_use]
+pub fn student_95(degrees_of_freedom: f64) -> f64 {
+    if degrees_of_freedom.is_infinite() {
+        return NORMAL_95;
+    }
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |student| student.inverse_cdf(UPPER_95))
+}
+
+/// Probability that Student's t with `degrees_of_freedom` exceeds `score`; one where there are none.
+pub(crate) fn student_above(score: f64, degrees_of_freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(1.0, |student| student.sf(score))
+}
+
+/// The share of false discoveries among `p_values` up to and including one of them (Y. Benjamini, Y. Hochberg, J. R. Stat.
+/// Soc. B 57, 1995, 289–300).
+#[allow(clippy::cast_precision_loss, reason = "a number of tests")]
+pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
+    let rate = |p_value: f64| {
+        let rank = p_values.iter().filter(|other| **other <= p_value).count().max(1);
+        p_value * p_values.len() as f64 / rank as f64
+    };
+    p_values.iter().filter(|other| **other >= p_value).map(|other| rate(*other)).fold(1.0, f64::min)
+}
+
+/// A value with the half width of its interval, as people read them: with two digits of the half width.
+///
+/// ```
+/// use identification::statistics::plus_minus;
+///
+/// assert_eq!(plus_minus(-0.091_634, 0.000_021), "-0.091634 ± 0.000021");
+/// assert_eq!(plus_minus(1234.6, 67.8), "1235 ± 68");
+/// ```
+#[must_use]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of decimals from 0 to 12")]
+pub fn plus_minus(value: f64, half_width: f64) -> String {
+    let decimals = (1.0 - half_width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$} ± {half_width:.decimals$}")
+}
+
+/// Median of the values, which are reordered; 0 for none.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let (middle, even) = (values.len() / 2, values.len().is_multiple_of(2));
+    let (below, upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let lower = if even { below.iter().copied().max_by(f64::total_cmp) } else { None };
+    lower.map_or(*upper, |lower| 0.5 * (lower + *upper))
+}
+
+/// Value below which the given share of the values lies; reorders them; 0 for none.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "an index between 0 and the length"
+)]
+pub fn quantile(values: &mut [f64], share: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let index = (share * (values.len() - 1) as f64).round() as usize;
+    *values.select_nth_unstable_by(index, f64::total_cmp).1
+}
+
+/// Root of the mean square; 0 for no values.
+#[must_use]
+pub fn rms(values: &[f64]) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    let count = values.len().max(1) as f64;
+    (dot(values, values) / count).sqrt()
+}
+
+/// Correlation of the ranks of pairs (Spearman's); zero for fewer than three.
+#[allow(clippy::cast_precision_loss, reason = "numbers of pairs")]
+pub(crate) fn rank_correlation(pairs: &[[f64; 2]]) -> f64 {
+    let ranks = |of: usize| {
+        let mut order: Vec<usize> = (0..pairs.len()).collect();
+        order.sort_by(|a, b| pairs[*a][of].total_cmp(&pairs[*b][of]));
+        let mut ranks = vec![0.0; pairs.len()];
+        order.into_iter().enumerate().for_each(|(rank, index)| ranks[index] = rank as f64);
+        ranks
+    };
+    if pairs.len() < 3 {
+        return 0.0;
+    }
+    let count = pairs.len() as f64;
+    let squares: f64 = ranks(0).iter().zip(&ranks(1)).map(|(a, b)| (a - b).powi(2)).sum();
+    1.0 - 6.0 * squares / (count * (count * count - 1.0))
+}
