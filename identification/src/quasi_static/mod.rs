@@ -14,7 +14,7 @@ use dynamics::{Axis, Effect, effects};
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
-use crate::fit::smallest_step;
+use crate::numerics::vector::smallest_step;
 use crate::options::FitOptions;
 use crate::preparation::motion::scatter;
 use crate::preparation::saturation::Rails;
