@@ -74,8 +74,8 @@ impl RecoverySummary {
     }
 }
 
-/// Losses that are told one by one; the archive's record `gaps` lists them all.
-const TOLD_LOSSES: usize = 10;
+/// Most losses to list in a message; the archive's record `gaps` lists them all.
+const LISTED_LOSSES: usize = 10;
 
 impl std::fmt::Display for RecoverySummary {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -99,10 +99,10 @@ impl std::fmt::Display for RecoverySummary {
         }
         write!(f, "; {} of {} bytes dropped", self.bytes_dropped, self.bytes_total)?;
         if self.missing_samples > 0 {
-            let told: Vec<String> =
-                self.losses.iter().take(TOLD_LOSSES).map(|loss| loss.in_words(self.rate_hz)).collect();
-            let more = if self.losses.len() > told.len() { ", ..." } else { "" };
-            write!(f, "; {} samples are missing: {}{more}", self.missing_samples, told.join(", "))?;
+            let listed: Vec<String> =
+                self.losses.iter().take(LISTED_LOSSES).map(|loss| loss.in_words(self.rate_hz)).collect();
+            let more = if self.losses.len() > listed.len() { ", ..." } else { "" };
+            write!(f, "; {} samples are missing: {}{more}", self.missing_samples, listed.join(", "))?;
         }
         if !self.finished {
             write!(f, "; the recording was not finished, what came after is not in the file")?;

@@ -27,16 +27,16 @@ pub struct RigClock {
 }
 
 impl RigAccount {
-    /// A sentence for each reason and one for the clock, in the words of the run's device codes. The reason with the code `told` is
-    /// left out: it ended the run, and is told there.
+    /// A sentence for each reason and one for the clock, with the meanings of the run's device codes. The reason with the code
+    /// `reported` is left out: it ended the run and has been reported as its cause.
     #[must_use]
-    pub fn in_words(&self, run: &RunDescription, told: i32) -> Vec<String> {
-        // What is to be done about it is said where it ends a run.
+    pub fn in_words(&self, run: &RunDescription, reported: i32) -> Vec<String> {
+        // The remedy, after the semicolon, is given where a code ends a run.
         let meaning = |code: &i32| {
             let known = run.device_codes.iter().find(|(known, _)| known == code);
             known.map_or("the rig gives no reason", |(_, meaning)| meaning.split(';').next().unwrap_or(meaning))
         };
-        let stale = self.stale_samples.iter().filter(|(code, _)| **code == 0 || **code != told);
+        let stale = self.stale_samples.iter().filter(|(code, _)| **code == 0 || **code != reported);
         let stale = stale.map(|(code, ticks)| format!("{ticks} ticks brought nothing new: {}", meaning(code)));
         let clock = self.clock.map(|RigClock { drift_ppm, phase_s, phase_deviation_s }| {
             format!(

@@ -138,7 +138,7 @@ pub enum ApparatusError {
     /// The amplifier's watchdog is slower than the rig file asks for.
     #[error("the amplifier's watchdog reads back longer than [watchdog] timeout_s; set it shorter, or say what it is")]
     SlowWatchdog,
-    /// It was told to stop while it was prepared.
+    /// A stop was requested during preparation.
     #[error("stopped while the rig was prepared")]
     Stopped,
 }

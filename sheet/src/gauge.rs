@@ -160,7 +160,7 @@ impl Squares {
         }
     }
 
-    /// The same where parts are their operator's own: there is no interaction to be told.
+    /// The same where each operator measured other parts: the interaction cannot be estimated.
     fn nested(&self) -> [f64; 5] {
         let [o, p, r] = self.counts;
         let operators = self.operator / (o - 1.0);

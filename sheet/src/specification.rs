@@ -169,12 +169,12 @@ impl FileLimits {
             let known: Vec<&str> = kinds().map(|kind| kind.name).collect();
             return Err(SpecificationError::Figure(name.to_owned(), known.join(", ")));
         };
-        let told = match &self.unit {
+        let found = match &self.unit {
             None => Some((first, 1.0)),
             // Turned and pressed controls have figures of one name.
             Some(unit) => named().find_map(|kind| Some((kind, factor(kind.unit, unit)?))),
         };
-        let (kind, factor) = told.ok_or_else(|| SpecificationError::Unit {
+        let (kind, factor) = found.ok_or_else(|| SpecificationError::Unit {
             figure: name.to_owned(),
             unit: self.unit.clone().unwrap_or_default(),
             own: first.unit,

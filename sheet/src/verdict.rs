@@ -194,7 +194,7 @@ fn of_figure(guard: Guard, kind: &FigureKind, figure: Option<&Figure>, limits: L
     let reason = match verdict {
         Verdict::Pass => None,
         Verdict::Fail => Some(format!("{seen} is outside {bounds}")),
-        Verdict::Undecided => Some(format!("{seen} cannot be told from a limit of {bounds}")),
+        Verdict::Undecided => Some(format!("{seen} is too uncertain to compare with {bounds}")),
     };
     (verdict, reason)
 }
@@ -238,7 +238,7 @@ fn of_branch(guard: Guard, envelope: &Envelope, sheet: &Sheet) -> (EnvelopeVerdi
     let reason = match verdict {
         Verdict::Pass => None,
         Verdict::Fail => Some(format!("{seen}, is outside its envelope")),
-        Verdict::Undecided => Some(format!("{seen}, cannot be told from the edge of its envelope")),
+        Verdict::Undecided => Some(format!("{seen}, is too uncertain to compare with its envelope")),
     };
     (EnvelopeVerdict { branch, verdict, worst_position: Some(position) }, reason)
 }

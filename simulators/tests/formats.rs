@@ -29,7 +29,7 @@ fn turning_at(velocity_rad_s: f64) -> Vec<Motion> {
 }
 
 #[test]
-fn what_is_left_out_is_told_as_torque() {
+fn what_is_left_out_is_reported_as_torque() {
     let differs = knob([0.1, 0.3]);
     let export = mjcf(&differs);
     // Half of the difference, times the speed; what the sensor misreads is no part of the knob.

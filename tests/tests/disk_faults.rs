@@ -41,7 +41,7 @@ fn start(bench: &Bench) -> Child {
     command.env("TMPDIR", bench.path("other")).spawn().unwrap()
 }
 
-/// The status, and that the failure was told; what the capture said.
+/// Asserts the status and that the failure was reported; returns what the capture printed.
 fn ended(child: Child, status: i32, said: &[&str]) -> Output {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(status), "{}", printed(&output));
@@ -199,12 +199,12 @@ fn capture_with_failing_calls(bench: &Bench, calls: &[&str], error: nix::errno::
     let recorder = bench.wait_for_process("recorder").unwrap();
     std::thread::sleep(Duration::from_secs(2));
     for call in calls {
-        let told = Command::new("fiu-ctrl")
+        let status = Command::new("fiu-ctrl")
             .arg("-f")
             .arg(bench.path("control"))
             .args(["-c", &format!("enable name={call},failinfo={}{how}", error as i32), &recorder.to_string()])
             .status();
-        assert!(told.is_ok_and(|status| status.success()), "fiu-ctrl is missing: scripts/set-up tests installs it");
+        assert!(status.is_ok_and(|status| status.success()), "fiu-ctrl is missing: scripts/set-up tests installs it");
     }
     child
 }

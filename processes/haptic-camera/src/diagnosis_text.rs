@@ -102,12 +102,12 @@ fn forward(found: &Diagnosis) -> Vec<String> {
         let then = each.zip(&found.steps).map(|(error, step)| format!(", with {} {error:.2e} rad", step.effect));
         format!("from the commanded torque {first}{}", then.collect::<String>())
     });
-    let told: Vec<String> = from_sensor.into_iter().chain(from_command).collect();
-    if told.is_empty() {
-        return told;
+    let errors: Vec<String> = from_sensor.into_iter().chain(from_command).collect();
+    if errors.is_empty() {
+        return errors;
     }
     let window_s = FORWARD_WINDOW_S;
-    vec![format!("RMS error of the held-out angle predicted over {window_s} s: {}.", told.join("; "))]
+    vec![format!("RMS error of the held-out angle predicted over {window_s} s: {}.", errors.join("; "))]
 }
 
 fn goes_with(locations: &[Location]) -> Option<String> {

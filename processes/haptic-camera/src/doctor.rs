@@ -28,7 +28,7 @@ struct Finding {
 /// Looks at everything a capture needs and says what is amiss and how to mend it.
 ///
 /// # Errors
-/// Never; what cannot be looked at is told as amiss.
+/// Never; what cannot be checked is reported as a problem.
 pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     let mut findings =
         vec![priority(), memory_locking(), cores(), scheduler_guard(), shared_memory(), leftovers(), programs()];

@@ -41,7 +41,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
     description.notes.push(("time".to_owned(), "offline: the plant's, not a clock's".to_owned()));
     let felt = plan.rendering.iter().map(|rendering| FeltModel { tick: 0, name: rendering.model.name.clone() });
     let models = felt.collect();
-    plan.rendering.iter().flat_map(Rendering::told).for_each(remark);
+    plan.rendering.iter().flat_map(Rendering::remarks_to_print).for_each(remark);
     let mut watch = until.map(|share| Watch::new(share, &plan));
     let (planned, rate_hz) = (plan.control.planned_ticks, plan.control.rate_hz);
     large_job::tell(planned);

@@ -130,7 +130,7 @@ pub enum UsageError {
     /// An output is an input.
     #[error("{} is read by this call too; name another file to write to", .0.display())]
     Input(PathBuf),
-    /// The columns of a table are not told so that they can be found.
+    /// The columns of a table cannot be found as given.
     #[error("--columns and --units: {0}")]
     Columns(String),
     /// Two outputs are one.

@@ -60,7 +60,7 @@ fn diagnosis(folder: &Path) -> Value {
 }
 
 #[test]
-fn rivals_that_the_first_captures_cannot_tell_apart_are_told_apart_by_one_more() {
+fn rivals_that_the_first_captures_cannot_distinguish_are_distinguished_by_one_more() {
     let folder = tempfile::tempdir().unwrap();
     let output = capture(folder.path(), IMBALANCE, &["--reach", "1.5", "--budget", "4"]);
     let said = said(&output);

@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_the_loop_dropped_at_the_end_are_waited_for_and_told() {
+    fn samples_that_the_loop_dropped_at_the_end_are_waited_for_and_reported() {
         let mut ending = Ending::of_run(5);
         let dropped = LoopStatus { dropped_samples: 30, ..status(1, 70) };
         assert!(ending.hear(&dropped, SECOND));

@@ -106,7 +106,7 @@ impl Recording {
             self.fall_back(&error);
         }
         if self.unsaved.len() > MOST_KEPT {
-            // Lost if the part fails, or while there is none: the gap that this leaves is told in the end.
+            // Lost if the part fails, or while there is none: the gap is reported at the end.
             self.unsaved.pop_front();
             self.at_disk = self.at_disk.saturating_sub(1);
         }

@@ -39,7 +39,7 @@ impl Admission {
         let mut tried = model.clone();
         for _ in 0..ROUNDS {
             match self.admit(&tried) {
-                Ok(admitted) => return Ok(told(model, tried, admitted)),
+                Ok(admitted) => return Ok(nearest(model, tried, admitted)),
                 Err(error) => {
                     let changed = match &error {
                         PlanError::Unrenderable(error) => make_renderable(&mut tried, error),
@@ -52,7 +52,7 @@ impl Admission {
                 }
             }
         }
-        self.admit(&tried).map(|admitted| told(model, tried, admitted))
+        self.admit(&tried).map(|admitted| nearest(model, tried, admitted))
     }
 
     /// Brings what passes a bound to it; `false` where the model has nothing that would do so.
@@ -193,7 +193,7 @@ fn lower_torque(model: &mut Model, room_mnm: f64, share: f64) -> bool {
 }
 
 /// What became of `asked`, with a note at every effect that was changed.
-fn told(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
+fn nearest(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
     let mut clipped = Vec::new();
     for effect in &asked.effects {
         let name = effect.kind().name;

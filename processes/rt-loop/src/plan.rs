@@ -180,13 +180,13 @@ pub struct Rendering {
     pub remarks: Vec<String>,
     /// What further models must pass.
     pub admission: Admission,
-    /// Whether the remarks are not to be told.
+    /// Whether to suppress the remarks.
     without_remarks: bool,
 }
 
 impl Rendering {
-    /// The remarks that the operator is to be told.
-    pub fn told(&self) -> impl Iterator<Item = &String> {
+    /// The remarks to print for the operator.
+    pub fn remarks_to_print(&self) -> impl Iterator<Item = &String> {
         self.remarks.iter().filter(|_| !self.without_remarks)
     }
 }
@@ -339,14 +339,14 @@ fn gains(rig: &RigDescription, request: &RunRequest, rate_hz: f64) -> ServoGains
     }
 }
 
-/// Share of the motor's limit from which on a jump of the torque is told.
-const TOLD_SHARE: f64 = 0.02;
+/// Least jump of the torque to report, as a share of the motor's limit.
+const REPORTED_SHARE: f64 = 0.02;
 
 /// What the encoder's step makes of the servo's torque, where it is more than a little.
 fn rattle(control: &ControlPlan, rig: &RigDescription) -> Option<String> {
     let step_rad = rig.calibration.angle_step_rad;
     let jump_mnm = control.gains.jump_mnm(step_rad, control.rate_hz);
-    (jump_mnm > TOLD_SHARE * rig.limits.motor_torque_mnm).then(|| {
+    (jump_mnm > REPORTED_SHARE * rig.limits.motor_torque_mnm).then(|| {
         format!(
             "each step of the encoder ({step_rad:.2e} rad) makes the servo's torque jump by {jump_mnm:.1} mNm; an encoder of more counts \
              makes it calmer"

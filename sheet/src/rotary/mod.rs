@@ -43,7 +43,7 @@ const REACHES: [f64; 2] = [2.0, 6.0];
 const BEND_ROUNDS: usize = 3;
 /// Detents in a turn that stand for those of a control without any.
 const DETENTS_OF_NONE: f64 = 6.0;
-/// Time by which the ends of free travel are told, s.
+/// Time over which the ends of free travel are located, s.
 const FREE_TRAVEL_BIN_S: f64 = 0.005;
 /// Rows of the curve from one knot to the next.
 const ROWS_PER_KNOT: f64 = 4.0;
@@ -117,8 +117,9 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
         let value = found.figures.get(kind.name);
         let reason = || if is_stop(kind) { NO_STOP.to_owned() } else { no_detents.clone() };
         let of = |look: &Look| look.figures.get(kind.name).copied();
-        let told = value.map(|value| if is_departure(kind) { departure(*value, &of) } else { estimate(*value, &of) });
-        (kind.name, told.ok_or_else(reason))
+        let estimate =
+            value.map(|value| if is_departure(kind) { departure(*value, &of) } else { estimate(*value, &of) });
+        (kind.name, estimate.ok_or_else(reason))
     });
     let detents = found.detents.iter().enumerate().map(|(index, (sign, detent))| {
         let estimate = |take: fn(&Detent) -> f64| {

@@ -51,26 +51,26 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
             "a rig that presses or slides has no {} that comes again with every turn; `calibrate zero` takes what is alike at every travel",
             options.what.subject()
         );
-        let told = options
+        let calibrated = options
             .what
             .calibrate(&loaded, &base)
             .with_context(|| format!("{} does not calibrate the {}", path.display(), options.what.subject()))?;
         known.get_or_insert(base);
-        found.push(told);
+        found.push(calibrated);
     }
-    let (Some(known), Some(told)) = (known, calibration::combine(&found)) else {
+    let (Some(known), Some(calibrated)) = (known, calibration::combine(&found)) else {
         anyhow::bail!("there is no capture to calibrate from");
     };
-    if !told.estimates.is_empty() {
-        say(known.axis.words(&table::table(&known, &told).to_string()));
+    if !calibrated.estimates.is_empty() {
+        say(known.axis.words(&table::table(&known, &calibrated).to_string()));
     }
-    for line in told.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
+    for line in calibrated.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
         say(known.axis.words(&format!("cogging  {line}")));
     }
-    for note in &told.notes {
+    for note in &calibrated.notes {
         say(known.axis.words(&format!("- {note}")));
     }
-    file::write(&options.out, options.replaced(), &told, &known, previous.as_ref(), &captures)?;
+    file::write(&options.out, options.replaced(), &calibrated, &known, previous.as_ref(), &captures)?;
     say(format!("calibration  {}", options.out.display()));
     Ok(outcome)
 }
@@ -78,15 +78,15 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
 /// The delays of the channels, and of the motor where the capture says when a command acts.
 fn latency(loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
     let samples = &loaded.samples();
-    let mut told = calibration::latency(samples, known)?;
+    let mut calibrated = calibration::latency(samples, known)?;
     let late_ticks = loaded.capture.description.as_ref().and_then(|run| run.torque_late_ticks);
     if let Some((commanded_mnm, late_ticks)) = loaded.commanded_torque_mnm().zip(late_ticks) {
         match calibration::command_latency(samples, commanded_mnm, late_ticks) {
-            Ok(delay) => told.estimates.push(delay),
-            Err(error) => told.notes.push(format!("no delay of the motor: {error}")),
+            Ok(delay) => calibrated.estimates.push(delay),
+            Err(error) => calibrated.notes.push(format!("no delay of the motor: {error}")),
         }
     }
-    Ok(told)
+    Ok(calibrated)
 }
 
 impl CalibrationKind {

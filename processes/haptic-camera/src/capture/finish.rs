@@ -21,7 +21,7 @@ const NAMES_TRIED: u32 = 1_000;
 /// Tells how the run went, fits the archive and writes model and report beside it.
 ///
 /// # Errors
-/// When the archive cannot be read. Results that cannot be written are told, and the run has failed unless worse happened.
+/// When the archive cannot be read. Results that cannot be written are reported, and make the run a failure.
 pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::Result<Outcome> {
     if let Some(achieved) = &end.achieved {
         say(end_of_sweep(achieved, planned_s));

@@ -97,7 +97,7 @@ impl Command {
             Self::Rig(RigCommand::Check(options)) => {
                 files.reading([&options.file]).writing(options.json.as_ref(), Kind::Json)
             }
-            // `compose` looks at its own place, which it may be told to write over; `man` writes into a folder.
+            // `compose` checks its own output, because of `--overwrite`; `man` writes into a folder.
             Self::Compose(_)
             | Self::Man(_)
             | Self::Tune(_)

@@ -22,7 +22,7 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
-    /// What the viewer's program is told, if there is to be a live view.
+    /// The viewer's argument; `None` without a live view.
     #[must_use]
     pub fn viewer(&self) -> Option<&'static str> {
         (!self.no_viewer).then_some(if self.native_viewer { "--native" } else { "--web" })

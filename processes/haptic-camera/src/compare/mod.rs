@@ -211,7 +211,7 @@ fn values(parameters: &Parameters) -> ComparedParameters {
     let compared = parameters
         .0
         .iter()
-        .map(|told| (told.name, ComparedValue::new(told.value, told.unit, told.ci95, told.reason.clone())));
+        .map(|found| (found.name, ComparedValue::new(found.value, found.unit, found.ci95, found.reason.clone())));
     compared.collect()
 }
 

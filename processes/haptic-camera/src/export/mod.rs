@@ -33,7 +33,7 @@ enum UsageError {
 /// Writes a capture or a model in another format.
 ///
 /// # Errors
-/// One sentence on what is wrong with the source or the place. A place whose ending says nothing is wrong usage, told here.
+/// One sentence on what is wrong with the source or the output. An unknown file extension is wrong usage, reported here.
 pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();

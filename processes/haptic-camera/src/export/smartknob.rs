@@ -23,7 +23,7 @@ const LONGEST_TEXT: usize = 50;
 
 /// What is written: the message, in protobuf's own JSON, and what it leaves out.
 #[derive(Serialize)]
-struct Told {
+struct Exported {
     smartknob_config: Configuration,
     motor_mnm_per_v: f64,
     /// RMS torque that is left out along the motion.
@@ -71,7 +71,7 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let mut turned = Turned { knob: &knob, position: -first };
     let said: Vec<f64> =
         motions.iter().map(|motion| motor_mnm_per_v * turned.volts_at(motion.angle_rad - first_rad)).collect();
-    let told = Told {
+    let exported = Exported {
         left_out_rms_mnm: left_out_by_mnm(&model, &said, &motions),
         left_out: left_out(&model, table.as_ref()),
         motor_mnm_per_v,
@@ -87,10 +87,10 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
             text: knob.name.clone().into_owned(),
         },
     };
-    write_json(Some(&options.out), &told)?;
-    let (out, rms_mnm) = (options.out.display(), told.left_out_rms_mnm);
-    say(format!("{out}: leaves out {rms_mnm:.6} mNm RMS along {}", told.along));
-    told.left_out.iter().for_each(|words| say(format!("- {words}")));
+    write_json(Some(&options.out), &exported)?;
+    let (out, rms_mnm) = (options.out.display(), exported.left_out_rms_mnm);
+    say(format!("{out}: leaves out {rms_mnm:.6} mNm RMS along {}", exported.along));
+    exported.left_out.iter().for_each(|words| say(format!("- {words}")));
     Ok(Outcome::Done)
 }
 

@@ -144,9 +144,9 @@ fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<O
     else {
         anyhow::bail!("no try moved the knob");
     };
-    let told = |Inertia { value, low, high }: Inertia| format!("{value:.5} mNm·s²/rad ({low:.5} to {high:.5})");
+    let text = |Inertia { value, low, high }: Inertia| format!("{value:.5} mNm·s²/rad ({low:.5} to {high:.5})");
     say(format!("moved    {:.3} rad", last.moved_rad));
-    say(format!("inertia  {} are driven by the motor, whatever turns with it", told(driven)));
+    say(format!("inertia  {} are driven by the motor, whatever turns with it", text(driven)));
     if let Some(Some(behind)) = last.behind {
         say(format!("behind   the torque sensor there are {:.5} of them", behind.value));
     }
@@ -156,7 +156,7 @@ fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<O
     if 0.5 * (motor.high - motor.low) > VAGUE_SHARE * motor.value {
         remark(format!(
             "the motor's inertia is {}: too vague to be written; commission again, with more torque (--most-torque)",
-            told(motor)
+            text(motor)
         ));
         return Ok(Outcome::Failed);
     }
@@ -165,7 +165,7 @@ fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<O
     let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
     in_file::write(&options.file, path, &known)?;
     if has_sensor {
-        say(format!("written  motor_inertia = {} under [calibration] of {}", told(motor), path.display()));
+        say(format!("written  motor_inertia = {} under [calibration] of {}", text(motor), path.display()));
     } else {
         // What was on the gripper nothing tells here.
         say(format!(
@@ -200,7 +200,7 @@ fn find(loaded: &LoadedCapture) -> Option<Found> {
 
 /// The inertia that a torque drives, by the fit of the capture's angle to it; a fit tells none that is below zero.
 fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
-    let told = |torque_mnm: &[f64]| {
+    let fit = |torque_mnm: &[f64]| {
         let samples = Samples { torque_mnm, velocity_rad_s: None, acceleration_rad_s2: None, ..loaded.samples() };
         let options = FitOptions { acceleration: AccelerationUse::Encoder, ..FitOptions::default() };
         let fit = identification::fit(&samples, &options).ok()?;
@@ -210,6 +210,6 @@ fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
         Some(Inertia { value, low, high })
     };
     let turned: Vec<f64> = torque_mnm.iter().map(|torque_mnm| -torque_mnm).collect();
-    told(torque_mnm)
-        .or_else(|| told(&turned).map(|Inertia { value, low, high }| Inertia { value: -value, low: -high, high: -low }))
+    fit(torque_mnm)
+        .or_else(|| fit(&turned).map(|Inertia { value, low, high }| Inertia { value: -value, low: -high, high: -low }))
 }

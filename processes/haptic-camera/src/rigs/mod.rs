@@ -76,7 +76,7 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
     }
 }
 
-/// A run on the rig of a file that commands torques, none unless told otherwise.
+/// A run on the rig of a file that commands torques, none by default.
 fn torque_run(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow::Result<RunRequest> {
     let rig = RigRequest { rig: Some(PathBuf::from(file)), ..RunRequest::default().rig };
     let described = rt_loop::rigs::file(&rig)?;

@@ -20,7 +20,7 @@ pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
     }
 }
 
-/// The figures that are told.
+/// The figures that have a value.
 pub fn figures(sheet: &Sheet) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING);
@@ -82,7 +82,7 @@ fn cells(figure: &Figure) -> Option<[String; 2]> {
 }
 
 /// Why figures are missing, each reason once.
-pub fn untold(sheet: &Sheet) -> Vec<String> {
+pub fn reasons(sheet: &Sheet) -> Vec<String> {
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for kind in sheet::kinds() {
         let Some(reason) = sheet.figure(kind).and_then(|figure| figure.reason.as_deref()) else { continue };

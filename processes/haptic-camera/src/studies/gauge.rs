@@ -26,16 +26,16 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
     let studied = studied(&options.study, specification.as_ref())?;
     let units = units(&options.study, &studied)?;
     let design = if options.nested { Design::Nested } else { Design::Crossed };
-    let mut told: BTreeMap<&'static str, Gauge> = BTreeMap::new();
+    let mut results: BTreeMap<&'static str, Gauge> = BTreeMap::new();
     for (index, (kind, limits)) in studied.iter().enumerate() {
         let values = by_operator(&units, &column(&units, index, &studied)?, design)?;
         let tolerance = limits.min.zip(limits.max).map(|(min, max)| max - min);
-        told.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
+        results.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
     }
     if !to_output(options.study.json.as_deref()) {
-        told.iter().for_each(|(name, gauge)| say(words(name, gauge)));
+        results.iter().for_each(|(name, gauge)| say(words(name, gauge)));
     }
-    write_json(options.study.json.as_deref(), &told)?;
+    write_json(options.study.json.as_deref(), &results)?;
     Ok(Outcome::Done)
 }
 
@@ -69,7 +69,7 @@ fn words(name: &str, gauge: &Gauge) -> String {
     let categories = match ndc {
         Some(ndc) if *ndc < CATEGORIES => format!("ndc {ndc}, fewer than the {CATEGORIES} that it should tell apart"),
         Some(ndc) => format!("ndc {ndc}"),
-        None => "ndc not told: the gauge has no variance".to_owned(),
+        None => "ndc is undefined: the gauge has no variance".to_owned(),
     };
     let tolerance =
         grr_tolerance_percent.map_or_else(String::new, |percent| format!(", {percent:.1} % of the tolerance"));

@@ -22,7 +22,7 @@ use archive::Claim;
 use rt_loop::LONGEST_PREPARATION_S;
 use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
-use shared_types::drill::{self, Drill};
+use shared_types::fault_injection::{self, FaultInjection};
 use shared_types::{CommandKind, LoopState, LoopStatus, ProcessKind, realtime, rig};
 
 use crate::large_job;
@@ -64,7 +64,7 @@ pub(crate) struct SupervisedRun {
     pub(crate) request: RunRequest,
     /// Whether the simulated rig is run as fast as the processor goes, without other processes.
     pub(crate) offline: bool,
-    /// What the viewer's program is told, if there is to be a live view.
+    /// The viewer's argument; `None` without a live view.
     pub(crate) viewer: Option<&'static str>,
     /// Where the archive goes.
     pub(crate) archive: PathBuf,
@@ -161,11 +161,11 @@ impl SupervisedRun {
         let mut rule = self.until.map(StopRule::new);
         let mut progress = Progress::new(self);
         let (mut stopped_by_operator, mut loop_died) = (false, false);
-        let drill = Drill::listen(drill::SERVING_THREAD)?;
+        let fault = FaultInjection::listen(fault_injection::SERVING_THREAD)?;
         loop {
             std::thread::sleep(CYCLE);
-            if let Some(drill) = &drill {
-                drill.panic_if_told();
+            if let Some(fault) = &fault {
+                fault.panic_if_requested();
             }
             let has_ended = control_loop.has_ended();
             link.listen();
@@ -255,7 +255,7 @@ pub(crate) fn clear_shared_memory() {
     }
 }
 
-/// The control loop did not run, and has told the operator why.
+/// The control loop did not run, and has printed why.
 #[derive(Debug, thiserror::Error)]
 #[error("the control loop could not run")]
 pub(crate) struct LoopSaidWhy;

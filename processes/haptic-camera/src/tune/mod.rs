@@ -23,7 +23,7 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
     let mut present = link.present()?;
     if options.model.is_none() && options.settings.is_empty() {
         say(&present.model.name);
-        present.model.parameters().for_each(|(parameter, value)| say(changes::told(parameter, value)));
+        present.model.parameters().for_each(|(parameter, value)| say(changes::line(parameter, value)));
         return Ok(Outcome::Done);
     }
     for _ in 0..OVERTAKEN {

@@ -89,7 +89,7 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
     let added = match added(model, &train, &heldout) {
         Ok(added) => Some(added),
         Err(error) => {
-            notes.push(format!("what the rendering adds cannot be told: {error:#}"));
+            notes.push(format!("what the rendering adds cannot be determined: {error:#}"));
             None
         }
     };

@@ -58,7 +58,7 @@ fn row(parameter: &Verified) -> [String; 6] {
         match parameter.passed {
             Some(true) => String::new(),
             Some(false) => "✗".to_owned(),
-            None => "not told".to_owned(),
+            None => "-".to_owned(),
         },
     ]
 }

@@ -56,7 +56,7 @@ pub struct PermittedCalls {
 /// The declared calls that a run made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeclaredCallsMade {
-    /// All told.
+    /// All calls.
     pub total: u64,
     /// Most in one tick.
     pub most_in_a_tick: u32,
@@ -173,9 +173,9 @@ impl CallWatch {
         if counts.is_empty() {
             return Ok(declared);
         }
-        let told: Vec<String> =
+        let calls: Vec<String> =
             counts.iter().map(|(&number, count)| format!("{} ({count} times)", call_name(number))).collect();
-        Err(CallWatchError::CallsMade(told.join(", ")))
+        Err(CallWatchError::CallsMade(calls.join(", ")))
     }
 }
 
