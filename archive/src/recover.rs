@@ -87,11 +87,10 @@ impl std::fmt::Display for RecoverySummary {
         write!(f, " and {} other messages", self.messages_kept - self.samples_kept)?;
         match (self.unchecked_samples, self.unchecked) {
             (0, _) => {}
-            (count, Unchecked::Keep) => write!(f, "; {count} of the samples come from a chunk that was cut off")?,
+            (count, Unchecked::Keep) => write!(f, "; {count} of the samples come from a truncated chunk")?,
             (count, Unchecked::LeaveOut) => write!(
                 f,
-                "; {count} more samples can be read in a chunk that was cut off, but no checksum covers them: \
-                 --keep-unchecked keeps them"
+                "; a truncated chunk has {count} more samples, but no checksum covers them: --keep-unchecked keeps them"
             )?,
         }
         if self.damaged_chunks > 0 {
@@ -105,7 +104,7 @@ impl std::fmt::Display for RecoverySummary {
             write!(f, "; {} samples are missing: {}{more}", self.missing_samples, listed.join(", "))?;
         }
         if !self.finished {
-            write!(f, "; the recording was not finished, what came after is not in the file")?;
+            write!(f, "; the recording was not finished, later samples are lost")?;
             if let Some(ticks) = self.ticks_left {
                 write!(f, " (at most {ticks} ticks, if the run went on to its planned end)")?;
             }

@@ -9,7 +9,7 @@ use crate::schema::{FieldLayout, Layout};
 /// How a rig kept up with the ticks of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RigAccount {
-    /// Samples for which the rig brought nothing new, by its own code for the reason; 0 where it gave none.
+    /// Samples without new data from the rig, by its own code for the reason; 0 if it gave none.
     pub stale_samples: BTreeMap<i32, u64>,
     /// The rig's clock; `None` where the ticks kept to the machine's.
     pub clock: Option<RigClock>,
@@ -37,7 +37,7 @@ impl RigAccount {
             known.map_or("the rig gives no reason", |(_, meaning)| meaning.split(';').next().unwrap_or(meaning))
         };
         let stale = self.stale_samples.iter().filter(|(code, _)| **code == 0 || **code != reported);
-        let stale = stale.map(|(code, ticks)| format!("{ticks} ticks brought nothing new: {}", meaning(code)));
+        let stale = stale.map(|(code, ticks)| format!("{ticks} ticks without new data: {}", meaning(code)));
         let clock = self.clock.map(|RigClock { drift_ppm, phase_s, phase_deviation_s }| {
             format!(
                 "the ticks followed the rig's clock: {drift_ppm:+.1} ppm, read {:+.1} µs after the tick, ± {:.1} µs",

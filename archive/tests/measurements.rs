@@ -207,7 +207,7 @@ fn an_ambiguous_channel_is_refused_with_a_list_of_the_channels() {
     let group = file.add_group(&times).unwrap();
     group.add_channel("Winkel", "Grad", &angle).unwrap();
     group.add_channel("M", "", &torque).unwrap();
-    assert!(refused(&file, None).contains("its channels do not tell an angle and a torque, or a travel and a force"));
+    assert!(refused(&file, None).contains("it has no unambiguous channels for angle and torque, or travel and force"));
     let unit = refused(&file, Some(&choice("angle=Winkel,torque=M", "")));
     assert_eq!(
         unit,

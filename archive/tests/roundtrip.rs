@@ -337,7 +337,7 @@ fn what_a_rig_left_unanswered_is_counted_by_its_reason_and_its_clocks_drift_repo
     let run =
         shared_types::RunDescription { device_codes: vec![(-7, "a frame was lost; look".to_owned())], ..description() };
     let lines = account.in_words(&run, 0);
-    assert_eq!(lines[0], "20 ticks brought nothing new: a frame was lost");
+    assert_eq!(lines[0], "20 ticks without new data: a frame was lost");
     assert_eq!(lines.len(), 3, "{lines:?}");
     assert_eq!(account.in_words(&run, -7).len(), 2, "what ended the run is reported with its end");
 }

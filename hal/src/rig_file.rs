@@ -59,7 +59,7 @@ pub struct Rates {
 pub struct Watchdog {
     /// Longest time without a command after which the amplifier must have taken the torque away, s.
     pub timeout_s: f64,
-    /// Most ticks in a row without anything new from the sensors.
+    /// Most ticks in a row without new data from the sensors.
     #[serde(default)]
     pub stale_ticks: u32,
 }

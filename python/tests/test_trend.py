@@ -89,4 +89,4 @@ def test_what_is_no_table_is_refused(captures: list[hc.Capture], tmp_path: Path)
     parquet.write_table(pyarrow.table(captures[0]), tmp_path / "capture.parquet")
     for name in ("other.parquet", "capture.parquet"):
         ended = subprocess.run([PROGRAM, "trend", tmp_path / name], capture_output=True, text=True)
-        assert ended.returncode == 1 and "is no table of captures; make one with" in ended.stderr
+        assert ended.returncode == 1 and "is not a table of captures; make one with" in ended.stderr

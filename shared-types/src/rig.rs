@@ -82,7 +82,7 @@ fn check_runtime_dir(directory: &Path) -> std::io::Result<()> {
         return Ok(());
     }
     let reason = format!(
-        "the runtime directory {} will not do: set {RUNTIME_DIR_VARIABLE} to an absolute path of at most \
+        "the runtime directory {} is invalid: set {RUNTIME_DIR_VARIABLE} to an absolute path of at most \
          {LONGEST_RUNTIME_DIR} ASCII letters, digits and /._-",
         directory.display()
     );

@@ -58,10 +58,10 @@ pub struct DetentFigure {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SheetError {
     /// No curves.
-    #[error("there is no curve to make a sheet of")]
+    #[error("there is no curve")]
     NoCurve,
     /// Turned and pressed controls together.
-    #[error("some of the captures are of a turned control and some of a pressed one; give those of one part")]
+    #[error("some captures are of a rotary control and some of a linear one; give captures of one part")]
     TwoAxes,
     /// A curve that no figure can be read off.
     #[error("{}: {error}", path.display())]
@@ -77,7 +77,7 @@ pub enum SheetError {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// A curve has next to no press.
-    #[error("there is hardly any press in it: the travel is largest within 0.2 mm of its first row")]
+    #[error("it has almost no press: the travel never exceeds that of its first row by 0.2 mm")]
     NoPress,
     /// A control was turned too fast for static figures.
     #[error(

@@ -77,7 +77,7 @@ pub fn show_progress(bar: &ProgressBar, progress: Progress) {
             bar.set_message(effect);
         }
         Progress::Added { effect, heldout_over_floor } => {
-            bar.println(format!("added {effect}: {heldout_over_floor:.2} times the noise is left"));
+            bar.println(format!("added {effect}: residual {heldout_over_floor:.2} times the noise"));
         }
     }
 }

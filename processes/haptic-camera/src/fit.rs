@@ -88,10 +88,11 @@ fn write_into(options: &command_line::FitOptions, model: &Model) -> anyhow::Resu
     let Some(path) = &options.into else { return Ok(()) };
     let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
     let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)
-        .with_context(|| format!("{} cannot be given what was identified", path.display()))?;
+        .with_context(|| format!("the fitted parameters cannot be written into {}", path.display()))?;
     replace(path, Replace::Anything, &changed)?;
     say(format!(
-        "{}: armature, damping, frictionloss and detents; the armature is all of the inertia, so the body needs next to none",
+        "{}: armature, damping, frictionloss and detents; the armature is the whole inertia, so give the body almost \
+         none",
         path.display()
     ));
     Ok(())

@@ -47,16 +47,13 @@ pub fn model(path: &Path) -> Result<Model, ModelError> {
 pub fn common_axis(axes: impl IntoIterator<Item = Axis>) -> anyhow::Result<Axis> {
     let mut axes = axes.into_iter();
     let first = axes.next().unwrap_or_default();
-    anyhow::ensure!(
-        axes.all(|axis| axis == first),
-        "some captures are of what turns, others of what is pressed or slid; take them apart"
-    );
+    anyhow::ensure!(axes.all(|axis| axis == first), "some captures are rotary and some linear; give one kind");
     Ok(first)
 }
 
 fn with_remark(loaded: LoadedCapture) -> LoadedCapture {
     if let Some(file) = &loaded.calibration_file {
-        remark(format!("the rig's calibration is that of {}", file.display()));
+        remark(format!("using the rig's calibration from {}", file.display()));
     }
     loaded
 }

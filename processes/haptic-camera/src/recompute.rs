@@ -102,7 +102,7 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
         }
         if flags[row] & Sample::MODEL_TAKEN != 0 {
             let change = capture.models.iter().find(|model| model.tick == tick && tick > 0).with_context(|| {
-                format!("a model begins to be felt at tick {tick}, but the archive does not have it")
+                format!("a model is rendered from tick {tick} on, but the archive does not have it")
             })?;
             anyhow::ensure!(step.take_model(change)?, "the model of tick {tick} came while another was waiting");
             result.models += 1;
@@ -140,17 +140,17 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
 fn lines(result: &Recomputed, rate_hz: f64) -> Vec<String> {
     let Recomputed { ticks, models, different_ticks, largest_difference_mnm, .. } = result;
     let mut lines = vec![format!(
-        "computed {ticks} ticks at {rate_hz} Hz of {models} {} again",
+        "recomputed {ticks} ticks at {rate_hz} Hz of {models} {}",
         if *models == 1 { "model" } else { "models" }
     )];
     if let Some(missing) = result.missing_from_sample {
-        lines.push(format!("missing  sample {missing} is not in the archive: nothing can be computed from there on"));
+        lines.push(format!("missing  sample {missing} is not in the archive: nothing can be computed after it"));
     }
     lines.push(match result.first_difference {
         None => "equal    every torque command, bit for bit".to_owned(),
         Some(Difference { tick, t_s, recorded_mnm, computed_mnm }) => format!(
             "differs  from tick {tick} ({t_s} s) on: {recorded_mnm} mNm recorded, {computed_mnm} mNm computed; \
-             {different_ticks} ticks, by {largest_difference_mnm:.3e} mNm at most"
+             {different_ticks} ticks, by at most {largest_difference_mnm:.3e} mNm"
         ),
     });
     lines

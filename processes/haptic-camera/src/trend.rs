@@ -52,7 +52,7 @@ pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
 }
 
 fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
-    let foreign = || format!("{} is no table of captures; make one with `haptic-camera table`", table.display());
+    let foreign = || format!("{} is not a table of captures; make one with `haptic-camera table`", table.display());
     let file = foreign_files::open(table).with_context(foreign)?;
     let rows = SerializedFileReader::new(file).with_context(foreign)?;
     let about = rows.metadata().file_metadata();

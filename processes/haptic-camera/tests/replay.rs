@@ -128,7 +128,7 @@ fn a_rate_at_which_the_rig_must_hold_the_model_softly_is_reported_with_a_firmer_
     let folder = tempfile::tempdir().unwrap();
     let output = replay(folder.path(), "3 --rate-hz 3000 --duration-s 0.5");
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.contains("--rate-hz 10000 holds it more firmly"), "{said}");
+    assert!(output.status.success() && said.contains("--rate-hz 10000 couples it more firmly"), "{said}");
 }
 
 #[test]

@@ -31,7 +31,7 @@ fn print_error(line: &str) {
 /// Tells that standard output was not written; whoever closed a pipe, as `head` does, knows.
 pub fn tell_lost_output(error: &std::io::Error) -> ExitCode {
     if error.kind() != ErrorKind::BrokenPipe {
-        print_error(&format!("error: standard output could not be written ({error}); make room, or send it elsewhere"));
+        print_error(&format!("error: standard output could not be written ({error}); free some space, or redirect it"));
     }
     ExitCode::FAILURE
 }

@@ -80,13 +80,13 @@ impl Ending {
         match cause {
             None | Some(Cause::Complete) => {}
             Some(Cause::Overdue) => tracing::warn!(
-                "the run had {} samples, but only the first {} of them came in the end",
+                "the run had {} samples, but only the first {} arrived",
                 self.taken_samples(),
                 recording.next_seq()
             ),
-            Some(Cause::Asked) => tracing::warn!("asked to stop while the run goes on: the archive ends here"),
+            Some(Cause::Asked) => tracing::warn!("stopped during the run: the archive ends here"),
             Some(Cause::SourceGone) => {
-                tracing::warn!("the control loop is gone before the run's end: the archive ends here");
+                tracing::warn!("the control loop died before the end of the run: the archive ends here");
             }
         }
         cause.is_some()

@@ -198,7 +198,7 @@ fn nearest(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
     for effect in &asked.effects {
         let name = effect.kind().name;
         let Some(rendered) = model.effects.iter_mut().find(|known| known.kind().name == name) else {
-            clipped.push(format!("{name} is left out: it has no place in the renderer"));
+            clipped.push(format!("{name} is left out: the renderer does not support it"));
             continue;
         };
         let changes: Vec<String> = effect
@@ -212,8 +212,7 @@ fn nearest(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
             .collect();
         if !changes.is_empty() {
             let origin = rendered.origin().map_or_else(String::new, |origin| format!("{origin}; "));
-            *rendered =
-                rendered.with_origin(&format!("{origin}clipped to what the rig renders: {}", changes.join(", ")));
+            *rendered = rendered.with_origin(&format!("{origin}clipped to the rig's limits: {}", changes.join(", ")));
             clipped.extend(changes);
         }
     }
@@ -221,7 +220,7 @@ fn nearest(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
         clipped.push(format!("inertia = {} mNm s²/rad instead of none", rounded(model.inertia())));
     }
     if !clipped.is_empty() {
-        model.name = format!("{}, the nearest that the rig renders", model.name);
+        model.name = format!("{}, the nearest within the rig's limits", model.name);
     }
     Nearest { model, admitted, clipped }
 }

@@ -150,14 +150,15 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
         let watchdog = rig.watchdog_s.map_or_else(String::new, |watchdog_s| format!(" within {watchdog_s} s"));
         drop(publisher);
         remark(format!(
-            "error: the rig '{}' does not come back from a call; its watchdog takes the torque away{watchdog}; check its cable, \
+            "error: the rig '{}' does not return from a call; its watchdog removes the torque{watchdog}; check \
+             its cable, \
              and that its driver never blocks",
             rig.name
         ));
         std::process::exit(1);
     }
     real_time.join().map_err(|error| match error.downcast_ref::<ApparatusError>() {
-        Some(error) => anyhow::anyhow!("the amplifier did not come on: {}", rig.explain(*error)),
+        Some(error) => anyhow::anyhow!("the amplifier could not be enabled: {}", rig.explain(*error)),
         None => error,
     })?;
     if let Some(tick_log) = publisher.into_tick_log() {
@@ -211,12 +212,12 @@ fn prepare(
         Ok(()) => Ok(Some(apparatus)),
         Err(_) if must_end() => Ok(None),
         Err(ApparatusError::Stopped) => {
-            anyhow::bail!("the rig '{}' did not come up within {LONGEST_PREPARATION_S} s; check its supply", rig.name)
+            anyhow::bail!("the rig '{}' did not start within {LONGEST_PREPARATION_S} s; check its supply", rig.name)
         }
         // Only now the driver may know what its codes mean.
         Err(error) => {
             let reason = error.reason(&apparatus.description().codes);
-            anyhow::bail!("the rig '{}' did not come up: {reason}", rig.name)
+            anyhow::bail!("the rig '{}' did not start: {reason}", rig.name)
         }
     }
 }

@@ -197,7 +197,10 @@ fn pitch(curve: &Curve) -> Result<f64, String> {
 
 /// The longest way without torque; its ends are known to the way of one bin of time.
 fn backlash(curve: &Curve) -> Result<Estimate, String> {
-    let t_s = curve.t_s.as_ref().ok_or("lost motion shows in a creep with a time, which the table does not have")?;
+    let t_s = curve.t_s.as_ref().ok_or(
+        "backlash needs a slow creep with a time column, which the table does not \
+        have",
+    )?;
     let ways = free_travel(&samples(curve, t_s), None).map_err(|error| error.to_string())?;
     let longest = ways.iter().map(FreeTravel::travel_rad).max_by(f64::total_cmp);
     let speed_rad_s = (t_s.len() > 1).then(|| {
@@ -206,7 +209,9 @@ fn backlash(curve: &Curve) -> Result<Estimate, String> {
     });
     let standard_error = speed_rad_s.unwrap_or(0.0) * FREE_TRAVEL_BIN_S;
     longest.map(|value| Estimate { value, standard_error }).ok_or_else(|| {
-        "the control never turned without torque; a creep as by `--sweep slow-turn --amplitude 0.1` shows lost motion".to_owned()
+        "the control never turned without torque; to measure backlash, capture with `--sweep slow-turn --amplitude \
+         0.1`"
+            .to_owned()
     })
 }
 

@@ -211,7 +211,9 @@ impl Outcome {
         if matches!(trial.fault, Fault::Stopped | Fault::Terminated | Fault::HungUp) {
             return;
         }
-        for word in ["the control loop ended in the middle of the run", "the control loop is gone"] {
+        for word in
+            ["the control loop ended in the middle of the run", "the control loop died before the end of the run"]
+        {
             let Some((time_ns, _)) = said.iter().find(|(_, line)| line.contains(word)) else {
                 self.broken.push(format!("nobody said that {word}: {said:?}"));
                 continue;

@@ -93,7 +93,7 @@ fn a_terminal_that_drops_out_shows_in_the_working_counter() {
     wired.rig(|text| text);
     let (said, status, capture) = wired.capture("1000", "4");
     assert_eq!(status, Some(0), "{said}");
-    let words = "ticks brought nothing new: a device no longer takes part in the exchange (wrong working counter)";
+    let words = "ticks without new data: a device no longer takes part in the exchange (wrong working counter)";
     reported_once(&said, words);
     let capture = capture.unwrap();
     let codes = &capture.description.as_ref().unwrap().device_codes;

@@ -87,7 +87,7 @@ fn a_library_that_crashes_takes_the_control_loop_along_and_nothing_else() {
 fn a_rig_that_does_not_come_back_from_a_call_is_given_up() {
     let bench = Bench::new().unwrap();
     let (errors, archive) = captured(&bench, "fault = \"blocks\"\nfault_s = 1.0");
-    reported_once(&errors, "the rig 'rotary plant' does not come back from a call");
+    reported_once(&errors, "the rig 'rotary plant' does not return from a call");
     is_whole(archive, &errors);
 }
 
@@ -102,7 +102,7 @@ fn a_library_that_goes_wrong_is_reported_once_and_costs_no_sample() {
         ("exits", "its exit status is 0), driving the rig 'rotary plant'"),
         ("thread-aborts", "it was ended by SIGABRT), driving the rig 'rotary plant'"),
         ("infinite", "the rig 'rotary plant': a sensor gave a value that is not a number"),
-        ("clock-back", "the rig 'rotary plant': the sensors brought nothing new"),
+        ("clock-back", "the rig 'rotary plant': the sensors delivered no new data"),
         ("clock-jumps", "the rig 'rotary plant': its own clock jumped by half a second or more"),
         ("angle-jumps", "the rig 'rotary plant': the angle jumped by more than a knob can turn"),
     ];
@@ -119,7 +119,7 @@ fn a_rig_that_does_not_come_back_from_switching_off_is_reported_and_the_capture_
     compile(&bench, &repository().join("tests/tests/plug_in/ill_plant.c"), "rotary_plant.so");
     let file = rig(&bench, "ill = \"blocks-in-disable\"", |text| text);
     let output = bench.run(&["capture", "--rig", &file, "--duration-s", "3", "--no-viewer", "--out", "out"]).unwrap();
-    reported_once(&String::from_utf8_lossy(&output.stderr), "the rig 'rotary plant' does not come back from a call");
+    reported_once(&String::from_utf8_lossy(&output.stderr), "the rig 'rotary plant' does not return from a call");
     assert!(Capture::load(&bench.only_archive("out").unwrap()).unwrap().gaps.is_empty());
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
@@ -135,7 +135,7 @@ fn a_preparation_that_never_ends_is_given_up_when_the_run_is_stopped() {
     kill(Pid::from_raw(child.id().cast_signed()), Signal::SIGINT).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
-    reported_once(&String::from_utf8_lossy(&output.stderr), "does not come back from its preparation");
+    reported_once(&String::from_utf8_lossy(&output.stderr), "does not return from its preparation");
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
 
@@ -183,12 +183,12 @@ fn what_belongs_to_the_simulated_rig_is_refused_for_others() {
     let bench = Bench::new().unwrap();
     let file = rig(&bench, "", |text| text);
     let refused: [(&[&str], &str); 4] = [
-        (&["capture", "--rig", &file, "--seed", "3"], "--seed belongs to the simulated rig alone"),
-        (&["capture", "--rig", &file, "--motor-cogging", "48:1"], "--motor-cogging belongs to the simulated rig alone"),
-        (&["capture", "--rig", &file, "--offline"], "leave --offline out"),
+        (&["capture", "--rig", &file, "--seed", "3"], "--seed only applies to the simulated rig"),
+        (&["capture", "--rig", &file, "--motor-cogging", "48:1"], "--motor-cogging only applies to the simulated rig"),
+        (&["capture", "--rig", &file, "--offline"], "omit --offline"),
         (
             &["replay", "3", "--rig", &file, "--hand", "multisine", "--duration-s", "1"],
-            "belongs to the simulated rig alone",
+            "only applies to the simulated rig",
         ),
     ];
     for (arguments, words) in refused {

@@ -74,7 +74,13 @@ pub fn write(
         let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {}", sources.join(", "));
     }
     let learnt = calibrated.applied_to(known);
-    learnt.check().with_context(|| format!("{} is not written: the captures tell what no rig has", path.display()))?;
+    learnt.check().with_context(|| {
+        format!(
+            "{} is not written: the captures give a calibration that no rig can \
+        have",
+            path.display()
+        )
+    })?;
     text += &learnt.to_toml();
     replace(path, replaced, &text)
 }

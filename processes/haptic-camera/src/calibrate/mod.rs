@@ -41,14 +41,15 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
             (Some(known), _) => known.clone(),
             (None, Some(own)) => own.clone(),
             (None, None) => anyhow::bail!(
-                "{} says nothing of its rig; give what is known of it with --calibration PREVIOUS.toml",
+                "{} has no calibration of its rig; give one with --calibration PREVIOUS.toml",
                 path.display()
             ),
         };
         let of_angle = matches!(options.what, CalibrationKind::Gravity | CalibrationKind::Cogging);
         anyhow::ensure!(
             base.axis.is_rotary() || !of_angle,
-            "a rig that presses or slides has no {} that comes again with every turn; `calibrate zero` takes what is alike at every travel",
+            "a rig with a linear axis has no {} that repeats with every turn; use `calibrate zero` for what is \
+             constant over the travel",
             options.what.subject()
         );
         let calibrated = options

@@ -103,8 +103,9 @@ fn withhold_breakaways(axis: Axis, captures: &mut [Shown]) {
     let longest_rad = ways.iter().copied().fold(0.0, f64::max);
     let times = if ways.len() == 1 { "once".to_owned() } else { format!("{} times", ways.len()) };
     let reason = format!(
-        "static_negative and static_positive are not identifiable: the knob turned freely, {times} and for up to {}, before it met any torque, and where it sets out through such lost motion looks like a breakaway; \
-         take the lost motion out, or `diagnose` it",
+        "static_negative and static_positive are not identifiable: the knob turned freely, {times} and for up to {}, \
+         before it met any torque, and the start of motion through such backlash looks like a breakaway; remove the \
+         backlash, or run `diagnose`",
         way_in_words(axis, longest_rad)
     );
     for shown in captures {

@@ -31,10 +31,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let compared = compare(&options.subjects, &options.columns)?;
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
-    anyhow::ensure!(
-        axes.all(|other| other == axis),
-        "some of these turn and some are pressed; compare those of one kind"
-    );
+    anyhow::ensure!(axes.all(|other| other == axis), "some of these are rotary and some linear; compare one kind");
     if !to_output(options.json.as_deref()) {
         table::lines(&compared).iter().for_each(|line| say(axis.words(line)));
     }

@@ -50,11 +50,11 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
     };
     let list = match (felt.is_empty(), hardly.is_empty()) {
         (true, true) => return None,
-        (true, false) => format!("nothing that a hand would feel ({})", named(hardly)),
+        (true, false) => format!("nothing perceptible ({})", named(hardly)),
         (false, true) => named(felt),
-        (false, false) => format!("{}; hardly felt {}", named(felt), named(hardly)),
+        (false, false) => format!("{}; imperceptible {}", named(felt), named(hardly)),
     };
-    Some(format!("{} beside {first}, in thresholds of perception by a model of people: {list}", knob.name))
+    Some(format!("{} compared with {first}, in perception thresholds of a model of people: {list}", knob.name))
 }
 
 fn width(table: &Table) -> usize {

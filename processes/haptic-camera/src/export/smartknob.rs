@@ -51,7 +51,7 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
         return Ok(Outcome::WrongUsage);
     };
     let model = knobs::named(&options.source)?;
-    anyhow::ensure!(model.axis.is_rotary(), "{} is pressed or slid; a SmartKnob turns", model.name);
+    anyhow::ensure!(model.axis.is_rotary(), "{} has a linear axis; a SmartKnob is rotary", model.name);
     let table = TorqueOverAngle::of(&model, options.points, None).ok().filter(|table| table.is_period);
     let rest = table.as_ref().and_then(|table| table.rest);
     let width_deg = rest.zip(table.as_ref()).map_or(WIDTH_DEG, |(_, table)| table.span_rad.to_degrees());
@@ -108,7 +108,7 @@ fn positions(model: &Model, middle_rad: f64, width_rad: f64) -> [i32; 2] {
 fn left_out(model: &Model, table: Option<&TorqueOverAngle>) -> Vec<String> {
     let detents = table.map(|table| table.effects.as_slice()).unwrap_or_default();
     let shape =
-        detents.iter().map(|name| format!("the shape of {name}: straight springs with a dead zone stand for it"));
+        detents.iter().map(|name| format!("the shape of {name}: approximated by linear springs with a dead zone"));
     let others = model.effects.iter().map(|effect| effect.kind().name);
     let others = others.filter(|name| !detents.contains(name) && *name != end_stop::KIND.name);
     shape.chain(others.map(str::to_owned)).collect()

@@ -83,7 +83,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     }
     if !to_output(options.json.as_deref()) {
         say("");
-        say("original minus measured; filtered: its SD behind the low-passes that the paper fits with");
+        say("original minus measured; filtered: its SD after the paper's low-pass filters");
         say(table::differences(&test.differences));
         say("");
         say(table::lags(&test.lag_at_30_hz));

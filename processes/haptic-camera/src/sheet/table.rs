@@ -11,11 +11,11 @@ use crate::repeatability::digits;
 pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
     let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match files {
-        [only] => format!("{}, 95 % intervals from the noise of one curve", operator::one_line(&name(only))),
+        [only] => format!("{}, 95 % intervals from the noise of a single curve", operator::one_line(&name(only))),
         several => {
             let folder = several[0].parent().and_then(|folder| folder.file_name());
             let of = folder.map_or_else(String::new, |folder| format!(" of {}", folder.to_string_lossy()));
-            operator::one_line(&format!("mean of {} curves{of}, 95 % intervals of one more of them", sheet.runs))
+            operator::one_line(&format!("mean of {} curves{of}, 95 % prediction intervals for another one", sheet.runs))
         }
     }
 }

@@ -62,16 +62,16 @@ pub(super) fn losses(status: &LoopStatus, archived: &Archived, is_cut: bool) -> 
     let come_to = taken + missed_ticks;
     if !is_cut && come_to < planned {
         losses.push(format!(
-            "the control loop was ended by somebody else after {come_to} of {planned} ticks: ticks {come_to} to {} ({}) were \
-             never taken",
+            "the control loop was terminated from outside after {come_to} of {planned} ticks: ticks {come_to} to {} \
+             ({}) were never taken",
             planned - 1,
             planned - come_to
         ));
     }
     if dropped > 0 {
         losses.push(format!(
-            "{dropped} samples were taken but not published: the thread that publishes had no processor for longer than the \
-             ring to it holds"
+            "{dropped} samples were taken but not published: the publishing thread had no processor for longer than \
+             its ring holds"
         ));
     }
     // The archive knows nothing of what came after its end.
@@ -81,7 +81,7 @@ pub(super) fn losses(status: &LoopStatus, archived: &Archived, is_cut: bool) -> 
         let listed = &archived.gaps[..archived.gaps.len().min(LISTED_GAPS)];
         let mut places: Vec<String> = listed.iter().map(ToString::to_string).collect();
         if listed.iter().map(|gap| gap.count).sum::<u64>() < archived.missing {
-            places.push("...; the archive says where".to_owned());
+            places.push("...; the archive lists them all".to_owned());
         }
         if taken > known {
             places.push(format!("samples {known} to {} ({})", taken - 1, taken - known));

@@ -78,7 +78,7 @@ impl Consumer {
         if let Err(error) = self.start(words) {
             self.failures += 1;
             if self.failures == 1 {
-                remark(format!("{} cannot be started: {error:#}; this is tried again", self.kind.name()));
+                remark(format!("{} cannot be started: {error:#}; retrying", self.kind.name()));
             }
         }
     }
@@ -141,7 +141,7 @@ impl Consumer {
         if self.life.take().is_some() && !has_lived {
             self.failures += 1;
             if self.failures == REPORTED_FAILURES {
-                remark(format!("{} dies again and again; it is started again until it lives", self.kind.name()));
+                remark(format!("{} keeps dying; it is restarted each time", self.kind.name()));
             }
         }
         self.try_to_start(words);
@@ -160,7 +160,7 @@ impl Life {
 
     fn end_at_once(&mut self, kind: ProcessKind) {
         if !self.is_over() {
-            remark(format!("{} no longer answers and is started again", kind.name()));
+            remark(format!("{} does not respond and is restarted", kind.name()));
             self.child.kill();
             self.is_killed = true;
         }

@@ -167,7 +167,7 @@ impl LoopLink {
             .control
             .send_copy(ControlRequest { kind: kind.code(), reserved: 0 })
             .map_err(|error| anyhow::anyhow!("{error:?}"))
-            .context("the control loop could not be asked")?;
+            .context("the request could not be sent to the control loop")?;
         let deadline = Instant::now() + ANSWER;
         while Instant::now() < deadline {
             if let Ok(Some(answer)) = pending.receive() {

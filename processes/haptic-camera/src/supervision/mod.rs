@@ -108,7 +108,7 @@ impl SupervisedRun {
         if !self.request.is_open_ended() {
             large_job::tell(self.request.ticks());
         }
-        let request = toml::to_string(&self.request).context("the control loop cannot be asked for this run")?;
+        let request = toml::to_string(&self.request).context("the request for this run cannot be encoded")?;
         let mut control_loop = Child::start(program("rt-loop")?.arg(format!("--request={request}")))?;
         let end = self.supervise(&mut control_loop, interrupted);
         // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
@@ -131,7 +131,7 @@ impl SupervisedRun {
         }
         let archive = end.left_archive(archive).with_context(|| format!("{in_words}: no archive was left"))?;
         let outcome = end.settle(&Archived::read(&archive)?);
-        anyhow::ensure!(outcome != Outcome::Failed, "{in_words}: did not come to its end");
+        anyhow::ensure!(outcome != Outcome::Failed, "{in_words}: did not finish");
         Ok((archive, outcome))
     }
 
@@ -192,7 +192,7 @@ impl SupervisedRun {
                 stop(&link, control_loop);
             }
             if link.silence_of_loop() > LOOP_HUNG {
-                remark("the control loop no longer answers and is ended");
+                remark("the control loop does not respond and is killed");
                 control_loop.end(LOOP_ENDS);
             }
         }
@@ -221,7 +221,7 @@ impl SupervisedRun {
     fn tell_start(&self, status: &LoopStatus) {
         say(format!("{}, core {}", self.in_words, status.core));
         if status.realtime & realtime::FULL != realtime::FULL {
-            remark("without full real-time permission: ticks may be late, and the capture is marked so");
+            remark("without full real-time permission: ticks may be late, and the capture records that");
         }
     }
 }

@@ -96,8 +96,8 @@ impl RunEnd {
             return Some(found.to_owned());
         }
         remark(format!(
-            "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
-             `haptic-camera recover {0} --out WHOLE.mcap`",
+            "the recorder could not close {}; its parts are in the same folder: run `haptic-camera recover {0} --out \
+             WHOLE.mcap`",
             archive.display()
         ));
         None

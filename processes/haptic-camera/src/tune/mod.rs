@@ -40,12 +40,15 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
                 return Ok(Outcome::Done);
             }
             Sent::Overtaken(newest) => {
-                remark("another tune was faster: its model is the one that is changed");
+                remark("another `tune` changed the model first; the change was applied to its model");
                 present = newest;
             }
         }
     }
-    bail!("other tunes were faster {OVERTAKEN} times in a row; nothing was changed, try again when they are done")
+    bail!(
+        "other `tune` commands changed the model first {OVERTAKEN} times in a row; nothing was changed, try again \
+        later"
+    )
 }
 
 /// What `present` is to become.

@@ -161,7 +161,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     let model = Plan::new(&asked)?.rendering.context("no model is rendered")?.model;
     let out = &options.run.out;
     let folder = claim::folder(out, &archive_stem(asked.knob_name(), "verify-"))
-        .with_context(|| format!("no folder can be made in {}; choose another with --out", out.display()))?;
+        .with_context(|| format!("cannot create a folder in {}; choose another with --out", out.display()))?;
     let mut whole = Outcome::Done;
     let mut make =
         |name: &str, hand: HandRequest, amplitude_rad: Option<f64>, duration_s: f64| -> anyhow::Result<PathBuf> {

@@ -79,7 +79,7 @@ fn parameters(model: &Model, found: &Diagnosis) -> Vec<Verified> {
             if let Part::Stick(_) = effect.kind().part {
                 // The speed at which a knob comes to rest shows in no torque.
                 if unit == "mNm" {
-                    let reason = "the encoder does not see the inner body break away".to_owned();
+                    let reason = "the encoder does not measure the inner body's breakaway".to_owned();
                     verified.push(Verified::not_identifiable(name, unit, intended, reason));
                 }
                 continue;

@@ -26,7 +26,7 @@ const PATIENCE: Duration = Duration::from_millis(1);
 #[derive(Debug, thiserror::Error)]
 pub enum CallWatchError {
     /// The kernel, or what contains this process, does not let calls be watched.
-    #[error("system calls cannot be watched here ({0}); Linux 5.5 or newer is needed, and leave to use seccomp")]
+    #[error("system calls cannot be watched here ({0}); this needs Linux 5.5 or newer and permission to use seccomp")]
     Refused(io::Error),
     /// The thread was to be watched and never said that it began.
     #[error("the real-time thread ended before its system calls were watched")]

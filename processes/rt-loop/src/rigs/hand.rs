@@ -23,7 +23,7 @@ pub(super) fn hand(asked: &HandRequest, axis: Axis, amplitude_rad: Option<f64>) 
     let grip = Grip { damping: grip * usual.damping, stiffness_mnm_rad: grip * usual.stiffness_mnm_rad, ..usual };
     let intention = match (hand_torque, hand.as_str()) {
         (Some(torque_mnm), _) if torque_mnm.is_finite() => Intention::Torque(*torque_mnm),
-        (Some(torque_mnm), _) => return Err(unusable(format!("a torque of {torque_mnm} mNm is no torque"))),
+        (Some(torque_mnm), _) => return Err(unusable(format!("a torque of {torque_mnm} mNm is not a finite number"))),
         (None, "none") => return Ok(None),
         (None, file) if Path::new(file).extension().is_some_and(|extension| extension == "csv") => {
             recorded_motion(Path::new(file)).map_err(unusable)?
