@@ -318,20 +318,20 @@ class Library:
         return {"end-stop": upper + lower, "scratch": found}
 
 
-def told(folder):
-    """The same of the instrument's diagnosis."""
-    said = json.loads((folder / "diagnosis.json").read_text())
-    values = {name: parameter["value"] for name, parameter in said["model_parameters"].items()}
+def own_result(folder):
+    """The same for the instrument's diagnosis."""
+    result = json.loads((folder / "diagnosis.json").read_text())
+    values = {name: parameter["value"] for name, parameter in result["model_parameters"].items()}
     base = [values.get("inertia", 0.0), values.get("coulomb_negative", 0.0), values.get("coulomb_positive", 0.0)]
     ranges = {"end-stop": [], "scratch": []}
-    if "scratch" in said["effects"]:
+    if "scratch" in result["effects"]:
         ranges["scratch"] = [[values["scratch_begin"], values["scratch_end"]]]
-    if "end-stop" in said["effects"]:
+    if "end-stop" in result["effects"]:
         if values.get("stop_upper_stiffness"):
             ranges["end-stop"].append([values["stop_upper"], np.inf])
         if values.get("stop_lower_stiffness"):
             ranges["end-stop"].append([-np.inf, values["stop_lower"]])
-    return {"verdict": said["verdict"], "effects": said["effects"], "base": base, "ranges": ranges}
+    return {"verdict": result["verdict"], "effects": result["effects"], "base": base, "ranges": ranges}
 
 
 def located(said, answer, travel):
@@ -414,7 +414,7 @@ def main(folders):
             group = scores.setdefault((kind, answer["strength"] or 0), {})
             add = lambda who, said, seconds: group.setdefault(who, []).append(score(said, answer, shared.travel, seconds))
             if (folder / name / "diagnosis.json").exists():
-                add("haptic-camera", told(folder / name), results[name]["seconds"])
+                add("haptic-camera", own_result(folder / name), results[name]["seconds"])
             without = {"verdict": "none", "effects": [], "base": list(shared.base), "ranges": {}}
             add("base model alone", without, prepared_s)
             for peer, select in PEERS.items():

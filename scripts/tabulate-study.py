@@ -36,7 +36,7 @@ def breakaway(check, name, truth):
     """The breakaway torque that a creep showed, and how far it lies from the truth; none if its interval reaches zero."""
     seen = next((a for a in check["agreement"] if a["quantity"] == name), None)
     if not (seen and seen["ci95"] and seen["ci95"][0] > 0):
-        return f"not told ({truth:g})"
+        return f"not identifiable ({truth:g})"
     return f"{seen['checked']:.4g} ({truth:g}, {100 * (seen['checked'] / truth - 1):+.1f} %)"
 
 
@@ -53,7 +53,7 @@ def main(folder):
                 cells.append(breakaway(check, name, truth))
                 continue
             if parameter["value"] is None:
-                cells.append("none" if truth is None else f"not told ({truth:g})")
+                cells.append("none" if truth is None else f"not identifiable ({truth:g})")
                 continue
             value = parameter["value"]
             low, high = parameter["ci95"]
@@ -79,8 +79,8 @@ def main(folder):
             row.append(f"{seen['checked']:.4g} ({seen['difference_percent']:+.1f} %)")
     print("| P by counting detents over a slow turn | " + " | ".join(row) + " |")
     for name, words in [("static_negative", "D− from the sweeps alone"), ("static_positive", "D+ from the sweeps alone")]:
-        told = [fit["parameters"][name]["value"] for fit in fits]
-        row = ["not told" if value is None else f"{value:.4g}" for value in told]
+        values = [fit["parameters"][name]["value"] for fit in fits]
+        row = ["not identifiable" if value is None else f"{value:.4g}" for value in values]
         print(f"| {words} | " + " | ".join(row) + " |")
     others = max(fit["mean_ci95_mnm"] for fit in fits[:4])
     print(f"\nKnob 5's mean interval is {fits[4]['mean_ci95_mnm'] / others:.0f} times the largest of the others.")

@@ -58,24 +58,24 @@ pub fn diagnosed_model(found: &Diagnosis, train: &LoadedCapture) -> Model {
     }
 }
 
-/// What is told of a diagnosis.
+/// The result of a diagnosis, as `diagnose --json` writes it.
 #[derive(Serialize)]
-pub struct ToldDiagnosis<'a> {
+pub struct DiagnosisResult<'a> {
     #[serde(flatten)]
     found: &'a Diagnosis,
     #[serde(flatten)]
     numbers: DiagnosisNumbers,
     /// The capture that models were fitted to.
     train: &'a CaptureFacts,
-    /// The capture that they were judged by, if it is another.
+    /// The held-out capture, if it is a separate one.
     heldout: Option<&'a CaptureFacts>,
     /// The numbers in the captions of the page's figures, where a page was asked for.
     #[serde(skip_serializing_if = "FigureNumbers::is_empty")]
     figures: FigureNumbers,
 }
 
-impl<'a> ToldDiagnosis<'a> {
-    /// Of what a page tells, and of its figures.
+impl<'a> DiagnosisResult<'a> {
+    /// The result shown on a page, with the numbers of its figures.
     #[must_use]
     pub fn of(page: &'a DiagnosisPage<'a>, figures: FigureNumbers) -> Self {
         let DiagnosisPage { found, train, heldout } = page;

@@ -12,7 +12,7 @@ use sheet::{SheetError, SpecificationError};
 /// Why a capture gives no result.
 #[derive(Debug, thiserror::Error)]
 pub enum AnalysisError {
-    /// A capture from which nothing can be told.
+    /// A capture that cannot be fitted.
     #[error("{} cannot be fitted: {reason}", capture.display())]
     Fit {
         /// The capture.
@@ -20,7 +20,7 @@ pub enum AnalysisError {
         /// What is wrong with it.
         reason: FitError,
     },
-    /// A diagnosis whose verdict would be worth nothing.
+    /// A diagnosis that could not reach a meaningful verdict.
     #[error(transparent)]
     Diagnosis(#[from] DiagnosisError),
     /// A model to start from that cannot be fitted.
@@ -33,7 +33,7 @@ pub enum AnalysisError {
         /// The effect.
         effect: &'static str,
     },
-    /// A capture whose motion cannot be told.
+    /// A capture whose motion cannot be determined.
     #[error(transparent)]
     Motion(#[from] FitError),
     /// A model that cannot be moved by the torque.
@@ -62,7 +62,7 @@ pub enum AnalysisError {
     Unreadable {
         /// The file or folder.
         path: PathBuf,
-        /// The system's word for it.
+        /// The system's error.
         error: std::io::Error,
     },
     /// A folder without captures.
@@ -76,7 +76,7 @@ pub enum AnalysisError {
     /// Curves that make no sheet.
     #[error(transparent)]
     Sheet(#[from] SheetError),
-    /// A specification that says nothing.
+    /// An invalid specification.
     #[error("{} is no specification: {error}", path.display())]
     Specification {
         /// The file.

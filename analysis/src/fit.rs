@@ -1,4 +1,4 @@
-//! Fits, and what `fit --json` tells of them.
+//! Fits, and their results as `fit --json` writes them.
 
 use dynamics::Model;
 use identification::{Average, Fit, FitOptions, PreparationMethod};
@@ -8,16 +8,16 @@ use serde::Serialize;
 
 use crate::{AnalysisError, facts, title};
 
-/// Fits a capture with all that is known of its rig.
+/// Fits a capture, using what is known about its rig.
 ///
 /// # Errors
-/// [`AnalysisError::Fit`], one sentence on why nothing can be told from it.
+/// [`AnalysisError::Fit`], with the reason in one sentence.
 pub fn fit(loaded: &LoadedCapture, preparation: PreparationMethod) -> Result<Fit, AnalysisError> {
     let options = FitOptions { preparation, ..fit_options(loaded) };
     fit_with(loaded, &options)
 }
 
-/// What a fit is told of a capture: what is known of its rig, and whether it has detents to look for.
+/// The options for fitting a capture: its rig's calibration, its axis, and whether to look for detents.
 #[must_use]
 pub fn fit_options(loaded: &LoadedCapture) -> FitOptions {
     let axis = loaded.capture.axis;
@@ -30,18 +30,18 @@ pub fn fit_options(loaded: &LoadedCapture) -> FitOptions {
     }
 }
 
-/// Fits a capture as it is told.
+/// Fits a capture with the given options.
 ///
 /// # Errors
-/// [`AnalysisError::Fit`], one sentence on why nothing can be told from it.
+/// [`AnalysisError::Fit`], with the reason in one sentence.
 pub fn fit_with(loaded: &LoadedCapture, options: &FitOptions) -> Result<Fit, AnalysisError> {
     identification::fit(&loaded.samples(), options)
         .map_err(|reason| AnalysisError::Fit { capture: loaded.capture.source.clone(), reason })
 }
 
-/// What is told of the fit of one capture.
+/// The result of fitting one capture.
 #[derive(Serialize)]
-pub struct ToldFit<'a> {
+pub struct FitResult<'a> {
     #[serde(flatten)]
     fit: &'a Fit,
     #[serde(flatten)]
@@ -53,8 +53,8 @@ pub struct ToldFit<'a> {
     figures: FigureNumbers,
 }
 
-impl<'a> ToldFit<'a> {
-    /// Of the fit of this capture, and of the figures on its page.
+impl<'a> FitResult<'a> {
+    /// The result of this fit, with the numbers of the figures on its page.
     #[must_use]
     pub fn of(loaded: &LoadedCapture, fit: &'a Fit, figures: FigureNumbers) -> Self {
         let numbers = FitNumbers::of(fit, loaded.truth.as_ref());
@@ -62,26 +62,26 @@ impl<'a> ToldFit<'a> {
     }
 }
 
-/// What is told of several captures: their mean, then each by itself.
+/// The result of fitting several captures: their mean, then each separately.
 #[derive(Serialize)]
-pub struct ToldAverage<'a> {
+pub struct AverageResult<'a> {
     #[serde(flatten)]
     average: &'a Average,
     #[serde(flatten)]
     numbers: FitNumbers,
-    fits: Vec<ToldFit<'a>>,
+    fits: Vec<FitResult<'a>>,
 }
 
-impl<'a> ToldAverage<'a> {
-    /// Of the mean, and of the captures with the fits that it was made of.
+impl<'a> AverageResult<'a> {
+    /// The result of the mean, with each capture's own fit.
     #[must_use]
     pub fn of(average: &'a Average, loaded: &[&LoadedCapture], fits: &'a [Fit]) -> Self {
-        let told = loaded.iter().zip(fits).map(|(one, fit)| ToldFit::of(one, fit, FigureNumbers::new()));
-        Self { average, numbers: FitNumbers::of(&average.fit, common_truth(loaded)), fits: told.collect() }
+        let results = loaded.iter().zip(fits).map(|(one, fit)| FitResult::of(one, fit, FigureNumbers::new()));
+        Self { average, numbers: FitNumbers::of(&average.fit, common_truth(loaded)), fits: results.collect() }
     }
 }
 
-/// The model that a simulated rig turned in all of the captures; `None` where it was not one.
+/// The model that a simulated rig turned in all of the captures; `None` if they differ.
 #[must_use]
 pub fn common_truth<'a>(loaded: &[&'a LoadedCapture]) -> Option<&'a Model> {
     let first = loaded.first().and_then(|one| one.truth.as_ref());

@@ -1,7 +1,7 @@
-//! What is made of loaded captures: fits, diagnoses, simulations, and all that is told of them.
+//! Fits, diagnoses and simulations of loaded captures, and their results as JSON.
 //!
-//! The command line and the Python package are two ways to the same numbers. Whatever either tells as JSON or as a page is made
-//! here, once; how it reaches its reader is theirs.
+//! The command line and the Python package both take every result from here, as JSON or as a page, and so report the same
+//! numbers.
 
 mod diagnosis;
 mod error;
@@ -12,10 +12,10 @@ mod row;
 mod sheet;
 mod simulation;
 
-pub use diagnosis::{ToldDiagnosis, diagnose, diagnosed_model, refuse_drawn};
+pub use diagnosis::{DiagnosisResult, diagnose, diagnosed_model, refuse_drawn};
 pub use error::AnalysisError;
 pub use facts::{facts, fit_page, title};
-pub use fit::{ToldAverage, ToldFit, common_truth, fit, fit_options, fit_with, titles};
+pub use fit::{AverageResult, FitResult, common_truth, fit, fit_options, fit_with, titles};
 pub use result::{MADE_BY, to_json, to_json_on};
 pub use row::{Cell, Row};
 pub use sheet::{Judgements, curve_files, curves, judged, load_specification, sheet_page};

@@ -106,8 +106,8 @@ impl Row {
         .map(|(name, cell)| (name.to_owned(), cell));
         let mut row = Self(cells.collect());
         for kind in parameters() {
-            let told = fit.and_then(|fit| fit.parameters.get(kind.name));
-            row.value(kind.name, told.and_then(|told| told.value), told.and_then(|told| told.ci95));
+            let parameter = fit.and_then(|fit| fit.parameters.get(kind.name));
+            row.value(kind.name, parameter.and_then(|found| found.value), parameter.and_then(|found| found.ci95));
         }
         row
     }

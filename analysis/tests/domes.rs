@@ -26,8 +26,8 @@ fn the_fit_of_a_measured_dome_leaves_less_than_three_percent_of_its_force() {
         let model = fit.model("dome");
         let read = dynamics::Model::from_toml(&model.to_toml(), "a fitted dome").unwrap();
         assert_eq!((read.axis, &read.effects), (dynamics::Axis::Linear, &model.effects));
-        let told = analysis::to_json_on(fit.axis, &fit).unwrap();
-        assert!(told.contains("\"force_n\"") && !told.contains("mnm") && !told.contains("mNm"), "{told}");
+        let json = analysis::to_json_on(fit.axis, &fit).unwrap();
+        assert!(json.contains("\"force_n\"") && !json.contains("mnm") && !json.contains("mNm"), "{json}");
     }
 }
 

@@ -50,7 +50,7 @@ pub struct Capture {
     pub commanded_torque_mnm: Option<Vec<f64>>,
     /// How long after its tick was due each sample was read, s; `None` where all were read when they were due.
     pub measured_after_s: Option<Vec<f64>>,
-    /// Samples in the archive without a measurement of their own, since the sensors brought nothing new or failed; they are left
+    /// Samples in the archive without a measurement of their own, since the sensors delivered no new data or failed; they are left
     /// out here.
     pub unmeasured_samples: u64,
     /// How the rig kept up with the ticks.

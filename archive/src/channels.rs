@@ -1,4 +1,4 @@
-//! The channels of a capture and how they are told apart.
+//! The channels of a capture and how they are identified.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::{Seek, Write};

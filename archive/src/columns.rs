@@ -88,7 +88,7 @@ pub(crate) static MEASURED: [Column; 5] = [
     column!(acceleration_rad_s2, Reals, or f64::NAN),
     column!(torque_mnm, Reals),
 ];
-static TOLD: [Column; 6] = [
+static OTHER: [Column; 6] = [
     column!(commanded_angle_rad, Reals, or f64::NAN),
     column!(commanded_torque_mnm, Reals, or f64::NAN),
     column!(measured_after_s, Reals, or 0.0),
@@ -108,7 +108,7 @@ impl Column {
 
 /// Every column, in the order of exports.
 fn all() -> impl Iterator<Item = &'static Column> {
-    COUNTED.iter().chain(&MEASURED).chain(&TOLD)
+    COUNTED.iter().chain(&MEASURED).chain(&OTHER)
 }
 
 /// The columns that are fields of a sample.

@@ -80,7 +80,7 @@ pub enum ArchiveError {
         found: String,
     },
     /// The schema in the file is not understood.
-    #[error("{}: the schema of its samples is not understood: {error}", path.display())]
+    #[error("{}: the schema of its samples cannot be read: {error}", path.display())]
     Schema {
         /// The file.
         path: PathBuf,
@@ -88,7 +88,7 @@ pub enum ArchiveError {
         error: crate::schema::SchemaError,
     },
     /// The archive does not say at which rate it was sampled.
-    #[error("{} does not say at which rate it was sampled: neither `run.json` nor the metadata record `capture` is in it", path.display())]
+    #[error("{} has no sample rate: it contains neither `run.json` nor the metadata record `capture`", path.display())]
     NoRate {
         /// The file.
         path: PathBuf,
@@ -103,7 +103,7 @@ pub enum ArchiveError {
     },
     /// The table of somebody's tester, which is none that is known.
     #[error(
-        "{} is no table that is known: it has {columns}; say what they are, as with --columns travel=NAME,force=NAME --units \
+        "{} is not a known table: it has {columns}; name them, as in --columns travel=NAME,force=NAME --units \
          travel=mm,force=gf",
         path.display()
     )]
@@ -123,8 +123,8 @@ pub enum ArchiveError {
     },
     /// The file of somebody's tester has no time, which a capture must have.
     #[error(
-        "{} has no time, so it is no capture but a curve, which `fit`, `compare`, `sheet` and `judge` take; if it has one, name \
-         it, as with --columns angle=NAME,torque=NAME,time=NAME",
+        "{} has no time, so it is a curve and not a capture: only `fit`, `compare`, `sheet` and `judge` accept it; \
+         if it has a time, name its column, as in --columns angle=NAME,torque=NAME,time=NAME",
         path.display()
     )]
     NoTime {
@@ -168,8 +168,8 @@ pub enum ArchiveError {
     },
     /// There is not enough memory for the file.
     #[error(
-        "{} is {:.1} GB long, and to work with it takes {:.1} GB of memory, of which {:.1} GB are free; \
-         use a machine with more, or capture for at most {:.0} % of that time",
+        "{} has {:.1} GB and needs {:.1} GB of memory, of which {:.1} GB are free; use a machine with more, or \
+         capture for at most {:.0} % of that time",
         path.display(), length / 1e9, length * OF_FILE / 1e9, available / 1e9,
         (100.0 * available / (length * OF_FILE)).floor()
     )]
@@ -206,13 +206,13 @@ pub enum ArchiveError {
         reason: String,
     },
     /// Nothing in the file could be kept.
-    #[error("{} holds nothing that can be recovered: no complete MCAP record with a valid checksum", path.display())]
+    #[error("{} has nothing to recover: no complete MCAP record with a valid checksum", path.display())]
     NothingToRecover {
         /// The file.
         path: PathBuf,
     },
     /// Output and input are one file.
-    #[error("{} is both the broken archive and the place for the whole one; give --out another name", path.display())]
+    #[error("{} is both the broken archive and the output; give --out another name", path.display())]
     SameFile {
         /// The file.
         path: PathBuf,

@@ -61,7 +61,7 @@ pub(crate) fn read_records(
             LinearReadEvent::Record { data, opcode } => {
                 unpacked += data.len() as u64;
                 if unpacked > may_unpack_to(length) {
-                    let reason = format!("its {length} bytes unpack to more than a recording's would");
+                    let reason = format!("its {length} bytes unpack to more than those of a recording");
                     return Err(ArchiveError::Damaged { path: path.to_owned(), reason });
                 }
                 past_the_messages |= opcode == op::DATA_END;
@@ -134,7 +134,7 @@ impl<'a> Content<'a> {
                 } else if self.model_channels.contains(&header.channel_id) {
                     let body = data.strip_prefix(&CDR_LITTLE_ENDIAN_HEADER);
                     let Some(change) = body.and_then(ModelChange::from_cdr_body) else {
-                        return Err(self.damaged("a rendered model is not as its schema says"));
+                        return Err(self.damaged("a rendered model does not match its schema"));
                     };
                     self.models.push(change);
                 }
@@ -253,7 +253,7 @@ impl Rows {
     }
 
     /// Gives a capture the columns that are there. The last sample of a run that ended because a sensor or the apparatus
-    /// failed is left out: it shows the fault and has no measurement. So are those for which the sensors brought nothing new,
+    /// failed is left out: it shows the fault and has no measurement. So are those without new data from the sensors,
     /// which repeat an earlier one.
     fn store_into(mut self, capture: &mut Capture) {
         let last = |name| self.named(name)?.last();

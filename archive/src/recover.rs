@@ -74,8 +74,8 @@ impl RecoverySummary {
     }
 }
 
-/// Losses that are told one by one; the archive's record `gaps` lists them all.
-const TOLD_LOSSES: usize = 10;
+/// Most losses to list in a message; the archive's record `gaps` lists them all.
+const LISTED_LOSSES: usize = 10;
 
 impl std::fmt::Display for RecoverySummary {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -87,11 +87,10 @@ impl std::fmt::Display for RecoverySummary {
         write!(f, " and {} other messages", self.messages_kept - self.samples_kept)?;
         match (self.unchecked_samples, self.unchecked) {
             (0, _) => {}
-            (count, Unchecked::Keep) => write!(f, "; {count} of the samples come from a chunk that was cut off")?,
+            (count, Unchecked::Keep) => write!(f, "; {count} of the samples come from a truncated chunk")?,
             (count, Unchecked::LeaveOut) => write!(
                 f,
-                "; {count} more samples can be read in a chunk that was cut off, but no checksum covers them: \
-                 --keep-unchecked keeps them"
+                "; a truncated chunk has {count} more samples, but no checksum covers them: --keep-unchecked keeps them"
             )?,
         }
         if self.damaged_chunks > 0 {
@@ -99,13 +98,13 @@ impl std::fmt::Display for RecoverySummary {
         }
         write!(f, "; {} of {} bytes dropped", self.bytes_dropped, self.bytes_total)?;
         if self.missing_samples > 0 {
-            let told: Vec<String> =
-                self.losses.iter().take(TOLD_LOSSES).map(|loss| loss.in_words(self.rate_hz)).collect();
-            let more = if self.losses.len() > told.len() { ", ..." } else { "" };
-            write!(f, "; {} samples are missing: {}{more}", self.missing_samples, told.join(", "))?;
+            let listed: Vec<String> =
+                self.losses.iter().take(LISTED_LOSSES).map(|loss| loss.in_words(self.rate_hz)).collect();
+            let more = if self.losses.len() > listed.len() { ", ..." } else { "" };
+            write!(f, "; {} samples are missing: {}{more}", self.missing_samples, listed.join(", "))?;
         }
         if !self.finished {
-            write!(f, "; the recording was not finished, what came after is not in the file")?;
+            write!(f, "; the recording was not finished, later samples are lost")?;
             if let Some(ticks) = self.ticks_left {
                 write!(f, " (at most {ticks} ticks, if the run went on to its planned end)")?;
             }

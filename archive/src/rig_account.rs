@@ -9,7 +9,7 @@ use crate::schema::{FieldLayout, Layout};
 /// How a rig kept up with the ticks of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RigAccount {
-    /// Samples for which the rig brought nothing new, by its own code for the reason; 0 where it gave none.
+    /// Samples without new data from the rig, by its own code for the reason; 0 if it gave none.
     pub stale_samples: BTreeMap<i32, u64>,
     /// The rig's clock; `None` where the ticks kept to the machine's.
     pub clock: Option<RigClock>,
@@ -27,17 +27,17 @@ pub struct RigClock {
 }
 
 impl RigAccount {
-    /// A sentence for each reason and one for the clock, in the words of the run's device codes. The reason with the code `told` is
-    /// left out: it ended the run, and is told there.
+    /// A sentence for each reason and one for the clock, with the meanings of the run's device codes. The reason with the code
+    /// `reported` is left out: it ended the run and has been reported as its cause.
     #[must_use]
-    pub fn in_words(&self, run: &RunDescription, told: i32) -> Vec<String> {
-        // What is to be done about it is said where it ends a run.
+    pub fn in_words(&self, run: &RunDescription, reported: i32) -> Vec<String> {
+        // The remedy, after the semicolon, is given where a code ends a run.
         let meaning = |code: &i32| {
             let known = run.device_codes.iter().find(|(known, _)| known == code);
             known.map_or("the rig gives no reason", |(_, meaning)| meaning.split(';').next().unwrap_or(meaning))
         };
-        let stale = self.stale_samples.iter().filter(|(code, _)| **code == 0 || **code != told);
-        let stale = stale.map(|(code, ticks)| format!("{ticks} ticks brought nothing new: {}", meaning(code)));
+        let stale = self.stale_samples.iter().filter(|(code, _)| **code == 0 || **code != reported);
+        let stale = stale.map(|(code, ticks)| format!("{ticks} ticks without new data: {}", meaning(code)));
         let clock = self.clock.map(|RigClock { drift_ppm, phase_s, phase_deviation_s }| {
             format!(
                 "the ticks followed the rig's clock: {drift_ppm:+.1} ppm, read {:+.1} µs after the tick, ± {:.1} µs",

@@ -30,7 +30,7 @@ const STANDARD_ERROR: &str = "/dev/stderr";
 const MARK_WITHIN: u64 = 64 * 1024;
 
 /// What an output meets that it may not replace, and one that may replace nothing.
-const FOREIGN: &str = "there already and is no earlier output of the same kind";
+const FOREIGN: &str = "an existing file, not an earlier output of the same kind";
 const TAKEN: &str = "there already";
 
 /// Writes a file under a temporary name beside `path`, then puts it in its place.

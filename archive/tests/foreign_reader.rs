@@ -28,9 +28,9 @@ fn python_s_ros_2_decoder_reads_the_same_bits() {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scripts/check-archive.py");
     let output = Command::new(python).arg(script).arg(&capture).arg(&columns).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let told = String::from_utf8(output.stdout).unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
     for line in ["count 3000", "first_seq 0", "last_seq 2999", "missing 0", "in_order yes", "other_messages 15"] {
-        assert!(told.lines().any(|told| told == line), "{line} is not in\n{told}");
+        assert!(printed.lines().any(|printed| printed == line), "{line} is not in\n{printed}");
     }
     let expected: Vec<u8> = (0..3000)
         .map(sample)

@@ -153,9 +153,9 @@ fn channels_are_known_by_name_or_unit_or_are_chosen() {
     assert_eq!((curve.axis, curve.len()), (Axis::Rotary, 600));
     assert!((curve.load[0] - 40.0).abs() < 1e-12 && (curve.t_s.as_ref().unwrap()[599] - 0.599).abs() < 1e-12);
     assert_eq!(load(folder.path(), &unsorted(600), Some(&choice("angle=2/Winkel,torque=Moment", ""))).unwrap(), curve);
-    // A unit that is told counts more than the file's.
-    let told = choice("angle=Winkel,torque=Moment", "torque=Nm");
-    assert!((load(folder.path(), &unsorted(600), Some(&told)).unwrap().load[0] - 4000.0).abs() < 1e-9);
+    // A given unit takes precedence over the file's.
+    let chosen = choice("angle=Winkel,torque=Moment", "torque=Nm");
+    assert!((load(folder.path(), &unsorted(600), Some(&chosen)).unwrap().load[0] - 4000.0).abs() < 1e-9);
 
     // The second angle is not called so, and a contact closes.
     let [times, angle, torque] = columns(300);
@@ -179,7 +179,7 @@ fn channels_are_known_by_name_or_unit_or_are_chosen() {
 }
 
 #[test]
-fn what_is_not_told_is_refused_with_the_channels_there_are() {
+fn an_ambiguous_channel_is_refused_with_a_list_of_the_channels() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |file: &Mf4Writer, choice: Option<&ColumnChoice>| load(folder.path(), file, choice).unwrap_err();
     let [times, angle, torque] = columns(300);
@@ -207,15 +207,15 @@ fn what_is_not_told_is_refused_with_the_channels_there_are() {
     let group = file.add_group(&times).unwrap();
     group.add_channel("Winkel", "Grad", &angle).unwrap();
     group.add_channel("M", "", &torque).unwrap();
-    assert!(refused(&file, None).contains("its channels do not tell an angle and a torque, or a travel and a force"));
+    assert!(refused(&file, None).contains("it has no unambiguous channels for angle and torque, or travel and force"));
     let unit = refused(&file, Some(&choice("angle=Winkel,torque=M", "")));
     assert_eq!(
         unit,
         "FILE: the unit of `Winkel` is not understood (`Grad` is no unit of angle; known are rad, mrad, deg, °, turn); say it, as \
          with --columns angle=NAME,… --units angle=rad"
     );
-    let told = choice("angle=Winkel,torque=M", "angle=deg,torque=Nm");
-    assert_eq!(load(folder.path(), &file, Some(&told)).unwrap().len(), 300);
+    let chosen = choice("angle=Winkel,torque=M", "angle=deg,torque=Nm");
+    assert_eq!(load(folder.path(), &file, Some(&chosen)).unwrap().len(), 300);
     let mut holes = angle.clone();
     holes[7] = f64::NAN;
     file.add_group(&times).unwrap().add_channel("Loch", "deg", &holes).unwrap();
@@ -247,7 +247,7 @@ fn damaged_measurements_are_refused_and_none_ends_the_program() {
         file.set_compression(deflated);
         let mut whole = Vec::new();
         file.write(&mut whole).unwrap();
-        // Whatever is cut off, it is told: no curve is a shorter one.
+        // Every cut is reported: no curve is silently shorter.
         let (cut, cuts) = refused((0..whole.len()).step_by(5).map(|length| whole[..length].to_vec()));
         assert_eq!(cut, cuts, "deflated: {deflated}");
         let flipped = (0..whole.len()).step_by(3).map(|place| {

@@ -60,7 +60,7 @@ fn every_truncation_of_the_last_two_chunks_keeps_every_complete_chunk() {
         assert_eq!(kept[..], original[..kept.len()], "cut at {length}");
         assert_eq!(summary.samples_kept, kept.len() as u64);
         assert_eq!((summary.first, summary.last), (place(0), place(complete as u64 - 1)));
-        assert!(summary.lossy || kept.len() == original.len(), "cut at {length}: a loss was not told");
+        assert!(summary.lossy || kept.len() == original.len(), "cut at {length}: a loss was not reported");
         assert_eq!(summary.bytes_total, length as u64);
         let planned_ticks = common::description().planned_ticks;
         assert_eq!(summary.ticks_left, Some(planned_ticks - 1 - sample(complete as u64 - 1).tick));
@@ -87,7 +87,7 @@ fn whatever_bit_is_flipped_only_the_chunk_that_holds_it_is_lost() {
         let kept = samples_in(&whole);
         assert_nothing_invented(&kept);
         assert!(kept.len() >= 40, "bit {bit}: {} samples kept", kept.len());
-        assert!(summary.lossy || kept.len() == original.len(), "bit {bit}: a loss was not told");
+        assert!(summary.lossy || kept.len() == original.len(), "bit {bit}: a loss was not reported");
     }
 }
 
@@ -140,7 +140,7 @@ fn hundreds_of_flips_and_holes_at_once_invent_nothing() {
             let samples = samples_in(&whole);
             assert_nothing_invented(&samples);
             assert_eq!(summary.samples_kept, samples.len() as u64);
-            assert!(summary.lossy || samples.len() == 2000, "trial {trial}: a loss was not told");
+            assert!(summary.lossy || samples.len() == 2000, "trial {trial}: a loss was not reported");
             let lost: u64 = gaps(&summary).iter().map(|gap| gap.count).sum();
             let end = samples.last().map_or(0, |(seq, _)| seq + 1);
             assert_eq!(samples.len() as u64 + lost, end, "trial {trial}: kept and lost are all there were");
@@ -227,7 +227,7 @@ fn what_cannot_be_recovered_is_refused_without_leaving_a_file() {
 }
 
 #[test]
-fn a_gap_at_the_end_that_the_recorder_noted_is_told_again() {
+fn a_gap_at_the_end_that_the_recorder_noted_is_reported_again() {
     let mut writer = archive::CaptureWriter::new(Cursor::new(Vec::new()), &common::description()).unwrap();
     for seq in (0..100).chain(150..200) {
         assert!(writer.sample(&sample(seq)).unwrap());
@@ -249,7 +249,7 @@ fn a_gap_at_the_end_that_the_recorder_noted_is_told_again() {
 
 /// Found by `scripts/fuzz`: the mcap crate's reader goes on behind the end of such a chunk.
 #[test]
-fn a_record_longer_than_its_uncompressed_chunk_is_told_and_harms_nothing() {
+fn a_record_longer_than_its_uncompressed_chunk_is_reported_and_harms_nothing() {
     let record = |opcode: u8, body: &[u8]| [&[opcode], &(body.len() as u64).to_le_bytes()[..], body].concat();
     // A schema whose length reaches over the chunk's end into what follows.
     let records = [&[3_u8][..], &200_u64.to_le_bytes(), &[0; 40]].concat();

@@ -310,7 +310,7 @@ fn samples_are_dated_by_when_they_were_read_and_those_that_repeat_an_earlier_one
 }
 
 #[test]
-fn what_a_rig_left_unanswered_is_counted_by_its_reason_and_its_clocks_drift_told() {
+fn what_a_rig_left_unanswered_is_counted_by_its_reason_and_its_clocks_drift_reported() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("capture.mcap");
     let mut file = std::io::Cursor::new(Vec::new());
@@ -336,8 +336,8 @@ fn what_a_rig_left_unanswered_is_counted_by_its_reason_and_its_clocks_drift_told
     assert!((clock.phase_s + 3e-5).abs() < 1e-12 && clock.phase_deviation_s < 1e-12, "{clock:?}");
     let run =
         shared_types::RunDescription { device_codes: vec![(-7, "a frame was lost; look".to_owned())], ..description() };
-    let told = account.in_words(&run, 0);
-    assert_eq!(told[0], "20 ticks brought nothing new: a frame was lost");
-    assert_eq!(told.len(), 3, "{told:?}");
-    assert_eq!(account.in_words(&run, -7).len(), 2, "what ended the run is told with its end");
+    let lines = account.in_words(&run, 0);
+    assert_eq!(lines[0], "20 ticks without new data: a frame was lost");
+    assert_eq!(lines.len(), 3, "{lines:?}");
+    assert_eq!(account.in_words(&run, -7).len(), 2, "what ended the run is reported with its end");
 }

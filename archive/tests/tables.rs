@@ -1,4 +1,4 @@
-//! What a person is told about a file that is not a capture.
+//! Error messages about files that are not captures.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -66,7 +66,7 @@ fn a_wrong_header_is_shown_beside_the_right_one() {
 }
 
 #[test]
-fn a_value_that_is_not_finite_is_told_with_line_and_column() {
+fn a_value_that_is_not_finite_is_reported_with_line_and_column() {
     let bench = Bench::new();
     let table = |cell: &str| format!("t_s,angle_rad,torque_mnm\n0,0,0\n0.1,0,{cell}\n0.2,0,0\n");
     assert_eq!(
@@ -89,7 +89,7 @@ fn a_value_that_is_not_finite_is_told_with_line_and_column() {
 }
 
 #[test]
-fn time_that_stands_still_or_runs_back_is_told_with_its_row() {
+fn time_that_stands_still_or_runs_back_is_reported_with_its_row() {
     let bench = Bench::new();
     let table = |time: &str| format!("t_s,angle_rad,torque_mnm\n0,0,0\n0.1,0,0\n{time},0,0\n0.3,0,0\n");
     assert_eq!(

@@ -108,7 +108,7 @@ fn any_other_table_is_read_by_the_columns_that_its_owner_names() {
     );
     assert_eq!(
         choice("angle=W", "").unwrap_err().to_string(),
-        "name the columns of an angle and a torque, or of a travel and a force"
+        "name the columns of angle and torque, or of travel and force"
     );
 }
 

@@ -62,7 +62,7 @@ pub struct Hypothesis {
     /// How many times the law may occur in one effect, each time with its own share of the columns and of the parameters; what
     /// is zero does not occur.
     pub lines: usize,
-    /// Least travel in which it can be told from a spring, an offset or friction that rises with the angle, rad.
+    /// Least travel that distinguishes it from a spring, an offset or friction that rises with the angle, rad.
     pub least_travel_rad: f64,
     /// Whether the coefficients belong to the capture and not to the knob, like the phase of mains hum.
     pub per_capture: bool,

@@ -160,31 +160,31 @@ fn what_does_not_fit_gets_one_sentence_that_says_what_would() {
     mix.take(Role::Inertia, &shipped(2)).unwrap();
     mix.take(Role::Detents, &shipped(3)).unwrap();
     mix.set("inertia", 0.3).unwrap();
-    let told = |result: Result<(), CompositionError>| result.unwrap_err().to_string();
+    let refusal = |result: Result<(), CompositionError>| result.unwrap_err().to_string();
     for (message, expected) in [
         (
-            told(mix.clone().take(Role::Detents, &shipped(1))),
+            refusal(mix.clone().take(Role::Detents, &shipped(1))),
             "knob 1 has no detents; it has inertia, friction, karnopp-stick. Of the shipped knobs 3, 4 and 5 have",
         ),
-        (told(mix.clone().take(Role::Detents, &shipped(4))), "detent would come from knob 3 and again from knob 4"),
-        (told(mix.clone().take_effect("end_stop", &shipped(4))), "no effect 'end_stop'; the nearest is end-stop"),
-        (told(mix.clone().take_effect("end-stop", &shipped(4))), "knob 4 has no end-stop; it has inertia, friction"),
+        (refusal(mix.clone().take(Role::Detents, &shipped(4))), "detent would come from knob 3 and again from knob 4"),
+        (refusal(mix.clone().take_effect("end_stop", &shipped(4))), "no effect 'end_stop'; the nearest is end-stop"),
+        (refusal(mix.clone().take_effect("end-stop", &shipped(4))), "knob 4 has no end-stop; it has inertia, friction"),
         (
-            told(mix.clone().set("detent_amplitud", 1.0)),
+            refusal(mix.clone().set("detent_amplitud", 1.0)),
             "'detent_amplitud' in the composed model; the nearest is detent_amplitude",
         ),
         (
-            told(mix.clone().set("coulomb_positive", 1.0)),
+            refusal(mix.clone().set("coulomb_positive", 1.0)),
             "coulomb_positive belongs to friction, which is not among the parts",
         ),
-        (told(mix.clone().set("detent_period", 0.0)), "detent_period would be 0 rad, but it must be more than zero"),
+        (refusal(mix.clone().set("detent_period", 0.0)), "detent_period would be 0 rad, but it must be more than zero"),
         (
-            told(mix.clone().set("detent_phase", f64::NAN)),
+            refusal(mix.clone().set("detent_phase", f64::NAN)),
             "detent_phase would be NaN rad, but it must be a finite number",
         ),
-        (told(mix.clone().set("inertia", 0.2)), "inertia is given two values"),
+        (refusal(mix.clone().set("inertia", 0.2)), "inertia is given two values"),
         (
-            told(mix.clone().take_parameter("detent_period", &shipped(1))),
+            refusal(mix.clone().take_parameter("detent_period", &shipped(1))),
             "knob 1 has no detent_period; it has inertia, coulomb",
         ),
     ] {
@@ -201,7 +201,7 @@ fn model_of(effects: &[Named]) -> Model {
 }
 
 #[test]
-fn parts_that_do_not_add_up_as_expected_are_told() {
+fn parts_that_do_not_add_up_as_expected_are_reported() {
     let inertia: Named = ("inertia", &[0.1]);
     let friction: Named = ("friction", &[5.0, 6.0, 0.1, 0.1]);
     let cases: [(&[Named], &[&str]); 9] = [

@@ -38,7 +38,7 @@ fn other_columns_are_passed_over_only_where_that_was_said() {
 }
 
 #[test]
-fn a_wrong_table_is_told_with_its_line() {
+fn a_wrong_table_is_reported_with_its_line() {
     for (text, expected) in [
         ("", "it has the columns ``, but they must be `t_s,angle_rad[,torque_mnm]`"),
         ("t_s,angle_rad,t_s\n", "it has the columns `t_s,angle_rad,t_s`, but"),

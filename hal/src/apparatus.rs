@@ -82,9 +82,9 @@ pub struct RigDescription {
     /// By how many ticks a torque acts later than in a rig that reads and drives at the tick: 1 where it takes effect with the next
     /// [`exchange`](Apparatus::exchange) only, or what is measured is a tick old.
     pub torque_late_ticks: f64,
-    /// Most ticks in a row without anything new.
+    /// Most ticks in a row without new data.
     pub stale_limit: u32,
-    /// Time without a command after which the amplifier takes the torque away by itself, s, as read back from it once it is
+    /// Time without a command after which the amplifier itself removes the torque, s, as read back from it once it is
     /// prepared; `None` where the rig does not say.
     pub watchdog_s: Option<f64>,
     /// What is held by one run at a time, whoever makes it, as a path or an address; `None` for a rig that is no device.
@@ -138,7 +138,7 @@ pub enum ApparatusError {
     /// The amplifier's watchdog is slower than the rig file asks for.
     #[error("the amplifier's watchdog reads back longer than [watchdog] timeout_s; set it shorter, or say what it is")]
     SlowWatchdog,
-    /// It was told to stop while it was prepared.
+    /// A stop was requested during preparation.
     #[error("stopped while the rig was prepared")]
     Stopped,
 }

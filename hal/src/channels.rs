@@ -303,7 +303,7 @@ mod tests {
     use super::Channels;
 
     #[test]
-    fn a_delay_that_states_the_half_period_which_the_driver_takes_off_is_told() {
+    fn a_delay_that_repeats_the_half_period_that_the_driver_subtracts_is_reported() {
         let doubled = |delay_s: f64| {
             let text = format!("[angle]\nsource = \"a\"\n[torque]\nsource = \"t\"\ndelay_s = {delay_s}\n[motor]\n");
             let channels: Channels = toml::from_str(&text).unwrap();

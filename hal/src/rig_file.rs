@@ -59,7 +59,7 @@ pub struct Rates {
 pub struct Watchdog {
     /// Longest time without a command after which the amplifier must have taken the torque away, s.
     pub timeout_s: f64,
-    /// Most ticks in a row without anything new from the sensors.
+    /// Most ticks in a row without new data from the sensors.
     #[serde(default)]
     pub stale_ticks: u32,
 }
@@ -99,8 +99,8 @@ impl RigFile {
     /// [`RigFileError`] for a text that is none, and for a key that no rig file has.
     pub fn parse(text: &str, path: &Path) -> Result<Self, RigFileError> {
         let wrong = |reason: String| RigFileError { path: path.to_owned(), reason };
-        let told = |error: toml::de::Error| wrong(in_one_line(&error, text));
-        let table: toml::Table = text.parse().map_err(told)?;
+        let located = |error: toml::de::Error| wrong(in_one_line(&error, text));
+        let table: toml::Table = text.parse().map_err(located)?;
         let read: Self = if table.get("axis").and_then(toml::Value::as_str) == Some("linear") {
             let axis = Axis::Linear;
             let other =
@@ -108,7 +108,7 @@ impl RigFile {
             let within = axis.table_within(table).map_err(other)?;
             within.try_into().map_err(|error: toml::de::Error| wrong(axis.words(error.message()).replace('\n', " ")))?
         } else {
-            toml::from_str(text).map_err(told)?
+            toml::from_str(text).map_err(located)?
         };
         let file = Self { path: path.to_owned(), ..read };
         file.check()?;
@@ -181,12 +181,12 @@ impl RigFile {
     /// # Errors
     /// [`RigFileError`] for one that cannot be read, and for both at once.
     pub fn calibration(&self) -> Result<Option<Calibration>, RigFileError> {
-        let told = |error: CalibrationError| self.error(error);
+        let located = |error: CalibrationError| self.error(error);
         match (&self.calibration_file, &self.calibration) {
             (Some(_), Some(_)) => {
                 Err(self.error("it has both calibration_file and [calibration]; leave one of them out"))
             }
-            (Some(path), None) => Calibration::load(&self.beside(path)).map(Some).map_err(told),
+            (Some(path), None) => Calibration::load(&self.beside(path)).map(Some).map_err(located),
             (None, Some(given)) => {
                 let motor_inertia = given.get("motor_inertia").and_then(as_number);
                 if !motor_inertia.is_some_and(|inertia| inertia > 0.0) {

@@ -51,7 +51,7 @@ impl RigFile {
                         of it";
             notes.push(("torque".to_owned(), note.to_owned()));
         }
-        notes.extend(wiring.doubled_delay().map(|told| ("delay".to_owned(), told)));
+        notes.extend(wiring.doubled_delay().map(|note| ("delay".to_owned(), note)));
         Ok(RigDescription {
             name: self.name.clone(),
             limits: Limits { rate_hz: fastest_hz, ..limits },

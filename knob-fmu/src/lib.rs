@@ -6,7 +6,10 @@
 //! standard asks, and refused.
 #![allow(unsafe_code, reason = "FMI is a C interface")]
 #![allow(non_snake_case, reason = "the functions are called as FMI calls them")]
-#![allow(clippy::missing_safety_doc, reason = "what callers owe is the standard's, told in the module's documentation")]
+#![allow(
+    clippy::missing_safety_doc,
+    reason = "the standard states what callers must uphold; the module's documentation refers to it"
+)]
 
 mod knob;
 mod refused;
@@ -26,7 +29,7 @@ pub(crate) const ERROR: Status = 3;
 /// `fmi3LogMessageCallback`.
 type LogMessage = Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
 
-/// An instance: the knob, and where its errors are told.
+/// An instance: the knob, and the importer's function that logs its errors.
 pub struct Instance {
     knob: Knob,
     environment: *mut c_void,
@@ -34,7 +37,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    fn told(&self, result: Result<(), KnobError>) -> Status {
+    fn status(&self, result: Result<(), KnobError>) -> Status {
         match result {
             Ok(()) => OK,
             Err(error) => {
@@ -153,7 +156,7 @@ pub unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut Instance) -> 
     // SAFETY: the importer's promise.
     unsafe { self::instance(instance) }.map_or(ERROR, |instance| {
         let begun = instance.knob.begin();
-        instance.told(begun)
+        instance.status(begun)
     })
 }
 
@@ -191,7 +194,7 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     let (references, place) = unsafe { (values(references, count), slice::from_raw_parts_mut(place, place_count)) };
     for (reference, place) in references.iter().zip(place) {
         let Some(value) = instance.knob.value(*reference) else {
-            return instance.told(Err(KnobError::Unknown(*reference)));
+            return instance.status(Err(KnobError::Unknown(*reference)));
         };
         *place = value;
     }
@@ -215,7 +218,7 @@ pub unsafe extern "C" fn fmi3SetFloat64(
         return ERROR;
     }
     let set = references.iter().zip(given).try_for_each(|(reference, value)| instance.knob.set(*reference, *value));
-    instance.told(set)
+    instance.status(set)
 }
 
 /// A step: the torque afterwards is that of the motion which was set before.
@@ -243,5 +246,5 @@ pub unsafe extern "C" fn fmi3DoStep(
     if let Some(last_time) = unsafe { last_time.as_mut() } {
         *last_time = if stepped.is_ok() { time + step } else { time };
     }
-    instance.told(stepped)
+    instance.status(stepped)
 }

@@ -18,8 +18,8 @@ def main(paths: list[str]) -> None:
     rows = {path: row(path) for path in paths}
     names = sorted({name for values in rows.values() for name in values})
     for name in names:
-        told = (values.get(name) for values in rows.values())
-        print(f"{name:20}", *(f"{value:12.5g}" if value is not None else f"{'–':>12}" for value in told))
+        estimates = (values.get(name) for values in rows.values())
+        print(f"{name:20}", *(f"{value:12.5g}" if value is not None else f"{'–':>12}" for value in estimates))
 
 
 if __name__ == "__main__":

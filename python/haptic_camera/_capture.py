@@ -163,11 +163,11 @@ def _recorded(words: list[str], program: str | os.PathLike[str] | None) -> Captu
         )
     status, output, errors = _run([found, *words])
     archive = re.search(r"^archive +(.+) \(\d+ samples\)$", output, re.MULTILINE)
-    told = [line for line in errors.splitlines() if line]
+    lines = [line for line in errors.splitlines() if line]
     if status not in _WITH_ARCHIVE or archive is None:
-        wrong = [line.removeprefix("error: ") for line in told if line.startswith("error: ")] or told
+        wrong = [line.removeprefix("error: ") for line in lines if line.startswith("error: ")] or lines
         raise Error(wrong[-1] if wrong else f"{found} ended with status {status}; run it by itself to see why")
-    for remark in told:
+    for remark in lines:
         # As if whoever called `capture` or `replay` had said so.
         warnings.warn(remark, stacklevel=3)
     return read(archive[1])
@@ -179,7 +179,7 @@ def _run(command: list[str]) -> tuple[int, str, str]:
         try:
             output, errors = process.communicate()
         except KeyboardInterrupt:
-            # A terminal has told the program already; a notebook has not.
+            # A terminal has signalled the program already; a notebook has not.
             process.send_signal(signal.SIGINT)
             process.communicate()
             raise

@@ -144,7 +144,7 @@ pub(crate) fn not_pickled(what: &str, instead: &str) -> PyErr {
 }
 
 /// A value with its unit and interval in six digits, or the reason why there is none.
-pub(crate) fn told(
+pub(crate) fn estimate_in_words(
     py: Python<'_>,
     value: Option<f64>,
     unit: &str,
@@ -155,7 +155,7 @@ pub(crate) fn told(
     Ok(match (value, ci95) {
         (Some(value), Some((low, high))) => format!("{} {unit}, 95 % {} to {}", six(value)?, six(low)?, six(high)?),
         (Some(value), None) => format!("{} {unit}", six(value)?),
-        (None, _) => reason.unwrap_or("not told").to_owned(),
+        (None, _) => reason.unwrap_or("not identifiable").to_owned(),
     })
 }
 

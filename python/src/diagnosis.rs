@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 
-use analysis::{AnalysisError, ToldDiagnosis, diagnosed_model, refuse_drawn};
+use analysis::{AnalysisError, DiagnosisResult, diagnosed_model, refuse_drawn};
 use identification::diagnosis;
 use loaded_capture::LoadedCapture;
 use pyo3::prelude::*;
@@ -146,14 +146,14 @@ fn watched(
 /// Passes progress on until the diagnosis is done.
 fn listen(receiver: &Receiver<diagnosis::Progress>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
     loop {
-        let told = receiver.recv_timeout(BETWEEN_LOOKS);
-        if let Err(RecvTimeoutError::Disconnected) = told {
+        let received = receiver.recv_timeout(BETWEEN_LOOKS);
+        if let Err(RecvTimeoutError::Disconnected) = received {
             return Ok(());
         }
         Python::attach(|py| {
             py.check_signals()?;
-            if let (Ok(told), Some(progress)) = (told, progress) {
-                progress.call1(py, (Progress::from(told),))?;
+            if let (Ok(step), Some(progress)) = (received, progress) {
+                progress.call1(py, (Progress::from(step),))?;
             }
             PyResult::Ok(())
         })?;
@@ -227,7 +227,7 @@ impl Diagnosis {
 
     /// The same as text.
     fn to_json(&self) -> PyResult<String> {
-        json(&ToldDiagnosis::of(&self.page(), FigureNumbers::new()))
+        json(&DiagnosisResult::of(&self.page(), FigureNumbers::new()))
     }
 
     /// The report page, one HTML file that fetches nothing.

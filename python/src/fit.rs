@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use analysis::{ToldAverage, ToldFit};
+use analysis::{AverageResult, FitResult};
 use identification::{Average, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use numpy::{PyArray1, PyArray2};
@@ -13,7 +13,7 @@ use report::{AveragePage, FigureNumbers};
 
 use crate::columns::field_view;
 use crate::convert::{
-    CaptureOrPath, OneOrMore, framed, json_on, name_and_unit_on, not_pickled, save_page, to_dict, told,
+    CaptureOrPath, OneOrMore, framed, json_on, name_and_unit_on, not_pickled, save_page, to_dict,
 };
 use crate::error::{Error, raised};
 use crate::interruptible::interruptible;
@@ -42,8 +42,8 @@ type Fields = (String, Option<f64>, String, Option<(f64, f64)>, Option<String>);
 impl Parameter {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let Self { name, value, unit, ci95, reason } = self;
-        let told = told(py, *value, unit, *ci95, reason.as_deref())?;
-        Ok(format!("<Parameter {name}: {told}>"))
+        let text = estimate_in_words(py, *value, unit, *ci95, reason.as_deref())?;
+        Ok(format!("<Parameter {name}: {text}>"))
     }
 
     /// Pickled as its fields.
@@ -81,7 +81,7 @@ pub(crate) struct Fit {
 /// Raises
 /// ------
 /// Error
-///     If nothing can be told; what only some parameters lack is their ``reason``.
+///     If the captures cannot be fitted. A parameter that is not identifiable has a ``reason`` instead.
 /// KeyboardInterrupt
 ///     At Ctrl-C.
 #[pyfunction]
@@ -106,13 +106,13 @@ pub(crate) fn fit(py: Python<'_>, captures: OneOrMore<CaptureOrPath>, preparatio
 }
 
 impl Fit {
-    fn told(&self) -> &identification::Fit {
+    fn fit(&self) -> &identification::Fit {
         self.average.as_ref().map_or(&self.each[0], |average| &average.fit)
     }
 
     /// A text in the words of the axis that was fitted.
     fn said(&self, text: &str) -> String {
-        self.told().axis.words(text).into_owned()
+        self.fit().axis.words(text).into_owned()
     }
 
     fn loaded(&self) -> Vec<&LoadedCapture> {
@@ -126,9 +126,9 @@ impl Fit {
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let parameters = PyDict::new(py);
-        for told in &self.told().parameters.0 {
-            let identification::Parameter { name, value, unit, ci95, reason, .. } = told.clone();
-            let (name, unit) = name_and_unit_on(self.told().axis, name, unit);
+        for parameter in &self.fit().parameters.0 {
+            let identification::Parameter { name, value, unit, ci95, reason, .. } = parameter.clone();
+            let (name, unit) = name_and_unit_on(self.fit().axis, name, unit);
             let reason = reason.map(|reason| self.said(&reason));
             let ci95 = ci95.map(|[low, high]| (low, high));
             parameters.set_item(name.clone(), Bound::new(py, Parameter { name, value, unit, ci95, reason })?)?;
@@ -139,43 +139,43 @@ impl Fit {
     /// Covariance of the parameters named in `covariance_order`, shape (k, k), in the products of their units.
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        PyArray2::from_vec2(py, &self.told().covariance.rows).map_err(raised)
+        PyArray2::from_vec2(py, &self.fit().covariance.rows).map_err(raised)
     }
 
     /// Names of the parameters in the order of the covariance's rows and columns.
     #[getter]
     fn covariance_order(&self) -> Vec<String> {
-        self.told().covariance.order.iter().map(|name| self.said(name)).collect()
+        self.fit().covariance.order.iter().map(|name| self.said(name)).collect()
     }
 
     /// RMS of measured minus model torque, mNm; of what is pressed or slid N.
     #[getter]
     fn residual_rms_mnm(&self) -> f64 {
-        self.told().residual_rms_mnm
+        self.fit().residual_rms_mnm
     }
 
     /// 100 · ‖measured − model‖ / ‖measured‖.
     #[getter]
     fn relative_error_percent(&self) -> f64 {
-        self.told().relative_error_percent
+        self.fit().relative_error_percent
     }
 
     /// Mean half width of the 95 % interval of the model's torque, mNm; of what is pressed or slid N.
     #[getter]
     fn mean_ci95_mnm(&self) -> f64 {
-        self.told().mean_ci95_mnm
+        self.fit().mean_ci95_mnm
     }
 
     /// Samples that were fitted.
     #[getter]
     fn samples(&self) -> usize {
-        self.told().samples
+        self.fit().samples
     }
 
     /// What a reader of the numbers should know.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.told().notes.iter().map(|note| self.said(note)).collect()
+        self.fit().notes.iter().map(|note| self.said(note)).collect()
     }
 
     /// Each capture's own fit.
@@ -214,7 +214,7 @@ impl Fit {
     /// The fitted model.
     fn model(&self) -> Model {
         let titles = analysis::titles(&self.loaded());
-        let model = self.average.as_ref().map_or_else(|| self.told().model(&titles), |average| average.model(&titles));
+        let model = self.average.as_ref().map_or_else(|| self.fit().model(&titles), |average| average.model(&titles));
         Model::from(model)
     }
 
@@ -226,8 +226,8 @@ impl Fit {
     /// The same as text.
     fn to_json(&self) -> PyResult<String> {
         match &self.average {
-            Some(average) => json_on(self.told().axis, &ToldAverage::of(average, &self.loaded(), &self.each)),
-            None => json_on(self.told().axis, &ToldFit::of(&self.captures[0], &self.each[0], FigureNumbers::new())),
+            Some(average) => json_on(self.fit().axis, &AverageResult::of(average, &self.loaded(), &self.each)),
+            None => json_on(self.fit().axis, &FitResult::of(&self.captures[0], &self.each[0], FigureNumbers::new())),
         }
     }
 
@@ -256,10 +256,10 @@ impl Fit {
     }
 
     fn __repr__(&self) -> String {
-        let fit = self.told();
-        let told =
+        let fit = self.fit();
+        let text =
             format!("residual {:.3} mNm, {:.2} % of the torque", fit.residual_rms_mnm, fit.relative_error_percent);
-        format!("<Fit of {}: {}>", analysis::titles(&self.loaded()), self.said(&told))
+        format!("<Fit of {}: {}>", analysis::titles(&self.loaded()), self.said(&text))
     }
 
     /// Its captures are not copied about.

@@ -1,6 +1,6 @@
 //! `haptic_camera` for Python: captures as NumPy and Arrow columns, fits, diagnoses, simulations and models.
 //!
-//! Every number comes from the crates that the command line uses, and every result is told in the same JSON. The interpreter's lock is
+//! Every number comes from the crates that the command line uses, and every result is the same JSON. The interpreter's lock is
 //! released while files are read and while anything is computed.
 
 mod arrow;

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use shared_types::Axis;
 
-use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not_pickled, save_page, to_dict, told};
+use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not_pickled, save_page, to_dict};
 use crate::error::{Error, raised};
 use crate::interruptible::interruptible;
 
@@ -39,8 +39,8 @@ type Fields = (String, Option<f64>, String, Option<(f64, f64)>, Option<String>, 
 impl Figure {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let Self { name, value, unit, ci95, reason, .. } = self;
-        let told = told(py, *value, unit, *ci95, reason.as_deref())?;
-        Ok(format!("<Figure {name}: {told}>"))
+        let text = estimate_in_words(py, *value, unit, *ci95, reason.as_deref())?;
+        Ok(format!("<Figure {name}: {text}>"))
     }
 
     /// Pickled as its fields.
@@ -202,8 +202,8 @@ impl Sheet {
     }
 
     fn __repr__(&self) -> String {
-        let told = self.sheet.figures.values().filter(|figure| figure.value.is_some()).count();
-        format!("<Sheet of {}, {}: {}>", counted(self.sheet.runs, "curve"), self.axis(), counted(told, "figure"))
+        let determined = self.sheet.figures.values().filter(|figure| figure.value.is_some()).count();
+        format!("<Sheet of {}, {}: {}>", counted(self.sheet.runs, "curve"), self.axis(), counted(determined, "figure"))
     }
 
     /// Its curves are not copied about.

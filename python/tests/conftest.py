@@ -26,8 +26,8 @@ def command_line() -> Callable[..., str]:
 
 
 @pytest.fixture(scope="session")
-def told(command_line: Callable[..., str]) -> Callable[..., dict[str, Any]]:
-    """What the command line tells as JSON."""
+def as_json(command_line: Callable[..., str]) -> Callable[..., dict[str, Any]]:
+    """The command line's result as JSON."""
 
     def run(*words: str | Path) -> dict[str, Any]:
         result: dict[str, Any] = json.loads(command_line(*words, "--json", "-"))

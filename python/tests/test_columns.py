@@ -118,7 +118,7 @@ def pressed(tmp_path_factory: pytest.TempPathFactory) -> hc.Capture:
 
 
 def test_what_is_pressed_has_the_names_and_units_of_its_axis(
-    pressed: hc.Capture, told: Callable[..., dict[str, Any]], tmp_path: Path
+    pressed: hc.Capture, as_json: Callable[..., dict[str, Any]], tmp_path: Path
 ) -> None:
     assert pressed.axis == "linear" and pressed.truth == hc.Model.load("dome")
     assert np.array_equal(pressed["force_n"], pressed.torque_mnm)
@@ -126,13 +126,13 @@ def test_what_is_pressed_has_the_names_and_units_of_its_axis(
     own.save(tmp_path / "own.csv")
     assert np.array_equal(hc.read(tmp_path / "own.csv")["force_n"], pressed["force_n"])
     fit = hc.fit(pressed)
-    assert fit.to_dict() == told("fit", pressed.source)
+    assert fit.to_dict() == as_json("fit", pressed.source)
     assert {*fit.parameters} == {*fit.to_dict()["parameters"]}
     assert fit.covariance_order == fit.to_dict()["covariance"]["order"]
     for name, parameter in fit.parameters.items():
         assert parameter.unit == fit.to_dict()["parameters"][name]["unit"]
     assert "force_n" in fit.points and "mNm" not in repr(fit) + repr(fit.parameters)
-    assert hc.fit([pressed, pressed]).to_dict() == told("fit", pressed.source, pressed.source)
+    assert hc.fit([pressed, pressed]).to_dict() == as_json("fit", pressed.source, pressed.source)
     with pytest.raises(hc.Error, match="of a control with a rotary axis"):
         hc.simulate(3, pressed)
 

@@ -51,8 +51,8 @@ def test_the_torque_is_ours(
 ) -> None:
     model = hc.Model.from_toml(hc.Model.load(knob).to_toml() + more)
     model.save(tmp_path / "model.toml")
-    told = command_line("export", tmp_path / "model.toml", "--out", tmp_path / "knob.fmu")
-    assert "leaves out 0.000000 mNm" in told
+    printed = command_line("export", tmp_path / "model.toml", "--out", tmp_path / "knob.fmu")
+    assert "leaves out 0.000000 mNm" in printed
     assert validate_fmu(str(tmp_path / "knob.fmu")) == []
     # No more than that: an inner body that strikes both sides of its gap is chaotic, and the last bit of the time decides.
     starts = {"detent_amplitude": 2.5}

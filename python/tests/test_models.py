@@ -123,7 +123,7 @@ def test_a_model_of_another_axis_has_its_names_and_units() -> None:
     assert hc.Model.from_toml(dome.to_toml()) == dome == pickle.loads(pickle.dumps(dome))
 
 
-def test_wrong_types_are_told_in_one_sentence() -> None:
+def test_wrong_types_are_reported_in_one_sentence() -> None:
     wrong: Any
     for wrong in (3.0, None, [1], True):
         with pytest.raises(TypeError, match="^expected a Model, the path of one or the number of a shipped knob, not"):

@@ -96,7 +96,7 @@ def test_what_mjcf_can_say_is_equal(command_line: Callable[..., str], tmp_path: 
 
 
 @pytest.mark.parametrize("knob", [1, 2, 3, 4])
-def test_what_mjcf_cannot_say_is_told_as_torque(command_line: Callable[..., str], tmp_path: Path, knob: int) -> None:
+def test_what_mjcf_cannot_say_is_reported_as_torque(command_line: Callable[..., str], tmp_path: Path, knob: int) -> None:
     model = hc.Model.load(knob)
     model.save(tmp_path / "knob.toml")
     motion = Motion()

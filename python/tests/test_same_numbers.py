@@ -13,13 +13,13 @@ import pytest
 import haptic_camera as hc
 from conftest import PROGRAM
 
-Told = Callable[..., dict[str, Any]]
+AsJson = Callable[..., dict[str, Any]]
 
 
 @pytest.mark.parametrize("preparation", ["automatic", "paper"])
-def test_a_fit_is_that_of_the_command_line(captures: list[hc.Capture], told: Told, preparation: Any) -> None:
+def test_a_fit_is_that_of_the_command_line(captures: list[hc.Capture], as_json: AsJson, preparation: Any) -> None:
     fit = hc.fit(captures[0], preparation=preparation)
-    assert fit.to_dict() == told("fit", captures[0].source, "--preparation", preparation)
+    assert fit.to_dict() == as_json("fit", captures[0].source, "--preparation", preparation)
     for name, parameter in fit.parameters.items():
         of_json = fit.to_dict()["parameters"][name]
         assert (parameter.value, parameter.unit) == (of_json["value"], of_json["unit"])
@@ -27,16 +27,16 @@ def test_a_fit_is_that_of_the_command_line(captures: list[hc.Capture], told: Tol
     assert fit.covariance.tolist() == fit.to_dict()["covariance"]["rows"]
 
 
-def test_a_fit_of_several_captures_is_that_of_the_command_line(captures: list[hc.Capture], told: Told) -> None:
+def test_a_fit_of_several_captures_is_that_of_the_command_line(captures: list[hc.Capture], as_json: AsJson) -> None:
     fit = hc.fit(captures)
-    assert fit.to_dict() == told("fit", *(capture.source for capture in captures))
+    assert fit.to_dict() == as_json("fit", *(capture.source for capture in captures))
     assert [one.samples for one in fit.fits] == [len(capture) for capture in captures]
 
 
-def test_a_diagnosis_is_that_of_the_command_line(captures: list[hc.Capture], told: Told) -> None:
+def test_a_diagnosis_is_that_of_the_command_line(captures: list[hc.Capture], as_json: AsJson) -> None:
     steps: list[hc.Progress] = []
     found = hc.diagnose(captures[0], captures[1], progress=steps.append)
-    assert found.to_dict() == told("diagnose", captures[0].source, "--heldout", captures[1].source)
+    assert found.to_dict() == as_json("diagnose", captures[0].source, "--heldout", captures[1].source)
     assert steps and all(step.done <= step.of for step in steps)
 
 
@@ -103,7 +103,7 @@ WORDS = ("--columns", "travel=Weg,force=2", "--units", "travel=cm,force=gf")
 
 
 def test_a_sheet_is_that_of_the_command_line(
-    turned: list[hc.Capture], told: Told, command_line: Callable[..., str], tmp_path: Path
+    turned: list[hc.Capture], as_json: AsJson, command_line: Callable[..., str], tmp_path: Path
 ) -> None:
     domes = [pressed(tmp_path, 0.6), pressed(tmp_path, 0.61)]
     for sheet, words in [
@@ -111,7 +111,7 @@ def test_a_sheet_is_that_of_the_command_line(
         (hc.sheet(turned), tuple(capture.source for capture in turned)),
         (hc.sheet(domes, **COLUMNS), (*domes, *WORDS)),
     ]:
-        of_json = told("sheet", *words)
+        of_json = as_json("sheet", *words)
         assert sheet.to_dict() == of_json
         assert {*sheet.figures} == {*of_json["figures"]} and sheet.runs == of_json["runs"]
         for name, figure in sheet.figures.items():

@@ -56,8 +56,8 @@ def test_the_configuration_and_what_it_leaves_out(
     out = tmp_path / "knob.json"
     motor = ("--motor-mnm-per-v", str(MOTOR_MNM_PER_V))
     words = command_line("export", tmp_path / "model.toml", "--out", out, *motor, "--along", tmp_path / "motion.csv")
-    told = json.loads(out.read_text())
-    config, parameters = told["smartknob_config"], model.parameters
+    result = json.loads(out.read_text())
+    config, parameters = result["smartknob_config"], model.parameters
     period, amplitude = parameters["detent_period"], parameters["detent_amplitude"]
     assert config["position_width_radians"] == pytest.approx(2 * math.pi * period)
     assert config["detent_strength_unit"] == pytest.approx(amplitude / period / (4 * MOTOR_MNM_PER_V), rel=1e-5)
@@ -76,8 +76,8 @@ def test_the_configuration_and_what_it_leaves_out(
     assert along.velocity_rad_s is not None and along.acceleration_rad_s2 is not None
     torque = model.torque_mnm(along.t_s, along.angle_rad, along.velocity_rad_s, along.acceleration_rad_s2)
     missing = torque - MOTOR_MNM_PER_V * volts_of_firmware(config, centre, along.angle_rad)
-    assert told["left_out_rms_mnm"] == pytest.approx(np.sqrt(np.mean(missing**2)), rel=1e-4)
-    assert f"leaves out {told['left_out_rms_mnm']:.6f} mNm RMS" in words and "- friction" in words
+    assert result["left_out_rms_mnm"] == pytest.approx(np.sqrt(np.mean(missing**2)), rel=1e-4)
+    assert f"leaves out {result['left_out_rms_mnm']:.6f} mNm RMS" in words and "- friction" in words
 
 
 def test_a_motor_is_needed(tmp_path: Path) -> None:

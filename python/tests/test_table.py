@@ -117,7 +117,7 @@ def test_a_specification_gives_figures_and_verdicts(
     command_line("table", folder, "--out", tmp_path / "t.parquet", "--spec", spec)
     table = parquet.read_table(tmp_path / "t.parquet")
     assert table.schema.metadata[b"unit.peak_torque"] == b"mNm" and table.schema.names == [*hc.table_columns(spec=spec)]
-    told = 0
+    reported = 0
     for row in table.to_pylist():
         path = Path(row["file"])
         assert row == hc.table_row(path, spec=spec)
@@ -126,7 +126,7 @@ def test_a_specification_gives_figures_and_verdicts(
         except hc.Error as error:
             assert row["sheet_error"] == str(error) and row["verdict"] is None and row["peak_torque"] is None
             continue
-        told += 1
+        reported += 1
         assert row["error"] is row["sheet_error"] is None
         assert row["verdict"] == judgement.verdict and row["verdict_reasons"] == "; ".join(judgement.units[0].reasons)
         for name, figure in sheet.figures.items():
@@ -134,7 +134,7 @@ def test_a_specification_gives_figures_and_verdicts(
                 figure.value,
                 figure.ci95 or (None, None),
             )
-    assert told == 2
+    assert reported == 2
     rows = {Path(row["file"]).name: row for row in table.to_pylist()}
     # The foreign table tells nothing; what was turned fast has a fit, what has no time a sheet.
     assert [name for name, row in rows.items() if row["error"]] == ["foreign.csv"]

@@ -38,8 +38,8 @@ def table(captures: list[hc.Capture], tmp_path: Path) -> Path:
     return tmp_path / "table.parquet"
 
 
-def test_wear_is_told_and_nothing_else(table: Path, told: Callable[..., dict[str, Any]], tmp_path: Path) -> None:
-    trend = told("trend", table, "--report", tmp_path / "trend.html")
+def test_wear_is_reported_and_nothing_else(table: Path, as_json: Callable[..., dict[str, Any]], tmp_path: Path) -> None:
+    trend = as_json("trend", table, "--report", tmp_path / "trend.html")
     assert trend["with_error"] == 1
     groups = {group["name"]: {one["name"]: one for one in group["parameters"]} for group in trend["groups"]}
     assert {*groups} == {"new", "worn"}
@@ -65,8 +65,8 @@ def test_wear_is_told_and_nothing_else(table: Path, told: Callable[..., dict[str
     assert "detent_amplitude of worn" in page and page.count("<svg") >= 4
 
 
-def test_figures_and_verdicts_of_a_specification_are_told(
-    told: Callable[..., dict[str, Any]], command_line: Callable[..., str], tmp_path: Path
+def test_figures_and_verdicts_of_a_specification_are_reported(
+    as_json: Callable[..., dict[str, Any]], command_line: Callable[..., str], tmp_path: Path
 ) -> None:
     folder, spec = tmp_path / "units", tmp_path / "spec.toml"
     turn: Any = {"duration_s": 20, "sweep": "slow-turn", "rate_hz": 5000, "offline": True, "program": PROGRAM}
@@ -75,7 +75,7 @@ def test_figures_and_verdicts_of_a_specification_are_told(
     for other in (*folder.glob("*.toml"), *folder.glob("*.html")):
         other.unlink()
     command_line("table", folder, "--out", tmp_path / "t.parquet", "--spec", spec)
-    (group,) = told("trend", tmp_path / "t.parquet", "--report", tmp_path / "trend.html")["groups"]
+    (group,) = as_json("trend", tmp_path / "t.parquet", "--report", tmp_path / "trend.html")["groups"]
     assert sum(group["verdicts"].values()) == 2
     (peak,) = [one for one in group["parameters"] if one["name"] == "peak_torque"]
     values = [hc.sheet(capture).figures["peak_torque"].value or np.nan for capture in captures]
@@ -89,4 +89,4 @@ def test_what_is_no_table_is_refused(captures: list[hc.Capture], tmp_path: Path)
     parquet.write_table(pyarrow.table(captures[0]), tmp_path / "capture.parquet")
     for name in ("other.parquet", "capture.parquet"):
         ended = subprocess.run([PROGRAM, "trend", tmp_path / name], capture_output=True, text=True)
-        assert ended.returncode == 1 and "is no table of captures; make one with" in ended.stderr
+        assert ended.returncode == 1 and "is not a table of captures; make one with" in ended.stderr

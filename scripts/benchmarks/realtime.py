@@ -125,7 +125,7 @@ def noise_goal(rounds, quiet, killed):
     per_second = [[m[row].per_second(99.9) for m in rounds] for row in (quiet, killed)]
     name = f"*{killed}* within the noise of *{quiet}* (permutation test over per-second p99.9)"
     if min(sum(map(len, seconds)) for seconds in per_second) < SECONDS_TO_TELL:
-        return [name, f"fewer than {SECONDS_TO_TELL} s a row", "p ≥ 0.05", "not told"]
+        return [name, f"fewer than {SECONDS_TO_TELL} s a row", "p ≥ 0.05", "not tested"]
     by, p = permutation_p(*per_second)
     return markdown.goal(name, f"{by:.2f} times, p = {p:.3f}", "p ≥ 0.05", p >= 0.05)
 

@@ -65,7 +65,7 @@ pub struct RunDescription {
     /// rendering follow from. `None` of a run by an earlier program.
     #[serde(default)]
     pub control_toml: Option<String>,
-    /// What the rig's own codes mean, in which a fault may be told.
+    /// Meanings of the rig's own fault codes.
     #[serde(default)]
     pub device_codes: Vec<(i32, String)>,
     /// Further facts about the run, such as the seed of the simulated rig.
@@ -88,7 +88,7 @@ impl RunDescription {
         self.rendered_model_toml.is_some()
     }
 
-    /// What the rig was told to follow.
+    /// What the rig was commanded to follow.
     ///
     /// # Errors
     /// [`DescriptionError`] for a text that is no excitation.

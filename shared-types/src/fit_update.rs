@@ -8,7 +8,7 @@ use crate::wire_code;
 wire_message! {
     /// One parameter as fitted so far.
     pub struct Estimate as "haptic_camera/msg/Estimate" {
-        /// Fitted value, in the parameter's own unit; NaN when it cannot be told.
+        /// Fitted value, in the parameter's own unit; NaN while it is not identifiable.
         pub value: f64,
         /// Lower end of the 95 % interval.
         pub ci95_low: f64,

@@ -32,7 +32,7 @@ pub mod wire;
 pub mod clean_up;
 mod command;
 mod description;
-pub mod drill;
+pub mod fault_injection;
 mod fit_update;
 mod health;
 pub mod lease;

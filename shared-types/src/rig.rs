@@ -82,7 +82,7 @@ fn check_runtime_dir(directory: &Path) -> std::io::Result<()> {
         return Ok(());
     }
     let reason = format!(
-        "the runtime directory {} will not do: set {RUNTIME_DIR_VARIABLE} to an absolute path of at most \
+        "the runtime directory {} is invalid: set {RUNTIME_DIR_VARIABLE} to an absolute path of at most \
          {LONGEST_RUNTIME_DIR} ASCII letters, digits and /._-",
         directory.display()
     );
@@ -109,7 +109,7 @@ pub fn process_state(process_id: u32) -> Option<char> {
     stat.rsplit(')').next()?.trim_start().chars().next()
 }
 
-/// How long a process's main thread has waited for a processor, all told (`/proc/PID/schedstat`, second field); zero where
+/// How long a process's main thread has waited for a processor in total (`/proc/PID/schedstat`, second field); zero where
 /// the kernel keeps no such account.
 #[must_use]
 pub fn processor_wait(process_id: u32) -> Duration {

@@ -50,11 +50,11 @@ wire_message! {
         /// 7 nothing new from the rig, 8 runaway.
         pub fault: u32,
         /// Bits: 1 the torque command was clipped at the motor's limit; of a rendering: 2 another model begins to be
-        /// felt, 4 the virtual knob sticks, 8 the passivity guard took energy back; 16 the sensors brought nothing new.
+        /// felt, 4 the virtual knob sticks, 8 the passivity guard dissipated energy; 16 the sensors delivered no new data.
         pub flags: u32,
-        /// The rig's own code for the fault, or for why the sensors brought nothing new, 0 for none: a signed number as its bits.
+        /// The rig's own code for the fault, or the reason for no new data, 0 for none: the bits of a signed number.
         pub device_code: u32,
-        /// Ticks up to this one in which the sensors brought nothing new.
+        /// Ticks up to this one without new data from the sensors.
         pub stale_ticks: u32,
     }
 }
@@ -76,7 +76,7 @@ impl Sample {
     pub const STUCK: u32 = 4;
     /// Bit of [`Sample::flags`]: the passivity guard took energy back.
     pub const GUARDED: u32 = 8;
-    /// Bit of [`Sample::flags`]: the sensors brought nothing new; angle and torque are those of an earlier tick.
+    /// Bit of [`Sample::flags`]: the sensors delivered no new data; angle and torque are those of an earlier tick.
     pub const STALE: u32 = 16;
 
     /// Time since the start of the run at which the sensors were read, s.
@@ -118,7 +118,7 @@ wire_code! {
         Sensor = 5,
         /// The apparatus reported a failure of its own.
         Apparatus = 6,
-        /// The sensors brought nothing new for more ticks than the rig permits.
+        /// The sensors delivered no new data for more ticks than the rig permits.
         Stale = 7,
         /// The knob turned against the motor.
         Runaway = 8,
@@ -132,22 +132,22 @@ wire_code! {
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::Torque => "the measured torque passed the rig's limit",
-            Self::Speed => "the speed passed the rig's limit",
+            Self::Torque => "the measured torque exceeded the rig's limit",
+            Self::Speed => "the speed exceeded the rig's limit",
             Self::Angle => "the angle left the permitted range",
             Self::FollowingError => "the knob fell too far behind the commanded angle",
             Self::Sensor => "a sensor gave a value that is not a number",
             Self::Apparatus => "the apparatus reported a failure",
             Self::Runaway => {
-                "the knob turned against the motor: if no hand did that, motor and encoder count in opposite directions; turn one \
-                 `sign` in the rig file round, and try `haptic-camera rig commission`"
+                "the knob turned against the motor: unless a hand did that, motor and encoder have opposite signs; \
+                 invert one `sign` in the rig file, and run `haptic-camera rig commission`"
             }
             Self::Jump => {
                 "the angle jumped by more than a knob can turn between two readings; check the encoder's cable and supply, and its scale \
                  in the rig file"
             }
             Self::Clock => "its own clock jumped by half a second or more; check what sets that clock",
-            Self::Stale => "the sensors brought nothing new for more ticks than the rig file permits; check cable and bus",
+            Self::Stale => "the sensors delivered no new data for more ticks than the rig file permits; check cable and bus",
         })
     }
 }

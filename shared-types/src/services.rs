@@ -78,7 +78,7 @@ pub enum ServiceError {
     /// The running processes were built from another definition of the payload.
     #[error(
         "the stream '{service}' that is running on this rig was built with another payload layout than this program's \
-         ({layout:016x}): stop the running capture, or use the programs of one build together"
+         ({layout:016x}): stop the running capture, or use programs of the same build"
     )]
     OtherLayout {
         /// Service name.
@@ -87,7 +87,7 @@ pub enum ServiceError {
         layout: u64,
     },
     /// As many processes as the service allows are attached.
-    #[error("'{service}' has no place left for another process; stop one that follows the rig")]
+    #[error("'{service}' has no slot left for another process; stop one that follows the rig")]
     Full {
         /// Service name.
         service: &'static str,
@@ -104,7 +104,7 @@ pub enum ServiceError {
     },
     /// There is not as much shared memory left as a run can come to need.
     #[error(
-        "a run needs {} MB of shared memory and there are {} MB free in /dev/shm; remove what fills it, or make it larger",
+        "a run needs {} MB of shared memory and there are {} MB free in /dev/shm; remove files from it, or enlarge it",
         needed.div_ceil(1_000_000),
         free / 1_000_000
     )]

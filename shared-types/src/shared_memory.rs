@@ -92,9 +92,9 @@ pub(crate) fn remedy() -> &'static str {
         nix::sys::resource::getrlimit(nix::sys::resource::Resource::RLIMIT_NOFILE).map_or(u64::MAX, |(soft, _)| soft);
     let open = std::fs::read_dir("/proc/self/fd").map_or(limit, |entries| entries.count() as u64);
     if open.saturating_add(FEW_DESCRIPTORS) > limit {
-        "this process may open hardly a file more: raise the limit with `ulimit -n 1024`"
+        "this process has too few open files left: raise the limit with `ulimit -n 1024`"
     } else if free_bytes() < FULL_BYTES {
-        "/dev/shm is full: remove what fills it"
+        "/dev/shm is full: remove files from it"
     } else {
         "check the permissions of /dev/shm and of the rig's runtime directory"
     }

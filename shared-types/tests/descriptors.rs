@@ -6,7 +6,7 @@ use shared_types::rig::RUNTIME_DIR_VARIABLE;
 use shared_types::services;
 
 #[test]
-fn want_of_file_descriptors_is_told_as_what_it_is() {
+fn want_of_file_descriptors_is_reported_as_what_it_is() {
     let folder = tempfile::tempdir().unwrap();
     // SAFETY: the only test of this binary, and no other thread reads the environment.
     #[allow(unsafe_code, reason = "the environment names the rig")]

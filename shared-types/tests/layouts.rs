@@ -83,7 +83,7 @@ fn a_process_built_from_another_layout_is_refused_with_what_to_do() {
     assert!(matches!(control, ServiceError::OtherLayout { .. }), "{control}");
     let status = LOOP_STATUS.subscriber(&node).unwrap_err();
     assert!(matches!(status, ServiceError::OtherLayout { .. }), "{status}");
-    assert!(status.to_string().contains("use the programs of one build together"));
+    assert!(status.to_string().contains("use programs of the same build"));
     let samples = services::sample_subscriber(&node).unwrap_err();
     assert!(matches!(samples, ServiceError::OtherLayout { .. }), "{samples}");
     drop((other, stranger, other_commands, node));

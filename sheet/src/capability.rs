@@ -52,10 +52,10 @@ pub struct Index {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CapabilityError {
     /// Too few values.
-    #[error("{0} values do not tell a capability; at least two subgroups, or four single values, do")]
+    #[error("{0} values are too few for a capability; give at least two subgroups, or four single values")]
     TooFew(usize),
     /// The values do not fill subgroups.
-    #[error("{number} values do not make subgroups of {subgroup}")]
+    #[error("{number} values cannot be divided into subgroups of {subgroup}")]
     Uneven {
         /// Number of values.
         number: usize,
@@ -63,10 +63,10 @@ pub enum CapabilityError {
         subgroup: usize,
     },
     /// All values are equal.
-    #[error("the values do not differ: their deviation is zero, and so there is no index")]
+    #[error("all values are equal: their deviation is zero, so there is no index")]
     NoDeviation,
     /// No limits.
-    #[error("there is no limit to be within")]
+    #[error("there are no limits")]
     NoLimit,
 }
 

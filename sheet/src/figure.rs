@@ -40,7 +40,7 @@ pub fn kinds() -> impl Iterator<Item = &'static FigureKind> {
 /// A figure of a part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figure {
-    /// Its value in the kind's unit; `None` where the curve does not tell it.
+    /// Its value in the kind's unit; `None` where the curve does not determine it.
     pub value: Option<f64>,
     /// Its 95 % interval.
     pub ci95: Option<[f64; 2]>,
@@ -81,7 +81,7 @@ pub(crate) struct Estimate {
 
 impl Figure {
     /// A value with its standard error, which is known from so many differences.
-    pub(crate) fn told(kind: &'static FigureKind, estimate: Estimate, degrees_of_freedom: f64) -> Self {
+    pub(crate) fn estimated(kind: &'static FigureKind, estimate: Estimate, degrees_of_freedom: f64) -> Self {
         let Estimate { value, standard_error } = estimate;
         let half = identification::statistics::student_95(degrees_of_freedom) * standard_error;
         Self {
@@ -96,7 +96,7 @@ impl Figure {
     }
 
     /// No value.
-    pub(crate) fn untold(kind: &'static FigureKind, reason: String) -> Self {
+    pub(crate) fn undetermined(kind: &'static FigureKind, reason: String) -> Self {
         Self {
             value: None,
             ci95: None,

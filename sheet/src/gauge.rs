@@ -54,10 +54,10 @@ pub struct Gauge {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GaugeError {
     /// Fewer than two of something.
-    #[error("a gauge study needs two parts, two operators and two trials of each at least; it has {0}, {1} and {2}")]
+    #[error("a gauge study needs at least two parts, two operators and two trials of each; it has {0}, {1} and {2}")]
     TooFew(usize, usize, usize),
     /// Some were measured more often than others.
-    #[error("every operator must measure as many parts, and each as often")]
+    #[error("every operator must measure the same number of parts, each equally often")]
     Uneven,
 }
 
@@ -160,7 +160,7 @@ impl Squares {
         }
     }
 
-    /// The same where parts are their operator's own: there is no interaction to be told.
+    /// The same where each operator measured other parts: the interaction cannot be estimated.
     fn nested(&self) -> [f64; 5] {
         let [o, p, r] = self.counts;
         let operators = self.operator / (o - 1.0);

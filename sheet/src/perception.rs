@@ -76,7 +76,7 @@ pub fn felt_differences(reference: &Model, other: &Model) -> Vec<(&'static str, 
                 continue;
             };
             let threshold = threshold_of(effect, reference.axis);
-            let told = if matches!(effect.kind().part, Part::Stick(_)) {
+            let value = if matches!(effect.kind().part, Part::Stick(_)) {
                 // What holds a control shows in no torque while it moves.
                 Felt::of(theirs - value, whole.max(value), threshold)
             } else {
@@ -86,7 +86,7 @@ pub fn felt_differences(reference: &Model, other: &Model) -> Vec<(&'static str, 
                     torque(&changed).iter().zip(&before).map(|(after, before)| after - before).collect();
                 Felt::of(rms(&difference), whole, threshold)
             };
-            felt.push((parameter.name, told));
+            felt.push((parameter.name, value));
         }
     }
     felt

@@ -58,10 +58,10 @@ pub struct DetentFigure {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SheetError {
     /// No curves.
-    #[error("there is no curve to make a sheet of")]
+    #[error("there is no curve")]
     NoCurve,
     /// Turned and pressed controls together.
-    #[error("some of the captures are of a turned control and some of a pressed one; give those of one part")]
+    #[error("some captures are of a rotary control and some of a linear one; give captures of one part")]
     TwoAxes,
     /// A curve that no figure can be read off.
     #[error("{}: {error}", path.display())]
@@ -77,7 +77,7 @@ pub enum SheetError {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CurveError {
     /// A curve has next to no press.
-    #[error("there is hardly any press in it: the travel is largest within 0.2 mm of its first row")]
+    #[error("it has almost no press: the travel never exceeds that of its first row by 0.2 mm")]
     NoPress,
     /// A control was turned too fast for static figures.
     #[error(
@@ -113,13 +113,13 @@ impl Sheet {
         let detents = common_detents(&runs);
         let mut figures = BTreeMap::new();
         for kind in kinds_of(axis) {
-            let told = runs.iter().filter_map(|run| run.figures.get(kind.name)).cloned();
-            let figure = match told.collect::<Result<Vec<Estimate>, String>>() {
+            let estimates = runs.iter().filter_map(|run| run.figures.get(kind.name)).cloned();
+            let figure = match estimates.collect::<Result<Vec<Estimate>, String>>() {
                 Ok(estimates) => {
                     let (estimate, freedom) = combined(&estimates);
-                    Figure { over: spread(&detents, kind.name), ..Figure::told(kind, estimate, freedom) }
+                    Figure { over: spread(&detents, kind.name), ..Figure::estimated(kind, estimate, freedom) }
                 }
-                Err(reason) => Figure::untold(kind, reason),
+                Err(reason) => Figure::undetermined(kind, reason),
             };
             figures.insert(kind.name, figure);
         }
@@ -150,7 +150,11 @@ fn read(curve: &Curve) -> Result<Run, SheetError> {
             branches: turned.branches,
         }),
         Axis::Linear => pressed::read(curve).map(|pressed| Run {
-            figures: pressed.figures.into_iter().map(|(name, told)| (name, told.map_err(str::to_owned))).collect(),
+            figures: pressed
+                .figures
+                .into_iter()
+                .map(|(name, estimate)| (name, estimate.map_err(str::to_owned)))
+                .collect(),
             detents: Vec::new(),
             branches: pressed.branches,
         }),
@@ -186,14 +190,14 @@ fn common_detents(runs: &[Run]) -> Vec<Detent> {
 }
 
 fn mean_detent(runs: &[TurnedDetent]) -> Detent {
-    let told = |estimates: Vec<Estimate>| {
+    let interval = |estimates: Vec<Estimate>| {
         let (Estimate { value, standard_error }, freedom) = combined(&estimates);
         let half = student_95(freedom) * standard_error;
         (value, [value - half, value + half])
     };
-    let (angle_rad, angle_rad_ci95) = told(runs.iter().map(|run| run.angle).collect());
+    let (angle_rad, angle_rad_ci95) = interval(runs.iter().map(|run| run.angle).collect());
     let figures = runs[0].figures.iter().enumerate().map(|(index, (kind, _))| {
-        let (value, ci95) = told(runs.iter().map(|run| run.figures[index].1).collect());
+        let (value, ci95) = interval(runs.iter().map(|run| run.figures[index].1).collect());
         (kind.name, DetentFigure { value, unit: kind.unit, ci95 })
     });
     Detent { angle_rad, angle_rad_ci95, direction: runs[0].direction, figures: figures.collect() }
@@ -239,12 +243,12 @@ fn mean_branch(first: &Branch, branches: &[&Branch]) -> Branch {
     let common: Vec<(f64, Vec<f64>)> =
         first.positions().filter_map(|position| Some((position, at(position)?))).collect();
     let half = student_95(count - 1.0) * (1.0 + 1.0 / count).sqrt();
-    let told: Vec<(f64, f64)> =
+    let means: Vec<(f64, f64)> =
         common.iter().filter_map(|(_, loads)| mean_and_deviation(loads)).map(|(mean, sd)| (mean, half * sd)).collect();
     Branch {
         first: common.first().map_or(first.first, |(position, _)| *position),
-        load: told.iter().map(|(mean, _)| *mean).collect(),
-        load_ci95_half_width: told.iter().map(|(_, half)| *half).collect(),
+        load: means.iter().map(|(mean, _)| *mean).collect(),
+        load_ci95_half_width: means.iter().map(|(_, half)| *half).collect(),
         ..first.clone()
     }
 }

@@ -66,19 +66,19 @@ pub enum SpecificationError {
     #[error("{0}")]
     Form(String),
     /// No limits at all.
-    #[error("it has neither [figures.NAME] with min or max nor an [[envelope]]: nothing could fail")]
+    #[error("it has neither [figures.NAME] with min or max nor an [[envelope]], so nothing could fail")]
     Empty,
     /// A risk that is none.
     #[error("risk = {0}, but it must lie between 0 and 0.5")]
     Risk(f64),
     /// There is no such figure.
-    #[error("`{0}` is no figure; there are {1}")]
+    #[error("`{0}` is not a figure; known are {1}")]
     Figure(String, String),
     /// A figure without limits, or with limits that nothing lies between.
     #[error("{0}: it needs min, max or both, and min below max")]
     Limits(String),
     /// A unit that is none of the figure.
-    #[error("{figure}: `{unit}` is no unit of it; its unit is `{own}`")]
+    #[error("{figure}: `{unit}` is not a unit of it; its unit is `{own}`")]
     Unit {
         /// The figure.
         figure: String,
@@ -169,12 +169,12 @@ impl FileLimits {
             let known: Vec<&str> = kinds().map(|kind| kind.name).collect();
             return Err(SpecificationError::Figure(name.to_owned(), known.join(", ")));
         };
-        let told = match &self.unit {
+        let found = match &self.unit {
             None => Some((first, 1.0)),
             // Turned and pressed controls have figures of one name.
             Some(unit) => named().find_map(|kind| Some((kind, factor(kind.unit, unit)?))),
         };
-        let (kind, factor) = told.ok_or_else(|| SpecificationError::Unit {
+        let (kind, factor) = found.ok_or_else(|| SpecificationError::Unit {
             figure: name.to_owned(),
             unit: self.unit.clone().unwrap_or_default(),
             own: first.unit,
@@ -219,8 +219,7 @@ impl FileEnvelope {
             return Err(wrong("position, low and high need two numbers or more, each as many as the others"));
         }
         let size = |quantity: Quantity, unit: Option<String>| {
-            unit.map_or(Some(1.0), |unit| quantity.factor(&unit))
-                .ok_or_else(|| wrong("it has a unit that is not known"))
+            unit.map_or(Some(1.0), |unit| quantity.factor(&unit)).ok_or_else(|| wrong("it has an unknown unit"))
         };
         let (position_size, load_size) = (size(axis.position(), position_unit)?, size(axis.load(), load_unit)?);
         let points: Vec<[f64; 3]> = position
@@ -229,7 +228,7 @@ impl FileEnvelope {
             .map(|(at, (low, high))| [at * position_size, low * load_size, high * load_size])
             .collect();
         if !points.windows(2).all(|pair| pair[0][0] < pair[1][0]) || !points.iter().all(|[_, low, high]| low < high) {
-            return Err(wrong("positions must rise, and low must lie below high"));
+            return Err(wrong("positions must increase, and low must be below high"));
         }
         Ok(Envelope { branch, points })
     }

@@ -168,14 +168,14 @@ fn beyond(sheet: &Sheet, figure: Option<&Figure>, limits: Limits) -> Option<Felt
 }
 
 fn in_words(felt: &Felt) -> String {
-    let sense = if felt.thresholds < 1.0 { "a hand would hardly feel that" } else { "a hand would feel that" };
-    format!("{:.1} thresholds of perception beyond it: {sense}", felt.thresholds)
+    let sense = if felt.thresholds < 1.0 { "which is imperceptible" } else { "a hand would feel that" };
+    format!("{:.1} perception thresholds beyond it: {sense}", felt.thresholds)
 }
 
 fn of_figure(guard: Guard, kind: &FigureKind, figure: Option<&Figure>, limits: Limits) -> (Verdict, Option<String>) {
     let name = kind.name;
     let Some(figure) = figure else {
-        return (Verdict::Undecided, Some(format!("{name}: controls that move otherwise have no such figure")));
+        return (Verdict::Undecided, Some(format!("{name}: controls of this axis have no such figure")));
     };
     let (Some(value), Some([low, high])) = (figure.value, figure.ci95) else {
         let reason = figure.reason.clone().unwrap_or_default();
@@ -194,7 +194,7 @@ fn of_figure(guard: Guard, kind: &FigureKind, figure: Option<&Figure>, limits: L
     let reason = match verdict {
         Verdict::Pass => None,
         Verdict::Fail => Some(format!("{seen} is outside {bounds}")),
-        Verdict::Undecided => Some(format!("{seen} cannot be told from a limit of {bounds}")),
+        Verdict::Undecided => Some(format!("{seen} is too uncertain to compare with {bounds}")),
     };
     (verdict, reason)
 }
@@ -238,7 +238,7 @@ fn of_branch(guard: Guard, envelope: &Envelope, sheet: &Sheet) -> (EnvelopeVerdi
     let reason = match verdict {
         Verdict::Pass => None,
         Verdict::Fail => Some(format!("{seen}, is outside its envelope")),
-        Verdict::Undecided => Some(format!("{seen}, cannot be told from the edge of its envelope")),
+        Verdict::Undecided => Some(format!("{seen}, is too uncertain to compare with its envelope")),
     };
     (EnvelopeVerdict { branch, verdict, worst_position: Some(position) }, reason)
 }

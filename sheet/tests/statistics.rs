@@ -54,9 +54,9 @@ fn capability_is_that_of_capstat() {
         let program = "import sys, json\nfrom capstat_core.capability import capability\n\
             values, size, low, high = json.loads(sys.argv[1])\n\
             data = values if size == 1 else [values[at:at + size] for at in range(0, len(values), size)]\n\
-            told = capability(data, lsl=low, usl=high)\n\
+            result = capability(data, lsl=low, usl=high)\n\
             names = ['mean', 'sigma_within', 'sigma_overall', 'cp', 'cpk', 'pp', 'ppk']\n\
-            print(json.dumps({name: getattr(told, name) for name in names}))";
+            print(json.dumps({name: getattr(result, name) for name in names}))";
         let argument = serde_json::to_string(&(&values, subgroup, min, max)).unwrap();
         let Some(expected) = python(program, &[&argument]) else { return };
         let found = Capability::of(&values, subgroup, Limits { min: Some(min), max: Some(max) }).unwrap();
@@ -84,9 +84,9 @@ fn intervals_of_capability_hold_it_in_95_percent_of_processes() {
     let (mut held, runs) = ([0_u32; 4], 1000);
     for _ in 0..runs {
         let values: Vec<f64> = (0..50).map(|_| normal()).collect();
-        let told = Capability::of(&values, 5, limits).unwrap();
+        let result = Capability::of(&values, 5, limits).unwrap();
         let single = Capability::of(&values, 1, limits).unwrap();
-        let indices = [told.cp.unwrap(), told.cpk, told.ppk, single.cpk];
+        let indices = [result.cp.unwrap(), result.cpk, result.ppk, single.cpk];
         for ((held, index), truth) in held.iter_mut().zip(indices).zip([7.0 / 6.0, 1.0, 1.0, 1.0]) {
             *held += u32::from((index.ci95[0]..=index.ci95[1]).contains(&truth));
         }
@@ -98,10 +98,10 @@ fn intervals_of_capability_hold_it_in_95_percent_of_processes() {
 fn a_crossed_gauge_study_is_that_of_capstat() {
     let program = "import sys, json, numpy\nfrom capstat_core.gage_rr import gage_rr\n\
         values, tolerance = json.loads(sys.argv[1])\n\
-        told = gage_rr(numpy.transpose(values, (1, 0, 2)), tolerance=tolerance)\n\
+        result = gage_rr(numpy.transpose(values, (1, 0, 2)), tolerance=tolerance)\n\
         names = ['var_repeatability', 'var_operator', 'var_interaction', 'var_part', 'pct_study_var_gage_rr',\n\
                  'pct_tolerance_gage_rr', 'interaction_pvalue', 'ndc']\n\
-        print(json.dumps({name: getattr(told, name) for name in names}))";
+        print(json.dumps({name: getattr(result, name) for name in names}))";
     // The study of AIAG's manual: three operators, ten parts, three trials; and one with an interaction.
     for interaction in [0.0, 0.6] {
         let noise = values(90, 0.0);
@@ -163,10 +163,10 @@ fn a_qdas_file_opens_in_aqdefreader() {
     std::fs::write(&path, qdas("Dome", &characteristics, &rows)).unwrap();
     let program = "import sys, json\nfrom aqdefreader import read_dfq_file\n\
         part = read_dfq_file(sys.argv[1]).get_part(0)\n\
-        told = [{'name': of.get_data('K2002'), 'unit': of.get_data('K2142'), 'max': of.get_data('K2111'),\n\
+        result = [{'name': of.get_data('K2002'), 'unit': of.get_data('K2142'), 'max': of.get_data('K2111'),\n\
                  'values': [m.value for m in of.get_measurements()],\n\
                  'times': [m.datetime.isoformat() for m in of.get_measurements()]} for of in part.get_characteristics()]\n\
-        print(json.dumps({'part': part.get_data('K1002'), 'characteristics': told}))";
+        print(json.dumps({'part': part.get_data('K1002'), 'characteristics': result}))";
     let Some(read) = python(program, &[path.to_str().unwrap()]) else { return };
     assert_eq!(read["part"], "Dome");
     let [force, travel] = [0, 1].map(|index| &read["characteristics"][index]);

@@ -63,8 +63,8 @@ fn turn(detents: &[[f64; 2]], seconds: f64, random: &mut Random) -> Curve {
     curve
 }
 
-/// Pitch and peak of every detent turning positively, as told and in truth.
-fn told_and_true(random: &mut Random, bends: bool) -> Vec<[(DetentFigure, f64); 2]> {
+/// Pitch and peak of every detent turning positively, as read and true.
+fn read_and_true(random: &mut Random, bends: bool) -> Vec<[(DetentFigure, f64); 2]> {
     let truth = detents(random, bends);
     let sheet = Sheet::of(&[turn(&truth, 15.0, random)]).unwrap();
     assert!(sheet.detents.len() >= 24, "{} detents", sheet.detents.len());
@@ -84,7 +84,7 @@ fn told_and_true(random: &mut Random, bends: bool) -> Vec<[(DetentFigure, f64); 
 fn unequal_detents_come_back_one_by_one() {
     let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(5));
     for _ in 0..4 {
-        for [(pitch, true_pitch), (peak, true_peak)] in told_and_true(&mut random, true) {
+        for [(pitch, true_pitch), (peak, true_peak)] in read_and_true(&mut random, true) {
             assert!((pitch.value - true_pitch).abs() < 0.1_f64.to_radians(), "{pitch:?} instead of {true_pitch}");
             assert!((peak.value - true_peak).abs() < 0.01 * true_peak, "{peak:?} instead of {true_peak}");
         }
@@ -94,9 +94,9 @@ fn unequal_detents_come_back_one_by_one() {
 #[test]
 fn the_intervals_of_detents_hold_them_in_95_percent() {
     let mut random = Random(Xoshiro256PlusPlus::seed_from_u64(8));
-    let all: Vec<[(DetentFigure, f64); 2]> = (0..12).flat_map(|_| told_and_true(&mut random, false)).collect();
+    let all: Vec<[(DetentFigure, f64); 2]> = (0..12).flat_map(|_| read_and_true(&mut random, false)).collect();
     for figure in [0, 1] {
-        let holds = |(told, truth): (DetentFigure, f64)| (told.ci95[0]..=told.ci95[1]).contains(&truth);
+        let holds = |(read, truth): (DetentFigure, f64)| (read.ci95[0]..=read.ci95[1]).contains(&truth);
         let held = all.iter().filter(|pair| holds(pair[figure])).count() as f64 / all.len() as f64;
         assert!((0.9..=0.99).contains(&held), "figure {figure}: {held} of {}", all.len());
     }

@@ -13,13 +13,13 @@ use crate::xml::{attribute, si};
 #[derive(Debug, thiserror::Error)]
 pub enum IntoMjcfError {
     /// The text is no XML.
-    #[error("it is no XML ({0}); give an MJCF file")]
+    #[error("it is not XML ({0}); give an MJCF file")]
     NotXml(#[from] roxmltree::Error),
     /// The document is something else.
     #[error("its root is <{0}>; give an MJCF file, whose root is <mujoco>")]
     NotMjcf(String),
     /// There are several joints, and none was named, or none has the name.
-    #[error("{problem}; name one of its joints by --joint: {known}")]
+    #[error("{problem}; name one of its joints with --joint: {known}")]
     Joint {
         /// What is wrong.
         problem: String,

@@ -35,7 +35,7 @@ pub fn mjcf(model: &Model) -> Export {
     let said = said(model, &of_mjcf(), coulomb_mnm, viscous);
     let mut left_out = left_out(model, &said, &joint);
     if joint.coupling.is_some_and(|coupling| coupling.half_gap_rad > 0.0) {
-        left_out.push("how stiff the ends of the backlash are".to_owned());
+        left_out.push("the stiffness of the backlash's contacts".to_owned());
     }
     let mut text = String::new();
     let _ = writeln!(

@@ -77,9 +77,9 @@ pub(crate) fn left_out(model: &Model, said: &Model, joint: &Joint) -> Vec<String
         let name = effect.kind().name;
         words.push(match name {
             name if name == karnopp_stick::KIND.name => {
-                "the torque beyond sliding friction up to which a resting knob holds".to_owned()
+                "the static friction in excess of the sliding friction".to_owned()
             }
-            name if name == end_stop::KIND.name => "how stiff the end stops are".to_owned(),
+            name if name == end_stop::KIND.name => "the stiffness of the end stops".to_owned(),
             name if is_misreading(effect.kind().part) => format!("{name}, which is the sensor's"),
             name => name.to_owned(),
         });

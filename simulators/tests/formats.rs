@@ -29,7 +29,7 @@ fn turning_at(velocity_rad_s: f64) -> Vec<Motion> {
 }
 
 #[test]
-fn what_is_left_out_is_told_as_torque() {
+fn what_is_left_out_is_reported_as_torque() {
     let differs = knob([0.1, 0.3]);
     let export = mjcf(&differs);
     // Half of the difference, times the speed; what the sensor misreads is no part of the knob.
@@ -66,7 +66,7 @@ fn a_file_without_the_joint_is_refused_in_one_sentence() {
     let model = knob([0.1, 0.3]);
     let two = ROBOT.replace("<!-- kept -->", "<joint name='tilt'/>");
     let refused = [
-        ("no xml", None, "it is no XML"),
+        ("no xml", None, "it is not XML"),
         ("<robot/>", None, "its root is <robot>"),
         ("<mujoco/>", None, "it has 0 joints"),
         (two.as_str(), None, "it has 2 joints; name one of its joints by --joint: volume, tilt"),

@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn commands_are_told_from_answers() -> anyhow::Result<()> {
+    fn commands_are_distinguished_from_answers() -> anyhow::Result<()> {
         let page =
             "# A\n```console\n$ haptic-camera a \\\n    --b\nanswer\n$ c\n```\nx\n```console interrupted\n$ d\n```\n";
         let found = blocks("a.md", page)?;

@@ -41,7 +41,7 @@ impl LiveView {
         format!("http://127.0.0.1:{}/", self.port)
     }
 
-    /// What the page is told twice a second.
+    /// The state that the page fetches twice a second.
     ///
     /// # Errors
     /// When nothing answers.
@@ -49,7 +49,7 @@ impl LiveView {
         Ok(serde_json::from_slice(&self.answer("status")?)?)
     }
 
-    /// What is told of what was drawn when a page asks with this query, and how many bytes of it there are.
+    /// The metadata of the answer to this query for drawn frames, and its size in bytes.
     ///
     /// # Errors
     /// When nothing answers.

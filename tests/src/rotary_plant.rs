@@ -25,7 +25,7 @@ const TRUTH: [(&str, f64); 7] = [
     ("detent_amplitude", DETENT_MNM),
     ("detent_period", 1.0 / DETENTS_PER_TURN),
 ];
-/// What the motor drives, all told: a share of it is what the motor's torque is not known by in inertia.
+/// All inertia that the motor drives: a share of it is what the motor's torque is not known by in inertia.
 const DRIVEN_INERTIA: f64 = ROTOR_INERTIA + KNOB_INERTIA;
 /// Most that half an interval may be of its value: a wide one would hold anything.
 const WIDEST_SHARE: f64 = 0.1;
@@ -40,9 +40,9 @@ const HALF_WIDTHS: f64 = 2.0;
 #[allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 pub fn is_the_plants(parameters: &Value, of_scale: f64, what: &str) {
     for (name, truth) in TRUTH {
-        let told = &parameters[name];
+        let parameter = &parameters[name];
         let [value, low, high] =
-            [&told["value"], &told["ci95"][0], &told["ci95"][1]].map(|number| number.as_f64().unwrap());
+            [&parameter["value"], &parameter["ci95"][0], &parameter["ci95"][1]].map(|number| number.as_f64().unwrap());
         let half_width = (high - low) / 2.0;
         assert!(half_width < WIDEST_SHARE * truth, "{what}: {name} {value} ± {half_width}");
         let permitted = HALF_WIDTHS * half_width + of_scale * if name == "inertia" { DRIVEN_INERTIA } else { truth };

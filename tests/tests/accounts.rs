@@ -1,4 +1,4 @@
-//! Whatever becomes of the processes of a run: what was planned, taken and archived adds up, or the difference is told.
+//! Whatever becomes of the processes of a run: what was planned, taken and archived adds up, or the difference is reported.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop at a failure; a skipped one says so")]
 
 use std::os::unix::fs::PermissionsExt as _;
@@ -38,20 +38,20 @@ fn assert_whole(capture: &Capture, planned: u64) {
     assert_eq!(ticks(capture), planned);
 }
 
-/// Samples that the run took, as the operator is told.
-fn told_taken(output: &Output) -> u64 {
+/// Samples that the run took, as printed for the operator.
+fn reported_samples(output: &Output) -> u64 {
     let said = printed(output);
     let line = said.lines().find(|line| line.starts_with("samples  ")).unwrap().to_owned();
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }
 
-/// Asserts that an archive has gaps, and that all of them are told and are all that is missing.
-fn assert_gaps_are_told(capture: &Capture, output: &Output) {
+/// Asserts that an archive has gaps, and that all of them are reported and are all that is missing.
+fn assert_gaps_are_reported(capture: &Capture, output: &Output) {
     assert!(!capture.gaps.is_empty());
     let missing: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
-    assert_eq!(capture.len() as u64 + missing, told_taken(output), "kept and missing are all there were");
+    assert_eq!(capture.len() as u64 + missing, reported_samples(output), "kept and missing are all there were");
     for gap in &capture.gaps {
-        assert!(printed(output).contains(&gap.to_string()), "{gap} is not told in {}", printed(output));
+        assert!(printed(output).contains(&gap.to_string()), "{gap} is not in {}", printed(output));
     }
 }
 
@@ -66,7 +66,7 @@ fn a_recorder_that_somebody_asks_to_end_loses_nothing() {
 }
 
 #[test]
-fn a_control_loop_that_somebody_asks_to_end_leaves_a_whole_archive_and_what_is_short_of_the_plan_is_told() {
+fn a_control_loop_that_somebody_asks_to_end_leaves_a_whole_archive_and_what_is_short_of_the_plan_is_reported() {
     for signal in [Signal::SIGTERM, Signal::SIGHUP] {
         let bench = Bench::new().unwrap();
         let child = start(&bench, "6");
@@ -75,8 +75,8 @@ fn a_control_loop_that_somebody_asks_to_end_leaves_a_whole_archive_and_what_is_s
         let come_to = ticks(&capture);
         assert_whole(&capture, come_to);
         assert!(come_to < 60_000);
-        let told = format!("after {come_to} of 60000 ticks: ticks {come_to} to 59999 ({})", 60_000 - come_to);
-        assert!(printed(&output).contains(&told), "{told} is missing in {}", printed(&output));
+        let expected = format!("after {come_to} of 60000 ticks: ticks {come_to} to 59999 ({})", 60_000 - come_to);
+        assert!(printed(&output).contains(&expected), "{expected} is missing in {}", printed(&output));
     }
 }
 
@@ -93,7 +93,7 @@ fn a_publisher_without_a_processor_over_the_end_of_the_run_loses_nothing_that_th
 }
 
 #[test]
-fn what_the_ring_cannot_hold_at_the_end_of_the_run_is_a_gap_that_is_told() {
+fn what_the_ring_cannot_hold_at_the_end_of_the_run_is_a_gap_that_is_reported() {
     let bench = Bench::new().unwrap();
     let child = start(&bench, "20");
     let Some(publisher) = StoppedThread::stop(bench.wait_for_process("rt-loop").unwrap()) else {
@@ -107,10 +107,14 @@ fn what_the_ring_cannot_hold_at_the_end_of_the_run_is_a_gap_that_is_told() {
     std::thread::sleep(Duration::from_millis(700));
     kill(supervisor, Signal::SIGCONT).unwrap();
     let (capture, output) = ended(&bench, child, 3);
-    assert_gaps_are_told(&capture, &output);
+    assert_gaps_are_reported(&capture, &output);
     assert!(printed(&output).contains("were taken but not published"), "{}", printed(&output));
     let missing: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
-    assert_eq!(capture.gaps.last().unwrap().last_missing_seq, told_taken(&output) - 1, "the end is what is missing");
+    assert_eq!(
+        capture.gaps.last().unwrap().last_missing_seq,
+        reported_samples(&output) - 1,
+        "the end is what is missing"
+    );
     assert!(ticks(&capture) + missing <= 200_000);
 }
 
@@ -186,7 +190,7 @@ fn a_recorder_whose_program_is_missing_and_then_dies_at_once_is_back_without_a_g
 }
 
 #[test]
-fn a_recorder_that_was_away_for_longer_than_the_stream_remembers_costs_what_is_told_and_no_more() {
+fn a_recorder_that_was_away_for_longer_than_the_stream_remembers_costs_what_is_reported_and_no_more() {
     let bench = Bench::new().unwrap();
     let programs = Programs::copied(&bench);
     let child = programs.start_and_wait(&bench, "17");
@@ -195,13 +199,13 @@ fn a_recorder_that_was_away_for_longer_than_the_stream_remembers_costs_what_is_t
     std::thread::sleep(Duration::from_secs(12));
     programs.put_back("recorder");
     let (capture, output) = ended(&bench, child, 3);
-    assert_gaps_are_told(&capture, &output);
+    assert_gaps_are_reported(&capture, &output);
     assert_eq!(capture.tick.last(), Some(&169_999), "it is back before the end");
     assert!(printed(&output).contains("samples lost while there was no recorder"), "{}", printed(&output));
 }
 
 #[test]
-fn a_control_loop_that_dies_before_it_is_ready_is_told() {
+fn a_control_loop_that_dies_before_it_is_ready_is_reported() {
     let bench = Bench::new().unwrap();
     let programs = Programs::copied(&bench);
     programs.replace("rt-loop", "kill -BUS $$");

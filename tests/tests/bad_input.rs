@@ -11,7 +11,7 @@ fn refused(bench: &Bench, arguments: &[&str], status: i32, expected: &[&str]) {
     for words in expected {
         assert!(text.contains(words), "{arguments:?}: '{words}' is missing in\n{text}");
     }
-    assert_eq!(text.lines().filter(|line| line.starts_with("error:")).count(), 1, "told once: {text}");
+    assert_eq!(text.lines().filter(|line| line.starts_with("error:")).count(), 1, "reported once: {text}");
     if status == 1 {
         assert_eq!(text.lines().count(), 1, "one line: {text}");
     }

@@ -41,7 +41,7 @@ fn start(bench: &Bench) -> Child {
     command.env("TMPDIR", bench.path("other")).spawn().unwrap()
 }
 
-/// The status, and that the failure was told; what the capture said.
+/// Asserts the status and that the failure was reported; returns what the capture printed.
 fn ended(child: Child, status: i32, said: &[&str]) -> Output {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(status), "{}", printed(&output));
@@ -79,7 +79,7 @@ fn a_capture_on_a_disk_that_fills_up_is_whole_in_the_temporary_directory() {
     let bench = Bench::new().unwrap();
     let Some(_disk) = SmallDisk::mount(&bench.path("out"), 2048) else { return };
     std::fs::create_dir(bench.path("other")).unwrap();
-    ended(start(&bench), 0, &["No space left", "recording goes on in"]);
+    ended(start(&bench), 0, &["No space left", "recording continues in"]);
     assert_whole_in_other(&bench);
 }
 
@@ -91,7 +91,7 @@ fn a_capture_whose_folder_is_removed_is_whole_in_the_temporary_directory() {
     bench.wait_for_process("recorder").unwrap();
     std::thread::sleep(Duration::from_secs(2));
     std::fs::remove_dir_all(bench.path("out")).unwrap();
-    ended(child, 0, &["was removed or moved while it was written", "recording goes on in"]);
+    ended(child, 0, &["was removed or moved while it was written", "recording continues in"]);
     assert_whole_in_other(&bench);
 }
 
@@ -100,7 +100,7 @@ fn a_capture_with_no_room_anywhere_keeps_what_fitted_and_ends_with_status_3() {
     let bench = Bench::new().unwrap();
     let Some(_out) = SmallDisk::mount(&bench.path("out"), 1536) else { return };
     let Some(_other) = SmallDisk::mount(&bench.path("other"), 1536) else { return };
-    let output = ended(start(&bench), 3, &["no other place is left", "haptic-camera recover"]);
+    let output = ended(start(&bench), 3, &["no other folder is left", "haptic-camera recover"]);
     assert!(printed(&output).contains("samples  "), "the run itself went to its end: {}", printed(&output));
     // As the message says, once there is room: parts in both places are one archive's.
     let parts: Vec<PathBuf> = [bench.path("out"), fallback(&bench)]
@@ -199,12 +199,12 @@ fn capture_with_failing_calls(bench: &Bench, calls: &[&str], error: nix::errno::
     let recorder = bench.wait_for_process("recorder").unwrap();
     std::thread::sleep(Duration::from_secs(2));
     for call in calls {
-        let told = Command::new("fiu-ctrl")
+        let status = Command::new("fiu-ctrl")
             .arg("-f")
             .arg(bench.path("control"))
             .args(["-c", &format!("enable name={call},failinfo={}{how}", error as i32), &recorder.to_string()])
             .status();
-        assert!(told.is_ok_and(|status| status.success()), "fiu-ctrl is missing: scripts/set-up tests installs it");
+        assert!(status.is_ok_and(|status| status.success()), "fiu-ctrl is missing: scripts/set-up tests installs it");
     }
     child
 }
@@ -214,7 +214,7 @@ fn what_a_disk_took_and_lost_is_written_again() {
     let bench = Bench::new().unwrap();
     let calls = ["posix/io/sync/fdatasync"];
     let child = capture_with_failing_calls(&bench, &calls, nix::errno::Errno::EIO, ",onetime");
-    ended(child, 0, &["Input/output error", "recording goes on in"]);
+    ended(child, 0, &["Input/output error", "recording continues in"]);
     // Whole in whatever parts: merged into the folder that was asked for.
     assert_whole(&bench, &Capture::load(&bench.only_archive("out").unwrap()).unwrap());
 }
@@ -224,7 +224,7 @@ fn a_disk_that_fails_at_the_very_end_costs_nothing() {
     let bench = Bench::new().unwrap();
     let calls = ["posix/io/sync/fsync"];
     let child = capture_with_failing_calls(&bench, &calls, nix::errno::Errno::EIO, ",onetime");
-    ended(child, 0, &["Input/output error", "written once more"]);
+    ended(child, 0, &["Input/output error", "written again"]);
     assert_whole(&bench, &Capture::load(&bench.only_archive("out").unwrap()).unwrap());
 }
 
@@ -233,6 +233,6 @@ fn a_used_up_quota_is_a_full_disk() {
     let bench = Bench::new().unwrap();
     let calls = ["posix/io/rw/write"];
     let child = capture_with_failing_calls(&bench, &calls, nix::errno::Errno::EDQUOT, ",onetime");
-    ended(child, 0, &["Disk quota exceeded", "recording goes on in"]);
+    ended(child, 0, &["Disk quota exceeded", "recording continues in"]);
     assert_whole(&bench, &Capture::load(&bench.only_archive("out").unwrap()).unwrap());
 }

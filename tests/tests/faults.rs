@@ -81,7 +81,7 @@ fn a_panic_of_the_publisher_ends_the_run_and_nothing_else() {
 }
 
 #[test]
-fn a_killed_control_loop_is_told_and_a_new_capture_starts_at_once() {
+fn a_killed_control_loop_is_reported_and_a_new_capture_starts_at_once() {
     keeps_its_promises(Victim::ControlLoop, Fault::Killed);
 }
 

@@ -44,7 +44,7 @@ fn the_cogging_map_is_fitted_without_any_option() {
 }
 
 #[test]
-fn a_captured_knob_is_fitted_close_to_the_truth_and_every_untold_parameter_has_its_reason() {
+fn a_captured_knob_is_fitted_close_to_the_truth_and_every_parameter_without_a_value_has_its_reason() {
     let bench = Bench::new().unwrap();
     for (knob, inertia) in [("1", 0.091), ("2", 0.28), ("3", 0.035), ("4", 0.049)] {
         let folder = format!("knob-{knob}");

@@ -80,8 +80,11 @@ fn reruns_own_reader_finds_in_a_diagnosis_recording_what_its_json_tells() {
         let files = ["diagnosis.json", "diagnosis.rrd"].map(|name| bench.path(name));
         let output = Command::new(&python).arg(script).args(files).output().unwrap();
         assert!(output.status.success(), "{}", printed(&output));
-        let told = String::from_utf8_lossy(&output.stdout).into_owned();
-        let words: Vec<&str> = told.split_whitespace().collect();
-        assert!(words[1].parse::<usize>().unwrap() >= charts && words[3].parse::<usize>().unwrap() > 1000, "{told}");
+        let output_text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let words: Vec<&str> = output_text.split_whitespace().collect();
+        assert!(
+            words[1].parse::<usize>().unwrap() >= charts && words[3].parse::<usize>().unwrap() > 1000,
+            "{output_text}"
+        );
     }
 }

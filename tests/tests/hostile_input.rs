@@ -8,7 +8,7 @@ use tests::{Bench, printed, program};
 
 #[test]
 #[allow(clippy::print_stderr, reason = "a test that skips says so")]
-fn hostile_files_and_calls_cost_little_destroy_nothing_and_are_told_in_a_line() {
+fn hostile_files_and_calls_cost_little_destroy_nothing_and_are_reported_in_a_line() {
     let _turn = Bench::new().unwrap();
     if !Command::new("python3").args(["-c", "import tomllib"]).output().is_ok_and(|output| output.status.success()) {
         eprintln!("skipped: scripts/break needs Python 3.11 or newer");

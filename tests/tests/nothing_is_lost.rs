@@ -132,7 +132,7 @@ fn a_recorder_stopped_for_longer_than_its_queue_loses_what_it_says_and_no_more()
     assert!(missing > 0);
     assert_eq!(capture.len() as u64 + missing, witness.samples.len() as u64, "kept and lost are all there were");
     for gap in &capture.gaps {
-        assert!(printed(&output).contains(&gap.to_string()), "{gap} is not told in {}", printed(&output));
+        assert!(printed(&output).contains(&gap.to_string()), "{gap} is not in {}", printed(&output));
     }
     assert_eq!(witness.samples.last().unwrap().tick, 229_999, "the loop had every tick of the run");
     drop(witness);

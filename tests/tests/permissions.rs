@@ -351,7 +351,7 @@ fn wait_for_part(out: &Path) -> PathBuf {
     panic!("no recorder begins");
 }
 
-/// Whether the capture is there as it was told, whole, and of the knob that was turned.
+/// Whether the capture was written where reported, is whole, and is of the knob that was turned.
 fn effect_on_archive(bench: &Bench, output: &std::process::Output) -> Option<String> {
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     let line = said.lines().find_map(|line| line.strip_prefix("archive  "));
@@ -397,8 +397,8 @@ fn nothing_that_another_user_tries_has_an_effect() {
             continue;
         }
         let effects = effects_of(*when, script, &stranger);
-        let told = if effects.is_empty() { "none".to_owned() } else { effects.join("; ") };
-        eprintln!("| {} | {verb} | {what} | {told} |", number + 1);
+        let listed = if effects.is_empty() { "none".to_owned() } else { effects.join("; ") };
+        eprintln!("| {} | {verb} | {what} | {listed} |", number + 1);
         with_effect.extend(effects);
     }
     assert!(with_effect.is_empty(), "{} effects: {with_effect:#?}", with_effect.len());

@@ -17,10 +17,10 @@ fn it_makes_no_system_call_but_its_sleep_whatever_becomes_of_the_consumers() {
     }
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
-    let told = String::from_utf8_lossy(&output.stderr);
-    if told.contains("cannot be watched") {
-        eprintln!("skipped: {told}");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if errors.contains("cannot be watched") {
+        eprintln!("skipped: {errors}");
         return;
     }
-    assert!(told.contains("the real-time thread made no system call but its sleep"), "{told}");
+    assert!(errors.contains("the real-time thread made no system call but its sleep"), "{errors}");
 }

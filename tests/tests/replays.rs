@@ -108,9 +108,9 @@ fn of_several_tunes_at_once_none_is_lost() {
     for tune in tunes {
         let output = tune.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{}", printed(&output));
-        overtaken += String::from_utf8_lossy(&output.stderr).matches("another tune was faster").count();
+        overtaken += String::from_utf8_lossy(&output.stderr).matches("changed the model first").count();
     }
-    println!("{overtaken} times another tune was faster");
+    println!("{overtaken} times changed the model first");
     let present = tuned(&bench, &[]);
     for setting in settings {
         let (name, value) = setting.split_once('=').unwrap();

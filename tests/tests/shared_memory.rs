@@ -28,13 +28,13 @@ fn capture(bench: &Bench, bytes: u64, beside: &str) -> Option<Output> {
 }
 
 #[test]
-fn a_shared_memory_that_is_too_small_is_refused_before_the_rig_is_touched_and_what_is_needed_is_told() {
+fn a_shared_memory_that_is_too_small_is_refused_before_the_rig_is_touched_and_what_is_needed_is_reported() {
     for bytes in [0x1000, NEEDED_BYTES - 1_000_000] {
         let bench = Bench::new().unwrap();
         let Some(output) = capture(&bench, bytes, "") else { return };
         assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
-        let told = format!("a run needs {} MB of shared memory", NEEDED_BYTES.div_ceil(1_000_000));
-        assert!(printed(&output).contains(&told), "{}", printed(&output));
+        let needed = format!("a run needs {} MB of shared memory", NEEDED_BYTES.div_ceil(1_000_000));
+        assert!(printed(&output).contains(&needed), "{}", printed(&output));
         assert_eq!(bench.leftovers(), Vec::<String>::new());
     }
 }

@@ -21,13 +21,13 @@ pub struct Assignments(Vec<(String, String)>);
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ChoiceError {
     /// Not of the form `word=value,word=value`.
-    #[error("`{0}` does not say what is what; write it as angle=NAME,torque=NAME")]
+    #[error("`{0}` assigns no columns; write it as angle=NAME,torque=NAME")]
     Form(String),
     /// A word that means nothing here.
     #[error("`{0}` is none of angle, torque, travel, force, time and contact")]
     Word(String),
     /// A position without a load, or neither.
-    #[error("name the columns of an angle and a torque, or of a travel and a force")]
+    #[error("name the columns of angle and torque, or of travel and force")]
     Incomplete,
     /// The table has no such column.
     #[error("it has no column `{name}`; it has the columns {columns}")]
@@ -38,7 +38,7 @@ pub enum ChoiceError {
         columns: String,
     },
     /// A unit that is none of the quantity.
-    #[error("`{unit}` is no unit of {quantity}; known are {known}")]
+    #[error("`{unit}` is not a unit of {quantity}; known are {known}")]
     Unit {
         /// The unit.
         unit: String,

@@ -40,15 +40,15 @@ fn open_switch_curve_meter(table: &RawTable) -> Option<Layout> {
 /// IMADA Force Recorder, high resolution: lines such as `UNIT = gf,mm` and `RECORDING RATE = 0.0005`, then force and
 /// displacement.
 fn force_recorder(table: &RawTable) -> Option<Layout> {
-    let told = |key: &str| {
+    let setting = |key: &str| {
         table.preamble.iter().find_map(|line| {
             let (name, value) = line.get(0)?.split_once('=')?;
             (name.trim() == key).then(|| (value.trim().to_owned(), line.get(1).unwrap_or_default().to_owned()))
         })
     };
-    told("MAX FORCE")?;
-    let (force, travel) = told("UNIT")?;
-    let interval_s = told("RECORDING RATE").and_then(|(rate, _)| table.number(&rate)).filter(|rate| *rate > 0.0);
+    setting("MAX FORCE")?;
+    let (force, travel) = setting("UNIT")?;
+    let interval_s = setting("RECORDING RATE").and_then(|(rate, _)| table.number(&rate)).filter(|rate| *rate > 0.0);
     let time = interval_s.map_or(Time::None, Time::EachRow);
     Some(Layout { time, ..pressed((1, &travel), (0, &force))? })
 }

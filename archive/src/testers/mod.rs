@@ -53,7 +53,7 @@ impl Curve {
     pub fn load(path: &Path, chosen: Option<&ColumnChoice>) -> Result<Self, ArchiveError> {
         refuse_too_large(path)?;
         if is_mcap(path)? {
-            return Err(wrong(path, "it is an MCAP archive, in which the columns have names of their own".to_owned()));
+            return Err(wrong(path, "it is an MCAP archive, whose columns have fixed names".to_owned()));
         }
         let mut curve = if is_mdf(path)? {
             mdf::read(path, chosen)?
@@ -109,7 +109,7 @@ impl Curve {
         let first = self.position[0];
         if self.position.iter().all(|position| (position - first).abs() < f64::EPSILON) {
             let what = self.axis.position().name();
-            return Err(wrong(&self.source, format!("its {what} never changes, so there is no curve over it")));
+            return Err(wrong(&self.source, format!("its {what} never changes, so there is no curve")));
         }
         Ok(self)
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::ArchiveError;
 
-/// Bytes at the beginning of a file by which its separator is told.
+/// Bytes at the beginning of a file from which its separator is determined.
 const HEAD: usize = 4096;
 /// Most columns, and letters of each, that an error quotes.
 const QUOTED: (usize, usize) = (20, 40);

@@ -114,13 +114,13 @@ pub const NAMES: [&str; 9] = [
     "hold",
 ];
 
-/// Amplitude in rad of a position excitation unless told otherwise: the paper's c.
+/// Amplitude in rad of a position excitation by default: the paper's c.
 pub const POSITION_AMPLITUDE_RAD: f64 = 1.0;
-/// Amplitude in mNm of a torque excitation unless told otherwise: the paper's 0.02 Nm.
+/// Amplitude in mNm of a torque excitation by default: the paper's 0.02 Nm.
 pub const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
-/// How far a position excitation presses unless told otherwise, mm: to the bottom of a dome, and not much beyond.
+/// How far a position excitation presses by default, mm: to the bottom of a dome, and not much beyond.
 pub const PRESSED_MM: f64 = 3.4;
-/// Amplitude in rad of `fast-multisine` and `tone` unless told otherwise: what the rig follows at their frequencies.
+/// Amplitude in rad of `fast-multisine` and `tone` by default: what the rig follows at their frequencies.
 pub const FAST_AMPLITUDE_RAD: f64 = 0.05;
 
 impl Excitation {

@@ -17,7 +17,7 @@
 //! part in the motion; [`crate::Model::knob_torque_mnm`] takes it off.
 //!
 //! [`forward_windows`] compares a model's motion with a measured one, window by window, and
-//! [`forward_windows_from_command`] does so from what the rig's motor was told to do.
+//! [`forward_windows_from_command`] does so from the command to the rig's motor.
 
 mod driving;
 mod equation;

@@ -104,7 +104,7 @@ fn a_signal_is_shifted_along_a_cubic_and_held_at_its_ends() {
     for ahead_s in [-1.7, 0.4] {
         for (time, value) in time_s.iter().zip(shifted(&time_s, &values, ahead_s)) {
             let at = time + ahead_s;
-            // With three points only, at the second and the last interval, no cubic can be told.
+            // With three points only, at the second and the last interval, no cubic can be fitted.
             if at >= time_s[1] && at < time_s[38] {
                 assert!((value - cubic(at)).abs() < 1e-9, "at {at}: {value}");
             } else if at < time_s[0] {

@@ -135,7 +135,7 @@ fn the_true_model_predicts_the_motion_and_one_without_the_effect_does_not() {
 }
 
 /// The motions as an encoder tells them: angles in its steps, velocities with a noise of up to `noise_rad_s`.
-fn told(motions: &[Motion], noise_rad_s: f64, seed: u64) -> Vec<Motion> {
+fn measured(motions: &[Motion], noise_rad_s: f64, seed: u64) -> Vec<Motion> {
     let mut state = seed;
     let mut noise = || {
         // Marsaglia's xorshift.
@@ -159,7 +159,7 @@ fn an_effect_shows_through_the_steps_and_the_noise_of_an_encoder() {
     for (name, values, knob) in cases() {
         let exact = motions(&plant::run(&knob, SAMPLE_S, &torque_mnm, 50));
         for seed in [1, 0x9E37_79B9_7F4A_7C15, 0xDEAD_BEEF] {
-            let measured = told(&exact, 0.02, seed);
+            let measured = measured(&exact, 0.02, seed);
             let with = errors(&model(&[(name, values)]), &measured, &torque_mnm).angle_rms_rad;
             let without = errors(&model(&[]), &measured, &torque_mnm).angle_rms_rad;
             println!("{name}: {with:.2e} rad, without it {without:.2e} rad");
@@ -213,7 +213,7 @@ fn a_capture_of_nothing_has_no_windows() {
 #[allow(clippy::print_stdout, reason = "the figures, for --nocapture")]
 fn the_motion_follows_from_the_command_once_the_motor_is_known() {
     let motor = RigMotor { inertia: 0.02, coulomb_mnm: 1.5, viscous: 0.2 };
-    // Plant and motor turn as one: the plant is told the sum, the model only the knob's part.
+    // Plant and motor turn as one: the plant is given the sum, the model only the knob's part.
     let knob = Knob { place: |x, _| 5.0 * (x / 0.1 + 0.4).sin(), ..Knob::default() };
     let alone = crate::model(&[("inertia", &[0.03]), ("friction", &[2.5, 2.5, 0.4, 0.4])]);
     let with_detent =

@@ -18,7 +18,7 @@
  * are permitted if the rig file declares them ([calls] names and per_tick).
  *
  * A function that returns int32_t returns 0 for success, or a code of the device's own. The code is published, recorded
- * with the capture and told to the operator with the meaning that haptic_rig_describe gives it.
+ * with the capture and reported to the operator with the meaning that haptic_rig_describe gives it.
  *
  * If the program dies, the amplifier must take the torque away by itself: arm its watchdog in haptic_rig_prepare.
  */

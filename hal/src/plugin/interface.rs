@@ -167,7 +167,7 @@ impl OpenRig {
         let settings: Vec<Setting> =
             settings.iter().map(|(key, value)| Setting { key: key.as_ptr(), value: value.as_ptr() }).collect();
         let count = u32::try_from(settings.len()).unwrap_or(u32::MAX);
-        // SAFETY: as many settings as told live beyond the call, and the pointer that is filled in is `opened`'s.
+        // SAFETY: the settings, as many as counted, outlive the call, and the pointer that is filled in is `opened`'s.
         let code = unsafe { open(settings.as_ptr(), count, &raw mut opened.rig) };
         if code != 0 {
             // What was not opened is not closed.
@@ -178,7 +178,7 @@ impl OpenRig {
     }
 
     pub(super) fn describe(&mut self) -> Result<Described, PluginError> {
-        let mut told = Description {
+        let mut description = Description {
             name: std::ptr::null(),
             channel_count: 0,
             code_count: 0,
@@ -187,29 +187,30 @@ impl OpenRig {
             watchdog_s: 0.0,
         };
         // SAFETY: the rig is open and the description lives beyond the call.
-        unsafe { (self.describe)(self.rig, &raw mut told) };
+        unsafe { (self.describe)(self.rig, &raw mut description) };
         let wrong = |what: &str| PluginError::Description { path: self.path.clone(), what: what.to_owned() };
-        let channel_count = told.channel_count as usize;
-        if channel_count == 0 || channel_count > MOST_CHANNELS || told.channels.is_null() {
+        let channel_count = description.channel_count as usize;
+        if channel_count == 0 || channel_count > MOST_CHANNELS || description.channels.is_null() {
             return Err(wrong(&format!("{channel_count} channels, but it must name 1 to {MOST_CHANNELS}")));
         }
-        if told.code_count > 0 && told.codes.is_null() || told.code_count > MOST_CODES {
+        if description.code_count > 0 && description.codes.is_null() || description.code_count > MOST_CODES {
             return Err(wrong("codes that are not there, or too many of them"));
         }
         // SAFETY: the header has the library give as many names as it counts, valid until the rig is closed.
-        let names = unsafe { std::slice::from_raw_parts(told.channels, channel_count) };
-        let codes: &[Code] = match told.code_count {
+        let names = unsafe { std::slice::from_raw_parts(description.channels, channel_count) };
+        let codes: &[Code] = match description.code_count {
             0 => &[],
             // SAFETY: likewise as many codes as it counts.
-            count => unsafe { std::slice::from_raw_parts(told.codes, count as usize) },
+            count => unsafe { std::slice::from_raw_parts(description.codes, count as usize) },
         };
         let channels: Option<Vec<String>> = names.iter().map(|name| text(*name)).collect();
         let codes = codes.iter().map(|entry| (entry.code, text(entry.meaning).unwrap_or_default())).collect();
         Ok(Described {
-            name: text(told.name),
+            name: text(description.name),
             channels: channels.ok_or_else(|| wrong("a channel without a name"))?,
             codes,
-            watchdog_s: (told.watchdog_s.is_finite() && told.watchdog_s > 0.0).then_some(told.watchdog_s),
+            watchdog_s: (description.watchdog_s.is_finite() && description.watchdog_s > 0.0)
+                .then_some(description.watchdog_s),
         })
     }
 

@@ -102,11 +102,11 @@ fn as_text(file: &RigFile, rate_hz: f64, watchdog_s: f64) -> Result<Vec<(CString
         };
         (key.clone(), value)
     });
-    let told = [("rate_hz".to_owned(), rate_hz.to_string()), ("watchdog_s".to_owned(), watchdog_s.to_string())];
+    let added = [("rate_hz".to_owned(), rate_hz.to_string()), ("watchdog_s".to_owned(), watchdog_s.to_string())];
     let c_text = |text: String| {
         CString::new(text).map_err(|_| file.error("[settings] holds a zero byte, which no library can be given"))
     };
-    own.chain(told).map(|(key, value)| Ok((c_text(key)?, c_text(value)?))).collect()
+    own.chain(added).map(|(key, value)| Ok((c_text(key)?, c_text(value)?))).collect()
 }
 
 fn result(code: i32) -> Result<(), ApparatusError> {

@@ -35,17 +35,17 @@ impl FromStr for Cogging {
 
     /// Reads `48:1.5` or `48:1.5:0.3`: periods per turn, mNm, rad.
     fn from_str(text: &str) -> Result<Self, CoggingError> {
-        let told = || CoggingError(text.to_owned());
+        let invalid = || CoggingError(text.to_owned());
         let parts: Vec<&str> = text.split(':').collect();
         let (per_turn, torque, phase) = match parts[..] {
             [per_turn, torque] => (per_turn, torque, "0"),
             [per_turn, torque, phase] => (per_turn, torque, phase),
-            _ => return Err(told()),
+            _ => return Err(invalid()),
         };
         Ok(Self {
-            per_turn: per_turn.parse().map_err(|_| told())?,
-            torque_mnm: torque.parse().map_err(|_| told())?,
-            phase_rad: phase.parse().map_err(|_| told())?,
+            per_turn: per_turn.parse().map_err(|_| invalid())?,
+            torque_mnm: torque.parse().map_err(|_| invalid())?,
+            phase_rad: phase.parse().map_err(|_| invalid())?,
         })
     }
 }

@@ -93,7 +93,7 @@ impl Knob {
         LoadStep { knob: self, cap, hand_mnm, free_mnm, dry, touch }
     }
 
-    /// Motion of what friction acts on in the middle of the substep to come, as far as it can be told beforehand.
+    /// Motion of what friction acts on in the middle of the substep to come, as far as it can be predicted.
     fn middle_of_substep(&self, time_s: f64, cap: &Cap) -> Motion {
         let half_s = self.substep_s / 2.0;
         let (angle_rad, velocity_rad_s) = self.inner_motion(cap);

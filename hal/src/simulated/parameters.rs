@@ -34,7 +34,7 @@ pub struct RigParameters {
     pub peak_current_a: f64,
     /// Bandwidth of the amplifier's current loop, Hz.
     pub current_bandwidth_hz: f64,
-    /// The amplifier takes the torque away when no command came for this long, s.
+    /// Time without a command after which the amplifier removes the torque, s.
     pub watchdog_s: f64,
 
     /// Stiffness of the torque sensor, mNm/rad.

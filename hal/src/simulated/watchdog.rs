@@ -35,7 +35,7 @@ impl Watchdog {
     }
 
     pub(super) fn switch_off(&mut self) {
-        // Whoever is torque-free because the watchdog ran out shall still be told.
+        // A caller made torque-free by the watchdog must still learn that it expired.
         if self.state != State::RanOut {
             self.state = State::Off;
         }

@@ -1,15 +1,15 @@
-//! When a consumer is told to stop.
+//! When a consumer must stop.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use shared_types::drill::{self, Drill};
+use shared_types::fault_injection::{self, FaultInjection};
 use shared_types::lease::Lease;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-/// The system does not let the process listen for its end.
+/// The process cannot listen for the request to stop.
 #[derive(Debug, thiserror::Error)]
-#[error("the process cannot listen for its end ({0}); nothing can be done but to start it again")]
+#[error("the process cannot listen for the request to stop ({0}); start it again")]
 pub struct StopError(#[from] std::io::Error);
 
 /// Knows whether the process is to end.
@@ -20,7 +20,7 @@ pub struct StopError(#[from] std::io::Error);
 pub struct Stop {
     asked: Arc<AtomicBool>,
     lease: Option<Lease>,
-    drill: Option<Drill>,
+    fault: Option<FaultInjection>,
 }
 
 impl Stop {
@@ -36,7 +36,7 @@ impl Stop {
         for signal in [SIGINT, SIGHUP] {
             signal_hook::flag::register(signal, Arc::clone(&left_to_supervisor))?;
         }
-        Ok(Self { asked, lease, drill: Drill::listen(drill::SERVING_THREAD)? })
+        Ok(Self { asked, lease, fault: FaultInjection::listen(fault_injection::SERVING_THREAD)? })
     }
 
     /// Begins to listen in a program that the operator has in the foreground: SIGINT and SIGHUP end it too.
@@ -54,8 +54,8 @@ impl Stop {
     /// True once the process is to end.
     #[must_use]
     pub fn is_asked(&self) -> bool {
-        if let Some(drill) = &self.drill {
-            drill.panic_if_told();
+        if let Some(fault) = &self.fault {
+            fault.panic_if_requested();
         }
         self.asked.load(Ordering::Relaxed) || self.lease.as_ref().is_some_and(Lease::has_ended)
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use analysis::{ToldDiagnosis, diagnosed_model, refuse_drawn};
+use analysis::{DiagnosisResult, diagnosed_model, refuse_drawn};
 use dynamics::{Axis, Model};
 use identification::diagnosis::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -52,7 +52,7 @@ pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
 pub fn tell(axis: Axis, page: &DiagnosisPage<'_>, json: Option<&Path>, report: Option<&Path>) -> anyhow::Result<()> {
     let made = report.map(|path| (path, report::diagnosis_page_with_numbers(page)));
     let figures = made.as_ref().map(|(_, (_, figures))| figures.clone()).unwrap_or_default();
-    write_json_on(axis, json, &ToldDiagnosis::of(page, figures))?;
+    write_json_on(axis, json, &DiagnosisResult::of(page, figures))?;
     made.map_or(Ok(()), |(path, (html, _))| write(path, Kind::Page, &axis.words(&html)))
 }
 
@@ -77,7 +77,7 @@ pub fn show_progress(bar: &ProgressBar, progress: Progress) {
             bar.set_message(effect);
         }
         Progress::Added { effect, heldout_over_floor } => {
-            bar.println(format!("added {effect}: {heldout_over_floor:.2} times the noise is left"));
+            bar.println(format!("added {effect}: residual {heldout_over_floor:.2} times the noise"));
         }
     }
 }

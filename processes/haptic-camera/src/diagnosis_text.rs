@@ -23,18 +23,17 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     let mut lines = paragraph("", &found.summary);
     let mut say = |text: &str| lines.extend(paragraph("", text));
     if is_floor_doubtful(found) {
-        say(
-            "The model leaves less than the noise floor, which cannot be: the floor is read off the knob's rests, and more \
-             than noise acted there. Effects below that floor are not found: judge by the torque that is left.",
-        );
+        say("The residual is below the noise floor, so the floor is wrong: it is measured while the knob rests, and \
+             more than noise acted there. Effects below that floor are not found: judge by the residual torque.");
     }
     if let Some(words) = goes_with(&found.locations) {
-        say(&format!("The first model's gap goes with {words}."));
+        say(&format!("The first model's residual depends on {words}."));
     }
     if !found.steps.is_empty() {
         say("");
         say(&format!(
-            "RMS left of the held-out capture, mNm; noise alone leaves {:.3}. Placebo: as much freedom, spent on nothing.",
+            "RMS residual of the held-out capture, mNm; noise alone leaves {:.3}. Null: an effect without meaning \
+             and with as many parameters.",
             found.noise_floor_rms
         ));
         lines.extend(rows(&steps(&found.steps)));
@@ -48,16 +47,14 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     match (found.verdict, goes_with(&found.where_after)) {
         (Verdict::None, _) | (Verdict::Effects, None) => {}
         (Verdict::OutsideLibrary, None) => {
-            lines.extend(paragraph("", "No single quantity explains what is left beyond chance."));
+            lines.extend(paragraph("", "The residual depends on no single quantity beyond chance."));
         }
-        (_, Some(words)) => lines.extend(paragraph("", &format!("What is left goes with {words}."))),
+        (_, Some(words)) => lines.extend(paragraph("", &format!("The remaining residual depends on {words}."))),
     }
     if !found.partial.is_empty() {
         let of = match found.verdict {
-            Verdict::OutsideLibrary => "Effects that explain part of what is left, not surely enough to be added:",
-            Verdict::None | Verdict::Effects => {
-                "Effects that would explain some of what is left, too little to be named:"
-            }
+            Verdict::OutsideLibrary => "Effects that explain part of the residual, but not significantly:",
+            Verdict::None | Verdict::Effects => "Effects that would explain too little of the residual to be named:",
         };
         lines.extend(paragraph("", of));
         for partial in &found.partial {
@@ -66,7 +63,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     }
     if let Some(next) = &found.next_experiment {
         let [one, other] = &next.tells_apart;
-        lines.extend(paragraph("", &format!("To tell {one} from {other}: {}.", next.reason)));
+        lines.extend(paragraph("", &format!("To discriminate between {one} and {other}: {}.", next.reason)));
     }
     found.notes.iter().for_each(|note| lines.extend(paragraph("- ", note)));
     lines
@@ -82,7 +79,7 @@ fn measured(characteristic: &Characteristic) -> String {
         format!(", largest at {:.3} {unit} with {:.3} mNm", point.at, point.torque_mnm)
     });
     format!(
-        "{} is measured at {} points from {:.3} to {:.3} {unit}{largest}; it has no name.",
+        "{} is measured at {} points from {:.3} to {:.3} {unit}{largest}; no effect matches it.",
         characteristic.effect,
         characteristic.points.len(),
         ends[0],
@@ -102,12 +99,12 @@ fn forward(found: &Diagnosis) -> Vec<String> {
         let then = each.zip(&found.steps).map(|(error, step)| format!(", with {} {error:.2e} rad", step.effect));
         format!("from the commanded torque {first}{}", then.collect::<String>())
     });
-    let told: Vec<String> = from_sensor.into_iter().chain(from_command).collect();
-    if told.is_empty() {
-        return told;
+    let errors: Vec<String> = from_sensor.into_iter().chain(from_command).collect();
+    if errors.is_empty() {
+        return errors;
     }
     let window_s = FORWARD_WINDOW_S;
-    vec![format!("RMS error of the held-out angle predicted over {window_s} s: {}.", told.join("; "))]
+    vec![format!("RMS error of the held-out angle predicted over {window_s} s: {}.", errors.join("; "))]
 }
 
 fn goes_with(locations: &[Location]) -> Option<String> {
@@ -123,7 +120,8 @@ fn goes_with(locations: &[Location]) -> Option<String> {
 fn ties(steps: &[Step]) -> Vec<String> {
     let tied = steps.iter().filter(|step| !step.ties.is_empty());
     tied.flat_map(|step| {
-        paragraph("", &format!("A tie: the captures cannot tell {} from {}.", step.effect, step.ties.join(" or ")))
+        let rivals = step.ties.join(" or ");
+        paragraph("", &format!("A tie: the captures cannot discriminate between {} and {rivals}.", step.effect))
     })
     .collect()
 }

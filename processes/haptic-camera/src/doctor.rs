@@ -28,7 +28,7 @@ struct Finding {
 /// Looks at everything a capture needs and says what is amiss and how to mend it.
 ///
 /// # Errors
-/// Never; what cannot be looked at is told as amiss.
+/// Never; what cannot be checked is reported as a problem.
 pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     let mut findings =
         vec![priority(), memory_locking(), cores(), scheduler_guard(), shared_memory(), leftovers(), programs()];
@@ -43,10 +43,7 @@ pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     say(table);
     let amiss = findings.iter().filter(|finding| !finding.good).count();
     if amiss > 0 {
-        say(format!(
-            "{amiss} of {} points are amiss; a capture runs all the same unless programs are missing",
-            findings.len()
-        ));
+        say(format!("{amiss} of {} checks failed; captures still run unless programs are missing", findings.len()));
         return Ok(Outcome::Failed);
     }
     Ok(Outcome::Done)
@@ -91,9 +88,9 @@ fn scheduler_guard() -> Finding {
     let runtime = fs::read_to_string("/proc/sys/kernel/sched_rt_runtime_us").unwrap_or_default();
     let runtime = runtime.trim();
     let found = match runtime {
-        "" => "the kernel does not tell; nothing to mend".to_owned(),
+        "" => "unknown to this kernel; nothing to do".to_owned(),
         "-1" => "no guard: a runaway real-time thread would hang its core".to_owned(),
-        _ => format!("real-time threads get {runtime} of every 1000000 us; the loop sleeps enough for that"),
+        _ => format!("real-time threads get {runtime} of every 1000000 us; the loop needs less"),
     };
     Finding { subject: "scheduler guard", good: true, found }
 }
@@ -104,7 +101,7 @@ fn shared_memory() -> Finding {
     let found = if good {
         format!("{} MiB free in /dev/shm", free >> 20)
     } else {
-        format!("{} MiB free in /dev/shm, {} are needed; remove what fills it", free >> 20, NEEDED_BYTES >> 20)
+        format!("{} MiB free in /dev/shm, {} needed; remove files from it", free >> 20, NEEDED_BYTES >> 20)
     };
     Finding { subject: "shared memory", good, found }
 }
@@ -112,9 +109,10 @@ fn shared_memory() -> Finding {
 fn leftovers() -> Finding {
     let count = files_in_shared_memory(&rig::runtime_dir()).len();
     let found = match count {
-        0 => "nothing of this rig lies in shared memory".to_owned(),
+        0 => "no files of this rig in shared memory".to_owned(),
         _ => format!(
-            "{count} files of this rig lie in shared memory: a capture is running, or one was killed (the next one clears it)"
+            "{count} files of this rig in shared memory: a capture is running, or one was killed (the next one \
+             removes them)"
         ),
     };
     Finding { subject: "rig", good: true, found }
@@ -131,8 +129,11 @@ fn rig_file(path: &Path) -> Vec<Finding> {
     let amiss = |found: String| Finding { subject: "rig", good: false, found };
     match made {
         Ok(plan) => {
-            let found =
-                format!("'{}' can be driven; `haptic-camera rig check {}` brings it up", plan.rig.name, path.display());
+            let found = format!(
+                "the driver of '{}' is available; test it with `haptic-camera rig check {}`",
+                plan.rig.name,
+                path.display()
+            );
             let file = Finding { subject: "rig file", good: true, found };
             std::iter::once(file).chain(plan.apparatus.obstacles().into_iter().map(amiss)).collect()
         }
@@ -146,7 +147,7 @@ fn programs() -> Finding {
     let found = if missing.is_empty() {
         "all there".to_owned()
     } else {
-        format!("missing beside this program: {}; build the whole workspace", missing.join(", "))
+        format!("missing in this program's folder: {}; build the whole workspace", missing.join(", "))
     };
     Finding { subject: "programs", good: missing.is_empty(), found }
 }

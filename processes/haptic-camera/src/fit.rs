@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use analysis::{ToldAverage, ToldFit, common_truth, titles};
+use analysis::{AverageResult, FitResult, common_truth, titles};
 use anyhow::Context as _;
 use archive::whole_file::Replace;
 use dynamics::Model;
@@ -70,7 +70,7 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
         say("");
         say(repeatability_table(&average));
     }
-    write_json_on(average.fit.axis, options.json.as_deref(), &ToldAverage::of(&average, &each, &fits))?;
+    write_json_on(average.fit.axis, options.json.as_deref(), &AverageResult::of(&average, &each, &fits))?;
     if let Some(path) = &options.out {
         write(path, Kind::FittedModel, &average.model(&titles(&each)).to_toml())?;
     }
@@ -88,10 +88,11 @@ fn write_into(options: &command_line::FitOptions, model: &Model) -> anyhow::Resu
     let Some(path) = &options.into else { return Ok(()) };
     let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
     let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)
-        .with_context(|| format!("{} cannot be given what was identified", path.display()))?;
+        .with_context(|| format!("the fitted parameters cannot be written into {}", path.display()))?;
     replace(path, Replace::Anything, &changed)?;
     say(format!(
-        "{}: armature, damping, frictionloss and detents; the armature is all of the inertia, so the body needs next to none",
+        "{}: armature, damping, frictionloss and detents; the armature is the whole inertia, so give the body almost \
+         none",
         path.display()
     ));
     Ok(())
@@ -107,13 +108,13 @@ pub fn write_numbers(
     fit: &Fit,
     figures: FigureNumbers,
 ) -> anyhow::Result<()> {
-    write_json_on(fit.axis, path, &ToldFit::of(loaded, fit, figures))
+    write_json_on(fit.axis, path, &FitResult::of(loaded, fit, figures))
 }
 
 /// Fits a capture with all that is known of its rig.
 ///
 /// # Errors
-/// One sentence on why nothing can be told from it.
+/// Why it cannot be fitted, in one sentence.
 pub fn fit_capture(loaded: &LoadedCapture) -> anyhow::Result<Fit> {
     Ok(analysis::fit(loaded, PreparationMethod::default())?)
 }

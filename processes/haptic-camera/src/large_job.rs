@@ -1,4 +1,4 @@
-//! Runs and captures that are large for this machine: told before they start, and refused where they cannot end well.
+//! Runs and captures that are large for this machine: a warning before they start, a refusal where they cannot succeed.
 
 use std::path::Path;
 

@@ -8,31 +8,31 @@ use loaded_capture::LoadedCapture;
 use crate::command_line::ColumnOptions;
 use crate::outcome::remark;
 
-/// The same of a capture or of a file of somebody's tester.
+/// Loads a capture or a tester's file, with such a remark.
 ///
 /// # Errors
 /// One sentence on what is wrong with a file or with the columns that were asked for.
 pub fn load_measured(path: &Path, columns: &ColumnOptions) -> anyhow::Result<LoadedCapture> {
-    Ok(told(LoadedCapture::load_measured(path, columns.choice()?.as_ref())?))
+    Ok(with_remark(LoadedCapture::load_measured(path, columns.choice()?.as_ref())?))
 }
 
-/// The same of a capture whose columns may have been named.
+/// Loads a capture whose columns may have been named, with such a remark.
 ///
 /// # Errors
 /// One sentence on what is wrong with a file or with the columns that were asked for.
 pub fn load_chosen(path: &Path, columns: &ColumnOptions) -> anyhow::Result<LoadedCapture> {
-    Ok(told(LoadedCapture::load_chosen(path, columns.choice()?.as_ref())?))
+    Ok(with_remark(LoadedCapture::load_chosen(path, columns.choice()?.as_ref())?))
 }
 
-/// Loads a capture, and tells where its calibration came from if that was another file.
+/// Loads a capture, with a remark on the calibration's file if that is another.
 ///
 /// # Errors
 /// One sentence on what is wrong with a file.
 pub fn load(path: &Path) -> anyhow::Result<LoadedCapture> {
-    Ok(told(LoadedCapture::load(path)?))
+    Ok(with_remark(LoadedCapture::load(path)?))
 }
 
-/// The model of a file, or the shipped one that is called so.
+/// Loads a model file, or a shipped model by its name.
 ///
 /// # Errors
 /// What is wrong with the file.
@@ -47,16 +47,13 @@ pub fn model(path: &Path) -> Result<Model, ModelError> {
 pub fn common_axis(axes: impl IntoIterator<Item = Axis>) -> anyhow::Result<Axis> {
     let mut axes = axes.into_iter();
     let first = axes.next().unwrap_or_default();
-    anyhow::ensure!(
-        axes.all(|axis| axis == first),
-        "some captures are of what turns, others of what is pressed or slid; take them apart"
-    );
+    anyhow::ensure!(axes.all(|axis| axis == first), "some captures are rotary and some linear; give one kind");
     Ok(first)
 }
 
-fn told(loaded: LoadedCapture) -> LoadedCapture {
+fn with_remark(loaded: LoadedCapture) -> LoadedCapture {
     if let Some(file) = &loaded.calibration_file {
-        remark(format!("the rig's calibration is that of {}", file.display()));
+        remark(format!("using the rig's calibration from {}", file.display()));
     }
     loaded
 }

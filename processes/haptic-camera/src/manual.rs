@@ -36,6 +36,6 @@ pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
         let text = std::fs::read_to_string(page.path())?;
         write(&folder.join(page.file_name()), Kind::ManualPage, &text).with_context(refused)?;
     }
-    say(format!("the manual pages lie in {}; `man {0}/haptic-camera.1` shows the first", folder.display()));
+    say(format!("the manual pages are in {}; `man {0}/haptic-camera.1` shows the first", folder.display()));
     Ok(Outcome::Done)
 }

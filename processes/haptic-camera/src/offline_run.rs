@@ -32,16 +32,12 @@ const ESTIMATES_S: f64 = 0.04;
 /// What keeps the run from being made, and an archive that cannot be written.
 pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Option<Share>) -> anyhow::Result<RunEnd> {
     let plan = Plan::new(request)?;
-    anyhow::ensure!(
-        plan.simulated_knob.is_some(),
-        "the {} runs by the clock alone; leave --offline out",
-        plan.rig.name
-    );
+    anyhow::ensure!(plan.simulated_knob.is_some(), "the {} only runs in real time; omit --offline", plan.rig.name);
     let mut description = plan.description()?;
-    description.notes.push(("time".to_owned(), "offline: the plant's, not a clock's".to_owned()));
+    description.notes.push(("time".to_owned(), "offline: simulated time".to_owned()));
     let felt = plan.rendering.iter().map(|rendering| FeltModel { tick: 0, name: rendering.model.name.clone() });
     let models = felt.collect();
-    plan.rendering.iter().flat_map(Rendering::told).for_each(remark);
+    plan.rendering.iter().flat_map(Rendering::remarks_to_print).for_each(remark);
     let mut watch = until.map(|share| Watch::new(share, &plan));
     let (planned, rate_hz) = (plan.control.planned_ticks, plan.control.rate_hz);
     large_job::tell(planned);

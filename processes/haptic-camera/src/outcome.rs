@@ -9,13 +9,13 @@ use indicatif::ProgressBar;
 pub use operator::tell_error;
 use operator::visible;
 
-/// The panel that is on the screen: it is taken away while something else is printed, and drawn again below.
+/// The panel on the screen: hidden while something else is printed, then drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// Whether standard output is for one JSON document alone.
+/// Whether standard output is reserved for one JSON document.
 static OUTPUT_IS_JSON: AtomicBool = AtomicBool::new(false);
 
-/// Why standard output no longer takes anything.
+/// The first error of writing to standard output.
 static LOST_OUTPUT: OnceLock<Error> = OnceLock::new();
 
 /// How a command ended.
@@ -23,15 +23,15 @@ static LOST_OUTPUT: OnceLock<Error> = OnceLock::new();
 pub enum Outcome {
     /// Done.
     Done,
-    /// Failed, and already told.
+    /// Failed; the error has been printed.
     Failed,
-    /// Wrong usage, and already told.
+    /// Wrong usage; the error has been printed.
     WrongUsage,
-    /// Done, but data was lost; how much was told.
+    /// Done, but data was lost; how much has been printed.
     DataLost,
-    /// Done: a unit is not as its specification says.
+    /// Done: a unit is out of specification.
     OutOfSpecification,
-    /// Done, but of a unit it cannot be told whether it is as its specification says.
+    /// Done, but the verdict on a unit is undecided.
     Undecided,
 }
 
@@ -46,8 +46,8 @@ impl Outcome {
         }
     }
 
-    /// The same, or a failure if standard output did not take all that was printed; told, unless whoever read it has closed it,
-    /// as `head` does.
+    /// The same, or a failure if standard output could not be written. That is reported, unless its reader has closed it, as
+    /// `head` does.
     #[must_use]
     pub fn if_output_was_taken(self) -> Self {
         note_output(std::io::stdout().flush());
@@ -70,26 +70,26 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// Keeps standard output for the result as JSON: whatever else is said goes to standard error.
+/// Reserves standard output for the result as JSON: everything else goes to standard error.
 pub fn keep_output_for_json() {
     OUTPUT_IS_JSON.store(true, Ordering::Relaxed);
 }
 
-/// Whether standard output is kept for the result as JSON.
+/// Whether standard output is reserved for the result as JSON.
 pub fn is_output_json() -> bool {
     OUTPUT_IS_JSON.load(Ordering::Relaxed)
 }
 
-/// Prints a line for the operator on standard output, or several, without the blanks with which tables fill their lines.
+/// Prints lines for the operator on standard output, without trailing blanks.
 ///
-/// A failure ends nothing here; [`Outcome::if_output_was_taken`] tells it in the end.
+/// An error is kept for [`Outcome::if_output_was_taken`].
 pub fn say(lines: impl std::fmt::Display) {
     let lines = lines.to_string();
     let lines = visible(&lines);
     let trimmed = lines.split('\n').map(str::trim_end).collect::<Vec<_>>().join("\n");
     if is_output_json() {
-        // A terminal that is gone is no reason to end.
-        beside_panel(|| drop(writeln!(std::io::stderr(), "{trimmed}")));
+        // A closed terminal is no reason to stop.
+        with_panel_suspended(|| drop(writeln!(std::io::stderr(), "{trimmed}")));
     } else {
         print(&trimmed);
     }
@@ -101,12 +101,12 @@ pub fn print_json(text: &str) {
 }
 
 fn print(text: &str) {
-    beside_panel(|| note_output(writeln!(std::io::stdout(), "{text}")));
+    with_panel_suspended(|| note_output(writeln!(std::io::stdout(), "{text}")));
 }
 
-/// Prints a remark for the operator on standard error, in one line apart from results.
+/// Prints a remark for the operator on standard error.
 pub fn remark(line: impl std::fmt::Display) {
-    beside_panel(|| operator::remark(line.to_string()));
+    with_panel_suspended(|| operator::remark(line.to_string()));
 }
 
 fn note_output(printed: std::io::Result<()>) {
@@ -116,17 +116,17 @@ fn note_output(printed: std::io::Result<()>) {
     }
 }
 
-/// Keeps what is printed from now on apart from a panel on the same terminal.
+/// Registers a panel, which is suspended while anything is printed.
 pub fn hold_panel(panel: &ProgressBar) {
     *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = Some(panel.clone());
 }
 
-/// The panel is gone.
+/// Unregisters the panel.
 pub fn release_panel() {
     *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }
 
-fn beside_panel(print: impl FnOnce()) {
+fn with_panel_suspended(print: impl FnOnce()) {
     let panel = PANEL.lock().unwrap_or_else(PoisonError::into_inner).clone();
     match panel {
         Some(panel) => panel.suspend(print),

@@ -128,13 +128,13 @@ impl Files {
 #[derive(Debug, thiserror::Error)]
 pub enum UsageError {
     /// An output is an input.
-    #[error("{} is read by this call too; name another file to write to", .0.display())]
+    #[error("{} is also an input; name another file to write to", .0.display())]
     Input(PathBuf),
-    /// The columns of a table are not told so that they can be found.
+    /// The columns of a table cannot be found as given.
     #[error("--columns and --units: {0}")]
     Columns(String),
     /// Two outputs are one.
-    #[error("{} would be written twice; name another file for each output", .0.display())]
+    #[error("{} would be written twice; name a different file for each output", .0.display())]
     TwoOutputs(PathBuf),
 }
 

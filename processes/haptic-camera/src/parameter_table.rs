@@ -5,7 +5,7 @@ use dynamics::effects::detent::canonical;
 use dynamics::{Model, effects};
 use identification::{Fit, Parameter};
 
-/// Parameters with intervals; beside the true values where they are known.
+/// Parameters with intervals, and the true values where they are known.
 pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING);
@@ -21,11 +21,11 @@ pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
                 (format!("{value:.digits$}"), format!("{low:.digits$} to {high:.digits$}"))
             }
             (Some(value), None) => (format!("{value:.digits$}"), String::new()),
-            (None, _) => ("-".to_owned(), "cannot be told".to_owned()),
+            (None, _) => ("-".to_owned(), "not identifiable".to_owned()),
         };
         let mut row = vec![parameter.name.to_owned(), value, interval, parameter.unit.to_owned()];
         if let Some(model) = truth {
-            row.extend(beside_truth(parameter, model, digits));
+            row.extend(truth_cells(parameter, model, digits));
         }
         table.add_row(row);
     }
@@ -37,11 +37,11 @@ pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
     table
 }
 
-/// Why the parameters that could not be told could not; one line each.
+/// Why parameters are not identifiable, a line for each reason.
 pub fn reasons(fit: &Fit) -> Vec<String> {
-    let told = fit.parameters.0.iter().filter_map(|parameter| Some((parameter.name, parameter.reason.as_ref()?)));
+    let missing = fit.parameters.0.iter().filter_map(|parameter| Some((parameter.name, parameter.reason.as_ref()?)));
     let mut lines: Vec<(Vec<&str>, &String)> = Vec::new();
-    for (name, reason) in told {
+    for (name, reason) in missing {
         match lines.iter_mut().find(|(_, known)| *known == reason) {
             Some((names, _)) => names.push(name),
             None => lines.push((vec![name], reason)),
@@ -63,7 +63,7 @@ pub fn true_value(model: &Model, name: &str) -> Option<f64> {
     }
 }
 
-fn beside_truth(parameter: &Parameter, model: &Model, digits: usize) -> [String; 2] {
+fn truth_cells(parameter: &Parameter, model: &Model, digits: usize) -> [String; 2] {
     let Some(value) = true_value(model, parameter.name) else { return ["none".to_owned(), String::new()] };
     let inside = match parameter.ci95 {
         Some([low, high]) if (low..=high).contains(&value) => "in",

@@ -13,7 +13,7 @@ use crate::command_line::RecomputeOptions;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{to_output, write_json};
 
-/// What computing a replay again tells.
+/// The result of computing a replay again.
 #[derive(Debug, Serialize)]
 pub struct Recomputed {
     /// The archive.
@@ -30,7 +30,7 @@ pub struct Recomputed {
     pub different_ticks: usize,
     /// Largest difference, mNm.
     pub largest_difference_mnm: f64,
-    /// Number in the run of the first sample that is not in the archive: from there on nothing can be computed.
+    /// Number of the first sample missing from the archive; nothing after it can be computed.
     pub missing_from_sample: Option<u64>,
 }
 
@@ -53,10 +53,15 @@ pub struct Difference {
 /// An archive that cannot be read, that is no replay, or that lacks what the control step needs.
 pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     let capture = Capture::load(&options.capture)?;
-    let description =
-        capture.description.as_ref().context("the capture is a table; only the archive of a replay says it all")?;
+    let description = capture
+        .description
+        .as_ref()
+        .context("the capture is a table; only the archive of a replay holds what is needed")?;
     if description.software_version != env!("CARGO_PKG_VERSION") {
-        remark(format!("the replay was made by version {}, which may compute otherwise", description.software_version));
+        remark(format!(
+            "the replay was made by version {}, which may compute differently",
+            description.software_version
+        ));
     }
     let recomputed = recompute(&capture, description)?;
     if !to_output(options.json.as_deref()) {
@@ -79,7 +84,7 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
     let flags = capture.flags.as_ref().with_context(|| lacks("flags"))?;
     let state = capture.state.as_ref().with_context(|| lacks("state"))?;
     let mut step = Recomputation::new(run)?;
-    let mut told = Recomputed {
+    let mut result = Recomputed {
         capture: capture.source.clone(),
         ticks: 0,
         models: 1,
@@ -92,15 +97,15 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
     for row in 0..capture.len() {
         let tick = capture.tick[row];
         if capture.seq[row] != row as u64 {
-            told.missing_from_sample = Some(row as u64);
+            result.missing_from_sample = Some(row as u64);
             break;
         }
         if flags[row] & Sample::MODEL_TAKEN != 0 {
             let change = capture.models.iter().find(|model| model.tick == tick && tick > 0).with_context(|| {
-                format!("a model begins to be felt at tick {tick}, but the archive does not have it")
+                format!("a model is rendered from tick {tick} on, but the archive does not have it")
             })?;
             anyhow::ensure!(step.take_model(change)?, "the model of tick {tick} came while another was waiting");
-            told.models += 1;
+            result.models += 1;
         }
         let measurement = Measurement {
             angle_rad: capture.angle_rad[row],
@@ -115,32 +120,37 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
         let output = step.step(&RecordedTick { measurement, missed_ticks: missed_ticks[row] });
         let computed_mnm = if at_fault { 0.0 } else { output.torque_mnm };
         let computed_tick = output.sample.map_or(tick, |sample| sample.tick);
-        told.ticks += 1;
+        result.ticks += 1;
         if computed_mnm.to_bits() != commanded_mnm[row].to_bits() || computed_tick != tick {
             let recorded_mnm = commanded_mnm[row];
-            told.equal = false;
-            told.different_ticks += 1;
-            told.largest_difference_mnm = told.largest_difference_mnm.max((recorded_mnm - computed_mnm).abs());
-            told.first_difference.get_or_insert(Difference { tick, t_s: capture.t_s[row], recorded_mnm, computed_mnm });
+            result.equal = false;
+            result.different_ticks += 1;
+            result.largest_difference_mnm = result.largest_difference_mnm.max((recorded_mnm - computed_mnm).abs());
+            result.first_difference.get_or_insert(Difference {
+                tick,
+                t_s: capture.t_s[row],
+                recorded_mnm,
+                computed_mnm,
+            });
         }
     }
-    Ok(told)
+    Ok(result)
 }
 
-fn lines(told: &Recomputed, rate_hz: f64) -> Vec<String> {
-    let Recomputed { ticks, models, different_ticks, largest_difference_mnm, .. } = told;
+fn lines(result: &Recomputed, rate_hz: f64) -> Vec<String> {
+    let Recomputed { ticks, models, different_ticks, largest_difference_mnm, .. } = result;
     let mut lines = vec![format!(
-        "computed {ticks} ticks at {rate_hz} Hz of {models} {} again",
+        "recomputed {ticks} ticks at {rate_hz} Hz of {models} {}",
         if *models == 1 { "model" } else { "models" }
     )];
-    if let Some(missing) = told.missing_from_sample {
-        lines.push(format!("missing  sample {missing} is not in the archive: nothing can be computed from there on"));
+    if let Some(missing) = result.missing_from_sample {
+        lines.push(format!("missing  sample {missing} is not in the archive: nothing can be computed after it"));
     }
-    lines.push(match told.first_difference {
+    lines.push(match result.first_difference {
         None => "equal    every torque command, bit for bit".to_owned(),
         Some(Difference { tick, t_s, recorded_mnm, computed_mnm }) => format!(
             "differs  from tick {tick} ({t_s} s) on: {recorded_mnm} mNm recorded, {computed_mnm} mNm computed; \
-             {different_ticks} ticks, by {largest_difference_mnm:.3e} mNm at most"
+             {different_ticks} ticks, by at most {largest_difference_mnm:.3e} mNm"
         ),
     });
     lines

@@ -37,7 +37,7 @@ pub fn write(path: &Path, found: &Diagnosis, train: &str, heldout: Option<&str>)
             CaptureRows { role: "heldout", source: heldout.unwrap_or(train), rows: of_heldout },
         ],
     };
-    let folder = tempfile::tempdir().context("there is no place for the recording's rows")?;
+    let folder = tempfile::tempdir().context("the recording's rows cannot be stored")?;
     let json = folder.path().join("diagnosis.json");
     std::fs::write(&json, serde_json::to_vec(&recording)?).context("the recording's rows cannot be written")?;
     let program = program_path("rerun-viewer")?;
@@ -55,6 +55,6 @@ pub fn write(path: &Path, found: &Diagnosis, train: &str, heldout: Option<&str>)
         .stdout(Stdio::null())
         .status()
         .context("the viewer's program cannot be started; build the whole workspace")?;
-    anyhow::ensure!(ended.success(), "{} is not written; the viewer's program has said why", path.display());
+    anyhow::ensure!(ended.success(), "{} is not written; see the viewer's error above", path.display());
     Ok(())
 }

@@ -39,7 +39,7 @@ fn parts_of(archive: &Path) -> Vec<PathBuf> {
     let (of_a_run, others): (Vec<_>, Vec<_>) = found.partition(|part| matches!(part.run_id, Ok(Some(_))));
     let refused: Vec<_> = others.iter().filter_map(|part| part.run_id.as_ref().err()).collect();
     if let [first, more @ ..] = refused.as_slice() {
-        remark(format!("left out: {first}, and {} more files of such names", more.len()));
+        remark(format!("skipped: {first}, and {} more files of such names", more.len()));
     }
     of_a_run.into_iter().map(|part| part.path).collect()
 }
@@ -53,8 +53,8 @@ fn merge(archive: &Path, parts: &[PathBuf], out: &Path) -> anyhow::Result<Outcom
     let gaps: Vec<String> = ledger.gaps().iter().take(10).map(ToString::to_string).collect();
     let missing = if gaps.is_empty() { "none missing between them".to_owned() } else { gaps.join(", ") + " missing" };
     say(format!(
-        "{}: kept {} samples{bounds} of {} parts, {missing}; {} bytes dropped; the recording was not finished, what \
-         came after is not in the parts",
+        "{}: kept {} samples{bounds} of {} parts, {missing}; {} bytes dropped; the recording was not finished, later \
+         samples are lost",
         out.display(),
         ledger.admitted(),
         parts.len(),

@@ -46,7 +46,7 @@ fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String
     let model = request.knob_name();
     let model = if model.parse::<u32>().is_ok() { format!("knob {model}") } else { model.to_owned() };
     let hand = match (hand_torque, hand.as_str()) {
-        (Some(torque_mnm), _) => axis.words(&format!("a hand that turns it with {torque_mnm} mNm")).into_owned(),
+        (Some(torque_mnm), _) => axis.words(&format!("a hand that applies {torque_mnm} mNm")).into_owned(),
         (None, "none") => "nobody's hand on it".to_owned(),
         (None, motion) => format!("a hand that follows {motion}"),
     };
@@ -67,9 +67,9 @@ fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
         say(format!("{} {name} from {from_s:.2} s on", if index == 0 { "rendered" } else { "        " }));
     });
     if end.models.len() > LISTED_MODELS {
-        say(format!("         and {} more models; the archive has them all", end.models.len() - LISTED_MODELS));
+        say(format!("         and {} more models; the archive lists them all", end.models.len() - LISTED_MODELS));
     }
-    say(format!("guard    took energy back in {} ticks", end.status.guarded_ticks));
+    say(format!("guard    dissipated energy in {} ticks", end.status.guarded_ticks));
     let Some(archive) = end.left_archive(archive) else { return Ok(end.outcome_without_archive()) };
     let archived = Archived::read(&archive)?;
     say(format!("archive  {} ({} samples)", archive.display(), archived.samples));

@@ -23,7 +23,7 @@ pub fn archive(
 ) -> anyhow::Result<(PathBuf, Outcome)> {
     let time = jiff::Zoned::now().strftime("%Y%m%d-%H%M%S");
     let folder = claim::folder(&rig.captures_in, &format!("{time}-{purpose}"))
-        .with_context(|| format!("no folder can be made in {}; choose another", rig.captures_in.display()))?;
+        .with_context(|| format!("cannot create a folder in {}; choose another", rig.captures_in.display()))?;
     let turned = match request.knob_name() {
         "none" => "turning the gripper alone",
         "locked" => "loading the locked gripper",

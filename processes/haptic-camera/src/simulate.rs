@@ -18,8 +18,8 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
     let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, options.drive.into())?;
     let differs = match options.drive {
         SimulationDrive::Motion => format!(
-            "the model's torque differs by {rms_difference:.3} of {captured_rms:.3} mNm RMS from the capture's: relative \
-             error {:.2} %",
+            "the model's torque differs from the capture's by {rms_difference:.3} of {captured_rms:.3} mNm RMS: \
+             relative error {:.2} %",
             100.0 * rms_difference / captured_rms
         ),
         SimulationDrive::Torque => {

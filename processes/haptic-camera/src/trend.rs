@@ -19,7 +19,7 @@ const DAY_NS: f64 = 86_400e9;
 const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 
 /// A parameter in a capture: when it was captured, ns since 1970, and value with both ends of its interval.
-type Told = (f64, [Option<f64>; 3]);
+type Point = (f64, [Option<f64>; 3]);
 
 /// Reads a table and tells what changes.
 ///
@@ -33,11 +33,14 @@ pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
     let trend = read(&options.table, by)?;
     if !to_output(options.json.as_deref()) {
         for group in &trend.groups {
-            let drifting = group.parameters.iter().filter(|one| one.drift.is_some_and(|drift| drift.is_told()));
+            let drifting = group.parameters.iter().filter(|one| one.drift.is_some_and(|drift| drift.is_significant()));
             let names: Vec<&str> = drifting.map(|one| one.name.as_str()).collect();
             let captures = group.parameters.iter().map(|one| one.captures).max().unwrap_or(0);
-            let words =
-                if names.is_empty() { "no drift told".to_owned() } else { format!("drift of {}", names.join(", ")) };
+            let words = if names.is_empty() {
+                "no significant drift".to_owned()
+            } else {
+                format!("drift of {}", names.join(", "))
+            };
             let verdicts =
                 if group.verdicts.is_empty() { String::new() } else { format!("; {}", group.verdicts_in_words()) };
             say(format!("{by} {}: {captures} captures; {words}{verdicts}", group.name));
@@ -49,7 +52,7 @@ pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
 }
 
 fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
-    let foreign = || format!("{} is no table of captures; make one with `haptic-camera table`", table.display());
+    let foreign = || format!("{} is not a table of captures; make one with `haptic-camera table`", table.display());
     let file = foreign_files::open(table).with_context(foreign)?;
     let rows = SerializedFileReader::new(file).with_context(foreign)?;
     let about = rows.metadata().file_metadata();
@@ -71,7 +74,7 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
     };
     let parameters: Vec<&String> =
         columns.iter().filter(|name| columns.contains(&format!("{name}{}", ENDS[0]))).collect();
-    let mut groups: BTreeMap<String, Vec<Vec<Told>>> = BTreeMap::new();
+    let mut groups: BTreeMap<String, Vec<Vec<Point>>> = BTreeMap::new();
     let mut verdicts: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for row in rows.get_row_iter(None).with_context(foreign)? {
         let row = row.with_context(foreign)?;
@@ -88,26 +91,26 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         }
         let captured_at_ns = real(cells.get("captured_at_ns")).unwrap_or(0.0);
         let group = groups.entry(name).or_insert_with(|| vec![Vec::new(); parameters.len()]);
-        for (told, name) in group.iter_mut().zip(&parameters) {
+        for (points, name) in group.iter_mut().zip(&parameters) {
             let [low, high] = ENDS.map(|end| real(cells.get(format!("{name}{end}").as_str())));
-            told.push((captured_at_ns, [real(cells.get(name.as_str())), low, high]));
+            points.push((captured_at_ns, [real(cells.get(name.as_str())), low, high]));
         }
     }
     let times = groups.values().flatten().flatten().map(|(captured_at_ns, _)| *captured_at_ns);
     let first_ns = times.fold(f64::INFINITY, f64::min);
-    let point = |(captured_at_ns, [value, low, high]): &Told| {
+    let point = |(captured_at_ns, [value, low, high]): &Point| {
         let ci95 = low.zip(*high).map(|(low, high)| [low, high]);
         Some(TrendPoint { days: (captured_at_ns - first_ns) / DAY_NS, value: (*value)?, ci95 })
     };
     trend.groups = groups
         .into_iter()
-        .map(|(name, told)| {
-            let parameter = |(name, told): (&&String, &Vec<_>)| {
-                let points: Vec<TrendPoint> = told.iter().filter_map(point).collect();
+        .map(|(name, columns)| {
+            let parameter = |(name, points): (&&String, &Vec<_>)| {
+                let points: Vec<TrendPoint> = points.iter().filter_map(point).collect();
                 let unit = units.get(name.as_str()).copied().or_else(|| Row::unit_of(name, None)).unwrap_or_default();
                 (!points.is_empty()).then(|| TrendParameter::of(name, unit, points))
             };
-            let parameters = parameters.iter().zip(&told).filter_map(parameter).collect();
+            let parameters = parameters.iter().zip(&columns).filter_map(parameter).collect();
             TrendGroup { parameters, verdicts: verdicts.remove(&name).unwrap_or_default(), name }
         })
         .collect();

@@ -60,12 +60,12 @@ fn diagnosis(folder: &Path) -> Value {
 }
 
 #[test]
-fn rivals_that_the_first_captures_cannot_tell_apart_are_told_apart_by_one_more() {
+fn rivals_that_the_first_captures_cannot_distinguish_are_distinguished_by_one_more() {
     let folder = tempfile::tempdir().unwrap();
     let output = capture(folder.path(), IMBALANCE, &["--reach", "1.5", "--budget", "4"]);
     let said = said(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(said.contains("a tie") && said.contains("capture 3: to tell"), "{said}");
+    assert!(said.contains("a tie") && said.contains("capture 3: to discriminate between"), "{said}");
     let found = diagnosis(folder.path());
     assert_eq!(found["verdict"], "effects");
     assert_eq!(found["effects"], serde_json::json!(["mass-imbalance"]), "{said}");

@@ -81,7 +81,11 @@ fn a_rig_that_cogs_renders_as_one_that_does_not_once_its_cogging_is_calibrated()
     let output =
         haptic_camera(folder, &["replay", "3", "--verify", "--calibration", "rig.toml", "--json", "result.json"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(said.matches("friction would drive").count(), 1, "a remark is told once, not for each capture: {said}");
+    assert_eq!(
+        said.matches("friction would drive").count(),
+        1,
+        "a remark is printed once, not for each capture: {said}"
+    );
     let verified: Value = serde_json::from_slice(&std::fs::read(folder.join("result.json")).unwrap()).unwrap();
     for parameter in verified["parameters"].as_array().unwrap() {
         assert_eq!(parameter["passed"], true, "{parameter}");

@@ -15,9 +15,9 @@ fn haptic_camera(folder: &Path, arguments: &str) -> Output {
 /// What is written on standard output and on standard error.
 fn composed(folder: &Path, arguments: &str) -> (String, String) {
     let output = haptic_camera(folder, &format!("compose {arguments}"));
-    let told = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", told(&output.stderr));
-    (told(&output.stdout), told(&output.stderr))
+    let printed = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", printed(&output.stderr));
+    (printed(&output.stdout), printed(&output.stderr))
 }
 
 /// The one line of error, and the exit status.
@@ -33,7 +33,7 @@ const DRAWN: &str = "angle_rad,torque_mnm\n0.0,0.0\n0.05,6.0\n0.1,0.0\n0.15,-6.0
 #[test]
 fn the_parts_of_three_knobs_make_one_that_says_where_each_is_from() {
     let folder = tempfile::tempdir().unwrap();
-    let (told, remarks) =
+    let (printed, remarks) =
         composed(folder.path(), "--inertia 2 --friction 1 --detents 3 --set detent_amplitude=1.5 --out mix.toml");
     let model = Model::load(&folder.path().join("mix.toml")).unwrap();
     assert_eq!(model.name, "mix");
@@ -44,13 +44,13 @@ fn the_parts_of_three_knobs_make_one_that_says_where_each_is_from() {
     assert_eq!(origins, ["knob 2", "knob 1", "knob 1", "knob 3; detent_amplitude set to 1.5"]);
 
     let row = |name: &str| {
-        let line = told.lines().find(|line| line.contains(name)).unwrap().to_owned();
+        let line = printed.lines().find(|line| line.contains(name)).unwrap().to_owned();
         line.split_whitespace().skip_while(|word| *word != name).map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(row("detent_amplitude"), ["detent_amplitude", "1.5", "mNm", "set", "to", "1.5"]);
     assert_eq!(row("coulomb_negative"), ["coulomb_negative", "46", "mNm", "knob", "1"]);
     // 1.5 mNm over 0.034 rad.
-    assert!(told.contains("mix.toml: 4 effects; its torque changes by up to 44.1176 mNm/rad"), "{told}");
+    assert!(printed.contains("mix.toml: 4 effects; its torque changes by up to 44.1176 mNm/rad"), "{printed}");
     assert!(remarks.contains("the detents reach 1.500 mNm, less than the 150.000 mNm"), "{remarks}");
 }
 
@@ -68,11 +68,11 @@ fn a_number_is_changed_and_the_model_composed_again_in_its_place() {
 fn a_drawn_table_becomes_the_detents() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("drawn.csv"), DRAWN).unwrap();
-    let (told, _) = composed(
+    let (printed, _) = composed(
         folder.path(),
         "--inertia 3 --detents drawn.csv --set table_scale=2 --extra 5:backlash --from inertia=1 --out mix.toml",
     );
-    assert!(told.contains("4 over 0.2 rad"), "{told}");
+    assert!(printed.contains("4 over 0.2 rad"), "{printed}");
     let model = Model::load(&folder.path().join("mix.toml")).unwrap();
     assert_eq!(model.effect("torque-table").unwrap().origin(), Some("drawn.csv; table_scale set to 2"));
     assert_eq!((model.inertia(), model.coupling().is_some()), (0.091, true));
@@ -115,7 +115,7 @@ fn nothing_but_a_composed_model_is_written_over() {
 }
 
 #[test]
-fn wrong_usage_is_told_in_one_line_that_says_what_would_do() {
+fn wrong_usage_is_reported_in_one_line_that_says_what_would_do() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("open.csv"), "angle_rad,torque_mnm\n0,0\n0.1,5\n0.2,1\n").unwrap();
     for (arguments, expected) in [

@@ -23,7 +23,7 @@ fn refused(folder: &Path, arguments: &[&str], status: i32, words: &str) {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(status), "{arguments:?}: {said}");
     assert!(said.contains(words), "{arguments:?}: '{words}' is missing in {said}");
-    assert_eq!(said.lines().filter(|line| line.starts_with("error:")).count(), 1, "told once: {said}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("error:")).count(), 1, "reported once: {said}");
 }
 
 /// Captures a knob offline and gives the archive's name.
@@ -94,14 +94,14 @@ fn pyarrow_reads_an_exported_parquet_file_to_the_last_bit_with_its_units() {
             'ticks': [table['tick'][0].as_py(), table['tick'][-1].as_py()]}))";
     let output = Command::new(python).args(["-c", script]).current_dir(folder).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     let capture = Capture::load(&folder.join(&archive)).unwrap();
-    assert_eq!(told["rows"], capture.len());
-    assert_eq!(told["ticks"][1].as_u64(), capture.tick.last().copied());
-    assert_eq!(told["metadata"]["unit.acceleration_rad_s2"], "rad/s^2");
-    assert_eq!(told["metadata"]["unit.torque_mnm"], "mNm");
-    assert_eq!(told["metadata"]["rate_hz"], "5000");
-    assert!(told["metadata"]["run.json"].as_str().unwrap().contains("\"knob\": \"3\""));
+    assert_eq!(result["rows"], capture.len());
+    assert_eq!(result["ticks"][1].as_u64(), capture.tick.last().copied());
+    assert_eq!(result["metadata"]["unit.acceleration_rad_s2"], "rad/s^2");
+    assert_eq!(result["metadata"]["unit.torque_mnm"], "mNm");
+    assert_eq!(result["metadata"]["rate_hz"], "5000");
+    assert!(result["metadata"]["run.json"].as_str().unwrap().contains("\"knob\": \"3\""));
     let columns = [
         ("t_s", Some(&capture.t_s)),
         ("angle_rad", Some(&capture.angle_rad)),
@@ -112,7 +112,7 @@ fn pyarrow_reads_an_exported_parquet_file_to_the_last_bit_with_its_units() {
         ("commanded_torque_mnm", capture.commanded_torque_mnm.as_ref()),
     ];
     let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-    let real: Vec<&str> = told["real"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+    let real: Vec<&str> = result["real"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
     assert_eq!(names, real);
     let expected: Vec<u8> =
         columns.iter().flat_map(|(_, column)| column.unwrap()).flat_map(|value| value.to_le_bytes()).collect();
@@ -183,7 +183,7 @@ fn an_exported_torque_table_is_a_detent_that_compose_takes() {
 }
 
 #[test]
-fn what_cannot_be_exported_so_is_told_with_what_can() {
+fn what_cannot_be_exported_so_is_reported_with_what_can() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     refused(folder, &["export", "3", "--out", "knob.xyz"], 2, "name the file .csv, .h, .xml, .urdf, .fmu or .json");

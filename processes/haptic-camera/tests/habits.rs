@@ -39,8 +39,8 @@ fn every_command_s_help_has_an_example_and_fits_80_columns() {
         assert!(long.is_empty(), "{command}: {long:?}");
     }
     let help = said(&["--help"]);
-    for told in ["RUST_LOG", "NO_COLOR", "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost"] {
-        assert!(help.contains(told), "{told} is not in\n{help}");
+    for words in ["RUST_LOG", "NO_COLOR", "Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost"] {
+        assert!(help.contains(words), "{words} is not in\n{help}");
     }
 }
 

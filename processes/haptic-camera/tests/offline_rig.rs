@@ -65,8 +65,8 @@ fn a_rig_is_calibrated_step_by_step_and_the_next_run_carries_the_calibration() {
     let text = std::fs::read_to_string(folder.join("rig.toml")).unwrap();
     let found: toml::Table = text.parse().unwrap();
     for (quantity, value, tolerance) in truth {
-        let told = found[quantity].as_float().unwrap();
-        assert!((told - value).abs() < tolerance, "{quantity} is {told}, in truth {value}");
+        let estimate = found[quantity].as_float().unwrap();
+        assert!((estimate - value).abs() < tolerance, "{quantity} is {estimate}, in truth {value}");
         let comments = text.lines().filter(|line| line.starts_with(&format!("# {quantity}:"))).count();
         assert_eq!(comments, 1, "{quantity} says where it is from, once:\n{text}");
     }

@@ -1,4 +1,4 @@
-//! What a command writes takes nothing's place unasked, and what cannot be written is told.
+//! A command replaces no file without being asked to, and reports what cannot be written.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test fails by panicking; a skipped one says so")]
 
 use std::collections::BTreeMap;
@@ -111,9 +111,9 @@ fn no_output_takes_the_place_of_an_input_or_of_a_file_of_another_kind_or_making(
                 }
                 let line = line.replace("OUT", &out);
                 let output = run(folder, &line);
-                let told = said(&output);
-                assert!(matches!(output.status.code(), Some(1 | 2)), "{line}: {told}");
-                assert_eq!(told.lines().filter(|line| line.contains("error: ")).count(), 1, "{line}: {told}");
+                let printed = said(&output);
+                assert!(matches!(output.status.code(), Some(1 | 2)), "{line}: {printed}");
+                assert_eq!(printed.lines().filter(|line| line.contains("error: ")).count(), 1, "{line}: {printed}");
                 if out.starts_with("link") {
                     std::fs::remove_file(folder.join(&out)).unwrap();
                 }
@@ -212,7 +212,7 @@ const PRINTING: [&str; 16] = [
 ];
 
 #[test]
-fn what_standard_output_does_not_take_is_told_and_no_success() {
+fn what_standard_output_does_not_take_is_reported_and_no_success() {
     let folder = folder_of_everything();
     let folder = folder.path();
     for line in PRINTING {

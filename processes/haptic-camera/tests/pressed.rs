@@ -1,4 +1,4 @@
-//! What is pressed: captured, fitted, told, rendered and judged in mm and N.
+//! A pressed control is captured, fitted, reported, rendered and judged in mm and N.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
 use std::path::{Path, PathBuf};
@@ -69,19 +69,19 @@ fn only(folder: &Path, ending: &str) -> PathBuf {
 }
 
 #[test]
-fn a_dome_is_captured_on_the_linear_rig_and_told_in_its_own_units() {
+fn a_dome_is_captured_on_the_linear_rig_and_reported_in_its_own_units() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let output = haptic_camera(folder, "capture --apparatus sim-linear --duration-s 4 --offline --no-viewer --out cap");
     assert!(output.status.success(), "{}", words(&output));
     let printed = words(&output);
     assert!(!printed.contains("mNm") && printed.contains("N s²/mm") && printed.contains("of the force"), "{printed}");
-    let told: Value =
+    let fit: Value =
         serde_json::from_str(&std::fs::read_to_string(only(&folder.join("cap"), "json")).unwrap()).unwrap();
-    let inertia = &told["parameters"]["inertia"];
+    let inertia = &fit["parameters"]["inertia"];
     assert!((inertia["value"].as_f64().unwrap() / 4e-6 - 1.0).abs() < 0.08, "{inertia}");
     assert_eq!(inertia["unit"], "N s²/mm");
-    assert!(told["residual_rms_n"].as_f64().unwrap() < 0.005 && told["residual_rms_mnm"].is_null());
+    assert!(fit["residual_rms_n"].as_f64().unwrap() < 0.005 && fit["residual_rms_mnm"].is_null());
     let page = std::fs::read_to_string(only(&folder.join("cap"), "html")).unwrap();
     assert!(page.contains("travel (mm)") && !page.contains("mNm"), "a page in other units");
 
@@ -123,12 +123,12 @@ fn the_intervals_of_a_domes_mass_friction_and_curve_hold_them_as_often_as_they_s
         let output = haptic_camera(folder.path(), &format!("{arguments} --seed {seed} --out {seed}"));
         assert!(output.status.success(), "{}", words(&output));
         let json = std::fs::read_to_string(only(&folder.path().join(seed.to_string()), "json")).unwrap();
-        let told: Value = serde_json::from_str(&json).unwrap();
+        let fit: Value = serde_json::from_str(&json).unwrap();
         let holds = |interval: &Value, truth: f64| {
             let [low, high] = [0, 1].map(|end| interval[end].as_f64().unwrap());
             (low..=high).contains(&truth)
         };
-        let parameter = |name: &str, truth: f64| u32::from(holds(&told["parameters"][name]["ci95"], truth));
+        let parameter = |name: &str, truth: f64| u32::from(holds(&fit["parameters"][name]["ci95"], truth));
         of_mass += parameter("inertia", 4e-6);
         for (name, truth) in [
             ("coulomb_negative", 0.02),
@@ -138,7 +138,7 @@ fn the_intervals_of_a_domes_mass_friction_and_curve_hold_them_as_often_as_they_s
         ] {
             of_friction += parameter(name, truth);
         }
-        for point in told["characteristics"][0]["points"].as_array().unwrap() {
+        for point in fit["characteristics"][0]["points"].as_array().unwrap() {
             if point["ci95"].is_array() {
                 points[1] += 1.0;
                 let truth = dome_force_n(point["at"].as_f64().unwrap());

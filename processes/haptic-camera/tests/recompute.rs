@@ -98,9 +98,9 @@ fn what_cannot_be_computed_again_is_refused_in_one_sentence() {
         capture.write_mcap(&folder.join(name)).unwrap();
     };
     older("older.mcap", &|capture| capture.description.as_mut().unwrap().control_toml = None);
-    refused("recompute older.mcap", "does not say with which gains");
+    refused("recompute older.mcap", "does not record its gains");
     older("sweep.mcap", &|capture| capture.description.as_mut().unwrap().rendered_model_toml = None);
     refused("recompute sweep.mcap", "only a replay");
     older("model.mcap", &|capture| capture.flags.as_mut().unwrap()[500] |= shared_types::Sample::MODEL_TAKEN);
-    refused("recompute model.mcap", "begins to be felt at tick 500");
+    refused("recompute model.mcap", "is rendered from tick 500 on");
 }

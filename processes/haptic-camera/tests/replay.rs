@@ -124,15 +124,15 @@ fn what_the_rig_cannot_render_is_refused_with_the_nearest_that_would_do() {
 }
 
 #[test]
-fn a_rate_at_which_the_rig_must_hold_the_model_softly_is_told_with_a_firmer_one() {
+fn a_rate_at_which_the_rig_must_hold_the_model_softly_is_reported_with_a_firmer_one() {
     let folder = tempfile::tempdir().unwrap();
     let output = replay(folder.path(), "3 --rate-hz 3000 --duration-s 0.5");
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.contains("--rate-hz 10000 holds it more firmly"), "{said}");
+    assert!(output.status.success() && said.contains("--rate-hz 10000 couples it more firmly"), "{said}");
 }
 
 #[test]
-fn the_nearest_that_the_rig_renders_is_rendered_and_told_on_request() {
+fn the_nearest_that_the_rig_renders_is_rendered_and_reported_on_request() {
     let folder = tempfile::tempdir().unwrap();
     refused(folder.path(), "5");
     let output = replay(folder.path(), "5 --nearest --duration-s 1");

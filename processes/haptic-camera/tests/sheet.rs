@@ -42,7 +42,7 @@ fn a_dome_has_its_sheet_as_table_json_csv_and_page() {
     let output = run(&[&["sheet", "dome"][..], &files].concat(), folder.path());
     assert!(output.status.success(), "{}", words(&output));
     let printed = words(&output);
-    assert!(printed.starts_with("mean of 3 curves of dome, 95 % intervals of one more of them"), "{printed}");
+    assert!(printed.starts_with("mean of 3 curves of dome, 95 % prediction intervals for another one"), "{printed}");
     assert!(printed.lines().take(18).all(|line| line.chars().count() <= 80), "{printed}");
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let json: serde_json::Value = serde_json::from_str(&read("s.json")).unwrap();

@@ -136,7 +136,7 @@ fn a_knob_behind_a_shaft_is_simulated_with_its_own_motion() {
 }
 
 #[test]
-fn a_models_relative_error_on_a_capture_is_told_without_writing_anything() {
+fn a_models_relative_error_on_a_capture_is_reported_without_writing_anything() {
     let folder = tempfile::tempdir().unwrap();
     let error_percent = |model: &str| -> f64 {
         let said = simulated(folder.path(), model, &[]);

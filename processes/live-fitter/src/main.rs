@@ -73,7 +73,7 @@ fn fit_stream(arguments: &Arguments) -> anyhow::Result<()> {
             streams.publish(update)?;
         }
         if streams.source_is_gone(run.run_id)? {
-            tracing::warn!("the control loop is gone before the run's end: the fit ends here");
+            tracing::warn!("the control loop died before the end of the run: the fit ends here");
             break;
         }
         streams.report_health()?;

@@ -63,7 +63,7 @@ impl Streams {
         while !stop.is_asked() {
             if let Some(json) = descriptions.receive().context("the run's description cannot be received")? {
                 let run = serde_json::from_slice(json.payload())
-                    .context("the run's description is not understood; use the programs of one build together")?;
+                    .context("the run's description cannot be read; use programs of the same build")?;
                 return Ok(Some(run));
             }
             self.report_health()?;

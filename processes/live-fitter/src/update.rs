@@ -14,22 +14,22 @@ const INTERVAL: Duration = Duration::from_millis(40);
 /// When an update is due: at an even pace, and only when there is something new to tell.
 pub struct Cadence {
     next: Instant,
-    told: Option<Newest>,
+    sent: Option<Newest>,
 }
 
 impl Cadence {
     /// The first update is due at once.
     pub fn new() -> Self {
-        Self { next: Instant::now(), told: None }
+        Self { next: Instant::now(), sent: None }
     }
 
     /// Whether an update is due, the newest sample being this.
     pub fn is_due(&mut self, newest: Option<Newest>) -> bool {
         let now = Instant::now();
-        if newest == self.told || now < self.next {
+        if newest == self.sent || now < self.next {
             return false;
         }
-        self.told = newest;
+        self.sent = newest;
         self.next = now + INTERVAL;
         true
     }

@@ -31,12 +31,12 @@ fn print_error(line: &str) {
 /// Tells that standard output was not written; whoever closed a pipe, as `head` does, knows.
 pub fn tell_lost_output(error: &std::io::Error) -> ExitCode {
     if error.kind() != ErrorKind::BrokenPipe {
-        print_error(&format!("error: standard output could not be written ({error}); make room, or send it elsewhere"));
+        print_error(&format!("error: standard output could not be written ({error}); free some space, or redirect it"));
     }
     ExitCode::FAILURE
 }
 
-/// The command line; help and version are printed as they are asked for, and what is wrong is told in three lines at most.
+/// Parses the command line. Help and version are printed on request, errors in at most three lines.
 ///
 /// # Errors
 /// The exit status with which the program is to end.
@@ -54,9 +54,9 @@ fn tell_usage(error: &clap::Error) -> ExitCode {
     // The paragraphs of clap's message are: what is wrong, tips, usage, where to read more.
     let text = error.render().to_string();
     let paragraphs: Vec<String> = text.split("\n\n").map(one_line).filter(|line| !line.is_empty()).collect();
-    let (usage, told): (Vec<&String>, Vec<&String>) =
+    let (usage, errors): (Vec<&String>, Vec<&String>) =
         paragraphs.iter().partition(|line| line.starts_with("Usage:") || line.starts_with("For more"));
-    print_error(&told.into_iter().map(String::as_str).collect::<Vec<_>>().join("; "));
+    print_error(&errors.into_iter().map(String::as_str).collect::<Vec<_>>().join("; "));
     usage.into_iter().take(2).for_each(|line| print_error(line));
     ExitCode::from(2)
 }

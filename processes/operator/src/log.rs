@@ -15,13 +15,13 @@ pub fn start_log(level: LevelFilter) {
         Ok(directives) => directives,
         Err(VarError::NotPresent) => String::new(),
         Err(VarError::NotUnicode(_)) => {
-            super::remark(format!("{VARIABLE} is not Unicode and is left aside"));
+            super::remark(format!("{VARIABLE} is not Unicode and is ignored"));
             String::new()
         }
     };
     let filter = EnvFilter::builder().with_default_directive(level.into());
     let filter = filter.parse(&directives).unwrap_or_else(|error| {
-        super::remark(format!("{VARIABLE} is left aside: {error}; give it a form such as recorder=debug"));
+        super::remark(format!("{VARIABLE} is ignored: {error}; use a form such as recorder=debug"));
         EnvFilter::default().add_directive(level.into())
     });
     tracing_subscriber::fmt()

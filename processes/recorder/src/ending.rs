@@ -80,13 +80,13 @@ impl Ending {
         match cause {
             None | Some(Cause::Complete) => {}
             Some(Cause::Overdue) => tracing::warn!(
-                "the run had {} samples, but only the first {} of them came in the end",
+                "the run had {} samples, but only the first {} arrived",
                 self.taken_samples(),
                 recording.next_seq()
             ),
-            Some(Cause::Asked) => tracing::warn!("asked to stop while the run goes on: the archive ends here"),
+            Some(Cause::Asked) => tracing::warn!("stopped during the run: the archive ends here"),
             Some(Cause::SourceGone) => {
-                tracing::warn!("the control loop is gone before the run's end: the archive ends here");
+                tracing::warn!("the control loop died before the end of the run: the archive ends here");
             }
         }
         cause.is_some()
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_the_loop_dropped_at_the_end_are_waited_for_and_told() {
+    fn samples_that_the_loop_dropped_at_the_end_are_waited_for_and_reported() {
         let mut ending = Ending::of_run(5);
         let dropped = LoopStatus { dropped_samples: 30, ..status(1, 70) };
         assert!(ending.hear(&dropped, SECOND));

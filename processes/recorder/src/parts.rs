@@ -24,7 +24,7 @@ pub(crate) fn of_run(out: &Path, directory: &Path, run_id: u64) -> Vec<PathBuf> 
     let (ours, others): (Vec<_>, Vec<_>) = parts::find(out, directory).into_iter().partition(is_ours);
     if let [first, more @ ..] = others.as_slice() {
         let why = first.run_id.as_ref().err().map_or_else(|| first.path.display().to_string(), ToString::to_string);
-        tracing::warn!("no part of this run, and left alone: {why}, and {} more files of such names", more.len());
+        tracing::warn!("not a part of this run, skipped: {why}, and {} more files of such names", more.len());
     }
     ours.into_iter().map(|part| part.path).collect()
 }

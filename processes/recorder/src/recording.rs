@@ -59,7 +59,7 @@ impl Recording {
         let _ = std::fs::create_dir_all(folder_of(out));
         let part = create_part(out, folder_of(out), &run).or_else(|error| {
             let elsewhere = || create_part(out, &create_fallback_dir(run.run_id)?, &run);
-            let part = elsewhere().context("no place for the archive is left")?;
+            let part = elsewhere().context("no folder is left for the archive")?;
             tracing::error!("{error:#}; recording to {} instead", part.path.display());
             anyhow::Ok(part)
         })?;
@@ -106,7 +106,7 @@ impl Recording {
             self.fall_back(&error);
         }
         if self.unsaved.len() > MOST_KEPT {
-            // Lost if the part fails, or while there is none: the gap that this leaves is told in the end.
+            // Lost if the part fails, or while there is none: the gap is reported at the end.
             self.unsaved.pop_front();
             self.at_disk = self.at_disk.saturating_sub(1);
         }
@@ -127,7 +127,7 @@ impl Recording {
             Some(Err(error)) => self.fall_back(&error),
             None => {
                 if let Ok(part) = self.go_on() {
-                    tracing::error!("there is room again; recording goes on in {}", part.display());
+                    tracing::error!("there is space again; recording continues in {}", part.display());
                 }
             }
         }
@@ -151,10 +151,10 @@ impl Recording {
         }
         self.flushed = Instant::now();
         match self.go_on() {
-            Ok(part) => tracing::error!("{error:#}; recording goes on in {}", part.display()),
+            Ok(part) => tracing::error!("{error:#}; recording continues in {}", part.display()),
             Err(nowhere) => tracing::error!(
-                "{error:#}, and no other place is left ({nowhere:#}): make room; samples are kept in memory for 100 s at \
-                 10 kHz"
+                "{error:#}, and no other folder is left ({nowhere:#}): free some space; samples are kept in memory \
+                 for 100 s at 10 kHz"
             ),
         }
     }
@@ -174,10 +174,10 @@ impl Recording {
 
     /// Writes what the disk may not have into one more part, when the last one failed at its end.
     fn end_elsewhere(&mut self, error: &anyhow::Error) {
-        tracing::error!("{error:#}; what the disk may not have is written once more");
+        tracing::error!("{error:#}; data that may not be on the disk is written again");
         let ended = self.go_on().and_then(|_| self.part.take().map_or(Ok(()), |part| part.finish().map(drop)));
         if let Err(error) = ended {
-            tracing::error!("{error:#}; the archive is made of what was written before");
+            tracing::error!("{error:#}; the archive has only what was written before");
         }
     }
 
@@ -230,7 +230,7 @@ impl Recording {
                 Err(error) => self.end_elsewhere(&error),
             }
         } else {
-            tracing::error!("{} messages found no place to the end and are lost", self.unsaved.len());
+            tracing::error!("{} messages could not be written and are lost", self.unsaved.len());
         }
         let mut sources = self.parts();
         let Self { out, run, received, .. } = self;
@@ -257,7 +257,7 @@ impl Recording {
             Err(error) => {
                 let paths: Vec<String> = sources.iter().map(|path| path.display().to_string()).collect();
                 tracing::error!(
-                    "{error:#}; the parts stay as they are: {}. Make room, then run `haptic-camera recover {} --out \
+                    "{error:#}; the parts are kept: {}. Free some space, then run `haptic-camera recover {} --out \
                      FIXED.mcap`",
                     paths.join(", "),
                     out.display()

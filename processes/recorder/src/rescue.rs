@@ -24,18 +24,16 @@ impl Rescue {
             let copy = std::thread::Builder::new().name("rescue".to_owned()).spawn(move || copy(removed, place))?;
             anyhow::Ok(Self { path, copy })
         };
-        begin()
-            .inspect_err(|error| tracing::error!("what was recorded before it was removed cannot be saved: {error:#}"))
-            .ok()
+        begin().inspect_err(|error| tracing::error!("the removed recording cannot be saved: {error:#}")).ok()
     }
 
     /// Waits for the copy; tells if it failed.
     pub(crate) fn finish(self) {
         let Self { path, copy } = self;
         match copy.join() {
-            Ok(Ok(())) => tracing::warn!("what was recorded before it was removed is saved in {}", path.display()),
-            Ok(Err(error)) => tracing::error!("{} is a part of what was removed only: {error}", path.display()),
-            Err(_panicked) => tracing::error!("{} is a part of what was removed only", path.display()),
+            Ok(Ok(())) => tracing::warn!("the removed recording is saved in {}", path.display()),
+            Ok(Err(error)) => tracing::error!("{} has only a part of the removed recording: {error}", path.display()),
+            Err(_panicked) => tracing::error!("{} has only a part of the removed recording", path.display()),
         }
     }
 }

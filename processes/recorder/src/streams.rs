@@ -47,7 +47,7 @@ impl Streams {
         while !stop.is_asked() {
             if let Some(json) = descriptions.receive().context("the run's description cannot be received")? {
                 let run = serde_json::from_slice(json.payload())
-                    .context("the run's description is not understood; use the programs of one build together")?;
+                    .context("the run's description cannot be read; use programs of the same build")?;
                 return Ok(Some(run));
             }
             self.report_health(0)?;
@@ -84,7 +84,7 @@ impl Streams {
         }
         while let Some(json) = self.models.receive().context("rendered models cannot be received")? {
             let change: ModelChange = serde_json::from_slice(json.payload())
-                .context("a rendered model is not understood; use the programs of one build together")?;
+                .context("a rendered model cannot be read; use programs of the same build")?;
             if change.run_id == recording.run_id() {
                 recording.write(Entry::Model(Box::new(change)));
             }

@@ -289,7 +289,7 @@ fn a_recorder_that_comes_after_the_run_records_what_history_holds() {
 }
 
 #[test]
-fn samples_that_never_come_are_told_by_status_3_and_a_gap() {
+fn samples_that_never_come_are_reported_by_status_3_and_a_gap() {
     let mut rig = Rig::new();
     let mut recorder = rig.start_recorder(0);
     rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
@@ -306,7 +306,7 @@ fn samples_that_never_come_are_told_by_status_3_and_a_gap() {
 }
 
 #[test]
-fn a_recorder_that_is_told_to_stop_ends_its_archive_and_ignores_ctrl_c() {
+fn a_recorder_that_is_reported_to_stop_ends_its_archive_and_ignores_ctrl_c() {
     let mut rig = Rig::new();
     let mut recorder = rig.start_recorder(0);
     rig.wait_for("the first part", |path| path.join("run.mcap.part-000").exists());
@@ -463,7 +463,7 @@ fn two_full_disks_cost_no_sample_when_room_is_made_in_time() {
 }
 
 #[test]
-fn two_full_disks_leave_what_fitted_readable_and_the_loss_is_told() {
+fn two_full_disks_leave_what_fitted_readable_and_the_loss_is_reported() {
     let mut rig = Rig::new();
     let Some(disk) = SmallDisk::mount(&rig.directory.path().join("disk"), 512) else { return };
     let Some(_other) = SmallDisk::mount(&rig.elsewhere(), 512) else { return };

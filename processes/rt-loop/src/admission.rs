@@ -43,7 +43,7 @@ impl Admission {
         let mut remarks = self.bounds.check(model)?;
         if model.coupling().is_some_and(|shaft| shaft.half_gap_rad == 0.0) {
             remarks.push(format!(
-                "{:.4} mNm·s²/rad of the inertia are felt before the shaft, not behind it: gripper and rotor",
+                "{:.4} mNm·s²/rad of the inertia, gripper and rotor, are in front of the shaft, not behind it",
                 self.bounds.least_inertia
             ));
         }

@@ -24,9 +24,9 @@
 
 pub mod admission;
 pub mod control;
-pub mod drilled_apparatus;
 mod model_exchange;
 pub mod nearest;
+pub mod panicking_apparatus;
 pub mod plan;
 pub mod publisher;
 pub mod realtime;

@@ -70,7 +70,7 @@ impl ModelExchange {
                 .map_err(|error| format!("{error:?}"))
                 .and_then(|place| place.write_from_slice(&text).send().map_err(|error| format!("{error:?}")));
             if let Err(reason) = sent {
-                tracing::warn!("a model was sent, but the answer could not be ({reason})");
+                tracing::warn!("a model was received, but the answer could not be sent ({reason})");
             }
         }
     }
@@ -83,7 +83,7 @@ impl ModelExchange {
     /// Says if a model was taken that is never felt, since the run is over.
     pub(crate) fn close(&self) {
         if self.newest_waits {
-            tracing::warn!("the run ended before the last model that was sent could be felt");
+            tracing::warn!("the run ended before the last model could be rendered");
         }
     }
 
@@ -101,13 +101,11 @@ impl ModelExchange {
             }
             Ok(ModelRequest::Replace { revision, model_toml }) => (revision, model_toml),
             Err(error) => {
-                return refused(format!(
-                    "the request is not understood ({error}); use the programs of one build together"
-                ));
+                return refused(format!("the request cannot be read ({error}); use programs of the same build"));
             }
         };
         if !matches!(state, LoopState::Armed | LoopState::Running) {
-            return refused("the replay is at its end; start another with `haptic-camera replay MODEL`".to_owned());
+            return refused("the replay is ending; start another with `haptic-camera replay MODEL`".to_owned());
         }
         if revision != self.revision {
             return ModelAnswer::Overtaken { revision: self.revision, model_toml: self.newest_toml.clone() };
@@ -145,7 +143,7 @@ impl ModelExchange {
             .map_err(|error| format!("{error:?}"))
             .and_then(|place| place.write_from_slice(&text).send().map_err(|error| format!("{error:?}")));
         if let Err(reason) = sent {
-            tracing::error!("the model that is felt from tick {tick} on could not be published ({reason})");
+            tracing::error!("the model rendered from tick {tick} on could not be published ({reason})");
         }
     }
 }

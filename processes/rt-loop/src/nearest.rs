@@ -39,7 +39,7 @@ impl Admission {
         let mut tried = model.clone();
         for _ in 0..ROUNDS {
             match self.admit(&tried) {
-                Ok(admitted) => return Ok(told(model, tried, admitted)),
+                Ok(admitted) => return Ok(nearest(model, tried, admitted)),
                 Err(error) => {
                     let changed = match &error {
                         PlanError::Unrenderable(error) => make_renderable(&mut tried, error),
@@ -52,7 +52,7 @@ impl Admission {
                 }
             }
         }
-        self.admit(&tried).map(|admitted| told(model, tried, admitted))
+        self.admit(&tried).map(|admitted| nearest(model, tried, admitted))
     }
 
     /// Brings what passes a bound to it; `false` where the model has nothing that would do so.
@@ -193,12 +193,12 @@ fn lower_torque(model: &mut Model, room_mnm: f64, share: f64) -> bool {
 }
 
 /// What became of `asked`, with a note at every effect that was changed.
-fn told(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
+fn nearest(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
     let mut clipped = Vec::new();
     for effect in &asked.effects {
         let name = effect.kind().name;
         let Some(rendered) = model.effects.iter_mut().find(|known| known.kind().name == name) else {
-            clipped.push(format!("{name} is left out: it has no place in the renderer"));
+            clipped.push(format!("{name} is left out: the renderer does not support it"));
             continue;
         };
         let changes: Vec<String> = effect
@@ -212,8 +212,7 @@ fn told(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
             .collect();
         if !changes.is_empty() {
             let origin = rendered.origin().map_or_else(String::new, |origin| format!("{origin}; "));
-            *rendered =
-                rendered.with_origin(&format!("{origin}clipped to what the rig renders: {}", changes.join(", ")));
+            *rendered = rendered.with_origin(&format!("{origin}clipped to the rig's limits: {}", changes.join(", ")));
             clipped.extend(changes);
         }
     }
@@ -221,7 +220,7 @@ fn told(asked: &Model, mut model: Model, admitted: Admitted) -> Nearest {
         clipped.push(format!("inertia = {} mNm s²/rad instead of none", rounded(model.inertia())));
     }
     if !clipped.is_empty() {
-        model.name = format!("{}, the nearest that the rig renders", model.name);
+        model.name = format!("{}, the nearest within the rig's limits", model.name);
     }
     Nearest { model, admitted, clipped }
 }

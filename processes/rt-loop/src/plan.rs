@@ -29,7 +29,7 @@ const RENDERING_RATES_HZ: [f64; 12] =
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// A rig that is not there.
-    #[error("no rig called '{asked}' ships; --apparatus takes {known}, and --rig a file")]
+    #[error("there is no shipped rig '{asked}'; --apparatus takes {known}, and --rig a file")]
     UnknownRig {
         /// The name asked for.
         asked: String,
@@ -37,7 +37,7 @@ pub enum PlanError {
         known: String,
     },
     /// A driver that is not there.
-    #[error("the rig '{rig}' asks for the driver '{asked}'; there are {known}")]
+    #[error("the rig '{rig}' has an unknown driver '{asked}'; known are {known}")]
     UnknownDriver {
         /// The rig's name.
         rig: String,
@@ -53,15 +53,15 @@ pub enum PlanError {
     #[error(transparent)]
     Plugin(#[from] PluginRigError),
     /// Something that only the simulated rig has.
-    #[error("the rig '{rig}' is no simulation, and {what} belongs to the simulated rig alone; leave it out")]
+    #[error("{what} only applies to the simulated rig, and not to '{rig}'; omit it")]
     NotSimulated {
         /// The rig's name.
         rig: String,
-        /// What was asked.
+        /// The option.
         what: String,
     },
     /// A system call that the loop cannot look for.
-    #[error("the rig '{rig}' declares the system call '{call}', which is not known here; known are {known}")]
+    #[error("the rig '{rig}' declares an unknown system call '{call}'; known are {known}")]
     UnknownCall {
         /// The rig's name.
         rig: String,
@@ -71,10 +71,10 @@ pub enum PlanError {
         known: String,
     },
     /// A rig that cannot feel a hand.
-    #[error("the rig '{0}' has no torque sensor, by which a rendering feels the hand; it can capture, but not replay")]
+    #[error("the rig '{0}' has no torque sensor, which a replay needs to measure the hand; it can only capture")]
     NoTorqueSensor(String),
     /// A rate at which nothing can be rendered.
-    #[error("at {asked} Hz no hand could hold what the rig '{rig}' renders without shaking: {remedy}")]
+    #[error("at {asked} Hz the rig '{rig}' cannot render a knob stably in a hand: {remedy}")]
     TooSlow {
         /// The rate asked for, Hz.
         asked: f64,
@@ -122,7 +122,7 @@ pub enum PlanError {
         fastest: f64,
     },
     /// A rate at which the servo makes the shaft swing.
-    #[error("at {asked} Hz the servo would shake this knob instead of holding it: {remedy}")]
+    #[error("at {asked} Hz the servo would be unstable with this knob: {remedy}")]
     Unstable {
         /// The rate asked for, Hz.
         asked: f64,
@@ -130,7 +130,7 @@ pub enum PlanError {
         remedy: String,
     },
     /// A hand that cannot be had.
-    #[error("the hand cannot be had: {0}")]
+    #[error("the hand is invalid: {0}")]
     Hand(String),
     /// A model that cannot be rendered.
     #[error(transparent)]
@@ -148,7 +148,7 @@ pub enum PlanError {
     },
     /// A rig whose own friction is not known.
     #[error(
-        "the calibration has no motor_coulomb_mnm, so that the rig's own friction would be felt with the model's; run \
+        "the calibration has no motor_coulomb_mnm, so that the rig's own friction would add to the model's; run \
          `haptic-camera calibrate friction` first"
     )]
     Uncalibrated,
@@ -156,10 +156,10 @@ pub enum PlanError {
     #[error("{0}")]
     OnLinearAxis(String),
     /// A duration that is no length of a run.
-    #[error("a run of {0} s cannot be done; give a duration above 0 and up to a day ({LONGEST_DURATION_S} s)")]
+    #[error("a run cannot last {0} s; give a duration above 0 and up to a day ({LONGEST_DURATION_S} s)")]
     Duration(f64),
     /// A core that the process may not use.
-    #[error("core {asked} is not to be had; this process may run on cores up to {last}")]
+    #[error("core {asked} is not available; this process may run on cores up to {last}")]
     Core {
         /// The core asked for.
         asked: usize,
@@ -180,13 +180,13 @@ pub struct Rendering {
     pub remarks: Vec<String>,
     /// What further models must pass.
     pub admission: Admission,
-    /// Whether the remarks are not to be told.
+    /// Whether to suppress the remarks.
     without_remarks: bool,
 }
 
 impl Rendering {
-    /// The remarks that the operator is to be told.
-    pub fn told(&self) -> impl Iterator<Item = &String> {
+    /// The remarks to print for the operator.
+    pub fn remarks_to_print(&self) -> impl Iterator<Item = &String> {
         self.remarks.iter().filter(|_| !self.without_remarks)
     }
 }
@@ -339,17 +339,17 @@ fn gains(rig: &RigDescription, request: &RunRequest, rate_hz: f64) -> ServoGains
     }
 }
 
-/// Share of the motor's limit from which on a jump of the torque is told.
-const TOLD_SHARE: f64 = 0.02;
+/// Least jump of the torque to report, as a share of the motor's limit.
+const REPORTED_SHARE: f64 = 0.02;
 
 /// What the encoder's step makes of the servo's torque, where it is more than a little.
 fn rattle(control: &ControlPlan, rig: &RigDescription) -> Option<String> {
     let step_rad = rig.calibration.angle_step_rad;
     let jump_mnm = control.gains.jump_mnm(step_rad, control.rate_hz);
-    (jump_mnm > TOLD_SHARE * rig.limits.motor_torque_mnm).then(|| {
+    (jump_mnm > REPORTED_SHARE * rig.limits.motor_torque_mnm).then(|| {
         format!(
-            "each step of the encoder ({step_rad:.2e} rad) makes the servo's torque jump by {jump_mnm:.1} mNm; an encoder of more counts \
-             makes it calmer"
+            "each step of the encoder ({step_rad:.2e} rad) makes the servo's torque jump by {jump_mnm:.1} mNm; an \
+             encoder with more counts reduces that"
         )
     })
 }
@@ -370,8 +370,8 @@ fn check_servo(
     let remedy = match holding.slowest_stable_hz(fastest_hz, gains_at) {
         Some(slowest_hz) => format!("give --rate-hz {slowest_hz} or more"),
         None => format!(
-            "with a motor_inertia of {} mNm·s²/rad it holds it at no rate up to {fastest_hz} Hz; `haptic-camera rig commission` finds the \
-             motor_inertia that belongs under [calibration]",
+            "with a motor_inertia of {} mNm·s²/rad it is unstable at every rate up to {fastest_hz} Hz; \
+             `haptic-camera rig commission` measures the motor_inertia for [calibration]",
             rig.calibration.motor_inertia
         ),
     };
@@ -397,7 +397,7 @@ fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) 
             let mut rates = rates.clone().filter(|other| firmness(*other).is_some());
             match (rates.clone().find(|other| *other > rate_hz), rates.next_back()) {
                 (Some(other), _) | (None, Some(other)) => format!("give --rate-hz {other}"),
-                (None, None) => "it renders at no rate that it holds; calibrate it again".to_owned(),
+                (None, None) => "it cannot render at any rate that it holds; calibrate it again".to_owned(),
             }
         },
     };
@@ -407,16 +407,16 @@ fn make_rendering(asked: &RenderingRequest, rig: &RigDescription, rate_hz: f64) 
         let firmest = rates.clone().rev().max_by(|one, other| damping(*one).total_cmp(&damping(*other)));
         let remedy = firmest.filter(|other| damping(*other) > gains.damping);
         format!(
-            "at {rate_hz} Hz the usual stiffness would let rotor and gripper swing over the torque sensor: the model is held to the rotor \
-             by {:.2} of it{}",
+            "at {rate_hz} Hz rotor and gripper would oscillate on the torque sensor at the usual coupling stiffness: \
+             the model is coupled by {:.2} of it{}",
             share * share,
-            remedy.map_or_else(String::new, |other| format!("; --rate-hz {other} holds it more firmly"))
+            remedy.map_or_else(String::new, |other| format!("; --rate-hz {other} couples it more firmly"))
         )
     });
     let admission = Admission::new(bounds, &rig.calibration);
     let (model, Admitted { rendered, remarks }) = if asked.nearest {
         let Nearest { model, admitted, clipped } = admission.nearest(&model)?;
-        let clipped = clipped.into_iter().map(|change| format!("clipped to what the rig renders: {change}"));
+        let clipped = clipped.into_iter().map(|change| format!("clipped to the rig's limits: {change}"));
         (model, Admitted { remarks: clipped.chain(admitted.remarks).collect(), ..admitted })
     } else {
         let admitted = admission.admit(&model)?;

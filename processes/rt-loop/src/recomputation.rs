@@ -30,11 +30,11 @@ pub struct ControlDescription {
 pub enum NotRecomputable {
     /// No rendering.
     #[error(
-        "the capture follows a sweep, and its servo began before the first sample; only a replay can be computed again"
+        "the capture follows a sweep, whose servo started before the first sample; only a replay can be recomputed"
     )]
     NotRendered,
     /// A run by a program that did not keep what is needed.
-    #[error("the archive does not say with which gains and limits it was made; replay again with this program")]
+    #[error("the archive does not record its gains and limits; replay again with this program")]
     NoControl,
     /// Something in the run's description that cannot be read.
     #[error(transparent)]
@@ -43,7 +43,7 @@ pub enum NotRecomputable {
     #[error(transparent)]
     Malformed(#[from] ModelError),
     /// A model that this program does not render.
-    #[error("this program does not render the recorded model: {0}")]
+    #[error("this program cannot render the recorded model: {0}")]
     Model(#[from] Unrenderable),
     /// A rate at which nothing is rendered.
     #[error("nothing is rendered at {rate_hz} Hz")]

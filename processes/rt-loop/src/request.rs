@@ -12,15 +12,15 @@ use dynamics::knobs::DOME;
 use hal::simulated::Cogging;
 use serde::{Deserialize, Serialize};
 
-/// Longest run, s: a day. That of a run which the operator is to end.
+/// Longest run, s: a day. Also the length of a run that the operator ends.
 pub const LONGEST_DURATION_S: f64 = 86_400.0;
 
-/// What the simulated rig turns, or presses, where nothing is asked for.
+/// The default knob of the simulated rig.
 pub(crate) fn default_knob(axis: Axis) -> &'static str {
     if axis.is_rotary() { "3" } else { DOME }
 }
 
-/// What a run is to be.
+/// The request for a run.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRequest {
@@ -28,7 +28,7 @@ pub struct RunRequest {
     /// on a real rig its name
     #[arg(long, value_name = "1…5|FILE.toml|none|locked|NAME")]
     pub knob: Option<String>,
-    /// What the archive calls the knob, or the model that is rendered [default: as it was named]
+    /// Name of the knob or the rendered model in the archive [default: as given]
     #[arg(long)]
     pub name: Option<String>,
     /// The excitation: paper, linear-chirp, multisine, fast-multisine, stepped-amplitude, slow-turn,
@@ -38,7 +38,7 @@ pub struct RunRequest {
     /// Command a torque instead of an angle
     #[arg(long)]
     pub torque: bool,
-    /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it]
+    /// Largest commanded angle in rad, or torque in mNm [default: that of the sweep]
     #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Length of the run, s
@@ -51,19 +51,19 @@ pub struct RunRequest {
     /// The rig
     #[command(flatten)]
     pub rig: RigRequest,
-    /// The model that is rendered instead of a sweep followed
+    /// The model to render instead of following a sweep
     #[arg(skip)]
     pub rendering: Option<RenderingRequest>,
 }
 
 impl Default for RunRequest {
-    /// What the control loop does where nothing else is asked.
+    /// The default run of the control loop.
     fn default() -> Self {
         Options::parse_from(["rt-loop"]).into()
     }
 }
 
-/// How fast the control loop runs, and where.
+/// Rate and processor core of the control loop.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pace {
@@ -75,25 +75,25 @@ pub struct Pace {
     pub core: Option<usize>,
 }
 
-/// The rig that a run is made on.
+/// The rig of a run.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigRequest {
-    /// The rig, as its file describes it [default: the simulated one]
+    /// The rig file [default: the simulated rig]
     #[arg(long, value_name = "FILE.toml")]
     pub rig: Option<PathBuf>,
-    /// A rig that ships, by its name: `sim` is the simulated one, `sim-linear` one that presses
+    /// A shipped rig: `sim`, the simulated one, or `sim-linear`, with a linear axis
     #[arg(long, default_value = "sim", conflicts_with = "rig")]
     pub apparatus: String,
-    /// The rig's calibration, instead of the one that it comes with
+    /// The rig's calibration, instead of the rig file's
     #[arg(long, value_name = "CALIBRATION.toml")]
     pub calibration: Option<PathBuf>,
-    /// What the simulated rig alone has
+    /// Options of the simulated rig
     #[command(flatten)]
     pub simulated: SimulatedRequest,
 }
 
-/// What the simulated rig alone has.
+/// Options of the simulated rig.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SimulatedRequest {
@@ -103,7 +103,7 @@ pub struct SimulatedRequest {
     /// Cogging of the simulated rig's motor, as periods per turn, mNm and rad; may be repeated
     #[arg(long, value_name = "PER_TURN:MNM[:RAD]")]
     pub motor_cogging: Vec<Cogging>,
-    /// The hand on the gripper while a model is rendered
+    /// The hand on the gripper during a replay
     #[arg(skip)]
     pub hand: Option<HandRequest>,
 }
@@ -112,38 +112,37 @@ pub struct SimulatedRequest {
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HandRequest {
-    /// What the hand on the simulated rig wants: a sweep's name, the angles recorded in a CSV file, or none to let go
+    /// Motion that the simulated hand follows: a sweep's name, a CSV file of angles, or none to let go
     #[arg(long, default_value = "none", requires = "model", value_name = "SWEEP|FILE.csv|none")]
     pub hand: String,
-    /// Torque that the hand on the simulated rig applies instead, mNm
+    /// Torque that the simulated hand applies instead, mNm
     #[arg(long, requires = "model", allow_negative_numbers = true, value_name = "MNM")]
     pub hand_torque: Option<f64>,
-    /// Times by which the hand on the simulated rig is stiffer and more damped than a usual pinch grip
+    /// Stiffness and damping of the simulated hand, relative to a usual pinch grip
     #[arg(long, default_value_t = 1.0, requires = "model", allow_negative_numbers = true, value_name = "FACTOR")]
     pub grip: f64,
 }
 
-/// The model that is rendered.
+/// The model to render.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderingRequest {
-    /// Feel like this model instead of following a sweep: a model file, or 1 to 5 for the paper's knobs
+    /// Render this model instead of following a sweep: a model file, or 1 to 5 for the paper's knobs
     #[arg(long = "render", required = false, value_name = "MODEL.toml")]
     pub model: String,
-    /// Render the nearest that the rig can, instead of refusing a model that exceeds its limits, and say what was clipped, from what
-    /// to what
+    /// Render the nearest model within the rig's limits instead of refusing one that exceeds them, and list the changes
     #[arg(long, requires = "model")]
     pub nearest: bool,
-    /// Do not tell what is felt otherwise than the model says; the archive's notes have it all the same
+    /// Do not print remarks on deviations from the model; the archive's notes have them in any case
     #[arg(long, requires = "model")]
     pub without_remarks: bool,
 }
 
-/// Turns the knob under real-time control and publishes what it measures.
+/// Turns the knob under real-time control and publishes the samples.
 #[derive(Debug, Clone, Parser)]
 #[command(name = "rt-loop", version, about)]
 pub struct Options {
-    /// All of the options in one, as the supervisor gives them
+    /// All options in one argument, as the supervisor gives them
     #[arg(long, exclusive = true, value_name = "TOML")]
     request: Option<RunRequest>,
     /// List the drivers that a rig file may name
@@ -167,7 +166,7 @@ impl From<Options> for RunRequest {
 }
 
 impl RunRequest {
-    /// What is on the rig, or rendered, as the operator named it.
+    /// The mounted knob or the rendered model, as the operator named it.
     #[must_use]
     pub fn knob_name(&self) -> &str {
         let model = self.rendering.as_ref().map(|rendering| &rendering.model);
@@ -178,13 +177,13 @@ impl RunRequest {
         }
     }
 
-    /// Whether the operator is to end the run.
+    /// Whether the run lasts until the operator ends it.
     #[must_use]
     pub fn is_open_ended(&self) -> bool {
         self.duration_s >= LONGEST_DURATION_S
     }
 
-    /// Ticks of the run, one at least.
+    /// Ticks of the run, at least one.
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,

@@ -33,7 +33,7 @@ pub enum RigLockError {
         device: String,
     },
     /// The device cannot be held.
-    #[error("the device {device} of the rig '{rig}' cannot be held ({reason}); choose another name for `device`")]
+    #[error("the device {device} of the rig '{rig}' cannot be locked ({reason}); choose another name for `device`")]
     Device {
         /// The rig's name.
         rig: String,

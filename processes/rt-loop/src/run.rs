@@ -12,12 +12,12 @@ use anyhow::Context as _;
 use hal::{Apparatus, ApparatusError, RigDescription};
 use operator::{LevelFilter, remark};
 use shared_types::RunDescription;
-use shared_types::drill::{self, Drill};
+use shared_types::fault_injection::{self, FaultInjection};
 use shared_types::lease::Lease;
 use shared_types::rig::TIMINGS_VARIABLE;
 
 use crate::control::ControlState;
-use crate::drilled_apparatus::DrilledApparatus;
+use crate::panicking_apparatus::PanickingApparatus;
 use crate::plan::Plan;
 use crate::publisher::StreamPublisher;
 use crate::realtime::{
@@ -30,7 +30,7 @@ use crate::rigs::Registry;
 
 /// Longest time that a rig may take to come up, s.
 pub const LONGEST_PREPARATION_S: f64 = 60.0;
-/// Time that a rig has to give up its preparation when it is told to, and to switch off.
+/// Longest time for a rig to abort its preparation, and to switch off.
 const GIVES_UP: Duration = Duration::from_secs(2);
 
 /// The real-time process with these drivers: the whole of a program that drives rigs of its own.
@@ -96,16 +96,16 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     plan.servo_remark.iter().for_each(remark);
     let (control, admission) = match plan.rendering {
         Some(rendering) => {
-            rendering.told().for_each(remark);
+            rendering.remarks_to_print().for_each(remark);
             (control.with_renderer(rendering.renderer), Some(rendering.admission))
         }
         None => (control, None),
     };
-    let apparatus = match Drill::listen(drill::REAL_TIME_THREAD)? {
-        Some(drill) => Box::new(DrilledApparatus::new(plan.apparatus, drill)),
+    let apparatus = match FaultInjection::listen(fault_injection::REAL_TIME_THREAD)? {
+        Some(fault) => Box::new(PanickingApparatus::new(plan.apparatus, fault)),
         None => plan.apparatus,
     };
-    let drill = Drill::listen(drill::SERVING_THREAD)?;
+    let fault = FaultInjection::listen(fault_injection::SERVING_THREAD)?;
     let (mut tick_loop, port) = TickLoop::new(apparatus, control, plan.control.rate_hz);
     let tick_log = tick_log(&mut tick_loop)?;
     let call_watch = call_watch(&mut tick_loop, &rig)?;
@@ -140,8 +140,8 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
     start.send(()).context("the real-time thread ended before it began")?;
     let real_time = RunningLoop { shared, thread: Some(real_time) };
     let served = publisher.serve(must_end, || {
-        if let Some(drill) = &drill {
-            drill.panic_if_told();
+        if let Some(fault) = &fault {
+            fault.panic_if_requested();
         }
         real_time.is_running()
     });
@@ -150,14 +150,15 @@ pub fn run(request: &RunRequest, registry: Registry<'_>) -> anyhow::Result<()> {
         let watchdog = rig.watchdog_s.map_or_else(String::new, |watchdog_s| format!(" within {watchdog_s} s"));
         drop(publisher);
         remark(format!(
-            "error: the rig '{}' does not come back from a call; its watchdog takes the torque away{watchdog}; check its cable, \
+            "error: the rig '{}' does not return from a call; its watchdog removes the torque{watchdog}; check \
+             its cable, \
              and that its driver never blocks",
             rig.name
         ));
         std::process::exit(1);
     }
     real_time.join().map_err(|error| match error.downcast_ref::<ApparatusError>() {
-        Some(error) => anyhow::anyhow!("the amplifier did not come on: {}", rig.explain(*error)),
+        Some(error) => anyhow::anyhow!("the amplifier could not be enabled: {}", rig.explain(*error)),
         None => error,
     })?;
     if let Some(tick_log) = publisher.into_tick_log() {
@@ -186,22 +187,22 @@ fn prepare(
     must_end: impl Fn() -> bool,
 ) -> anyhow::Result<Option<Box<dyn Apparatus>>> {
     let stop = Arc::new(AtomicBool::new(false));
-    let told = Arc::clone(&stop);
+    let stopped = Arc::clone(&stop);
     let preparing = std::thread::Builder::new().name("preparation".to_owned()).spawn(move || {
-        let prepared = apparatus.prepare(&|| told.load(Ordering::Acquire));
+        let prepared = apparatus.prepare(&|| stopped.load(Ordering::Acquire));
         (apparatus, prepared)
     })?;
     let begun = Instant::now();
-    let mut told_at: Option<Instant> = None;
+    let mut stopped_at: Option<Instant> = None;
     while !preparing.is_finished() {
         let is_late = begun.elapsed().as_secs_f64() > LONGEST_PREPARATION_S;
-        if told_at.is_none() && (must_end() || is_late) {
+        if stopped_at.is_none() && (must_end() || is_late) {
             stop.store(true, Ordering::Release);
-            told_at = Some(Instant::now());
+            stopped_at = Some(Instant::now());
         }
-        if told_at.is_some_and(|told_at| told_at.elapsed() > GIVES_UP) {
+        if stopped_at.is_some_and(|stopped_at| stopped_at.elapsed() > GIVES_UP) {
             // The thread is left to the end of the process.
-            anyhow::bail!("the rig '{}' was told to stop and does not come back from its preparation", rig.name);
+            anyhow::bail!("the rig '{}' does not return from its preparation after being told to stop", rig.name);
         }
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -211,12 +212,12 @@ fn prepare(
         Ok(()) => Ok(Some(apparatus)),
         Err(_) if must_end() => Ok(None),
         Err(ApparatusError::Stopped) => {
-            anyhow::bail!("the rig '{}' did not come up within {LONGEST_PREPARATION_S} s; check its supply", rig.name)
+            anyhow::bail!("the rig '{}' did not start within {LONGEST_PREPARATION_S} s; check its supply", rig.name)
         }
         // Only now the driver may know what its codes mean.
         Err(error) => {
             let reason = error.reason(&apparatus.description().codes);
-            anyhow::bail!("the rig '{}' did not come up: {reason}", rig.name)
+            anyhow::bail!("the rig '{}' did not start: {reason}", rig.name)
         }
     }
 }

@@ -25,7 +25,7 @@ const BOTTOM_OUT_GF_MM: f64 = 300.0;
 const NO_COLLAPSE: &str = "the force never falls by more than 2 gf on the press: there is no collapse";
 const NO_BOTTOM: &str = "the press ends before the force rises by 300 gf/mm: there is no bottom-out";
 const NO_ACTUATION: &str = "there is neither a contact that closes nor a collapse on the press";
-const NO_RETURN: &str = "the control was not let back";
+const NO_RETURN: &str = "the control was not released";
 
 type Value = Result<f64, &'static str>;
 

@@ -7,7 +7,7 @@ use crate::repeats::CurveError;
 
 /// Way back, as a share of the whole travel, from which a control has turned round.
 const REVERSAL: f64 = 2e-3;
-/// Time over which a speed is told, s.
+/// Time over which a speed is estimated, s.
 const SPEED_OVER_S: f64 = 0.02;
 /// Speed above which inertia is no longer small beside what depends on the angle, rad/s.
 const FASTEST_RAD_S: f64 = 2.5;

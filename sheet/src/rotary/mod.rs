@@ -43,7 +43,7 @@ const REACHES: [f64; 2] = [2.0, 6.0];
 const BEND_ROUNDS: usize = 3;
 /// Detents in a turn that stand for those of a control without any.
 const DETENTS_OF_NONE: f64 = 6.0;
-/// Time by which the ends of free travel are told, s.
+/// Time over which the ends of free travel are located, s.
 const FREE_TRAVEL_BIN_S: f64 = 0.005;
 /// Rows of the curve from one knot to the next.
 const ROWS_PER_KNOT: f64 = 4.0;
@@ -117,8 +117,9 @@ pub(crate) fn read(curve: &Curve) -> Result<Turned, CurveError> {
         let value = found.figures.get(kind.name);
         let reason = || if is_stop(kind) { NO_STOP.to_owned() } else { no_detents.clone() };
         let of = |look: &Look| look.figures.get(kind.name).copied();
-        let told = value.map(|value| if is_departure(kind) { departure(*value, &of) } else { estimate(*value, &of) });
-        (kind.name, told.ok_or_else(reason))
+        let estimate =
+            value.map(|value| if is_departure(kind) { departure(*value, &of) } else { estimate(*value, &of) });
+        (kind.name, estimate.ok_or_else(reason))
     });
     let detents = found.detents.iter().enumerate().map(|(index, (sign, detent))| {
         let estimate = |take: fn(&Detent) -> f64| {
@@ -196,7 +197,10 @@ fn pitch(curve: &Curve) -> Result<f64, String> {
 
 /// The longest way without torque; its ends are known to the way of one bin of time.
 fn backlash(curve: &Curve) -> Result<Estimate, String> {
-    let t_s = curve.t_s.as_ref().ok_or("lost motion shows in a creep with a time, which the table does not have")?;
+    let t_s = curve.t_s.as_ref().ok_or(
+        "backlash needs a slow creep with a time column, which the table does not \
+        have",
+    )?;
     let ways = free_travel(&samples(curve, t_s), None).map_err(|error| error.to_string())?;
     let longest = ways.iter().map(FreeTravel::travel_rad).max_by(f64::total_cmp);
     let speed_rad_s = (t_s.len() > 1).then(|| {
@@ -205,7 +209,9 @@ fn backlash(curve: &Curve) -> Result<Estimate, String> {
     });
     let standard_error = speed_rad_s.unwrap_or(0.0) * FREE_TRAVEL_BIN_S;
     longest.map(|value| Estimate { value, standard_error }).ok_or_else(|| {
-        "the control never turned without torque; a creep as by `--sweep slow-turn --amplitude 0.1` shows lost motion".to_owned()
+        "the control never turned without torque; to measure backlash, capture with `--sweep slow-turn --amplitude \
+         0.1`"
+            .to_owned()
     })
 }
 

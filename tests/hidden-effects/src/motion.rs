@@ -1,4 +1,4 @@
-//! Where the servo is told to go: swept sines to train on, other motions to hold out.
+//! Commanded motions: swept sines to train on, other motions to hold out.
 
 use std::f64::consts::{PI, TAU};
 

@@ -226,10 +226,10 @@ pub fn run(rig: Rig, knob: &Knob, effects: &[Effect], motion: &Motion, duration_
             course.velocity_rad_s.push(cap_velocity);
         }
         if index % STEPS_PER_SERVO_TICK == 0 {
-            let told = motion.angle_rad((index as f64 - SETTLING_STEPS as f64) * STEP_S);
-            let speed = (told - before) / (STEPS_PER_SERVO_TICK as f64 * STEP_S);
-            before = told;
-            wanted = gain * (told - cap_angle) + damping * (speed - cap_velocity);
+            let commanded = motion.angle_rad((index as f64 - SETTLING_STEPS as f64) * STEP_S);
+            let speed = (commanded - before) / (STEPS_PER_SERVO_TICK as f64 * STEP_S);
+            before = commanded;
+            wanted = gain * (commanded - cap_angle) + damping * (speed - cap_velocity);
         }
         drive += current * (wanted - drive);
 

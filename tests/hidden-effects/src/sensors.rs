@@ -147,11 +147,11 @@ fn torque_channel(torque_mnm: &[f64], effects: &[Effect], ring: Option<Ring>) ->
     }
     if let Some(Ring { frequency_hz, damping }) = ring {
         let speed = std::f64::consts::TAU * frequency_hz;
-        let (mut told, mut rate) = (passed[0], 0.0);
+        let (mut reading, mut rate) = (passed[0], 0.0);
         for torque in &mut passed {
-            rate += STEP_S * (speed * speed * (*torque - told) - 2.0 * damping * speed * rate);
-            told += STEP_S * rate;
-            *torque = told;
+            rate += STEP_S * (speed * speed * (*torque - reading) - 2.0 * damping * speed * rate);
+            reading += STEP_S * rate;
+            *torque = reading;
         }
     }
     passed

@@ -126,10 +126,10 @@ fn a_seed_decides_everything_and_another_seed_something_else() {
 fn every_family_makes_captures_of_the_lengths_it_tells() {
     for family in Family::ALL {
         let capture = Capture::new(8, 0, family, "none", 1.0).expect("nothing to reach");
-        let rate_hz = capture.answer.rig["rate_hz"].as_f64().expect("told");
+        let rate_hz = capture.answer.rig["rate_hz"].as_f64().expect("the answer states it");
         for record in &capture.records {
             let length_s = record.time_s.len() as f64 / rate_hz;
-            assert!([3.0, 4.0, 6.0, 12.0].iter().any(|told| (told - length_s).abs() < 1e-6), "{length_s} s");
+            assert!([3.0, 4.0, 6.0, 12.0].iter().any(|nominal_s| (nominal_s - length_s).abs() < 1e-6), "{length_s} s");
             let last = *record.time_s.last().expect("samples");
             assert!((last - length_s).abs() < 2.0 / rate_hz, "{last} s of {length_s} s");
         }

@@ -3,7 +3,7 @@
 use nix::sys::signal::Signal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore as _, SeedableRng as _};
-use shared_types::drill;
+use shared_types::fault_injection;
 
 /// The process that gets the fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,10 +60,10 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// The signal that brings it about, in a process started for a drill.
+    /// The signal that causes it, in a process started for fault injection.
     ///
     /// # Panics
-    /// Never: the signals of a drill exist.
+    /// Never: the signals exist.
     #[must_use]
     #[allow(clippy::expect_used, reason = "constants of the operating system")]
     pub fn signal(self) -> Signal {
@@ -72,8 +72,8 @@ impl Fault {
             Self::Stopped => Signal::SIGSTOP,
             Self::Terminated => Signal::SIGTERM,
             Self::HungUp => Signal::SIGHUP,
-            Self::Panic => Signal::try_from(drill::SERVING_THREAD).expect("a signal"),
-            Self::PanicInRealTime => Signal::try_from(drill::REAL_TIME_THREAD).expect("a signal"),
+            Self::Panic => Signal::try_from(fault_injection::SERVING_THREAD).expect("a signal"),
+            Self::PanicInRealTime => Signal::try_from(fault_injection::REAL_TIME_THREAD).expect("a signal"),
         }
     }
 }

@@ -45,9 +45,9 @@ impl Evidence {
     /// of the samples themselves.
     #[must_use]
     pub fn published_samples(&self) -> u64 {
-        let told = self.statuses.iter().map(|status| status.published_samples).max().unwrap_or(0);
+        let published = self.statuses.iter().map(|status| status.published_samples).max().unwrap_or(0);
         let seen = self.samples.iter().map(|sample| sample.seq + 1).max().unwrap_or(0);
-        told.max(seen)
+        published.max(seen)
     }
 
     /// Ranges of `seq` that are missing between two samples, each as first and last.

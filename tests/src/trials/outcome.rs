@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use archive::Capture;
 use nix::sys::signal::{Signal, kill};
 use shared_types::rig::monotonic_time_ns;
-use shared_types::{LoopState, ProcessKind, clean_up, drill, shared_memory};
+use shared_types::{LoopState, ProcessKind, clean_up, fault_injection, shared_memory};
 
 use super::watched::Watched;
 use super::{EarlyKills, Evidence, Fault, Trial, Victim};
@@ -20,12 +20,12 @@ const STOPPED: Duration = Duration::from_secs(5);
 const PATIENCE: Duration = Duration::from_secs(90);
 /// Kills of one trial of killing early, and the latest moment of each.
 const EARLY: (u32, Duration) = (5, Duration::from_millis(50));
-/// How the operator is told that a run did not come to its planned end.
-const TOLD_ENDS: [&str; 4] =
+/// Messages that a run did not reach its planned end.
+const REPORTED_ENDS: [&str; 4] =
     ["were never taken", "ended in the middle of the run", "the run ended in a fault", "stopped by the operator"];
-/// How the operator is told that a run never began.
+/// Messages that a run never began.
 const NOTHING_BEGAN: &str = "the control loop ended before";
-/// Longest time until a process is back, and until a lost source is told, s.
+/// Longest time until a process is back, and until a lost source is reported, s.
 const PROMPT_S: f64 = 1.0;
 
 /// What came of one trial.
@@ -37,14 +37,14 @@ pub struct Outcome {
     pub late: Vec<String>,
     /// Samples that were published and are not in the archive.
     pub lost_samples: u64,
-    /// Samples planned or published that are neither in the archive nor told to be missing.
+    /// Samples planned or published that are neither in the archive nor reported missing.
     pub lost_unsaid: u64,
     /// Processes of the run that did not end with it.
     pub orphans: usize,
     /// Time from the fault to the first report of the process that took the victim's place, s.
     pub back_after_s: Option<f64>,
-    /// Time from the loss of the control loop until the last of supervisor and recorder had told it, s.
-    pub told_after_s: Option<f64>,
+    /// Time from the loss of the control loop until the last of supervisor and recorder had reported it, s.
+    pub reported_after_s: Option<f64>,
     /// See [`Evidence::rank_of_lateness`].
     pub lateness_rank: Option<f64>,
     /// Ticks missed in the half second after the fault.
@@ -84,7 +84,7 @@ impl Trial {
             arguments.push("--no-viewer");
         }
         let mut command = bench.command(&arguments)?;
-        command.env(drill::DRILL_VARIABLE, "1");
+        command.env(fault_injection::FAULT_INJECTION_VARIABLE, "1");
         let program = Watched::start(command)?;
         bench.wait_for_process(ProcessKind::Recorder.name())?;
         std::thread::sleep(Duration::from_secs_f64(self.moment_s));
@@ -159,9 +159,9 @@ impl Outcome {
         self.lost_samples = published - evidence.samples.len() as u64;
         let holes = evidence.holes();
         self.expect(holes.is_empty(), || format!("holes in the archive: {holes:?}"));
-        let told: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
+        let reported: u64 = capture.gaps.iter().map(|gap| gap.count).sum();
         let lost = self.lost_samples;
-        self.expect(told == lost, || format!("{lost} samples are missing, {told} are told to be"));
+        self.expect(reported == lost, || format!("{lost} samples are missing, {reported} are reported missing"));
         let in_order = evidence.samples.windows(2).all(|pair| pair[0].tick < pair[1].tick);
         self.expect(in_order, || "ticks out of order".to_owned());
         let planned = capture.description.as_ref().map_or(0, |run| run.planned_ticks);
@@ -170,16 +170,16 @@ impl Outcome {
         let missed = evidence.statuses.iter().map(|status| status.missed_ticks).fold(seen, u64::max);
         let ticks = evidence.samples.len() as u64 + missed;
         if trial.victim.is_consumer() || (trial.victim, trial.fault) == (Victim::Supervisor, Fault::Stopped) {
-            let accounted = ticks + told;
+            let accounted = ticks + reported;
             self.expect(accounted == planned, || {
                 format!("{accounted} ticks are accounted for, {planned} were planned")
             });
         }
         // Whoever would say it is dead itself.
         let nobody_can_say = trial.victim == Victim::Supervisor && matches!(trial.fault, Fault::Killed | Fault::Panic);
-        let is_told = said.iter().any(|(_, line)| TOLD_ENDS.iter().any(|told| line.contains(told)));
-        let unaccounted = if is_told || nobody_can_say { 0 } else { planned.saturating_sub(ticks + told) };
-        self.lost_unsaid = lost.saturating_sub(told).max(unaccounted);
+        let is_reported = said.iter().any(|(_, line)| REPORTED_ENDS.iter().any(|end| line.contains(end)));
+        let unaccounted = if is_reported || nobody_can_say { 0 } else { planned.saturating_sub(ticks + reported) };
+        self.lost_unsaid = lost.saturating_sub(reported).max(unaccounted);
         if (trial.victim, trial.fault) == (Victim::ControlLoop, Fault::Stopped) {
             let last = evidence.samples.last().and_then(|sample| LoopState::from_code(sample.state));
             self.expect(last == Some(LoopState::Fault), || format!("the run ended in {last:?} instead of a fault"));
@@ -211,15 +211,17 @@ impl Outcome {
         if matches!(trial.fault, Fault::Stopped | Fault::Terminated | Fault::HungUp) {
             return;
         }
-        for word in ["the control loop ended in the middle of the run", "the control loop is gone"] {
+        for word in
+            ["the control loop ended in the middle of the run", "the control loop died before the end of the run"]
+        {
             let Some((time_ns, _)) = said.iter().find(|(_, line)| line.contains(word)) else {
                 self.broken.push(format!("nobody said that {word}: {said:?}"));
                 continue;
             };
             let after_s = seconds(time_ns.saturating_sub(fault_ns));
-            self.told_after_s = Some(self.told_after_s.map_or(after_s, |before_s| before_s.max(after_s)));
+            self.reported_after_s = Some(self.reported_after_s.map_or(after_s, |before_s| before_s.max(after_s)));
             if after_s >= PROMPT_S {
-                self.late.push(format!("{word}: told after {after_s:.2} s only"));
+                self.late.push(format!("{word}: reported after {after_s:.2} s only"));
             }
         }
     }

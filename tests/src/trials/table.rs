@@ -10,7 +10,7 @@ use super::{Outcome, Trial};
 #[must_use]
 pub fn markdown(trials: &[(Trial, Outcome)]) -> String {
     let mut text = String::from(
-        "| process | fault | trials | promises broken | later than promised | samples lost | lost unsaid | orphans | back after, s (median, longest) | source told gone after, s (longest) |\n\
+        "| process | fault | trials | promises broken | later than promised | samples lost | lost unsaid | orphans | back after, s (median, longest) | source reported gone after, s (longest) |\n\
          |---|---|---|---|---|---|---|---|---|---|\n",
     );
     for (victim, fault) in Trial::KINDS {
@@ -22,18 +22,18 @@ pub fn markdown(trials: &[(Trial, Outcome)]) -> String {
         let unsaid: u64 = of_kind.iter().map(|outcome| outcome.lost_unsaid).sum();
         let orphans: usize = of_kind.iter().map(|outcome| outcome.orphans).sum();
         let back = sorted(of_kind.iter().filter_map(|outcome| outcome.back_after_s).collect());
-        let told = sorted(of_kind.iter().filter_map(|outcome| outcome.told_after_s).collect());
+        let reported = sorted(of_kind.iter().filter_map(|outcome| outcome.reported_after_s).collect());
         let back = match (back.get(back.len() / 2), back.last()) {
             (Some(median), Some(longest)) => format!("{median:.2}, {longest:.2}"),
             _ => "–".to_owned(),
         };
-        let told = told.last().map_or_else(|| "–".to_owned(), |longest| format!("{longest:.2}"));
+        let reported = reported.last().map_or_else(|| "–".to_owned(), |longest| format!("{longest:.2}"));
         let program = victim.program();
         let trials = of_kind.len();
         // Writing to a String does not fail.
         let _ = writeln!(
             text,
-            "| {program} | {fault:?} | {trials} | {broken} | {late} | {lost} | {unsaid} | {orphans} | {back} | {told} |"
+            "| {program} | {fault:?} | {trials} | {broken} | {late} | {lost} | {unsaid} | {orphans} | {back} | {reported} |"
         );
     }
     let _ = writeln!(text, "\n{}", disturbance(trials));

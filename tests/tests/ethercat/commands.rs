@@ -28,8 +28,8 @@ fn what_is_on_the_bus_is_listed_and_makes_a_rig_file_that_comes_up() {
     assert_eq!(found["watchdog"], "0.05 s, read back", "{said}");
 
     let output = wired.bench.run(&["rig", "scan", "hc9"]).unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(told.contains("no driver knows 'hc9'; give an Ethernet interface"), "{told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(errors.contains("no driver knows 'hc9'; give an Ethernet interface"), "{errors}");
 }
 
 #[test]
@@ -39,14 +39,14 @@ fn the_calls_of_a_tick_are_those_that_are_declared() {
     let arguments = ["capture", "--rig", &file, "--rate-hz", "1000", "--duration-s", "2", "--no-viewer"];
     let mut command = wired.bench.command(&arguments).unwrap();
     let output = command.env("HAPTIC_CAMERA_WATCH_CALLS", "1").output().unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    if told.contains("cannot be watched here") {
-        eprintln!("SKIPPED: {told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    if errors.contains("cannot be watched here") {
+        eprintln!("SKIPPED: {errors}");
         return;
     }
     // One is the exchange's. A host that keeps frames back for too long has the tick of that fault make those that let go of the motor.
-    let most = told.split("that the rig declares, at most ").nth(1).and_then(|rest| rest.split(' ').next());
-    assert!(most.is_some_and(|most| ["1", "2", "3", "4"].contains(&most)), "{told}");
+    let most = errors.split("that the rig declares, at most ").nth(1).and_then(|rest| rest.split(' ').next());
+    assert!(most.is_some_and(|most| ["1", "2", "3", "4"].contains(&most)), "{errors}");
 }
 
 #[test]

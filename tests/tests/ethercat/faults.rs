@@ -1,4 +1,4 @@
-//! What goes wrong on a bus: each told once, the torque gone within the watchdog, the archive whole, and the next run starts.
+//! Faults of a bus: each is reported once, the torque is gone within the watchdog, the archive is whole, and the next run starts.
 
 use std::process::Child;
 
@@ -14,14 +14,14 @@ const AL_STATUS: u16 = 0x0130;
 const AL_STATUS_CODE: u16 = 0x0134;
 
 /// Asserts that these words are in one line and no other.
-fn told_once(told: &str, words: &str) {
-    assert_eq!(told.lines().filter(|line| line.contains(words)).count(), 1, "'{words}' in\n{told}");
+fn reported_once(text: &str, words: &str) {
+    assert_eq!(text.lines().filter(|line| line.contains(words)).count(), 1, "'{words}' in\n{text}");
 }
 
 /// Asserts that nothing is missing in the archive; ticks whose frame was lost are in it, and flagged.
-fn is_whole(capture: Option<Capture>, told: &str) {
+fn is_whole(capture: Option<Capture>, text: &str) {
     let capture = capture.unwrap();
-    assert!(capture.len() > 10 && capture.gaps.is_empty(), "{} samples, {told}", capture.len());
+    assert!(capture.len() > 10 && capture.gaps.is_empty(), "{} samples, {text}", capture.len());
 }
 
 /// The rig with few ticks that may be lost, and a watchdog of a tenth of a second.
@@ -31,12 +31,12 @@ fn strict(wired: &Wired) {
     });
 }
 
-/// Asserts that a run of the strict rig ends in a fault that is told in these words.
+/// Asserts that a run of the strict rig ends in a fault reported in these words.
 fn ends_in(wired: &Wired, words: &str) {
     strict(wired);
     let (said, status, capture) = wired.capture("1000", "5");
     assert_eq!(status, Some(1), "{said}");
-    told_once(&said, words);
+    reported_once(&said, words);
     is_whole(capture, &said);
 }
 
@@ -69,7 +69,7 @@ fn next_run_starts(wired: &Wired) {
 }
 
 #[test]
-fn a_drive_that_fails_is_told_by_its_code() {
+fn a_drive_that_fails_is_reported_by_its_code() {
     let Some(mut wired) = Wired::new(&["--drive-error", "0x2310", "--after-s", "2"]) else { return };
     ends_in(&wired, "the rig 'servo': drive error 0x2310: continuous over current at the output");
     wired.segment = Running::start(&[]);
@@ -77,7 +77,7 @@ fn a_drive_that_fails_is_told_by_its_code() {
 }
 
 #[test]
-fn a_drive_that_is_switched_off_by_its_safety_input_is_told_from_one_that_fails() {
+fn a_drive_that_is_switched_off_by_its_safety_input_is_distinguished_from_one_that_fails() {
     let Some(mut wired) = Wired::new(&["--safe-torque-off", "--after-s", "2"]) else { return };
     ends_in(&wired, "the drive switched itself off; check its safe-torque-off input");
     wired.segment = Running::start(&[]);
@@ -93,8 +93,8 @@ fn a_terminal_that_drops_out_shows_in_the_working_counter() {
     wired.rig(|text| text);
     let (said, status, capture) = wired.capture("1000", "4");
     assert_eq!(status, Some(0), "{said}");
-    let words = "ticks brought nothing new: a device no longer takes part in the exchange (wrong working counter)";
-    told_once(&said, words);
+    let words = "ticks without new data: a device no longer takes part in the exchange (wrong working counter)";
+    reported_once(&said, words);
     let capture = capture.unwrap();
     let codes = &capture.description.as_ref().unwrap().device_codes;
     let counted = |words: &str| {
@@ -108,13 +108,13 @@ fn a_terminal_that_drops_out_shows_in_the_working_counter() {
 }
 
 #[test]
-fn a_bus_that_stands_still_is_told_and_the_drives_watchdog_takes_the_torque_away() {
+fn a_bus_that_stands_still_is_reported_and_the_drives_watchdog_takes_the_torque_away() {
     let Some(mut wired) = Wired::new(&[]) else { return };
     for signal in [Signal::SIGSTOP, Signal::SIGKILL] {
         let _ = std::fs::remove_dir_all(wired.bench.path("out"));
         let run = moving(&wired);
         wired.segment.signal(signal);
-        told_once(&ended(&wired, run), "frames no longer come back from the bus; check the cable");
+        reported_once(&ended(&wired, run), "frames no longer come back from the bus; check the cable");
         if signal == Signal::SIGSTOP {
             wired.segment.signal(Signal::SIGCONT);
             wired.segment.wait_for("AL 0x14 code 0x001b torque 0 mNm");
@@ -132,10 +132,13 @@ fn a_link_that_goes_down_ends_the_run_and_the_next_one_starts_when_it_is_up() {
     let run = moving(&wired);
     assert!(ip(&format!("link set {OURS} down")));
     wired.segment.wait_for("AL 0x14 code 0x001b torque 0 mNm");
-    told_once(&ended(&wired, run), "the network interface takes no frames; check that it is up and its cable is in");
+    reported_once(
+        &ended(&wired, run),
+        "the network interface takes no frames; check that it is up and its cable is in",
+    );
     let (said, status, _) = wired.capture("1000", "1");
     assert_eq!(status, Some(1), "{said}");
-    told_once(&said, "hc0 takes no frames; bring it up");
+    reported_once(&said, "hc0 takes no frames; bring it up");
     assert!(ip(&format!("link set {OURS} up")));
     next_run_starts(&wired);
 }
@@ -145,8 +148,8 @@ fn a_control_loop_that_is_killed_leaves_the_torque_to_the_drives_watchdog() {
     let Some(wired) = Wired::new(&[]) else { return };
     let run = moving(&wired);
     kill(wired.bench.wait_for_process("rt-loop").unwrap(), Signal::SIGKILL).unwrap();
-    let told = wired.segment.wait_for("AL 0x14 code 0x001b torque 0 mNm");
-    eprintln!("{told}");
+    let state = wired.segment.wait_for("AL 0x14 code 0x001b torque 0 mNm");
+    eprintln!("{state}");
     let port = Port::open(OURS).unwrap();
     let read = [port.read_register(AL_STATUS), port.read_register(AL_STATUS_CODE)];
     assert_eq!(read, [Some(0x14), Some(0x1b)], "read back over the wire");
@@ -162,7 +165,7 @@ fn what_does_not_fit_is_refused_in_one_sentence_before_anything_moves() {
         let (said, status, capture) = wired.capture("1000", "1");
         assert_eq!(status, Some(1), "{said}");
         assert!(capture.is_none());
-        words.iter().for_each(|words| told_once(&said, words));
+        words.iter().for_each(|words| reported_once(&said, words));
         assert_eq!(said.lines().count(), 2, "the status, and one sentence: {said}");
     };
     let replaced = |from: &'static str, to: &'static str| {

@@ -153,7 +153,7 @@ impl Wired {
         "rig.toml".to_owned()
     }
 
-    /// Captures; what was told, its exit status, and the archive if there is one.
+    /// Captures; the error output, its exit status, and the archive if there is one.
     fn capture(&self, rate_hz: &str, duration_s: &str) -> (String, Option<i32>, Option<Capture>) {
         let _ = std::fs::remove_dir_all(self.bench.path("out"));
         let mut arguments = vec!["capture", "--rig", "rig.toml", "--rate-hz", rate_hz, "--duration-s", duration_s];

@@ -1,4 +1,4 @@
-//! What goes wrong with the plant: told once, with its own words for it, and the archive is whole.
+//! Faults of the plant: each is reported once, with the library's own text, and the archive is whole.
 
 use archive::Capture;
 use nix::sys::signal::{Signal, kill};
@@ -8,7 +8,7 @@ use tests::{Bench, printed};
 
 use super::{compile, repository, rig};
 
-/// Captures with a fault; what was told, and the archive if there is one.
+/// Captures with a fault; the error output, and the archive if there is one.
 fn captured(bench: &Bench, settings: &str) -> (String, Option<Capture>) {
     let file = rig(bench, settings, |text| text);
     let _ = std::fs::remove_dir_all(bench.path("out"));
@@ -16,83 +16,83 @@ fn captured(bench: &Bench, settings: &str) -> (String, Option<Capture>) {
     let said = printed(&output);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert_eq!(bench.leftovers(), Vec::<String>::new());
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     let archive = bench.only_archive("out").ok().map(|archive| Capture::load(&archive).unwrap());
-    (told, archive)
+    (errors, archive)
 }
 
 /// Asserts that these words are in one line and no other.
-fn told_once(told: &str, words: &str) {
-    assert_eq!(told.lines().filter(|line| line.contains(words)).count(), 1, "'{words}' in\n{told}");
+fn reported_once(errors: &str, words: &str) {
+    assert_eq!(errors.lines().filter(|line| line.contains(words)).count(), 1, "'{words}' in\n{errors}");
 }
 
 /// Asserts that nothing is missing in the archive, which ends in no torque.
-fn is_whole(capture: Option<Capture>, told: &str) {
+fn is_whole(capture: Option<Capture>, errors: &str) {
     let capture = capture.unwrap();
     assert!(capture.len() > 10 && capture.gaps.is_empty(), "{} samples", capture.len());
-    assert!(!told.contains("are missing"), "{told}");
+    assert!(!errors.contains("are missing"), "{errors}");
 }
 
 #[test]
 fn a_rig_that_refuses_to_switch_on_says_why() {
     let bench = Bench::new().unwrap();
-    let (told, archive) = captured(&bench, "fault = \"refuses\"");
-    told_once(&told, "the rig 'rotary plant': code 12: the interlock is open; close the door");
-    assert_eq!(told.lines().count(), 1, "{told}");
+    let (errors, archive) = captured(&bench, "fault = \"refuses\"");
+    reported_once(&errors, "the rig 'rotary plant': code 12: the interlock is open; close the door");
+    assert_eq!(errors.lines().count(), 1, "{errors}");
     assert!(archive.is_none());
 }
 
 #[test]
-fn a_rig_that_is_unplugged_in_a_run_is_told_with_its_code_which_is_recorded() {
+fn a_rig_that_is_unplugged_in_a_run_is_reported_with_its_code_which_is_recorded() {
     let bench = Bench::new().unwrap();
-    let (told, archive) = captured(&bench, "fault = \"unplugged\"\nfault_s = 1.0");
-    told_once(&told, "code 31: the card no longer answers; check its cable");
-    is_whole(archive, &told);
+    let (errors, archive) = captured(&bench, "fault = \"unplugged\"\nfault_s = 1.0");
+    reported_once(&errors, "code 31: the card no longer answers; check its cable");
+    is_whole(archive, &errors);
 }
 
 #[test]
-fn a_stall_that_the_devices_watchdog_does_not_bear_is_told_by_the_device() {
+fn a_stall_that_the_devices_watchdog_does_not_bear_is_reported_by_the_device() {
     let bench = Bench::new().unwrap();
-    let (told, archive) = captured(&bench, "fault = \"stalls\"\nfault_s = 1.0\nstall_s = 2.0");
-    told_once(&told, "code 40: the watchdog ran out");
-    is_whole(archive, &told);
+    let (errors, archive) = captured(&bench, "fault = \"stalls\"\nfault_s = 1.0\nstall_s = 2.0");
+    reported_once(&errors, "code 40: the watchdog ran out");
+    is_whole(archive, &errors);
 }
 
 #[test]
 fn a_value_that_is_no_number_ends_the_run() {
     let bench = Bench::new().unwrap();
-    let (told, archive) = captured(&bench, "fault = \"nan\"\nfault_s = 1.0");
-    told_once(&told, "the rig 'rotary plant': a sensor gave a value that is not a number");
-    is_whole(archive, &told);
+    let (errors, archive) = captured(&bench, "fault = \"nan\"\nfault_s = 1.0");
+    reported_once(&errors, "the rig 'rotary plant': a sensor gave a value that is not a number");
+    is_whole(archive, &errors);
 }
 
 #[test]
-fn a_motor_or_an_encoder_that_counts_the_wrong_way_round_is_told_from_a_knob_that_lags() {
+fn a_motor_or_an_encoder_that_counts_the_wrong_way_round_is_distinguished_from_a_knob_that_lags() {
     let bench = Bench::new().unwrap();
     for sign in ["motor_sign = -1.0", "encoder_sign = -1.0"] {
-        let (told, _) = captured(&bench, sign);
-        told_once(&told, &Fault::Runaway.to_string());
+        let (errors, _) = captured(&bench, sign);
+        reported_once(&errors, &Fault::Runaway.to_string());
     }
 }
 
 #[test]
 fn a_library_that_crashes_takes_the_control_loop_along_and_nothing_else() {
     let bench = Bench::new().unwrap();
-    let (told, archive) = captured(&bench, "fault = \"crashes\"\nfault_s = 1.0");
-    told_once(&told, "it was ended by SIGSEGV), driving the rig 'rotary plant'");
-    is_whole(archive, &told);
+    let (errors, archive) = captured(&bench, "fault = \"crashes\"\nfault_s = 1.0");
+    reported_once(&errors, "it was ended by SIGSEGV), driving the rig 'rotary plant'");
+    is_whole(archive, &errors);
 }
 
 #[test]
 fn a_rig_that_does_not_come_back_from_a_call_is_given_up() {
     let bench = Bench::new().unwrap();
-    let (told, archive) = captured(&bench, "fault = \"blocks\"\nfault_s = 1.0");
-    told_once(&told, "the rig 'rotary plant' does not come back from a call");
-    is_whole(archive, &told);
+    let (errors, archive) = captured(&bench, "fault = \"blocks\"\nfault_s = 1.0");
+    reported_once(&errors, "the rig 'rotary plant' does not return from a call");
+    is_whole(archive, &errors);
 }
 
 #[test]
-fn a_library_that_goes_wrong_is_told_once_and_costs_no_sample() {
+fn a_library_that_goes_wrong_is_reported_once_and_costs_no_sample() {
     let bench = Bench::new().unwrap();
     let source = repository().join("tests/tests/plug_in/ill_plant.c");
     compile(&bench, &source, "rotary_plant.so");
@@ -102,24 +102,24 @@ fn a_library_that_goes_wrong_is_told_once_and_costs_no_sample() {
         ("exits", "its exit status is 0), driving the rig 'rotary plant'"),
         ("thread-aborts", "it was ended by SIGABRT), driving the rig 'rotary plant'"),
         ("infinite", "the rig 'rotary plant': a sensor gave a value that is not a number"),
-        ("clock-back", "the rig 'rotary plant': the sensors brought nothing new"),
+        ("clock-back", "the rig 'rotary plant': the sensors delivered no new data"),
         ("clock-jumps", "the rig 'rotary plant': its own clock jumped by half a second or more"),
         ("angle-jumps", "the rig 'rotary plant': the angle jumped by more than a knob can turn"),
     ];
     for (ill, words) in cases {
-        let (told, archive) = captured(&bench, &format!("ill = \"{ill}\"\nfault_s = 1.0"));
-        told_once(&told, words);
-        is_whole(archive, &told);
+        let (errors, archive) = captured(&bench, &format!("ill = \"{ill}\"\nfault_s = 1.0"));
+        reported_once(&errors, words);
+        is_whole(archive, &errors);
     }
 }
 
 #[test]
-fn a_rig_that_does_not_come_back_from_switching_off_is_told_and_the_capture_kept() {
+fn a_rig_that_does_not_come_back_from_switching_off_is_reported_and_the_capture_kept() {
     let bench = Bench::new().unwrap();
     compile(&bench, &repository().join("tests/tests/plug_in/ill_plant.c"), "rotary_plant.so");
     let file = rig(&bench, "ill = \"blocks-in-disable\"", |text| text);
     let output = bench.run(&["capture", "--rig", &file, "--duration-s", "3", "--no-viewer", "--out", "out"]).unwrap();
-    told_once(&String::from_utf8_lossy(&output.stderr), "the rig 'rotary plant' does not come back from a call");
+    reported_once(&String::from_utf8_lossy(&output.stderr), "the rig 'rotary plant' does not return from a call");
     assert!(Capture::load(&bench.only_archive("out").unwrap()).unwrap().gaps.is_empty());
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
@@ -135,15 +135,15 @@ fn a_preparation_that_never_ends_is_given_up_when_the_run_is_stopped() {
     kill(Pid::from_raw(child.id().cast_signed()), Signal::SIGINT).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
-    told_once(&String::from_utf8_lossy(&output.stderr), "does not come back from its preparation");
+    reported_once(&String::from_utf8_lossy(&output.stderr), "does not return from its preparation");
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
 
 #[test]
 fn a_watchdog_that_reads_back_slower_than_the_file_asks_is_refused() {
     let bench = Bench::new().unwrap();
-    let (told, archive) = captured(&bench, "fault = \"slow-watchdog\"");
-    told_once(&told, "reads back longer than [watchdog] timeout_s");
+    let (errors, archive) = captured(&bench, "fault = \"slow-watchdog\"");
+    reported_once(&errors, "reads back longer than [watchdog] timeout_s");
     assert!(archive.is_none());
 }
 
@@ -157,7 +157,7 @@ fn a_rig_that_takes_its_time_to_come_up_can_be_stopped_meanwhile() {
     kill(Pid::from_raw(child.id().cast_signed()), Signal::SIGINT).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
-    told_once(&String::from_utf8_lossy(&output.stderr), "stopped before the run began");
+    reported_once(&String::from_utf8_lossy(&output.stderr), "stopped before the run began");
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
 
@@ -172,8 +172,8 @@ fn two_runs_do_not_share_a_device_whatever_their_runtime_folders() {
     let elsewhere = bench.path("elsewhere");
     let second = second.env(rig_folder::RUNTIME_DIR_VARIABLE, elsewhere).output().unwrap();
     assert_eq!(second.status.code(), Some(1), "{}", printed(&second));
-    let told = String::from_utf8_lossy(&second.stderr).into_owned();
-    told_once(&told, "the rig 'rotary plant' is in use: another run holds its device");
+    let errors = String::from_utf8_lossy(&second.stderr).into_owned();
+    reported_once(&errors, "the rig 'rotary plant' is in use: another run holds its device");
     let first = first.wait_with_output().unwrap();
     assert_eq!(first.status.code(), Some(0), "{}", printed(&first));
 }
@@ -183,18 +183,18 @@ fn what_belongs_to_the_simulated_rig_is_refused_for_others() {
     let bench = Bench::new().unwrap();
     let file = rig(&bench, "", |text| text);
     let refused: [(&[&str], &str); 4] = [
-        (&["capture", "--rig", &file, "--seed", "3"], "--seed belongs to the simulated rig alone"),
-        (&["capture", "--rig", &file, "--motor-cogging", "48:1"], "--motor-cogging belongs to the simulated rig alone"),
-        (&["capture", "--rig", &file, "--offline"], "leave --offline out"),
+        (&["capture", "--rig", &file, "--seed", "3"], "--seed only applies to the simulated rig"),
+        (&["capture", "--rig", &file, "--motor-cogging", "48:1"], "--motor-cogging only applies to the simulated rig"),
+        (&["capture", "--rig", &file, "--offline"], "omit --offline"),
         (
             &["replay", "3", "--rig", &file, "--hand", "multisine", "--duration-s", "1"],
-            "belongs to the simulated rig alone",
+            "only applies to the simulated rig",
         ),
     ];
     for (arguments, words) in refused {
         let output = bench.run(&[arguments, &["--no-viewer"]].concat()).unwrap();
         assert_eq!(output.status.code(), Some(1), "{arguments:?}: {}", printed(&output));
-        told_once(&String::from_utf8_lossy(&output.stderr), words);
+        reported_once(&String::from_utf8_lossy(&output.stderr), words);
     }
 }
 
@@ -205,8 +205,8 @@ fn a_rig_file_with_a_key_that_none_has_is_refused_with_its_line() {
     let output = bench.run(&["doctor", "--rig", &file]).unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
     let output = bench.run(&["capture", "--rig", &file, "--no-viewer"]).unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    told_once(&told, "rig.toml: line");
-    assert!(told.contains("unknown field `velocity_rad_s`"), "{told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    reported_once(&errors, "rig.toml: line");
+    assert!(errors.contains("unknown field `velocity_rad_s`"), "{errors}");
     assert!(repository().join("hal/src/simulated/rig.toml").exists());
 }

@@ -14,28 +14,28 @@ fn looked_at(source: &str) -> String {
     let file = rig(&bench, "", |text| text.replace("rotary_plant.so", "other.so"));
     let output = bench.run(&["capture", "--rig", &file, "--no-viewer"]).unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(told.lines().count(), 1, "{told}");
-    told
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(errors.lines().count(), 1, "{errors}");
+    errors
 }
 
 #[test]
 fn a_library_of_another_version_or_with_a_function_missing_is_refused() {
-    let told = looked_at("unsigned haptic_rig_abi(void) { return 7; }\n");
-    assert!(told.contains("has version 7 of haptic_rig.h, but this program takes version 1"), "{told}");
-    let told = looked_at("unsigned haptic_rig_abi(void) { return 1; }\n");
-    assert!(told.contains("has no function `haptic_rig_open`"), "{told}");
-    let told = looked_at("int nothing;\n");
-    assert!(told.contains("has no function `haptic_rig_abi`"), "{told}");
+    let errors = looked_at("unsigned haptic_rig_abi(void) { return 7; }\n");
+    assert!(errors.contains("has version 7 of haptic_rig.h, but this program takes version 1"), "{errors}");
+    let errors = looked_at("unsigned haptic_rig_abi(void) { return 1; }\n");
+    assert!(errors.contains("has no function `haptic_rig_open`"), "{errors}");
+    let errors = looked_at("int nothing;\n");
+    assert!(errors.contains("has no function `haptic_rig_abi`"), "{errors}");
 }
 
 #[test]
-fn a_library_that_is_not_there_is_told_with_its_path() {
+fn a_library_that_is_not_there_is_reported_with_its_path() {
     let bench = Bench::new().unwrap();
     let file = rig(&bench, "", |text| text.replace("rotary_plant.so", "nowhere.so"));
     let output = bench.run(&["capture", "--rig", &file, "--no-viewer"]).unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(told.contains("nowhere.so") && told.contains("cannot be loaded"), "{told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(errors.contains("nowhere.so") && errors.contains("cannot be loaded"), "{errors}");
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_new_rig_file_is_checked_and_commissioned() {
 }
 
 #[test]
-fn the_system_calls_that_a_rig_declares_are_counted_and_more_of_them_are_told() {
+fn the_system_calls_that_a_rig_declares_are_counted_and_more_of_them_are_reported() {
     let bench = Bench::new().unwrap();
     let calling = |declared: &str| {
         let file = rig(&bench, "calls = 2", |text| format!("{text}\n{declared}\n"));
@@ -93,16 +93,16 @@ fn the_system_calls_that_a_rig_declares_are_counted_and_more_of_them_are_told() 
         let output = command.env("HAPTIC_CAMERA_WATCH_CALLS", "1").output().unwrap();
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
-    let told = calling("[calls]\nnames = [\"getpid\"]\nper_tick = 2");
-    if told.contains("cannot be watched here") {
-        eprintln!("SKIPPED: {told}");
+    let errors = calling("[calls]\nnames = [\"getpid\"]\nper_tick = 2");
+    if errors.contains("cannot be watched here") {
+        eprintln!("SKIPPED: {errors}");
         return;
     }
-    assert!(told.contains("but its sleep and") && told.contains("at most 2 in a tick"), "{told}");
-    let told = calling("[calls]\nnames = [\"getpid\"]\nper_tick = 1");
-    assert!(told.contains("made 2 system calls in one tick, but its file permits 1"), "{told}");
-    let told = calling("");
-    assert!(told.contains("system calls besides its sleep: getpid"), "{told}");
-    let told = calling("[calls]\nnames = [\"teleport\"]\nper_tick = 1");
-    assert!(told.contains("the system call 'teleport', which is not known here"), "{told}");
+    assert!(errors.contains("but its sleep and") && errors.contains("at most 2 in a tick"), "{errors}");
+    let errors = calling("[calls]\nnames = [\"getpid\"]\nper_tick = 1");
+    assert!(errors.contains("made 2 system calls in one tick, but its file permits 1"), "{errors}");
+    let errors = calling("");
+    assert!(errors.contains("system calls besides its sleep: getpid"), "{errors}");
+    let errors = calling("[calls]\nnames = [\"teleport\"]\nper_tick = 1");
+    assert!(errors.contains("the system call 'teleport', which is not known here"), "{errors}");
 }

@@ -33,7 +33,7 @@ fn compile(bench: &Bench, source: &Path, library: &str) -> PathBuf {
 
 /// The example's library and a file of its rig, changed by `edit`, with further settings; the file's name.
 ///
-/// Stalls of the host are to cost ticks and not the run: the watchdog is a slow one, unless told otherwise.
+/// A slow watchdog by default, so that stalls of the host cost ticks and not the run.
 fn rig(bench: &Bench, settings: &str, edit: impl Fn(String) -> String) -> String {
     let example = repository().join("hal/examples/plug-in");
     if !bench.path("rotary_plant.so").exists() {

@@ -8,7 +8,7 @@ use crate::figures::{
 };
 use crate::numbers::{count, three};
 use crate::parameter_table::parameter_table;
-use crate::preparation::{method, preparation, untold};
+use crate::preparation::{method, not_identifiable, preparation};
 use crate::verdict::{completeness, findings};
 use crate::{CaptureFacts, FigureNumbers, FitPage};
 
@@ -35,7 +35,7 @@ pub(crate) fn fit_page(page: &FitPage<'_>) -> (Markup, FigureNumbers) {
         (figures)
         section {
             h2 { "What the data could not tell" }
-            (untold(fit))
+            (not_identifiable(fit))
         }
         section {
             h2 { "Preparation" }

@@ -35,12 +35,12 @@ pub(crate) fn parameter_table(page: &FitPage<'_>) -> Markup {
                     @for group in page.fit.parameters.0.chunk_by(same_reason) {
                         @for (index, parameter) in group.iter().enumerate() {
                             @if let Some(value) = parameter.value {
-                                (told(page, parameter, value))
+                                (estimate_cells(page, parameter, value))
                             } @else {
-                                tr.untold {
+                                tr.undetermined {
                                     (name_cells(parameter.name))
                                     @if index == 0 {
-                                        td.reason colspan=(columns) rowspan=(group.len()) { (untold(page, group)) }
+                                        td.reason colspan=(columns) rowspan=(group.len()) { (not_identifiable(page, group)) }
                                     }
                                 }
                             }
@@ -58,7 +58,7 @@ pub(crate) fn parameter_table(page: &FitPage<'_>) -> Markup {
     }
 }
 
-fn told(page: &FitPage<'_>, parameter: &Parameter, value: f64) -> Markup {
+fn estimate_cells(page: &FitPage<'_>, parameter: &Parameter, value: f64) -> Markup {
     let half = parameter.ci95.map_or(f64::NAN, |[low, high]| (value - low).max(high - value));
     let digits = Digits::of_interval(value, half);
     let truth = true_value(page.truth, parameter.name, Some(value));
@@ -77,15 +77,15 @@ fn told(page: &FitPage<'_>, parameter: &Parameter, value: f64) -> Markup {
     }
 }
 
-/// Whether neighbours cannot be told for one reason; they share a cell.
+/// Whether neighbours are not identifiable for the same reason; they share a cell.
 fn same_reason(one: &Parameter, next: &Parameter) -> bool {
     one.value.is_none() && next.value.is_none() && one.reason == next.reason
 }
 
-fn untold(page: &FitPage<'_>, group: &[Parameter]) -> Markup {
+fn not_identifiable(page: &FitPage<'_>, group: &[Parameter]) -> Markup {
     let reason = group.first().and_then(|parameter| parameter.reason.as_deref());
     html! {
-        strong { "cannot be told" }
+        strong { "not identifiable" }
         @if let Some(reason) = reason { ": " (reason) }
         @for parameter in group {
             @if let Some(truth) = true_value(page.truth, parameter.name, None) {

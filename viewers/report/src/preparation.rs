@@ -1,4 +1,4 @@
-//! What the data could not tell, how they were prepared, and how the numbers were made.
+//! Which parameters are not identifiable, how the data were prepared, and how the numbers were computed.
 
 use identification::Fit;
 use maud::{Markup, html};
@@ -6,19 +6,19 @@ use maud::{Markup, html};
 use crate::numbers::{count, three, two};
 use crate::verdict::noise_in_band_mnm;
 
-/// What the data could not tell, and what else a reader should know.
-pub(crate) fn untold(fit: &Fit) -> Markup {
-    let untold: Vec<_> = fit.parameters.0.iter().filter(|parameter| parameter.value.is_none()).collect();
-    let nothing = untold.is_empty()
+/// The parameters that are not identifiable, with the reasons, and other remarks.
+pub(crate) fn not_identifiable(fit: &Fit) -> Markup {
+    let not_identifiable: Vec<_> = fit.parameters.0.iter().filter(|parameter| parameter.value.is_none()).collect();
+    let nothing = not_identifiable.is_empty()
         && fit.notes.is_empty()
         && fit.detent_aliases_rad.is_empty()
         && fit.detent_harmonics.is_empty();
     html! {
         @if nothing {
-            p { "Every parameter could be told, and nothing needs a warning." }
+            p { "Every parameter is identifiable, and there are no warnings." }
         } @else {
             ul {
-                @for group in untold.chunk_by(|one, next| one.reason == next.reason) {
+                @for group in not_identifiable.chunk_by(|one, next| one.reason == next.reason) {
                     li {
                         @for (index, parameter) in group.iter().enumerate() {
                             @if index > 0 { ", " }

@@ -33,12 +33,12 @@ impl FitNumbers {
     /// Of a fit, and of the model that a simulated rig turned.
     #[must_use]
     pub fn of(fit: &Fit, truth: Option<&Model>) -> Self {
-        let value = |name: &str| fit.parameters.get(name).and_then(|told| told.value);
+        let value = |name: &str| fit.parameters.get(name).and_then(|parameter| parameter.value);
         let true_values = truth
             .into_iter()
             .flat_map(Model::parameters)
             .filter_map(|(kind, _)| Some((kind.name, true_value(truth, kind.name, value(kind.name))?)));
-        let half_width = |told: &Parameter| told.ci95.map(|[low, high]| (told.name, 0.5 * (high - low)));
+        let half_width = |parameter: &Parameter| parameter.ci95.map(|[low, high]| (parameter.name, 0.5 * (high - low)));
         let torque_noise_in_band_mnm = noise_in_band_mnm(fit);
         Self {
             true_values: true_values.collect(),

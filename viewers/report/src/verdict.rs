@@ -12,7 +12,7 @@ pub(crate) const LIKE_NOISE: f64 = 1.5;
 
 /// The parameters that were found, and how well the model follows the torque.
 pub(crate) fn findings(fit: &Fit) -> String {
-    let mut told: Vec<String> = Vec::new();
+    let mut phrases: Vec<String> = Vec::new();
     let mut seen: Vec<&str> = Vec::new();
     for parameter in fit.parameters.0.iter().filter(|parameter| parameter.value.is_some()) {
         let stem = stem(parameter.name);
@@ -20,10 +20,10 @@ pub(crate) fn findings(fit: &Fit) -> String {
             continue;
         }
         seen.push(stem);
-        told.push(phrase(fit, stem, parameter));
+        phrases.push(phrase(fit, stem, parameter));
     }
-    told.retain(|words| !words.is_empty());
-    let found = if told.is_empty() { "nothing could be told".to_owned() } else { told.join(", ") };
+    phrases.retain(|words| !words.is_empty());
+    let found = if phrases.is_empty() { "no parameter is identifiable".to_owned() } else { phrases.join(", ") };
     format!(
         "{found}; residual {}\u{a0}mNm\u{a0}RMS, {}\u{a0}% of the torque.",
         two(fit.residual_rms_mnm),

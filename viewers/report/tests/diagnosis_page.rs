@@ -15,7 +15,7 @@ use serde_json::Value as Json;
 /// Rounding of what stands on the page: three significant digits, and two for what these words name.
 const ROUNDING: f64 = 0.005;
 const TWO_DIGITS: (f64, [&str; 4]) = (0.05, ["explain", "p_value", "steadiness", "probability"]);
-/// Numbers below this are told as being below it.
+/// Numbers below this are reported as being below it.
 const SMALLEST: f64 = 1e-6;
 
 fn location(coordinate: &'static str, explained_percent: f64, p_value: f64, significant: bool) -> Location {
@@ -255,7 +255,7 @@ fn numbers_of_another_diagnosis_are_not_on_the_page() {
 }
 
 #[test]
-fn verdict_ties_reasons_units_and_the_law_are_told_in_words() {
+fn verdict_ties_reasons_units_and_the_law_are_stated_in_words() {
     let text = text_of(&page_of(&spring()));
     for words in [
         "Missing: return-spring (or mass-imbalance: a tie).",

@@ -179,7 +179,7 @@ fn a_direction_that_was_never_turned_has_its_reason_on_the_page() {
     let fit = fitted(&knobs::paper_knob(3).unwrap(), 6.0, true);
     let reason = fit.parameters.get("coulomb_negative").unwrap().reason.clone().unwrap();
     let text = text_of(&page_of(&fit, "Knob 3", None));
-    assert!(text.contains("cannot be told") && text.contains(&reason));
+    assert!(text.contains("not identifiable") && text.contains(&reason));
 }
 
 #[test]
@@ -238,10 +238,10 @@ fn the_page_of_a_mean_has_a_forest_for_each_parameter_and_the_torques_of_each_ca
             .filter(|node| node.attribute("class") == Some("plot") && node.ancestors().any(|parent| class(&parent)))
             .count()
     };
-    let told = fits[0].parameters.0.iter().filter(|parameter| parameter.value.is_some()).count();
-    assert_eq!(plots("forest"), told);
+    let estimated = fits[0].parameters.0.iter().filter(|parameter| parameter.value.is_some()).count();
+    assert_eq!(plots("forest"), estimated);
     let all = document.descendants().filter(|node| node.attribute("class") == Some("plot")).count();
-    assert_eq!(all, told + 2 * fits.len(), "two torque plots of each capture");
+    assert_eq!(all, estimated + 2 * fits.len(), "two torque plots of each capture");
     let text = text_of(&page);
     for expected in ["Mean of 3 captures", "degrees of freedom", "capture 3", "Birge ratio", "true value"] {
         assert!(text.contains(expected), "{expected} is missing");

@@ -89,11 +89,11 @@ fn text_of(page: &str) -> String {
         .map(|piece| if piece.contains("<meta") { piece.replace('>', "/>") } else { piece.to_owned() })
         .collect();
     let document = roxmltree::Document::parse(&xml).unwrap();
-    let told = document
+    let nodes = document
         .descendants()
         .filter(|node| node.is_text())
         .filter(|node| !node.ancestors().any(|parent| parent.has_tag_name("style") || parent.has_tag_name("svg")));
-    told.filter_map(|node| node.text()).collect::<Vec<_>>().join(" ").replace('−', "-")
+    nodes.filter_map(|node| node.text()).collect::<Vec<_>>().join(" ").replace('−', "-")
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn every_number_that_it_is_given_is_on_the_page() {
 }
 
 #[test]
-fn what_is_lacking_is_told_in_words_and_a_rendering_that_passes_says_so() {
+fn what_is_lacking_is_stated_in_words_and_a_rendering_that_passes_says_so() {
     let model = knobs::paper_knob(3).unwrap();
     let fit = fitted(&model);
     let whole = page(&model, &fit);

@@ -78,7 +78,7 @@ fn fit_update(run_id: u64, newest: &Sample, noise: &mut Noise) -> FitUpdate {
     let estimates: [Estimate; 8] = std::array::from_fn(|index| {
         let half_width = INTERVALS[index] / time_s.max(0.1).sqrt();
         let value = PARAMETERS[index] + 0.3 * half_width * noise.next();
-        // Detents are told later than friction.
+        // Detents are identified later than friction.
         let enough = time_s > if index >= 5 { 4.0 } else { 1.0 };
         let verdict = if enough { Verdict::Estimated } else { Verdict::NotYet };
         Estimate {

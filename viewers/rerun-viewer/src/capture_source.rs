@@ -14,7 +14,7 @@ use crate::source::{Event, ModelTorque, Reading, Source};
 
 /// Samples handed over at once: 2 s at 10 kHz.
 const SAMPLES_PER_POLL: usize = 20_000;
-/// Time over which the direction of turning is told where a table has no velocity, s.
+/// Time over which the direction of motion is determined for a table without a velocity, s.
 const DIRECTION_SPAN_S: f64 = 0.01;
 
 /// A capture, read and fitted.
@@ -120,7 +120,7 @@ impl Source for CaptureSource {
 /// The model for the curves over angle and velocity.
 fn curves(fit: &Fit, calibration: Option<&Calibration>) -> Option<KnobModel> {
     let half_width = |name: &str| fit.parameters.get(name)?.ci95.map(|[low, high]| (high - low) / 2.0);
-    let knob = KnobModel::from_told(|name| fit.parameters.get(name)?.value)?.with_half_widths(half_width);
+    let knob = KnobModel::from_values(|name| fit.parameters.get(name)?.value)?.with_half_widths(half_width);
     Some(calibration.map_or(knob, |known| knob.on_rig(known)))
 }
 
@@ -156,7 +156,7 @@ mod tests {
             let mut take_in = |event: Event<'_>| match event {
                 Event::Readings(more) => readings.extend_from_slice(more),
                 Event::Model { torque, .. } => torques.extend_from_slice(torque),
-                Event::Text(told) => told.clone_into(&mut text),
+                Event::Text(new) => new.clone_into(&mut text),
                 Event::End => ended = true,
                 _ => {}
             };

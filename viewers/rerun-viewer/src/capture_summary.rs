@@ -69,7 +69,7 @@ fn parameters(text: &mut String, fit: &Fit) {
 /// `2.301 ± 0.012`; an interval that lies unevenly about its value with both ends.
 fn value_and_interval(parameter: &Parameter) -> String {
     match (parameter.value, parameter.ci95) {
-        (None, _) => "*cannot be told*".to_owned(),
+        (None, _) => "*not identifiable*".to_owned(),
         (Some(value), None) => three_digits(value),
         (Some(value), Some([low, high])) => {
             let half_width = (high - low) / 2.0;
@@ -97,7 +97,7 @@ fn ranges(text: &mut String, capture: &Capture) {
     text.push('\n');
 }
 
-/// Why parameters cannot be told, those with the same reason together, and what else is to be known.
+/// Why parameters are not identifiable, grouped by reason, and other remarks.
 fn remarks(text: &mut String, fit: &Fit) {
     let mut reasons: Vec<(Vec<String>, &str)> = Vec::new();
     for parameter in &fit.parameters.0 {
@@ -129,7 +129,7 @@ mod tests {
         let held = parameter(Some(0.0), Some([0.0, 0.25]));
         assert_eq!(value_and_interval(&held), "0.000 (0.000 to 0.250)");
         assert_eq!(value_and_interval(&parameter(Some(2.3), Some([2.288, 2.312]))), "2.300 ± 0.012");
-        assert_eq!(value_and_interval(&parameter(None, None)), "*cannot be told*");
+        assert_eq!(value_and_interval(&parameter(None, None)), "*not identifiable*");
     }
 
     #[test]

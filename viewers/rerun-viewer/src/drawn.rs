@@ -33,7 +33,7 @@ pub struct Wanted {
     pub to: Option<u64>,
 }
 
-/// What a page is told about the file that it is given.
+/// Metadata of the file sent to a page.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Contents {
     /// The first frame in the file; earlier ones that were asked for are kept, and can be asked for again.

@@ -18,8 +18,8 @@ pub struct HalfWidths {
 
 impl HalfWidths {
     /// From the half widths of the parameters that have one, by their standard names.
-    pub fn from_told(told: impl Fn(&str) -> Option<f64>) -> Self {
-        let or_zero = |name| told(name).filter(|half_width| half_width.is_finite()).unwrap_or(0.0);
+    pub fn from_values(value_of: impl Fn(&str) -> Option<f64>) -> Self {
+        let or_zero = |name| value_of(name).filter(|half_width| half_width.is_finite()).unwrap_or(0.0);
         Self {
             coulomb_negative: or_zero("coulomb_negative"),
             coulomb_positive: or_zero("coulomb_positive"),
@@ -57,7 +57,7 @@ mod tests {
     #[test]
     fn what_is_not_known_better_moves_the_torque_by_its_derivative() {
         let only = |known: &'static str, half_width: f64| {
-            HalfWidths::from_told(move |name| (name == known).then_some(half_width))
+            HalfWidths::from_values(move |name| (name == known).then_some(half_width))
         };
         let near =
             |value: f64, expected: f64| assert!((value - expected).abs() < 1e-3 * expected, "{value} {expected}");

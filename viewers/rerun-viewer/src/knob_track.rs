@@ -68,7 +68,7 @@ pub struct DetentRing {
 }
 
 impl DetentRing {
-    /// The detents of a model in the turn around `angle_rad`; `None` while they cannot be told or if there are none.
+    /// The detents of a model in the turn around `angle_rad`; `None` if there are none, or until they are identified.
     pub fn of(model: &KnobModel, angle_rad: f64) -> Option<Self> {
         let spacing_rad = model.detent_spacing_rad().filter(|spacing| *spacing > TAU / MOST_DETENTS)?;
         let middle = (angle_rad / TAU).round() * TAU;
@@ -180,13 +180,13 @@ mod tests {
     }
 
     fn detents(amplitude: f64) -> KnobModel {
-        let told = |name: &str| match name {
+        let value_of = |name: &str| match name {
             "detent_amplitude" => Some(amplitude),
             "detent_period" => Some(0.1),
             "detent_phase" => Some(0.5),
             _ => None,
         };
-        KnobModel::from_told(told).unwrap()
+        KnobModel::from_values(value_of).unwrap()
     }
 
     #[test]

@@ -50,7 +50,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Shows a run or a capture until told to stop, then ends the process.
+/// Shows a run or a capture until it is stopped, then ends the process.
 fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     operator::start_log(operator::LevelFilter::WARN);
     // The note of the port, and a file that is asked for.

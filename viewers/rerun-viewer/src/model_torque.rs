@@ -46,27 +46,28 @@ struct Detent {
 }
 
 impl KnobModel {
-    /// The model of a fit; `None` while no parameter can be told.
+    /// The model of a fit; `None` until a parameter is identified.
     pub fn from_fit(fit: &FitUpdate) -> Option<Self> {
         let estimates = fit.estimates();
-        let value = |name: &str| estimates.iter().find(|(known, _)| *known == name).and_then(|(_, found)| told(found));
+        let value =
+            |name: &str| estimates.iter().find(|(known, _)| *known == name).and_then(|(_, found)| finite_value(found));
         let half_width = |name: &str| {
             let (_, estimate) = estimates.iter().find(|(known, _)| *known == name)?;
-            told(estimate).map(|_| estimate.half_width())
+            finite_value(estimate).map(|_| estimate.half_width())
         };
-        Self::from_told(value).map(|model| model.with_half_widths(half_width))
+        Self::from_values(value).map(|model| model.with_half_widths(half_width))
     }
 
-    /// The model of the parameters that `told` has a value for, by their standard names; `None` if it has none.
-    pub fn from_told(told: impl Fn(&str) -> Option<f64>) -> Option<Self> {
-        let or_zero = |name: &str| told(name).unwrap_or(0.0);
+    /// The model of the parameters for which `value_of` returns a value, by their standard names; `None` if there are none.
+    pub fn from_values(value_of: impl Fn(&str) -> Option<f64>) -> Option<Self> {
+        let or_zero = |name: &str| value_of(name).unwrap_or(0.0);
         let friction =
-            |coulomb: &str, viscous: &str| Some(Friction { coulomb: told(coulomb)?, viscous: or_zero(viscous) });
-        let detent = match (told("detent_amplitude"), told("detent_period"), told("detent_phase")) {
+            |coulomb: &str, viscous: &str| Some(Friction { coulomb: value_of(coulomb)?, viscous: or_zero(viscous) });
+        let detent = match (value_of("detent_amplitude"), value_of("detent_period"), value_of("detent_phase")) {
             (Some(amplitude), Some(period), Some(phase)) if period != 0.0 => Some(Detent { amplitude, period, phase }),
             _ => None,
         };
-        PARAMETERS.iter().any(|(name, _)| told(name).is_some()).then(|| Self {
+        PARAMETERS.iter().any(|(name, _)| value_of(name).is_some()).then(|| Self {
             inertia: or_zero("inertia"),
             negative: friction("coulomb_negative", "viscous_negative"),
             positive: friction("coulomb_positive", "viscous_positive"),
@@ -78,8 +79,8 @@ impl KnobModel {
 
     /// The model with the half widths of its parameters' 95 % intervals, by their standard names.
     #[must_use]
-    pub fn with_half_widths(self, told: impl Fn(&str) -> Option<f64>) -> Self {
-        Self { half_widths: HalfWidths::from_told(told), ..self }
+    pub fn with_half_widths(self, half_width_of: impl Fn(&str) -> Option<f64>) -> Self {
+        Self { half_widths: HalfWidths::from_values(half_width_of), ..self }
     }
 
     /// The model as the rig's torque sensor reads it: with the gripper and the sensor's zero.
@@ -92,7 +93,7 @@ impl KnobModel {
         }
     }
 
-    /// The whole torque, mNm; NaN where the friction cannot be told.
+    /// The whole torque, mNm; NaN where the friction is not identified.
     pub fn torque_mnm(&self, angle_rad: f64, velocity_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
         self.zero_mnm
             + self.inertia * acceleration_rad_s2
@@ -105,7 +106,7 @@ impl KnobModel {
         self.zero_mnm
     }
 
-    /// Friction torque, mNm; none at rest, NaN where it cannot be told.
+    /// Friction torque, mNm; none at rest, NaN where it is not identified.
     pub fn friction_mnm(&self, velocity_rad_s: f64) -> f64 {
         let sliding = |friction: Option<Friction>| {
             friction.map_or(f64::NAN, |Friction { coulomb, viscous }| {
@@ -171,7 +172,7 @@ impl KnobModel {
 }
 
 /// The value of a parameter that the data can tell.
-pub fn told(estimate: &Estimate) -> Option<f64> {
+pub fn finite_value(estimate: &Estimate) -> Option<f64> {
     (Verdict::from_code(estimate.verdict) == Some(Verdict::Estimated) && estimate.value.is_finite())
         .then_some(estimate.value)
 }
@@ -241,7 +242,7 @@ pub(crate) mod tests {
 
     #[test]
     #[allow(clippy::unwrap_used, reason = "test")]
-    fn a_term_that_cannot_be_told_is_left_out() {
+    fn a_term_that_is_not_identified_is_left_out() {
         let mut fit = knob_three();
         fit.detent_period.verdict = Verdict::NotYet.code();
         fit.inertia.value = f64::NAN;
@@ -252,7 +253,7 @@ pub(crate) mod tests {
 
     #[test]
     #[allow(clippy::unwrap_used, reason = "test")]
-    fn turning_in_a_direction_whose_friction_cannot_be_told_has_no_torque() {
+    fn turning_in_a_direction_whose_friction_is_not_identified_has_no_torque() {
         let mut fit = knob_three();
         fit.coulomb_negative.verdict = Verdict::NotYet.code();
         let model = KnobModel::from_fit(&fit).unwrap();
@@ -270,7 +271,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn before_anything_is_told_there_is_no_model() {
+    fn before_any_parameter_is_identified_there_is_no_model() {
         assert_eq!(KnobModel::from_fit(&FitUpdate::default()), None);
     }
 }

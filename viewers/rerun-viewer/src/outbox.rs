@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_can_wait_is_told_that_the_outbox_is_full_before_anything_is_lost() {
+    fn a_sender_that_can_wait_learns_that_the_outbox_is_full_before_anything_is_lost() {
         let outbox = Outbox::new(2);
         while !outbox.is_full() {
             outbox.push('a');

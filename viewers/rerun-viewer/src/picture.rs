@@ -11,7 +11,7 @@ use crate::entities::{self, HEALTH};
 use crate::frame::{Frame, Lateness, SeriesRows};
 use crate::glance::Glance;
 use crate::knob_track::KnobTrack;
-use crate::model_torque::{KnobModel, told};
+use crate::model_torque::{KnobModel, finite_value};
 use crate::rendered::RenderedModel;
 use crate::scatter::{Abscissa, Scatter, ScatterPoint};
 use crate::signals::Signals;
@@ -132,13 +132,13 @@ impl Picture {
         }
     }
 
-    /// The sample rate, once the run or the loop has told it, Hz.
+    /// The sample rate, once the run or the loop has published it, Hz.
     pub fn rate_hz(&self) -> Option<f64> {
         let described = self.description.as_ref().map(|description| description.rate_hz);
         described.or(self.status.map(|status| status.rate_hz)).filter(|rate_hz| *rate_hz > 0.0)
     }
 
-    /// Whether the rig turns, once the run or the capture has told it.
+    /// Whether the rig turns, once the run or the capture is known.
     pub fn axis(&self) -> Option<Axis> {
         self.axis
     }
@@ -334,14 +334,14 @@ impl Picture {
         vec![lateness, period]
     }
 
-    /// Value and interval of each parameter that can be told.
+    /// Value and interval of each parameter that is identified.
     fn keep_parameters(&mut self) {
         let (Some(fit), Some(newest), true) = (self.fit, self.newest, self.fit_is_new) else {
             return;
         };
         self.fit_is_new = false;
         let time_ns = newest.time_ns - since(fit.monotonic_time_ns, newest.monotonic_time_ns);
-        for (name, estimate) in fit.estimates().into_iter().filter(|(_, estimate)| told(estimate).is_some()) {
+        for (name, estimate) in fit.estimates().into_iter().filter(|(_, estimate)| finite_value(estimate).is_some()) {
             let values = [estimate.value, estimate.ci95_low, estimate.ci95_high];
             self.waiting.push(entities::parameter(name), time_ns, &values);
         }
@@ -461,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn there_is_no_model_torque_before_a_parameter_can_be_told() {
+    fn there_is_no_model_torque_before_a_parameter_is_identified() {
         let mut picture = Picture::default();
         picture.take_in(Event::Status(&status(7)));
         picture.take_in(Event::Fit(&FitUpdate { run_id: 7, ..FitUpdate::default() }));
@@ -510,7 +510,7 @@ mod tests {
             .collect();
         let mut picture = Picture::of_capture(readings.len());
         picture.take_in(Event::Readings(&readings));
-        picture.take_in(Event::Model { model: KnobModel::from_told(|_| Some(1.0)), torque: &[] });
+        picture.take_in(Event::Model { model: KnobModel::from_values(|_| Some(1.0)), torque: &[] });
         picture.take_in(Event::Text("# a capture"));
         picture.take_in(Event::End);
         let frame = picture.next_frame(0).unwrap();

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn losses_and_restarts_are_told() {
+    fn losses_and_restarts_are_shown() {
         let row = row_of(&consumers(NOW_NS, 12, 2), LoopStatus::default());
         assert_eq!(row.in_words(), "alive, 12 lost, restarted 2×");
     }

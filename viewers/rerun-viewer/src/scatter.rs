@@ -62,7 +62,7 @@ pub struct ModelCurves {
     pub curves: Vec<Curve>,
     /// Lower and upper ends of its 95 % interval.
     pub borders: Vec<Curve>,
-    /// Mean half width of the interval, mNm; `None` where nothing can be told.
+    /// Mean half width of the interval, mNm; `None` where nothing is identified.
     pub half_width_mnm: Option<f64>,
 }
 
@@ -118,7 +118,7 @@ impl Scatter {
                 Abscissa::Velocity => torque_over_velocity(model, x),
             };
             for curves in [&mut drawn.curves, &mut drawn.borders] {
-                // A direction whose friction cannot be told has no curve.
+                // A direction whose friction is not identified has no curve.
                 curves.retain(|curve| curve.iter().all(|point| point[1].is_finite()));
                 // A model that is far off runs along the frame, not across the neighbouring views.
                 curves.iter_mut().flatten().for_each(|point| point[1] = point[1].clamp(axes.y.low, axes.y.high));
@@ -165,7 +165,7 @@ fn torque_over_velocity(model: &KnobModel, (low, high): (f64, f64)) -> ModelCurv
 }
 
 impl ModelCurves {
-    /// Adds a curve with its interval, unless its torque cannot be told.
+    /// Adds a curve with its interval, if its torque is identified.
     fn add(&mut self, curve: Curve, half_width_mnm: impl Fn(f64) -> f64) {
         if curve.iter().any(|point| !point[1].is_finite()) {
             return;

@@ -151,7 +151,7 @@ impl Screen {
         }
     }
 
-    /// What the operator is told to look at.
+    /// The address to show to the operator.
     pub fn place(&self) -> Option<String> {
         match &self.destination {
             Destination::Web { address, .. } => Some(url(*address)),
@@ -161,7 +161,7 @@ impl Screen {
 
     /// Shows frames from `outbox` on a thread of its own until it is closed and empty.
     ///
-    /// The receiver is told once everything is written and the destination is closed, or why a file cannot be written, as
+    /// The receiver is notified once everything is written and the destination is closed, or why a file cannot be written, as
     /// soon as that is known.
     ///
     /// # Errors

@@ -61,14 +61,14 @@ pub enum Event<'a> {
     Readings(&'a [Reading]),
     /// The model fitted to a finished capture.
     Model {
-        /// For the curves over angle and velocity; `None` if no parameter can be told.
+        /// For the curves over angle and velocity; `None` if no parameter is identified.
         model: Option<KnobModel>,
         /// In the order of time.
         torque: &'a [ModelTorque],
     },
     /// The text beside the plots of a finished capture, as Markdown.
     Text(&'a str),
-    /// Everything of a finished capture was told.
+    /// All of a finished capture has been sent.
     End,
 }
 

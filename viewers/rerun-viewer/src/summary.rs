@@ -8,7 +8,7 @@ use shared_types::{Estimate, Fault, FitUpdate, LoopState, LoopStatus, RunDescrip
 use crate::consumers::Consumers;
 use crate::entities::{PARAMETERS, SIGNALS};
 use crate::knob_track::Motion;
-use crate::model_torque::told;
+use crate::model_torque::finite_value;
 use crate::rendered::RenderedModel;
 use crate::source::Reading;
 
@@ -131,7 +131,7 @@ pub fn parameters(facts: &Facts<'_>) -> String {
             all += 1;
             enough += u32::from(estimate.is_settled());
             let word = if estimate.is_settled() { "enough" } else { "**not yet**" };
-            let value = match told(&estimate) {
+            let value = match finite_value(&estimate) {
                 Some(_) => format!("{} {unit}", value_and_interval(&estimate)),
                 None => value_and_interval(&estimate),
             };
@@ -166,9 +166,9 @@ fn ranges(text: &mut String, facts: &Facts<'_>) {
     text.push('\n');
 }
 
-/// `2.301 ± 0.012`, with as many digits as the interval deserves; a dash while it cannot be told.
+/// `2.301 ± 0.012`, with as many digits as the interval deserves; a dash until it is identified.
 pub fn value_and_interval(estimate: &Estimate) -> String {
-    let Some(value) = told(estimate) else {
+    let Some(value) = finite_value(estimate) else {
         return "\u{2013}".to_owned();
     };
     with_half_width(value, (estimate.ci95_high - estimate.ci95_low) / 2.0)
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_has_no_number() {
+    fn what_is_not_identified_has_no_number() {
         assert_eq!(value_and_interval(&Estimate { value: 5.0, ..Estimate::default() }), "\u{2013}");
         assert_eq!(value_and_interval(&enough(f64::NAN, 1.0)), "\u{2013}");
     }
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_is_told_with_three_digits() {
+    fn a_range_has_three_digits() {
         assert_eq!(three_digits(-1e-5), "0.000");
         assert_eq!([0.299_9, -3.456, 98.76, 12_345.6].map(three_digits), ["0.300", "\u{2212}3.46", "98.8", "12346"]);
     }

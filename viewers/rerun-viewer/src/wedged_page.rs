@@ -35,7 +35,7 @@ fn client(address: SocketAddr, query: &str) -> TcpStream {
     connection
 }
 
-/// Asks like a page; what it is told, and how many bytes of rerun files it is given.
+/// Sends a page's request; returns the answer's metadata, and how many bytes of rerun files came.
 fn fetch(address: SocketAddr, query: &str) -> (Value, usize) {
     let mut answer = Vec::new();
     client(address, query).read_to_end(&mut answer).unwrap();

@@ -84,13 +84,13 @@ impl<'f> Group<'f> {
         let record = self.channels.payload_size() as u64;
         let possible = file.file_size().saturating_mul(DEFLATE);
         if samples.saturating_mul(record.max(1)) > bytes || bytes > possible {
-            return Err(format!("it is damaged: group {number} is said to hold more than there is"));
+            return Err(format!("it is damaged: group {number} declares more data than the file has"));
         }
         #[allow(clippy::cast_precision_loss, reason = "bytes for display")]
         let needed = bytes as f64 + COPIES * size_of::<f64>() as f64 * samples as f64;
         match memory::available() {
             Some(available) if needed > available => Err(format!(
-                "group {number} takes {:.1} GB of memory, of which {:.1} GB are free; cut the file into shorter ones",
+                "group {number} needs {:.1} GB of memory, of which {:.1} GB are free; cut the file into shorter ones",
                 needed / 1e9,
                 available / 1e9
             )),

@@ -70,7 +70,7 @@ impl<'f> Picked<'f> {
 
 fn unknown(groups: &[Group<'_>]) -> String {
     format!(
-        "its channels do not tell an angle and a torque, or a travel and a force; it has {}; say which they are, as with \
+        "it has no unambiguous channels for angle and torque, or travel and force; it has {}; name them, as in \
          --columns angle=NAME,torque=NAME",
         listed(groups)
     )
@@ -115,7 +115,7 @@ fn together<'f>(groups: &[Group<'f>], found: &[Option<Vec<Place<'f>>>; 4]) -> Re
         .map(|place| format!("`{}/{}`", groups[place.group].number, place.channel.name.trim()))
         .collect();
     Err(format!(
-        "several of its channels may be meant, {}: say which, as with --columns angle=GROUP/NAME,torque=GROUP/NAME",
+        "several of its channels match, {}: name one, as in --columns angle=GROUP/NAME,torque=GROUP/NAME",
         names.join(", ")
     ))
 }

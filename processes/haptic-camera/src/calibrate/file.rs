@@ -40,16 +40,17 @@ impl Previous {
 pub fn write(
     path: &Path,
     replaced: Replace,
-    told: &Calibrated,
+    calibrated: &Calibrated,
     known: &Calibration,
     previous: Option<&Previous>,
     captures: &[PathBuf],
 ) -> anyhow::Result<()> {
     let learnt = |comment: &&String| {
-        told.estimates
+        calibrated
+            .estimates
             .iter()
             .any(|estimate| comment.starts_with(&format!("# {}:", known.axis.words(estimate.quantity))))
-            || (told.cogging.is_some() && comment.starts_with("# motor_cogging"))
+            || (calibrated.cogging.is_some() && comment.starts_with("# motor_cogging"))
     };
     let mut text = CALIBRATION_MARK.to_owned();
     for comment in previous.iter().flat_map(|previous| &previous.comments).filter(|comment| !learnt(comment)) {
@@ -57,7 +58,7 @@ pub fn write(
     }
     let date = jiff::Zoned::now().strftime("%Y-%m-%d %H:%M:%S %Z");
     let sources: Vec<String> = captures.iter().map(|capture| capture.display().to_string()).collect();
-    for estimate in &told.estimates {
+    for estimate in &calibrated.estimates {
         let digits = digits(estimate.half_width);
         let _ = writeln!(
             text,
@@ -69,11 +70,17 @@ pub fn write(
             sources.join(", ")
         );
     }
-    for line in told.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
+    for line in calibrated.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
         let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {}", sources.join(", "));
     }
-    let learnt = told.applied_to(known);
-    learnt.check().with_context(|| format!("{} is not written: the captures tell what no rig has", path.display()))?;
+    let learnt = calibrated.applied_to(known);
+    learnt.check().with_context(|| {
+        format!(
+            "{} is not written: the captures give a calibration that no rig can \
+        have",
+            path.display()
+        )
+    })?;
     text += &learnt.to_toml();
     replace(path, replaced, &text)
 }

@@ -41,36 +41,37 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
             (Some(known), _) => known.clone(),
             (None, Some(own)) => own.clone(),
             (None, None) => anyhow::bail!(
-                "{} says nothing of its rig; give what is known of it with --calibration PREVIOUS.toml",
+                "{} has no calibration of its rig; give one with --calibration PREVIOUS.toml",
                 path.display()
             ),
         };
         let of_angle = matches!(options.what, CalibrationKind::Gravity | CalibrationKind::Cogging);
         anyhow::ensure!(
             base.axis.is_rotary() || !of_angle,
-            "a rig that presses or slides has no {} that comes again with every turn; `calibrate zero` takes what is alike at every travel",
+            "a rig with a linear axis has no {} that repeats with every turn; use `calibrate zero` for what is \
+             constant over the travel",
             options.what.subject()
         );
-        let told = options
+        let calibrated = options
             .what
             .calibrate(&loaded, &base)
             .with_context(|| format!("{} does not calibrate the {}", path.display(), options.what.subject()))?;
         known.get_or_insert(base);
-        found.push(told);
+        found.push(calibrated);
     }
-    let (Some(known), Some(told)) = (known, calibration::combine(&found)) else {
+    let (Some(known), Some(calibrated)) = (known, calibration::combine(&found)) else {
         anyhow::bail!("there is no capture to calibrate from");
     };
-    if !told.estimates.is_empty() {
-        say(known.axis.words(&table::table(&known, &told).to_string()));
+    if !calibrated.estimates.is_empty() {
+        say(known.axis.words(&table::table(&known, &calibrated).to_string()));
     }
-    for line in told.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
+    for line in calibrated.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
         say(known.axis.words(&format!("cogging  {line}")));
     }
-    for note in &told.notes {
+    for note in &calibrated.notes {
         say(known.axis.words(&format!("- {note}")));
     }
-    file::write(&options.out, options.replaced(), &told, &known, previous.as_ref(), &captures)?;
+    file::write(&options.out, options.replaced(), &calibrated, &known, previous.as_ref(), &captures)?;
     say(format!("calibration  {}", options.out.display()));
     Ok(outcome)
 }
@@ -78,15 +79,15 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
 /// The delays of the channels, and of the motor where the capture says when a command acts.
 fn latency(loaded: &LoadedCapture, known: &Calibration) -> Result<Calibrated, CalibrateError> {
     let samples = &loaded.samples();
-    let mut told = calibration::latency(samples, known)?;
+    let mut calibrated = calibration::latency(samples, known)?;
     let late_ticks = loaded.capture.description.as_ref().and_then(|run| run.torque_late_ticks);
     if let Some((commanded_mnm, late_ticks)) = loaded.commanded_torque_mnm().zip(late_ticks) {
         match calibration::command_latency(samples, commanded_mnm, late_ticks) {
-            Ok(delay) => told.estimates.push(delay),
-            Err(error) => told.notes.push(format!("no delay of the motor: {error}")),
+            Ok(delay) => calibrated.estimates.push(delay),
+            Err(error) => calibrated.notes.push(format!("no delay of the motor: {error}")),
         }
     }
-    Ok(told)
+    Ok(calibrated)
 }
 
 impl CalibrationKind {

@@ -7,12 +7,12 @@ use identification::calibration::{Calibrated, CoggingEstimate};
 use crate::repeatability::digits;
 
 /// Each quantity as it was believed and as it was found, with its interval.
-pub fn table(known: &Calibration, told: &Calibrated) -> Table {
+pub fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING);
     table.set_header(["quantity", "before", "found", "95 %", "unit"]);
     let before = toml::Table::try_from(known).unwrap_or_default();
-    for estimate in &told.estimates {
+    for estimate in &calibrated.estimates {
         // Delays are fractions of a sample: microseconds read better.
         let (factor, unit) = if estimate.unit == "s" { (1e6, "µs") } else { (1.0, estimate.unit) };
         let digits = digits(factor * estimate.half_width);

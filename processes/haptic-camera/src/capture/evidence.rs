@@ -12,7 +12,7 @@ use crate::outcome::say;
 /// Rest put between two captures that are made into one, s: longer than any gap that is filled in.
 const PAUSE_S: f64 = 1.0;
 
-/// Diagnoses all captures so far, two at least; `before` is what the ones before the last told.
+/// Diagnoses all captures so far, two at least; `before` is the diagnosis of all but the last.
 ///
 /// The second capture is held out; the first and the further ones are fitted together: what tells rivals apart then also
 /// tells their parameters, and the sweep goes on telling the rest. Effects that depend on the time of a capture do not

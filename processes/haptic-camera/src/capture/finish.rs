@@ -21,7 +21,7 @@ const NAMES_TRIED: u32 = 1_000;
 /// Tells how the run went, fits the archive and writes model and report beside it.
 ///
 /// # Errors
-/// When the archive cannot be read. Results that cannot be written are told, and the run has failed unless worse happened.
+/// When the archive cannot be read. Results that cannot be written are reported, and make the run a failure.
 pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::Result<Outcome> {
     if let Some(achieved) = &end.achieved {
         say(end_of_sweep(achieved, planned_s));
@@ -31,7 +31,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
     match fit::fit_capture(&loaded) {
         Ok(fitted) => {
             if let Err(error) = keep(&loaded, &fitted) {
-                remark(format!("{error:#}; the archive is there: `haptic-camera fit {archive}` makes them again"));
+                remark(format!("{error:#}; the archive is kept: run `haptic-camera fit {archive}` to write them"));
                 if outcome == Outcome::Done {
                     outcome = Outcome::Failed;
                 }
@@ -79,7 +79,7 @@ pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
     let Some(ended_s) = achieved.ended_s else {
         let open: Vec<String> = achieved.open().iter().map(share_words).collect();
         return format!(
-            "not known within {share} by the end: {}; give it longer with --duration-s, or a larger share",
+            "not known within {share} by the end: {}; give a longer --duration-s, or a larger share",
             if open.is_empty() { "there was no steady estimate".to_owned() } else { open.join(", ") }
         );
     };
@@ -98,7 +98,7 @@ fn tell_precision(achieved: &Achieved, fitted: &Fit, torque_step_mnm: f64) {
     let converged = knowledge.parameters.iter().filter(|known| known.convergence == Convergence::Converged);
     let widest = converged.max_by(|one, other| one.share().unwrap_or(0.0).total_cmp(&other.share().unwrap_or(0.0)));
     if !open.is_empty() {
-        remark(format!("the fit of the archive does not know within {share}: {}", open.join(", ")));
+        remark(format!("not known within {share} in the fit of the archive: {}", open.join(", ")));
     } else if let Some(widest) = widest {
         say(format!("every parameter is known within {share}; the widest interval: {}", share_words(widest)));
     }

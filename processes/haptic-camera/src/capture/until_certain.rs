@@ -36,7 +36,7 @@ pub(super) fn run(
             return Ok(Outcome::Failed);
         };
         if outcome == Outcome::Failed || interrupted.load(Ordering::Acquire) {
-            remark("no verdict: it takes a slow turn from start to end");
+            remark("no verdict: it needs a complete slow turn");
             return Ok(outcome);
         }
         worst = worst.worse(outcome);

@@ -42,7 +42,7 @@ pub(super) struct Taken {
 /// Whatever keeps a run from being made, and one sentence on why no diagnosis would be worth anything.
 pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
     if let Some(reach) = options.reach {
-        anyhow::ensure!(reach.is_finite() && reach > 0.0, "a --reach of {reach} rad is none; give an angle above zero");
+        anyhow::ensure!(reach.is_finite() && reach > 0.0, "--reach is {reach} rad, but it must be greater than zero");
     }
     // While the rig rests and a diagnosis is under way there is nothing to end in order.
     let at_rest = Arc::new(AtomicBool::new(false));
@@ -62,7 +62,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
         };
         taken.push(one);
         if outcome == Outcome::Failed || interrupted.load(Ordering::Acquire) {
-            remark("no diagnosis: it takes two captures from start to end");
+            remark("no diagnosis: it needs two complete captures");
             return Ok(outcome);
         }
         worst = worst.worse(outcome);
@@ -75,7 +75,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
         let found = match (found, before.take()) {
             (Ok(found), _) => found,
             (Err(error), Some(before)) => {
-                remark(format!("the last capture cannot be diagnosed beside the others: {error:#}"));
+                remark(format!("the last capture cannot be diagnosed with the others: {error:#}"));
                 conclude(options, &taken[..taken.len() - 1], &before)?;
                 return Ok(Outcome::Failed);
             }
@@ -85,7 +85,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
         let next = match next(&found, &made, options.request.duration_s, options.budget) {
             _ if interrupted.load(Ordering::Acquire) => None,
             Next::Experiment(experiment, [one, other]) => {
-                say(format!("\ncapture {}: to tell {one} from {other}", taken.len() + 1));
+                say(format!("\ncapture {}: to discriminate between {one} and {other}", taken.len() + 1));
                 Some(experiment)
             }
             end => {
@@ -106,7 +106,7 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
             }
             // What was found before stands; the cut capture is kept, and is no evidence.
             cut => {
-                remark("the last experiment did not run to its end: the diagnosis rests on those before it");
+                remark("the last experiment did not finish: the diagnosis uses the earlier ones");
                 conclude(options, &taken, &found)?;
                 return Ok(cut.map_or(Outcome::Failed, |(_, outcome)| worst.worse(outcome)));
             }
@@ -143,12 +143,13 @@ fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
     let captures = taken.len();
     match end {
         Next::Settled if floor_is_doubtful => remark(format!(
-            "no rivals are left after {captures} captures, but the noise floor is in doubt, and with it the verdict"
+            "no rivals are left after {captures} captures, but the noise floor, and so the verdict, is doubtful"
         )),
         Next::Settled => say(format!("settled after {captures} captures")),
         Next::BudgetSpent => remark(format!("rivals are left and the budget is spent after {captures} captures")),
         Next::Undecidable => remark(
-            "rivals are left that no experiment within reach tells apart; if the knob may be turned further, say so with --reach",
+            "no experiment within reach discriminates between the remaining rivals; if the knob may be turned \
+             further, give --reach",
         ),
         Next::Experiment(..) => {}
     }

@@ -28,7 +28,7 @@ struct Shown {
     static_positive: Option<Threshold>,
     /// Stretches in which the knob turned freely until it met what is behind its lost motion.
     free_travel: Vec<FreeTravel>,
-    /// Why no breakaway is told.
+    /// Why there is no breakaway.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_static: Option<String>,
 }
@@ -68,7 +68,7 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     let check = Check { agreement: agreement(axis, &captures, model.as_ref()), captures };
     if !to_output(options.json.as_deref()) {
         if check.agreement.is_empty() {
-            say("neither detents nor breakaways to be told");
+            say("found neither detents nor breakaways");
         } else {
             say(axis.words(&table::table(&check.agreement).to_string()));
         }
@@ -103,8 +103,9 @@ fn withhold_breakaways(axis: Axis, captures: &mut [Shown]) {
     let longest_rad = ways.iter().copied().fold(0.0, f64::max);
     let times = if ways.len() == 1 { "once".to_owned() } else { format!("{} times", ways.len()) };
     let reason = format!(
-        "static_negative and static_positive cannot be told: the knob turned freely, {times} and for up to {}, before it met any torque, and where it sets out through such lost motion looks like a breakaway; \
-         take the lost motion out, or `diagnose` it",
+        "static_negative and static_positive are not identifiable: the knob turned freely, {times} and for up to {}, \
+         before it met any torque, and the start of motion through such backlash looks like a breakaway; remove the \
+         backlash, or run `diagnose`",
         way_in_words(axis, longest_rad)
     );
     for shown in captures {

@@ -10,27 +10,27 @@ use crate::command_line::RigOptions;
 /// Options of `calibrate`.
 #[derive(Debug, Args)]
 #[command(mut_arg("calibration", |calibration| calibration
-    .help("What is known so far, instead of what the captures say of their rig")
+    .help("The previous calibration, instead of the captures' own")
     .value_name("PREVIOUS.toml")))]
 pub struct CalibrateOptions {
     /// What to calibrate
     #[arg(value_enum, value_name = "WHAT")]
     pub what: CalibrationKind,
-    /// Captures made for it; without any the rig is turned, with nothing on the gripper
+    /// Captures to calibrate from; without any the rig is turned, with nothing on the gripper
     #[arg(value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
-    /// Where the calibration goes; may be the file given as --calibration
+    /// Write the calibration here; may be the file given as --calibration
     #[arg(long, value_name = "CALIBRATION.toml")]
     pub out: PathBuf,
-    /// How fast the rig is read where no capture is given
+    /// Rate and core, if no capture is given
     #[command(flatten)]
     pub pace: Pace,
-    /// How the rig is turned where no capture is given
+    /// The rig, if no capture is given
     #[command(flatten)]
     pub rig: RigOptions,
 }
 
-/// What `calibrate` can find.
+/// What `calibrate` can determine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum CalibrationKind {
     /// Gravity in the acceleration signal, from a slow turn of more than 360°.
@@ -39,7 +39,7 @@ pub enum CalibrationKind {
     Zero,
     /// The gripper's inertia, from a sweep of the gripper alone.
     Gripper,
-    /// How late torque and acceleration come, from fast sines of the gripper alone.
+    /// Delays of torque and acceleration, from fast sines of the gripper alone.
     Latency,
     /// The motor's cogging, from slow turns of the gripper alone in both directions.
     Cogging,

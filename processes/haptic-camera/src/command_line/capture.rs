@@ -17,13 +17,13 @@ pub struct CaptureOptions {
     pub request: RunRequest,
     /// End the sweep once every parameter is known within this share of its value, as 1%; --duration-s is then the longest.
     ///
-    /// What counts is half the width of the 95 % interval, as fitted live. It must hold while the data grow by a tenth. A phase
-    /// is judged by the share of one radian; a parameter whose whole interval makes less torque than one step of the torque
-    /// sensor is settled.
+    /// The criterion is half the width of the 95 % interval of the live fit, and must hold while the data grow by a tenth. For a
+    /// phase it is the share of one radian; a parameter whose interval amounts to less torque than one step of the torque
+    /// sensor meets it.
     #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_hyphen_values = true)]
     pub until_ci: Option<Share>,
-    /// Judge the unit by a specification, slow turn after slow turn, and stop as soon as the verdict is certain; exit status as of
-    /// `judge`. Every turn is a separate capture
+    /// Judge the unit by a specification, with repeated slow turns until the verdict is certain; exit status as for `judge`. Every
+    /// turn is a separate capture
     #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["diagnose", "until_ci", "torque"])]
     pub spec: Option<PathBuf>,
     /// Largest number of slow turns for a verdict
@@ -32,24 +32,24 @@ pub struct CaptureOptions {
     /// Archive and view
     #[command(flatten)]
     pub run: RunOptions,
-    /// Diagnose what is captured, and run the experiments that tell rivals apart until one name is left.
+    /// Diagnose the captures, and run experiments that discriminate between rival effects until one is left.
     ///
-    /// The first capture is the sweep asked for, the second another motion that is held out. While effects are tied,
-    /// the experiment on which they differ most is run and joins the evidence. Every capture is kept as a file of
-    /// its own; model and report page of the diagnosis lie beside the first.
+    /// The first capture is the requested sweep, the second another motion that is held out. While effects are tied,
+    /// the experiment on which they differ most is run and added to the evidence. Every capture is a separate file;
+    /// model and report page of the diagnosis go next to the first.
     #[arg(long, conflicts_with = "torque")]
     pub diagnose: bool,
-    /// How much the knob may be turned for a diagnosis: captures, as in 5, or seconds of turning, as in 60s. The first two
-    /// captures count, and are always made
+    /// Budget of a diagnosis: captures, as in 5, or seconds of turning, as in 60s. It includes the first two captures,
+    /// which are always made
     #[arg(long, requires = "diagnose", default_value = "5", value_name = "CAPTURES|SECONDSs")]
     pub budget: Budget,
-    /// How far from its start the knob may be turned to tell rivals apart, rad [default: as far as the first two captures]
+    /// Largest distance from the start to turn the knob in experiments, rad [default: that of the first two captures]
     #[arg(long, requires = "diagnose", value_name = "RAD", allow_negative_numbers = true)]
     pub reach: Option<f64>,
     /// Write the diagnosis as JSON; `-` for standard output
     #[arg(long, requires = "diagnose", value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write the report page of the diagnosis here, instead of beside the first capture
+    /// Write the report page of the diagnosis here, instead of next to the first capture
     #[arg(long, requires = "diagnose", value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     /// Write the diagnosis as a rerun file

@@ -12,7 +12,7 @@ pub struct DiagnoseOptions {
     /// The capture that models are fitted to: an archive, a CSV or an MDF file
     #[arg(value_name = "CAPTURE")]
     pub train: PathBuf,
-    /// A capture of the same knob with another motion, to judge by; without one, stretches of the first are held out
+    /// A held-out capture of the same knob with another motion; without one, sections of the first are held out
     #[arg(long, value_name = "CAPTURE")]
     pub heldout: Option<PathBuf>,
     /// What the columns are
@@ -24,13 +24,13 @@ pub struct DiagnoseOptions {
     /// Write the diagnosis as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write the model with what was missing
+    /// Write the model with the added effects
     #[arg(long, value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
     /// Write the report page
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
-    /// Write a rerun file: torque measured and predicted, the residual's maps, each effect beside its rivals
+    /// Write a rerun file: measured and predicted torque, maps of the residual, each effect with its rivals
     #[arg(long, value_name = "FILE.rrd")]
     pub recording: Option<PathBuf>,
 }

@@ -12,8 +12,8 @@ pub struct ExportOptions {
     /// What to export: a capture, or a model as file or as 1 to 5 for the paper's knobs
     #[arg(value_name = "CAPTURE|MODEL.toml|1…5")]
     pub source: String,
-    /// Where it goes; the ending chooses the format: a capture as .csv or .parquet, a model's torque over the angle
-    /// as .csv or .h, a model for simulators as .xml (MuJoCo), .urdf (with Isaac Lab's fields beside it) or .fmu (FMI 3.0),
+    /// The file to write; its extension selects the format: a capture as .csv or .parquet, a model's torque over the angle
+    /// as .csv or .h, a model for simulators as .xml (MuJoCo), .urdf (and a file for Isaac Lab) or .fmu (FMI 3.0),
     /// a model for SmartKnob's firmware as .json
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
@@ -29,17 +29,17 @@ pub struct ExportOptions {
     /// Torque per volt of SmartKnob's motor, mNm/V
     #[arg(long, value_name = "MNM_PER_V", value_parser = positive)]
     pub motor_mnm_per_v: Option<f64>,
-    /// The capture along whose motion to compute the torque that a simulator's format leaves out [default: the sweep linear-chirp]
+    /// Compute the torque that a simulator's format leaves out along this capture's motion [default: the sweep linear-chirp]
     #[arg(long, value_name = "CAPTURE")]
     pub along: Option<PathBuf>,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| "it is no number".to_owned())?;
-    if number.is_finite() && number > 0.0 { Ok(number) } else { Err("it must be more than zero".to_owned()) }
+    let number: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
+    if number.is_finite() && number > 0.0 { Ok(number) } else { Err("it must be greater than zero".to_owned()) }
 }
 
-/// The angle that a table goes over.
+/// The angle that a table covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TableSpan {
     /// From one detent to the next.

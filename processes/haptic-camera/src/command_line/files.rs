@@ -8,7 +8,7 @@ use super::{CalibrateOptions, Command, ExportOptions, RigCommand, SimulateOption
 use crate::outputs::{Files, Kind, is_same};
 
 impl Command {
-    /// What is checked before the command does anything.
+    /// The files to check before the command starts.
     pub fn files(&self) -> Files {
         let files = Files::default();
         match self {
@@ -31,7 +31,7 @@ impl Command {
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.out.as_ref(), Kind::FittedModel)
                 .writing(options.report.as_ref(), Kind::Page)
-                // A joint of somebody's file is what is to be changed.
+                // The file is changed in place.
                 .replacing(options.into.as_ref(), Replace::Anything),
             Self::Diagnose(options) => files
                 .reading([&options.train])
@@ -42,7 +42,7 @@ impl Command {
                 .writing(options.report.as_ref(), Kind::Page)
                 .writing(options.recording.as_ref(), Kind::Recording),
             Self::Calibrate(options) => {
-                // The calibration that is given may be the one that is written.
+                // The given calibration may be overwritten.
                 files.reading(&options.captures).replacing(Some(&options.out), options.replaced())
             }
             Self::RigTest(options) => files
@@ -97,7 +97,7 @@ impl Command {
             Self::Rig(RigCommand::Check(options)) => {
                 files.reading([&options.file]).writing(options.json.as_ref(), Kind::Json)
             }
-            // `compose` looks at its own place, which it may be told to write over; `man` writes into a folder.
+            // `compose` checks its own output, because of `--overwrite`; `man` writes into a folder.
             Self::Compose(_)
             | Self::Man(_)
             | Self::Tune(_)
@@ -110,7 +110,7 @@ impl Command {
 }
 
 impl CalibrateOptions {
-    /// What the calibration may replace: the one that was given, or one that was written before.
+    /// What the calibration may replace: the one that was given, or an earlier output.
     #[must_use]
     pub fn replaced(&self) -> Replace {
         let is_given = self.rig.request.calibration.as_deref().is_some_and(|given| is_same(given, &self.out));
@@ -131,7 +131,7 @@ impl SimulateOptions {
 }
 
 impl ExportOptions {
-    /// Where Isaac Lab's fields go, beside a URDF file.
+    /// The file of Isaac Lab's fields, next to a URDF file.
     #[must_use]
     pub fn isaac_lab(&self) -> Option<PathBuf> {
         let is_urdf = self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"));

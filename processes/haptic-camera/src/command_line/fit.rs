@@ -9,7 +9,7 @@ use super::columns::ColumnOptions;
 /// Options of `fit`.
 #[derive(Debug, Args)]
 pub struct FitOptions {
-    /// The capture: an archive, a CSV or an MDF file; several of the same knob are made into one model
+    /// The capture: an archive, a CSV or an MDF file; several of the same knob give one model
     #[arg(required = true, value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
     /// What the columns are
@@ -24,13 +24,13 @@ pub struct FitOptions {
     /// Write the report page
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
-    /// Write what was identified into a joint of a MuJoCo model, whose file is changed: armature, damping, frictionloss, detents
+    /// Write the fitted parameters into a joint of this MuJoCo model, changing the file: armature, damping, frictionloss, detents
     #[arg(long, value_name = "MUJOCO.xml")]
     pub into: Option<PathBuf>,
     /// The joint's name [default: the only one]
     #[arg(long, requires = "into", value_name = "NAME")]
     pub joint: Option<String>,
-    /// Measure the torque over the angle point by point instead of looking for detents; pressed controls are always fitted this way
+    /// Measure the torque over the angle point by point instead of fitting detents; linear controls are always fitted this way
     #[arg(long)]
     pub characteristic: bool,
     /// How the capture is filtered before the fit
@@ -41,7 +41,7 @@ pub struct FitOptions {
 /// How a capture is filtered before a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Preparation {
-    /// Every edge from the signals' own spectra.
+    /// Every cut-off frequency from the signals' own spectra.
     Automatic,
     /// As Swindells and MacLean 2007 did.
     Paper,

@@ -9,7 +9,7 @@ use super::columns::ColumnOptions;
 /// Options of `judge`.
 #[derive(Debug, Args)]
 pub struct JudgeOptions {
-    /// Units: a capture or tester's file each, or a folder of the repeated captures of one
+    /// Units: for each a capture, a tester's file, or a folder of repeated captures
     #[arg(required = true, value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
     /// Limits on the figures and an envelope for the curve

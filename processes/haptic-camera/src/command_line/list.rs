@@ -7,7 +7,7 @@ use clap::Args;
 /// Options of `list`.
 #[derive(Debug, Args)]
 pub struct ListOptions {
-    /// The folder of captures
+    /// The folder to list
     #[arg(default_value = "captures", value_name = "DIR")]
     pub folder: PathBuf,
     /// Write the list as JSON; `-` for standard output

@@ -15,7 +15,7 @@ pub struct CompletionsOptions {
 /// Options of `man`.
 #[derive(Debug, Args)]
 pub struct ManOptions {
-    /// The folder that the pages go to; it is made if it is not there
+    /// The folder for the pages; created if it does not exist
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
 }

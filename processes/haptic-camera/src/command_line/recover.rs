@@ -7,13 +7,13 @@ use clap::Args;
 /// Options of `recover`.
 #[derive(Debug, Args)]
 pub struct RecoverOptions {
-    /// The archive that was cut short or damaged, or that a killed recorder left in parts; it is left as it is
+    /// The truncated or damaged archive, or one that a killed recorder left in parts; it is not changed
     #[arg(value_name = "BROKEN.mcap")]
     pub broken: PathBuf,
-    /// Where the whole archive goes
+    /// Write the recovered archive here
     #[arg(long, value_name = "FIXED.mcap")]
     pub out: PathBuf,
-    /// Also keep the samples of a chunk that was cut off, which no checksum covers
+    /// Also keep the samples of a truncated chunk, which no checksum covers
     #[arg(long)]
     pub keep_unchecked: bool,
 }

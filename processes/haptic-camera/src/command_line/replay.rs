@@ -7,7 +7,7 @@ use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, 
 
 use crate::command_line::RunOptions;
 
-/// Length of a replay without a clock, which no hand at the rig could end, s.
+/// Length of an offline replay, which nobody can stop by hand, s.
 const OFFLINE_S: f64 = 10.0;
 
 /// Options of `replay`.
@@ -16,24 +16,23 @@ pub struct ReplayOptions {
     /// The model to feel like: a model file, or 1 to 5 for the paper's knobs
     #[arg(value_name = "1…5|MODEL.toml")]
     pub model: String,
-    /// What the archive calls the model [default: as it was named]
+    /// The model's name in the archive [default: that of the model]
     #[arg(long)]
     pub name: Option<String>,
-    /// Render the nearest that the rig can, instead of refusing a model that exceeds its limits, and say what was clipped, from
-    /// what to what
+    /// Render the nearest model within the rig's limits instead of refusing one that exceeds them, and list the changes
     #[arg(long)]
     pub nearest: bool,
     /// The hand on the simulated rig
     #[command(flatten)]
     pub hand: HandRequest,
-    /// Largest angle to which the hand's sweep goes, rad [default: as the sweep has it]
+    /// Amplitude of the hand's sweep, rad [default: that of the sweep]
     #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Length, s [default: until Ctrl-C, a day at most; offline 10]
     #[arg(long, allow_negative_numbers = true)]
     pub duration_s: Option<f64>,
-    /// Prove the rendering: a hand takes the rendered knob through the capture's sweeps, and what is captured is fitted,
-    /// diagnosed and compared with the model, parameter by parameter
+    /// Verify the rendering: capture the rendered knob with simulated hands, fit and diagnose it, and compare it with the
+    /// model, parameter by parameter
     #[arg(long, conflicts_with_all = ["hand", "hand_torque", "grip", "amplitude", "duration_s"])]
     pub verify: bool,
     /// Write the comparison as JSON; `-` for standard output
@@ -54,7 +53,7 @@ pub struct ReplayOptions {
 }
 
 impl ReplayOptions {
-    /// What the control loop is asked to do.
+    /// The request to the control loop.
     #[must_use]
     pub fn request(&self) -> RunRequest {
         let Self { model, name, nearest, hand, amplitude, duration_s, pace, rig, run, .. } = self;

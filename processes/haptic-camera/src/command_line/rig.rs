@@ -1,11 +1,11 @@
-//! The options of what turns the rig without a knob.
+//! The options of commands that turn the rig without a knob.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use rt_loop::request::RigRequest;
 
-/// Options of what turns the rig without a knob.
+/// Options of commands that turn the rig without a knob.
 #[derive(Debug, Args)]
 pub struct RigOptions {
     /// The rig
@@ -14,7 +14,7 @@ pub struct RigOptions {
     /// Run the simulated rig as fast as the processor can, without the real-time processes
     #[arg(long)]
     pub offline: bool,
-    /// Folder for the captures made on the way
+    /// Folder for the captures
     #[arg(long, default_value = "captures", value_name = "DIR")]
     pub captures_in: PathBuf,
 }

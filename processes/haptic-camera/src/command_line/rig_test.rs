@@ -9,7 +9,7 @@ use crate::command_line::RigOptions;
 /// Options of `rig-test`.
 #[derive(Debug, Args)]
 pub struct RigTestOptions {
-    /// The reading of the paper's sweep: paper (as printed) or linear-chirp
+    /// Interpretation of the paper's sweep: paper (as printed) or linear-chirp
     #[arg(long, default_value = "paper")]
     pub sweep: String,
     /// Samples per second

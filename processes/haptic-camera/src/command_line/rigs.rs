@@ -4,16 +4,16 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-/// What can be done about rigs.
+/// The commands about rigs.
 #[derive(Debug, Subcommand)]
 pub enum RigCommand {
-    /// Bring a rig up without torque: what its channels read, their noise, the rate it holds, its watchdog
+    /// Start a rig without torque: readings and noise of its channels, rate, watchdog
     Check(RigCheckOptions),
-    /// Write a commented rig file to begin with, and the header for a library of your own beside it
+    /// Write a commented rig file, and the header for your own library
     New(RigNewOptions),
     /// List the drivers that a rig file may name
     List,
-    /// Look for devices on a network interface or a tty, and write a rig file for what is there
+    /// Search a network interface or a tty for devices, and write a rig file for them
     Scan(RigScanOptions),
     /// Turn a rig for the first time, with little torque: signs, scales, inertia
     Commission(RigCommissionOptions),
@@ -28,10 +28,10 @@ pub struct RigCheckOptions {
     /// Samples per second [default: the fastest that the file permits]
     #[arg(long, allow_negative_numbers = true)]
     pub rate_hz: Option<f64>,
-    /// How long to look at it, s
+    /// Duration, s
     #[arg(long, default_value_t = 3.0, allow_negative_numbers = true)]
     pub duration_s: f64,
-    /// Write what was found as JSON; `-` for standard output
+    /// Write the result as JSON; `-` for standard output
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 }
@@ -39,7 +39,7 @@ pub struct RigCheckOptions {
 /// Options of `rig new`.
 #[derive(Debug, Args)]
 pub struct RigNewOptions {
-    /// The driver, as `rig list` has it
+    /// The driver, as listed by `rig list`
     #[arg(long, default_value = "plugin")]
     pub driver: String,
     /// Where to write the rig file
@@ -50,10 +50,10 @@ pub struct RigNewOptions {
 /// Options of `rig scan`.
 #[derive(Debug, Args)]
 pub struct RigScanOptions {
-    /// Where to look: a network interface or a tty
+    /// A network interface or a tty
     #[arg(value_name = "TARGET")]
     pub target: String,
-    /// Where to write a rig file for what was found
+    /// Write a rig file for the devices here
     #[arg(long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
 }
@@ -70,10 +70,10 @@ pub struct RigCommissionOptions {
     /// Largest torque to try, mNm [default: a third of the limit]
     #[arg(long, value_name = "MNM", allow_negative_numbers = true)]
     pub most_torque: Option<f64>,
-    /// Where to write the rig file with what was found [default: FILE.toml itself]
+    /// Write the rig file with the results here [default: FILE.toml itself]
     #[arg(long, value_name = "FILE.toml")]
     pub out: Option<PathBuf>,
-    /// Folder for the captures made on the way
+    /// Folder for the captures
     #[arg(long, default_value = "captures", value_name = "DIR")]
     pub captures_in: PathBuf,
 }

@@ -24,7 +24,7 @@ pub struct SheetOptions {
     /// Write the report page
     #[arg(long, requires = "captures", value_name = "FILE.html")]
     pub report: Option<PathBuf>,
-    /// Write the paper's five knobs beside SmartKnob's default ones as one page, for the wall
+    /// Write one page with the paper's five knobs and SmartKnob's default ones, for the wall
     #[arg(long, value_name = "FILE.html")]
     pub wall: Option<PathBuf>,
 }

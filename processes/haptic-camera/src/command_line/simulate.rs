@@ -12,7 +12,7 @@ pub struct SimulateOptions {
     /// The model
     #[arg(value_name = "MODEL.toml")]
     pub model: PathBuf,
-    /// The capture whose motion or torque to follow
+    /// The capture that gives the motion or torque
     #[arg(long, value_name = "CAPTURE")]
     pub like: PathBuf,
     /// What the columns are
@@ -21,7 +21,7 @@ pub struct SimulateOptions {
     /// Where to write the simulated capture: an archive, or CSV if the name ends in .csv
     #[arg(long, value_name = "CAPTURE")]
     pub out: Option<PathBuf>,
-    /// What to take from the capture: its motion, giving the torque, or its torque, giving the motion
+    /// The input from the capture: its motion, to simulate the torque, or its torque, to simulate the motion
     #[arg(long, value_enum, default_value = "motion")]
     pub drive: SimulationDrive,
 }

@@ -6,13 +6,13 @@ use clap::Args;
 
 use super::columns::ColumnOptions;
 
-/// Many units, and what they must be.
+/// Units and the figures to study.
 #[derive(Debug, Args)]
 pub struct StudyOptions {
     /// Captures or testers' files
     #[arg(required_unless_present = "values", value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
-    /// A table of values from elsewhere instead, with the columns part, operator (numbers) and value; needs --figure
+    /// A table of values instead of captures, with the columns part, operator (numbers) and value; needs --figure
     #[arg(long, value_name = "FILE.csv", conflicts_with = "captures", requires = "figure")]
     pub values: Option<PathBuf>,
     /// The figure to study, such as collapse_force [default: those that the specification limits]
@@ -35,7 +35,7 @@ pub struct CapabilityOptions {
     /// Limits on the figures
     #[arg(long, value_name = "SPEC.toml")]
     pub spec: PathBuf,
-    /// Units made one after the other that form a subgroup; 1 for single units
+    /// Consecutive units in a subgroup; 1 for single units
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub subgroup: usize,
     /// Write the figures as a Q-DAS file
@@ -52,7 +52,7 @@ pub struct GaugeOptions {
     /// Limits on the figures, for %GRR of the tolerance
     #[arg(long, value_name = "SPEC.toml")]
     pub spec: Option<PathBuf>,
-    /// Every operator measured parts of their own
+    /// Every operator measured different parts
     #[arg(long)]
     pub nested: bool,
 }

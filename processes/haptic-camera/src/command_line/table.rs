@@ -8,13 +8,13 @@ use clap::Args;
 /// Options of `table`.
 #[derive(Debug, Args)]
 pub struct TableOptions {
-    /// Folders of captures; folders in them are searched too
+    /// Folders of captures, searched recursively
     #[arg(required = true, value_name = "DIR")]
     pub folders: Vec<PathBuf>,
-    /// Where the table goes
+    /// Write the table here
     #[arg(long, value_name = "FILE.parquet")]
     pub out: PathBuf,
-    /// Limits, as for `judge`: every row then has the figures of the sheet and the verdict too
+    /// Limits, as for `judge`: adds the figures of the sheet and the verdict to every row
     #[arg(long, value_name = "SPEC.toml")]
     pub spec: Option<PathBuf>,
     /// Captures to fit at once [default: one per core]

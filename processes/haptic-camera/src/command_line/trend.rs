@@ -21,11 +21,11 @@ pub struct TrendOptions {
     pub report: Option<PathBuf>,
 }
 
-/// What belongs together.
+/// How captures are grouped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TrendGroups {
-    /// Captures of a knob: its wear, and batches side by side.
+    /// By knob, to show wear and compare batches.
     Knob,
-    /// Captures by a rig: its drift.
+    /// By rig, to show its drift.
     Rig,
 }

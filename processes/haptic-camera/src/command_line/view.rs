@@ -7,13 +7,13 @@ use clap::Args;
 /// Options of `view`.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// A finished capture; without it the running one is followed
+    /// A finished capture [default: the running one]
     #[arg(value_name = "CAPTURE")]
     pub capture: Option<PathBuf>,
-    /// Show it in a window of its own instead of a web page
+    /// Show it in a window instead of a web page
     #[arg(long)]
     pub native: bool,
-    /// Also print the ssh command with which another machine sees the page; nothing is opened to the network
+    /// Also print the ssh command to see the page from another machine; nothing is opened to the network
     #[arg(long, conflicts_with = "native")]
     pub remote: bool,
 }

@@ -31,10 +31,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let compared = compare(&options.subjects, &options.columns)?;
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
-    anyhow::ensure!(
-        axes.all(|other| other == axis),
-        "some of these turn and some are pressed; compare those of one kind"
-    );
+    anyhow::ensure!(axes.all(|other| other == axis), "some of these are rotary and some linear; compare one kind");
     if !to_output(options.json.as_deref()) {
         table::lines(&compared).iter().for_each(|line| say(axis.words(line)));
     }
@@ -211,7 +208,7 @@ fn values(parameters: &Parameters) -> ComparedParameters {
     let compared = parameters
         .0
         .iter()
-        .map(|told| (told.name, ComparedValue::new(told.value, told.unit, told.ci95, told.reason.clone())));
+        .map(|found| (found.name, ComparedValue::new(found.value, found.unit, found.ci95, found.reason.clone())));
     compared.collect()
 }
 

@@ -45,16 +45,16 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
     let mut felt: Vec<_> = knob.felt.iter().collect();
     felt.sort_by(|one, other| other.1.thresholds.total_cmp(&one.1.thresholds));
     let (felt, hardly): (Vec<_>, Vec<_>) = felt.into_iter().partition(|(_, felt)| felt.thresholds >= 1.0);
-    let list = |of: Vec<(&&str, &Felt)>| {
+    let named = |of: Vec<(&&str, &Felt)>| {
         of.iter().map(|(name, felt)| format!("{name} {:.1}", felt.thresholds)).collect::<Vec<_>>().join(", ")
     };
-    let told = match (felt.is_empty(), hardly.is_empty()) {
+    let list = match (felt.is_empty(), hardly.is_empty()) {
         (true, true) => return None,
-        (true, false) => format!("nothing that a hand would feel ({})", list(hardly)),
-        (false, true) => list(felt),
-        (false, false) => format!("{}; hardly felt {}", list(felt), list(hardly)),
+        (true, false) => format!("nothing perceptible ({})", named(hardly)),
+        (false, true) => named(felt),
+        (false, false) => format!("{}; imperceptible {}", named(felt), named(hardly)),
     };
-    Some(format!("{} beside {first}, in thresholds of perception by a model of people: {told}", knob.name))
+    Some(format!("{} compared with {first}, in perception thresholds of a model of people: {list}", knob.name))
 }
 
 fn width(table: &Table) -> usize {
@@ -112,7 +112,7 @@ fn cell(own: &ComparedValue) -> String {
             format!("{value:.digits$}±{half:.digits$}")
         }
         (Some(value), None) => significant(value, DIGITS),
-        (None, _) => "not told".to_owned(),
+        (None, _) => "-".to_owned(),
     }
 }
 
@@ -147,12 +147,12 @@ fn origins(knob: &ComparedKnob) -> Vec<String> {
             agreement.birge_ratio
         )
     });
-    let notes = untold(knob).into_iter().chain(knob.notes.iter().cloned()).flat_map(|note| paragraph(&note));
+    let notes = reasons(knob).into_iter().chain(knob.notes.iter().cloned()).flat_map(|note| paragraph(&note));
     [format!("{}\n    {from}", knob.name)].into_iter().chain(agreement).chain(notes).collect()
 }
 
-/// Why parameters are not told, those of one reason together.
-fn untold(knob: &ComparedKnob) -> Vec<String> {
+/// Why parameters are not identifiable, grouped by reason.
+fn reasons(knob: &ComparedKnob) -> Vec<String> {
     let mut reasons: Vec<(Vec<&str>, &str)> = Vec::new();
     for (name, own) in &knob.parameters {
         let Some(reason) = own.reason.as_deref() else { continue };

@@ -17,7 +17,7 @@ impl FromStr for Assignment<f64> {
     fn from_str(text: &str) -> Result<Self, String> {
         let example = "it must be a parameter and a number, as in detent_amplitude=1.5";
         let (name, value) = halves(text, '=').ok_or(example)?;
-        let value = value.parse().map_err(|_| format!("'{value}' is no number; {example}"))?;
+        let value = value.parse().map_err(|_| format!("'{value}' is not a number; {example}"))?;
         Ok(Self { name, value })
     }
 }

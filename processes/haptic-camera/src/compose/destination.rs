@@ -19,15 +19,15 @@ pub fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
     }
     let shown = out.display();
     if sources(options).any(|source| is_same(source.as_ref(), out)) {
-        bail!("{shown} is itself a source of the model; choose another name for --out, or say --overwrite");
+        bail!("{shown} is itself a source of the model; choose another name for --out, or give --overwrite");
     }
     match out.is_file().then(|| Model::load(out)) {
         None => {}
         Some(Ok(model)) if model.effects.iter().any(|effect| effect.origin().is_some()) => {}
         Some(Ok(_)) => {
-            bail!("{shown} is there and was not composed; choose another name for --out, or say --overwrite")
+            bail!("{shown} exists and was not composed; choose another name for --out, or give --overwrite")
         }
-        Some(Err(_)) => bail!("{shown} is there and is no model; choose another name for --out, or say --overwrite"),
+        Some(Err(_)) => bail!("{shown} exists and is not a model; choose another name for --out, or give --overwrite"),
     }
     Ok(Kind::ComposedModel.replaces())
 }

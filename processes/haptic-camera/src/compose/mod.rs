@@ -15,7 +15,7 @@ use crate::outputs::replace;
 /// Composes a model and writes it.
 ///
 /// # Errors
-/// One sentence on what is wrong with a source or the output. Parts and values that do not fit are wrong usage, told
+/// One sentence on what is wrong with a source or the output. Parts and values that do not fit are wrong usage, reported
 /// here.
 pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let sources = Sources::load(options)?;

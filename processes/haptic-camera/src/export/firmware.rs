@@ -22,9 +22,9 @@ pub(super) fn header(model: &Model, table: Option<&TorqueOverAngle>, source: &st
     let mut text = String::new();
     let axis = model.axis;
     let signs = axis.words(
-        " * Torque is what the knob takes from whoever turns it: positive at an angle from which it pulls back towards\n \
-         * smaller angles. A motor that is to feel like the knob gives the opposite.\n \
-         * Angles count from the knob's zero. Units are in the names: mNm, rad, s.\n",
+        " * Torque is that of the hand on the knob: positive at an angle from which the knob pulls back towards\n * \
+         smaller angles. A motor that renders the knob applies the opposite.\n * Angles count from the knob's zero. \
+         Units are in the names: mNm, rad, s.\n",
     );
     let signs = signs.replace("whoever moves it", "whoever presses or slides it");
     let _ = write!(

@@ -22,18 +22,18 @@ use torque_over_angle::TorqueOverAngle;
 /// What cannot be written as asked.
 #[derive(Debug, thiserror::Error)]
 enum UsageError {
-    #[error("{} has none of the endings that a capture can be exported as; name the file .csv or .parquet", .0.display())]
+    #[error("{} has an unknown extension; a capture is exported as .csv or .parquet", .0.display())]
     Capture(PathBuf),
-    #[error("{} has none of the endings that a model can be exported as; name the file .csv, .h, .xml, .urdf, .fmu or .json", .0.display())]
+    #[error("{} has an unknown extension; a model is exported as .csv, .h, .xml, .urdf, .fmu or .json", .0.display())]
     Model(PathBuf),
-    #[error("SmartKnob's strengths are volts; say by --motor-mnm-per-v how much torque its motor makes of one")]
+    #[error("SmartKnob's strengths are in volts; give the motor's torque per volt as --motor-mnm-per-v")]
     Motor,
 }
 
 /// Writes a capture or a model in another format.
 ///
 /// # Errors
-/// One sentence on what is wrong with the source or the place. A place whose ending says nothing is wrong usage, told here.
+/// One sentence on what is wrong with the source or the output. An unknown file extension is wrong usage, reported here.
 pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -67,7 +67,7 @@ fn capture_as_csv(source: &Path, options: &ExportOptions) -> anyhow::Result<Outc
     let units = loaded.capture.axis.words("angles in rad, torque in mNm, time in s");
     say(format!("{}: {} samples; {units}", out.display(), loaded.capture.len()));
     if let Some(place) = calibration {
-        say(format!("{}: the rig's calibration, which `fit` takes from beside the table", place.display()));
+        say(format!("{}: the rig's calibration, which `fit` reads along with the table", place.display()));
     }
     Ok(Outcome::Done)
 }
@@ -76,7 +76,7 @@ fn capture_as_parquet(source: &Path, options: &ExportOptions) -> anyhow::Result<
     let ExportOptions { out, columns, .. } = options;
     let loaded = load::load_chosen(source, columns)?;
     let (bytes, columns) =
-        parquet_file::bytes(&loaded).with_context(|| format!("{} cannot be made into Parquet", source.display()))?;
+        parquet_file::bytes(&loaded).with_context(|| format!("{} cannot be written as Parquet", source.display()))?;
     write_bytes(out, Kind::Data.replaces(), &bytes)?;
     say(format!("{}: {} samples, {columns} columns with their units", out.display(), loaded.capture.len()));
     Ok(Outcome::Done)
@@ -96,7 +96,7 @@ fn firmware_header(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let table = has_table.then(|| TorqueOverAngle::of(&model, options.points, options.over)).transpose()?;
     let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     write(&options.out, Kind::Header, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
-    let words = table.map_or_else(|| "no torque of the angle, so no table".to_owned(), |table| table.in_words());
+    let words = table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words());
     say(format!("{}: {words}", options.out.display()));
     Ok(Outcome::Done)
 }

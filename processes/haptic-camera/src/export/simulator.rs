@@ -15,7 +15,7 @@ use crate::supervision::program_path;
 /// The library of the crate `knob-fmu`, which is built beside the programs.
 const FMU_LIBRARY: &str = "libhaptic_knob.so";
 
-/// Length and rate of the sweep along which left-out torque is told where no capture is named, s and Hz.
+/// Length and rate of the default sweep along which the omitted torque is computed, s and Hz.
 const SWEEP_S: f64 = 6.0;
 const SWEEP_HZ: f64 = 2_000.0;
 

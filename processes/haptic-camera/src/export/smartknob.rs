@@ -23,7 +23,7 @@ const LONGEST_TEXT: usize = 50;
 
 /// What is written: the message, in protobuf's own JSON, and what it leaves out.
 #[derive(Serialize)]
-struct Told {
+struct Exported {
     smartknob_config: Configuration,
     motor_mnm_per_v: f64,
     /// RMS torque that is left out along the motion.
@@ -51,7 +51,7 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
         return Ok(Outcome::WrongUsage);
     };
     let model = knobs::named(&options.source)?;
-    anyhow::ensure!(model.axis.is_rotary(), "{} is pressed or slid; a SmartKnob turns", model.name);
+    anyhow::ensure!(model.axis.is_rotary(), "{} has a linear axis; a SmartKnob is rotary", model.name);
     let table = TorqueOverAngle::of(&model, options.points, None).ok().filter(|table| table.is_period);
     let rest = table.as_ref().and_then(|table| table.rest);
     let width_deg = rest.zip(table.as_ref()).map_or(WIDTH_DEG, |(_, table)| table.span_rad.to_degrees());
@@ -71,7 +71,7 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let mut turned = Turned { knob: &knob, position: -first };
     let said: Vec<f64> =
         motions.iter().map(|motion| motor_mnm_per_v * turned.volts_at(motion.angle_rad - first_rad)).collect();
-    let told = Told {
+    let exported = Exported {
         left_out_rms_mnm: left_out_by_mnm(&model, &said, &motions),
         left_out: left_out(&model, table.as_ref()),
         motor_mnm_per_v,
@@ -87,10 +87,10 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
             text: knob.name.clone().into_owned(),
         },
     };
-    write_json(Some(&options.out), &told)?;
-    let (out, rms_mnm) = (options.out.display(), told.left_out_rms_mnm);
-    say(format!("{out}: leaves out {rms_mnm:.6} mNm RMS along {}", told.along));
-    told.left_out.iter().for_each(|words| say(format!("- {words}")));
+    write_json(Some(&options.out), &exported)?;
+    let (out, rms_mnm) = (options.out.display(), exported.left_out_rms_mnm);
+    say(format!("{out}: leaves out {rms_mnm:.6} mNm RMS along {}", exported.along));
+    exported.left_out.iter().for_each(|words| say(format!("- {words}")));
     Ok(Outcome::Done)
 }
 
@@ -108,7 +108,7 @@ fn positions(model: &Model, middle_rad: f64, width_rad: f64) -> [i32; 2] {
 fn left_out(model: &Model, table: Option<&TorqueOverAngle>) -> Vec<String> {
     let detents = table.map(|table| table.effects.as_slice()).unwrap_or_default();
     let shape =
-        detents.iter().map(|name| format!("the shape of {name}: straight springs with a dead zone stand for it"));
+        detents.iter().map(|name| format!("the shape of {name}: approximated by linear springs with a dead zone"));
     let others = model.effects.iter().map(|effect| effect.kind().name);
     let others = others.filter(|name| !detents.contains(name) && *name != end_stop::KIND.name);
     shape.chain(others.map(str::to_owned)).collect()

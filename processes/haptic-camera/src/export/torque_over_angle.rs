@@ -50,9 +50,8 @@ impl TorqueOverAngle {
         let period_rad = period_rad(model);
         let span_rad = match over {
             Some(TableSpan::Turn) => TAU,
-            Some(TableSpan::Period) => period_rad.ok_or_else(|| {
-                anyhow::anyhow!("{} has no detents of one single period; take --over turn", model.name)
-            })?,
+            Some(TableSpan::Period) => period_rad
+                .ok_or_else(|| anyhow::anyhow!("{} has no detents of a single period; use --over turn", model.name))?,
             None if !model.axis.is_rotary() => TRAVEL_MM,
             None => period_rad.unwrap_or(TAU),
         };
@@ -62,7 +61,12 @@ impl TorqueOverAngle {
             effect.kind().steepest_mnm_rad.is_some() && (!is_period || effect.kind().role == Role::Detents)
         };
         let effects: Vec<&Effect> = model.effects.iter().filter(taken).collect();
-        anyhow::ensure!(!effects.is_empty(), "{} has no torque of the angle, so there is no table of it", model.name);
+        anyhow::ensure!(
+            !effects.is_empty(),
+            "{} has no torque that depends on the angle, so there is nothing to \
+            tabulate",
+            model.name
+        );
         let torque_mnm = |angle_rad: f64| -> f64 {
             let motion = Motion { angle_rad, ..Motion::default() };
             effects.iter().map(|effect| effect.free_torque_mnm(&motion)).sum()

@@ -59,7 +59,7 @@ pub(super) struct Entry {
     pub(super) lost_samples: Option<u64>,
     /// Ticks that the loop missed; none from a table.
     pub(super) missed_ticks: Option<u64>,
-    /// Ticks for which the rig brought nothing new.
+    /// Ticks without new data from the rig.
     pub(super) stale_ticks: Option<u64>,
     /// By how much the rig's clock was faster than the machine's, where the ticks followed it, ppm.
     pub(super) clock_drift_ppm: Option<f64>,

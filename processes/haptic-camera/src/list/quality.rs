@@ -25,9 +25,9 @@ impl Quality {
     /// Of a capture that can be read; nothing where it tells no model, or is too long to be fitted in passing.
     pub(super) fn of(path: &Path, samples: u64) -> Self {
         let beside = foreign_files::open(&path.with_extension("json")).ok();
-        let told = beside.and_then(|json| serde_json::from_reader::<_, Self>(BufReader::new(json)).ok());
-        if let Some(told) = told.filter(|told| told.relative_error_percent.is_some()) {
-            return told;
+        let written = beside.and_then(|json| serde_json::from_reader::<_, Self>(BufReader::new(json)).ok());
+        if let Some(written) = written.filter(|written| written.relative_error_percent.is_some()) {
+            return written;
         }
         if samples > MOST_SAMPLES {
             return Self::default();

@@ -89,7 +89,7 @@ fn remark(entry: &Entry) -> Option<String> {
         words.push(format!("{ticks} ticks missed"));
     }
     if let Some(ticks) = entry.stale_ticks.filter(|&ticks| ticks > 0) {
-        words.push(format!("{ticks} ticks brought nothing new"));
+        words.push(format!("{ticks} ticks without new data"));
     }
     if let Some(drift_ppm) = entry.clock_drift_ppm {
         words.push(format!("the rig's clock drifted by {drift_ppm:+.1} ppm"));

@@ -121,9 +121,9 @@ impl Channel {
         let end_s = signals.last().map_or(0.0, |[time_s, ..]| *time_s);
         let until_s = SETTLED_S + ((end_s - SETTLED_S) * LAG_HZ).floor() / LAG_HZ;
         let (mut original, mut measured) = ([0.0; 2], [0.0; 2]);
-        for [time_s, told, seen] in signals.iter().filter(|[time_s, ..]| (SETTLED_S..until_s).contains(time_s)) {
+        for [time_s, commanded, seen] in signals.iter().filter(|[time_s, ..]| (SETTLED_S..until_s).contains(time_s)) {
             let (sine, cosine) = (TAU * LAG_HZ * time_s).sin_cos();
-            for (sum, value) in [(&mut original, told), (&mut measured, seen)] {
+            for (sum, value) in [(&mut original, commanded), (&mut measured, seen)] {
                 sum[0] += value * cosine;
                 sum[1] += value * sine;
             }

@@ -1,4 +1,4 @@
-//! `rig-test`: what the rig measures beside what it was told to do, as the paper's Table 3 has it.
+//! `rig-test`: compares what the rig measures with what it was commanded to do, as in the paper's Table 3.
 //!
 //! Three runs: the gripper alone through the paper's sweep for position, velocity and acceleration; the
 //! locked gripper under a torque sweep; and both once more at 30 Hz, where the paper speaks of a lag.
@@ -76,14 +76,14 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     };
     for channel in Channel::ALL {
         let [sweep, tone] = if channel == Channel::Torque { &held } else { &spun };
-        let (told, told_tone) = (excitation(sweep)?, excitation(tone)?);
-        test.differences.push(channel.compare(sweep, &told));
-        test.lag_at_30_hz.push(channel.lag(tone, &told_tone));
-        test.traces.push(channel.trace((sweep, &told), (tone, &told_tone)));
+        let (commanded, commanded_tone) = (excitation(sweep)?, excitation(tone)?);
+        test.differences.push(channel.compare(sweep, &commanded));
+        test.lag_at_30_hz.push(channel.lag(tone, &commanded_tone));
+        test.traces.push(channel.trace((sweep, &commanded), (tone, &commanded_tone)));
     }
     if !to_output(options.json.as_deref()) {
         say("");
-        say("original minus measured; filtered: its SD behind the low-passes that the paper fits with");
+        say("original minus measured; filtered: its SD after the paper's low-pass filters");
         say(table::differences(&test.differences));
         say("");
         say(table::lags(&test.lag_at_30_hz));
@@ -100,7 +100,7 @@ fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
     CaptureFacts { title: title.to_owned(), ..analysis::facts(loaded) }
 }
 
-/// What the rig was told to do.
+/// The rig's command.
 fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
     let description = loaded.capture.description.as_ref().context("the run has no description")?;
     Ok(description.excitation()?)

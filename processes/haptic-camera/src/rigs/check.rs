@@ -82,24 +82,20 @@ fn check(capture: &Capture) -> Checked {
     let ticks = capture.len() as f64 + capture.unmeasured_samples as f64 + missed_ticks as f64;
     let mut amiss = Vec::new();
     if torque.span == 0.0 {
-        amiss.push(
-            "the torque reads the same throughout; check its source, and the sensor's cable and supply".to_owned(),
-        );
+        amiss.push("the torque is constant; check its source, and the sensor's cable and supply".to_owned());
     }
     if acceleration.as_ref().is_some_and(|channel| channel.span == 0.0) {
-        amiss.push(
-            "the acceleration reads the same throughout; check it, or leave [channels.acceleration] out".to_owned(),
-        );
+        amiss.push("the acceleration is constant; check it, or omit [channels.acceleration]".to_owned());
     }
     if missed_ticks as f64 > MISSED_SHARE * ticks {
         amiss.push(format!(
-            "{missed_ticks} of {ticks} ticks were missed: the rate is not held here; try a slower one with --rate-hz"
+            "{missed_ticks} of {ticks} ticks were missed: this machine cannot hold the rate; try a lower --rate-hz"
         ));
     }
     if capture.unmeasured_samples as f64 > MISSED_SHARE * ticks {
         let stale = capture.unmeasured_samples;
         amiss.push(format!(
-            "{stale} of {ticks} ticks brought nothing new: the device is slower than the rate; lower [rates] fastest_hz"
+            "{stale} of {ticks} ticks had no new data: the device is slower than the rate; lower [rates] fastest_hz"
         ));
     }
     let note = |name: &str| {
@@ -108,8 +104,7 @@ fn check(capture: &Capture) -> Checked {
     let watchdog = note("watchdog");
     if watchdog.is_none() {
         amiss.push(
-            "the rig does not read back its watchdog: make sure that the torque goes when the program is killed"
-                .to_owned(),
+            "the rig does not read back its watchdog: make sure that killing the program removes the torque".to_owned(),
         );
     }
     Checked {
@@ -145,7 +140,7 @@ fn doubts(file: &RigFile) -> anyhow::Result<Vec<String>> {
     ];
     let odd = USUAL.iter().zip(values).filter_map(|((table, key, usual, unit), value)| {
         let value = value.filter(|value| file.axis == Axis::Rotary && !usual.contains(value))?;
-        Some(format!("[{table}] {key} is {value}, which few rigs have: is it in {unit}?"))
+        Some(format!("[{table}] {key} is {value}, which is unusual: is it in {unit}?"))
     });
     Ok(odd.collect())
 }
@@ -184,9 +179,7 @@ fn tell(found: &Checked) {
     }
     say(table);
     let Checked { rate_hz, samples, missed_ticks, stale_ticks, .. } = found;
-    say(format!(
-        "rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without anything new"
-    ));
+    say(format!("rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without new data"));
     if let (Some(mean_us), Some(deviation_us)) = (found.read_after_us, found.read_after_sd_us) {
         say(format!("read     {mean_us:.1} µs after the tick, ± {deviation_us:.1} µs"));
     }

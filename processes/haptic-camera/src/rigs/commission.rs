@@ -46,7 +46,7 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let limit_mnm = file.limits.map(|limits| limits.motor_torque_mnm);
     let most_mnm = options.most_torque.or(limit_mnm.map(|limit_mnm| MOST_SHARE * limit_mnm));
     let Some(most_mnm) = most_mnm.filter(|most_mnm| most_mnm.is_finite() && *most_mnm > 0.0) else {
-        anyhow::bail!("how much torque may be tried is not known; give --most-torque, or [limits] in the rig file");
+        anyhow::bail!("the largest permitted torque is unknown; give --most-torque, or [limits] in the rig file");
     };
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: options.captures_in.clone() };
     let mut amplitude_mnm = FIRST_SHARE * most_mnm;
@@ -98,19 +98,18 @@ impl Found {
     fn amiss(&self) -> Option<String> {
         if self.driven.value < 0.0 {
             return Some(
-                "the motor turns the encoder down where it should turn it up: turn [channels.motor] sign or [channels.angle] sign \
-                 round, then commission again"
+                "a positive torque makes the angle decrease: invert [channels.motor] sign or [channels.angle] sign, \
+                 then commission again"
                     .to_owned(),
             );
         }
         match self.behind? {
-            None => Some("the torque sensor tells no inertia: check [channels.torque] source and scale".to_owned()),
+            None => Some("the torque sensor shows no inertia: check [channels.torque] source and scale".to_owned()),
             Some(behind) if behind.value < 0.0 => Some(
-                "the torque sensor counts the wrong way round: turn [channels.torque] sign round, then commission again"
-                    .to_owned(),
+                "the torque sensor has the wrong sign: invert [channels.torque] sign, then commission again".to_owned(),
             ),
             Some(behind) if behind.value >= self.driven.value => Some(format!(
-                "behind the torque sensor there seem to be {:.5} mNm·s²/rad, more than the motor drives: check the scales of \
+                "the inertia behind the torque sensor is {:.5} mNm·s²/rad, more than the total: check the scales of \
                  [channels.torque] and [channels.motor]",
                 behind.value
             )),
@@ -144,19 +143,19 @@ fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<O
     else {
         anyhow::bail!("no try moved the knob");
     };
-    let told = |Inertia { value, low, high }: Inertia| format!("{value:.5} mNm·s²/rad ({low:.5} to {high:.5})");
+    let text = |Inertia { value, low, high }: Inertia| format!("{value:.5} mNm·s²/rad ({low:.5} to {high:.5})");
     say(format!("moved    {:.3} rad", last.moved_rad));
-    say(format!("inertia  {} are driven by the motor, whatever turns with it", told(driven)));
+    say(format!("inertia  {} in total, driven by the motor", text(driven)));
     if let Some(Some(behind)) = last.behind {
-        say(format!("behind   the torque sensor there are {:.5} of them", behind.value));
+        say(format!("behind   the torque sensor {:.5} mNm·s²/rad", behind.value));
     }
     if let Some(step_rad) = last.angle_step_rad {
         say(format!("step     of the encoder: {step_rad:.3e} rad"));
     }
     if 0.5 * (motor.high - motor.low) > VAGUE_SHARE * motor.value {
         remark(format!(
-            "the motor's inertia is {}: too vague to be written; commission again, with more torque (--most-torque)",
-            told(motor)
+            "the motor's inertia is {}: too uncertain to be written; commission again with more torque (--most-torque)",
+            text(motor)
         ));
         return Ok(Outcome::Failed);
     }
@@ -165,7 +164,7 @@ fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<O
     let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
     in_file::write(&options.file, path, &known)?;
     if has_sensor {
-        say(format!("written  motor_inertia = {} under [calibration] of {}", told(motor), path.display()));
+        say(format!("written  motor_inertia = {} under [calibration] of {}", text(motor), path.display()));
     } else {
         // What was on the gripper nothing tells here.
         say(format!(
@@ -200,7 +199,7 @@ fn find(loaded: &LoadedCapture) -> Option<Found> {
 
 /// The inertia that a torque drives, by the fit of the capture's angle to it; a fit tells none that is below zero.
 fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
-    let told = |torque_mnm: &[f64]| {
+    let fit = |torque_mnm: &[f64]| {
         let samples = Samples { torque_mnm, velocity_rad_s: None, acceleration_rad_s2: None, ..loaded.samples() };
         let options = FitOptions { acceleration: AccelerationUse::Encoder, ..FitOptions::default() };
         let fit = identification::fit(&samples, &options).ok()?;
@@ -210,6 +209,6 @@ fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
         Some(Inertia { value, low, high })
     };
     let turned: Vec<f64> = torque_mnm.iter().map(|torque_mnm| -torque_mnm).collect();
-    told(torque_mnm)
-        .or_else(|| told(&turned).map(|Inertia { value, low, high }| Inertia { value: -value, low: -high, high: -low }))
+    fit(torque_mnm)
+        .or_else(|| fit(&turned).map(|Inertia { value, low, high }| Inertia { value: -value, low: -high, high: -low }))
 }

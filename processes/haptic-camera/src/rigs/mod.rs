@@ -36,7 +36,7 @@ pub fn run(command: &RigCommand) -> anyhow::Result<Outcome> {
 fn new(options: &RigNewOptions) -> anyhow::Result<Outcome> {
     let kind = rt_loop::rigs::ALL.into_iter().find(|kind| kind.name == options.driver);
     let names = || rt_loop::rigs::ALL.map(|kind| kind.name).join(", ");
-    let kind = kind.with_context(|| format!("there is no driver '{}'; there are {}", options.driver, names()))?;
+    let kind = kind.with_context(|| format!("there is no driver '{}'; known are {}", options.driver, names()))?;
     write(&options.out, Kind::Data, kind.template)?;
     say(format!("rig file {}", options.out.display()));
     if kind.name == "plugin" {
@@ -52,7 +52,7 @@ fn new(options: &RigNewOptions) -> anyhow::Result<Outcome> {
 /// Lists the drivers of the control loop that lies beside this program.
 fn list() -> anyhow::Result<Outcome> {
     let listed = program("rt-loop")?.arg("--drivers").stderr(Stdio::inherit()).output()?;
-    anyhow::ensure!(listed.status.success(), "the control loop does not list its drivers");
+    anyhow::ensure!(listed.status.success(), "the control loop does not list its drivers; build the whole workspace");
     String::from_utf8_lossy(&listed.stdout).lines().for_each(|line| say(line.replace('\t', "  ")));
     Ok(Outcome::Done)
 }
@@ -70,13 +70,13 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
             Ok(Outcome::Done)
         }
         (Some(_), None) => {
-            anyhow::bail!("{} has no device that a rig could be made of; no rig file is written", options.target)
+            anyhow::bail!("{} has no device for a rig; no rig file is written", options.target)
         }
         (None, _) => Ok(Outcome::Done),
     }
 }
 
-/// A run on the rig of a file that commands torques, none unless told otherwise.
+/// A run on the rig of a file that commands torques, none by default.
 fn torque_run(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow::Result<RunRequest> {
     let rig = RigRequest { rig: Some(PathBuf::from(file)), ..RunRequest::default().rig };
     let described = rt_loop::rigs::file(&rig)?;

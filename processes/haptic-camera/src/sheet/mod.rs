@@ -28,7 +28,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if !to_output(options.json.as_deref()) {
         say(table::heading(&sheet, &files));
         say(table::figures(&sheet));
-        table::untold(&sheet).iter().for_each(say);
+        table::reasons(&sheet).iter().for_each(say);
         if !sheet.detents.is_empty() {
             say(format!("\n{}", table::detents(&sheet)));
         }

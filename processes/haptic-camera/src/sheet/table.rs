@@ -11,16 +11,16 @@ use crate::repeatability::digits;
 pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
     let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match files {
-        [only] => format!("{}, 95 % intervals from the noise of one curve", operator::one_line(&name(only))),
+        [only] => format!("{}, 95 % intervals from the noise of a single curve", operator::one_line(&name(only))),
         several => {
             let folder = several[0].parent().and_then(|folder| folder.file_name());
             let of = folder.map_or_else(String::new, |folder| format!(" of {}", folder.to_string_lossy()));
-            operator::one_line(&format!("mean of {} curves{of}, 95 % intervals of one more of them", sheet.runs))
+            operator::one_line(&format!("mean of {} curves{of}, 95 % prediction intervals for another one", sheet.runs))
         }
     }
 }
 
-/// The figures that are told.
+/// The figures that have a value.
 pub fn figures(sheet: &Sheet) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING);
@@ -82,7 +82,7 @@ fn cells(figure: &Figure) -> Option<[String; 2]> {
 }
 
 /// Why figures are missing, each reason once.
-pub fn untold(sheet: &Sheet) -> Vec<String> {
+pub fn reasons(sheet: &Sheet) -> Vec<String> {
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
     for kind in sheet::kinds() {
         let Some(reason) = sheet.figure(kind).and_then(|figure| figure.reason.as_deref()) else { continue };

@@ -29,15 +29,15 @@ pub fn page() -> anyhow::Result<WallPage> {
         groups: vec![
             (
                 "The paper’s knobs".to_owned(),
-                "Torque of a slow turn, four detents of each (a turn of those without): what a hand feels turning positively and \
-                 negatively. Swindells and MacLean 2007, Tables 4 to 6; each plot has a scale of its own."
+                "Torque of a slow turn in both directions, over four detents or, without detents, a full turn. \
+                 Swindells and MacLean 2007, Tables 4 to 6; each plot has a scale of its own."
                     .to_owned(),
                 papers,
             ),
             (
                 "SmartKnob’s default knobs".to_owned(),
-                "Voltage against the hand, there and back from the lower end stop over some positions, without the motor’s own friction; the \
-                 damping term of the firmware is left out. github scottbez1/smartknob, firmware/src."
+                "Voltage against the hand, there and back from the lower end stop over some positions, without the \
+                 motor’s own friction and the firmware’s damping. github scottbez1/smartknob, firmware/src."
                     .to_owned(),
                 smart,
             ),

@@ -21,15 +21,15 @@ pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
     let studied = studied(&options.study, Some(&specification))?;
     let units = units(&options.study, &studied)?;
-    let mut told: BTreeMap<&'static str, Capability> = BTreeMap::new();
+    let mut results: BTreeMap<&'static str, Capability> = BTreeMap::new();
     for (index, (kind, limits)) in studied.iter().enumerate() {
         let values = column(&units, index, &studied)?;
-        told.insert(kind.name, Capability::of(&values, options.subgroup, *limits).context(kind.name)?);
+        results.insert(kind.name, Capability::of(&values, options.subgroup, *limits).context(kind.name)?);
     }
     if !to_output(options.study.json.as_deref()) {
-        say(table(&told));
+        say(table(&results));
     }
-    write_json(options.study.json.as_deref(), &told)?;
+    write_json(options.study.json.as_deref(), &results)?;
     if let Some(path) = &options.dfq {
         let rows: Vec<QdasRow> = units.iter().map(row).collect();
         write(path, Kind::Qdas, &sheet::qdas(&specification.name, &studied, &rows))?;
@@ -48,12 +48,12 @@ fn measured_at(file: Option<&Path>) -> String {
     at.to_zoned(jiff::tz::TimeZone::system()).strftime("%d.%m.%Y/%H:%M:%S").to_string()
 }
 
-fn table(told: &BTreeMap<&'static str, Capability>) -> Table {
+fn table(results: &BTreeMap<&'static str, Capability>) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING);
     table.set_header(["figure", "units", "Cp", "Cpk", "Pp", "Ppk"]);
     let index = |index: &Index| format!("{:.2} ({:.2} to {:.2})", index.value, index.ci95[0], index.ci95[1]);
-    for (name, Capability { number, cp, cpk, pp, ppk, .. }) in told {
+    for (name, Capability { number, cp, cpk, pp, ppk, .. }) in results {
         let or_dash = |of: &Option<Index>| of.as_ref().map_or_else(|| "–".to_owned(), index);
         table.add_row([(*name).to_owned(), number.to_string(), or_dash(cp), index(cpk), or_dash(pp), index(ppk)]);
     }

@@ -26,16 +26,16 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
     let studied = studied(&options.study, specification.as_ref())?;
     let units = units(&options.study, &studied)?;
     let design = if options.nested { Design::Nested } else { Design::Crossed };
-    let mut told: BTreeMap<&'static str, Gauge> = BTreeMap::new();
+    let mut results: BTreeMap<&'static str, Gauge> = BTreeMap::new();
     for (index, (kind, limits)) in studied.iter().enumerate() {
         let values = by_operator(&units, &column(&units, index, &studied)?, design)?;
         let tolerance = limits.min.zip(limits.max).map(|(min, max)| max - min);
-        told.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
+        results.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
     }
     if !to_output(options.study.json.as_deref()) {
-        told.iter().for_each(|(name, gauge)| say(words(name, gauge)));
+        results.iter().for_each(|(name, gauge)| say(words(name, gauge)));
     }
-    write_json(options.study.json.as_deref(), &told)?;
+    write_json(options.study.json.as_deref(), &results)?;
     Ok(Outcome::Done)
 }
 
@@ -43,7 +43,8 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
 fn by_operator(units: &[Unit], values: &[f64], design: Design) -> anyhow::Result<Vec<Vec<Vec<f64>>>> {
     if units.iter().any(|unit| unit.part.is_empty() || unit.operator.is_empty()) {
         bail!(
-            "a gauge study needs to know who measured what: captures in folders PART/OPERATOR/, or a table with both columns"
+            "a gauge study needs the part and operator of each value: captures in folders PART/OPERATOR/, or a table \
+             with both columns"
         );
     }
     let mut sorted: BTreeMap<&str, BTreeMap<&str, Vec<f64>>> = BTreeMap::new();
@@ -53,7 +54,7 @@ fn by_operator(units: &[Unit], values: &[f64], design: Design) -> anyhow::Result
     let mut parts = sorted.values().map(|parts| parts.keys().collect::<Vec<_>>());
     let first = parts.next();
     if design == Design::Crossed && parts.any(|parts| Some(parts) != first) {
-        bail!("the operators did not measure the same parts; give --nested if each had parts of their own");
+        bail!("the operators did not measure the same parts; give --nested if each measured different parts");
     }
     Ok(sorted.into_values().map(|parts| parts.into_values().collect()).collect())
 }
@@ -67,9 +68,9 @@ fn words(name: &str, gauge: &Gauge) -> String {
         _ => "not good enough",
     };
     let categories = match ndc {
-        Some(ndc) if *ndc < CATEGORIES => format!("ndc {ndc}, fewer than the {CATEGORIES} that it should tell apart"),
+        Some(ndc) if *ndc < CATEGORIES => format!("ndc {ndc}, fewer than the {CATEGORIES} required"),
         Some(ndc) => format!("ndc {ndc}"),
-        None => "ndc not told: the gauge has no variance".to_owned(),
+        None => "ndc is undefined: the gauge has no variance".to_owned(),
     };
     let tolerance =
         grr_tolerance_percent.map_or_else(String::new, |percent| format!(", {percent:.1} % of the tolerance"));

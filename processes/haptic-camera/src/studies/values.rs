@@ -32,9 +32,7 @@ pub fn studied(options: &StudyOptions, specification: Option<&Specification>) ->
     let limited = specification.map(Specification::limits).unwrap_or_default();
     let Some(name) = &options.figure else {
         if limited.is_empty() {
-            bail!(
-                "nothing says which figure is studied; name it as with --figure collapse_force, or limit some with --spec"
-            );
+            bail!("no figure to study; name one, as in --figure collapse_force, or give limits with --spec");
         }
         return Ok(limited.to_vec());
     };
@@ -43,7 +41,7 @@ pub fn studied(options: &StudyOptions, specification: Option<&Specification>) ->
     }
     let kind = kinds().find(|kind| kind.name == *name).with_context(|| {
         let known: Vec<&str> = kinds().map(|kind| kind.name).collect();
-        format!("`{name}` is no figure; there are {}", known.join(", "))
+        format!("`{name}` is not a figure; known are {}", known.join(", "))
     })?;
     Ok(vec![(kind, Limits::default())])
 }
@@ -98,7 +96,7 @@ pub fn column(units: &[Unit], index: usize, studied: &[Studied]) -> anyhow::Resu
     let value = |unit: &Unit| {
         unit.values[index].with_context(|| {
             let file = unit.file.as_ref().map(|file| file.display().to_string()).unwrap_or_default();
-            format!("{file} does not tell {}; `haptic-camera sheet` says why", studied[index].0.name)
+            format!("{file} has no {}; `haptic-camera sheet` gives the reason", studied[index].0.name)
         })
     };
     units.iter().map(value).collect()

@@ -5,8 +5,8 @@ use std::path::Path;
 use archive::{ArchiveError, Capture, Gap, Overview, RigAccount};
 use shared_types::{LoopStatus, RunDescription};
 
-/// Gaps that are told one by one.
-const TOLD_GAPS: usize = 5;
+/// Most gaps to list in a message.
+const LISTED_GAPS: usize = 5;
 
 /// What lies in the archive of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,8 +34,8 @@ impl Archived {
     }
 
     /// How the rig kept up with the ticks, as [`RigAccount::in_words`] says it.
-    pub(super) fn rig_in_words(&self, told: i32) -> Vec<String> {
-        self.run.as_ref().map(|run| self.rig.in_words(run, told)).unwrap_or_default()
+    pub(super) fn rig_in_words(&self, reported: i32) -> Vec<String> {
+        self.run.as_ref().map(|run| self.rig.in_words(run, reported)).unwrap_or_default()
     }
 }
 
@@ -54,7 +54,7 @@ impl From<&Capture> for Archived {
 
 /// What is not as it should be after a run, one sentence for each; empty when nothing was lost.
 ///
-/// `is_cut` tells that the run was ended on purpose, or by a fault that is told: then its plan is no measure.
+/// `is_cut`: the run was ended on purpose, or by a reported fault, so that it may be shorter than planned.
 pub(super) fn losses(status: &LoopStatus, archived: &Archived, is_cut: bool) -> Vec<String> {
     let mut losses = Vec::new();
     let LoopStatus { planned_ticks: planned, missed_ticks, dropped_samples: dropped, .. } = *status;
@@ -62,26 +62,26 @@ pub(super) fn losses(status: &LoopStatus, archived: &Archived, is_cut: bool) -> 
     let come_to = taken + missed_ticks;
     if !is_cut && come_to < planned {
         losses.push(format!(
-            "the control loop was ended by somebody else after {come_to} of {planned} ticks: ticks {come_to} to {} ({}) were \
-             never taken",
+            "the control loop was terminated from outside after {come_to} of {planned} ticks: ticks {come_to} to {} \
+             ({}) were never taken",
             planned - 1,
             planned - come_to
         ));
     }
     if dropped > 0 {
         losses.push(format!(
-            "{dropped} samples were taken but not published: the thread that publishes had no processor for longer than the \
-             ring to it holds"
+            "{dropped} samples were taken but not published: the publishing thread had no processor for longer than \
+             its ring holds"
         ));
     }
     // The archive knows nothing of what came after its end.
     let known = archived.samples + archived.missing;
     let missing = archived.missing + taken.saturating_sub(known);
     if missing > 0 {
-        let told = &archived.gaps[..archived.gaps.len().min(TOLD_GAPS)];
-        let mut places: Vec<String> = told.iter().map(ToString::to_string).collect();
-        if told.iter().map(|gap| gap.count).sum::<u64>() < archived.missing {
-            places.push("...; the archive says where".to_owned());
+        let listed = &archived.gaps[..archived.gaps.len().min(LISTED_GAPS)];
+        let mut places: Vec<String> = listed.iter().map(ToString::to_string).collect();
+        if listed.iter().map(|gap| gap.count).sum::<u64>() < archived.missing {
+            places.push("...; the archive lists them all".to_owned());
         }
         if taken > known {
             places.push(format!("samples {known} to {} ({})", taken - 1, taken - known));
@@ -113,20 +113,20 @@ mod tests {
     }
 
     #[test]
-    fn an_archive_that_ends_before_the_run_is_told_with_the_samples_behind_its_end() {
+    fn an_archive_that_ends_before_the_run_is_reported_with_the_samples_after_its_end() {
         let losses = losses(&status(1_000, 0, 0), &archived(300, &[]), false);
         assert_eq!(losses, ["700 of 1000 samples are missing in the archive: samples 300 to 999 (700)"]);
     }
 
     #[test]
-    fn a_run_that_somebody_cut_short_is_told_and_one_that_the_operator_ended_is_not() {
+    fn a_run_that_was_cut_short_is_reported_and_one_that_the_operator_ended_is_not() {
         let [cut]: [String; 1] = losses(&status(400, 5, 0), &archived(400, &[]), false).try_into().unwrap_or_default();
         assert!(cut.contains("after 405 of 1000 ticks: ticks 405 to 999 (595)"), "{cut}");
         assert_eq!(losses(&status(400, 5, 0), &archived(400, &[]), true), Vec::<String>::new());
     }
 
     #[test]
-    fn samples_that_were_never_published_are_told_though_the_archive_has_all_that_were() {
+    fn samples_that_were_never_published_are_reported_though_the_archive_has_all_that_were() {
         let losses = losses(&status(800, 0, 200), &archived(800, &[(600, 799)]), false);
         assert_eq!(losses.len(), 2, "{losses:?}");
         assert!(losses[0].contains("200 samples were taken but not published"), "{losses:?}");

@@ -38,7 +38,7 @@ pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
 /// # Errors
 /// When the system does not tell where this program lies.
 pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
-    Ok(std::env::current_exe().context("where this program lies is unknown")?.with_file_name(name))
+    Ok(std::env::current_exe().context("the location of this program is unknown")?.with_file_name(name))
 }
 
 /// A process that this one started.
@@ -83,9 +83,9 @@ impl Child {
     pub(crate) fn end_in_words(&self) -> String {
         let signal = self.exit.and_then(|status| status.signal()).map(Signal::try_from);
         match (signal, self.exit_code()) {
-            (Some(Ok(signal)), _) => format!("it was ended by {signal}"),
+            (Some(Ok(signal)), _) => format!("it was killed by {signal}"),
             (_, Some(code)) => format!("its exit status is {code}"),
-            _ => "how it ended is not known".to_owned(),
+            _ => "its exit status is unknown".to_owned(),
         }
     }
 

@@ -19,8 +19,8 @@ const RESTART_PAUSE: Duration = Duration::from_millis(100);
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 /// A process that lived for less than this died of something that a restart may not mend.
 const SHORT_LIFE: Duration = Duration::from_secs(1);
-/// Failures in a row after which the operator is told.
-const TOLD_FAILURES: u32 = 5;
+/// Failures in a row after which the operator is warned.
+const REPORTED_FAILURES: u32 = 5;
 /// Silence of a consumer, which reports twice a second, after which it counts as hung. What it missed until it is back must
 /// still lie in the stream's history.
 const HUNG: Duration = Duration::from_millis(2_500);
@@ -78,7 +78,7 @@ impl Consumer {
         if let Err(error) = self.start(words) {
             self.failures += 1;
             if self.failures == 1 {
-                remark(format!("{} cannot be started: {error:#}; this is tried again", self.kind.name()));
+                remark(format!("{} cannot be started: {error:#}; retrying", self.kind.name()));
             }
         }
     }
@@ -129,7 +129,7 @@ impl Consumer {
         let is_away = self.is_away();
         let has_lived = self.has_lived();
         if has_lived {
-            if !is_away && self.failures >= TOLD_FAILURES {
+            if !is_away && self.failures >= REPORTED_FAILURES {
                 remark(format!("{} is back", self.kind.name()));
             }
             self.failures = 0;
@@ -140,8 +140,8 @@ impl Consumer {
         }
         if self.life.take().is_some() && !has_lived {
             self.failures += 1;
-            if self.failures == TOLD_FAILURES {
-                remark(format!("{} dies again and again; it is started again until it lives", self.kind.name()));
+            if self.failures == REPORTED_FAILURES {
+                remark(format!("{} keeps dying; it is restarted each time", self.kind.name()));
             }
         }
         self.try_to_start(words);
@@ -160,7 +160,7 @@ impl Life {
 
     fn end_at_once(&mut self, kind: ProcessKind) {
         if !self.is_over() {
-            remark(format!("{} no longer answers and is started again", kind.name()));
+            remark(format!("{} does not respond and is restarted", kind.name()));
             self.child.kill();
             self.is_killed = true;
         }

@@ -90,7 +90,7 @@ impl LoopLink {
             self.rig = RigWords { name: run.apparatus, axis: run.axis, codes: run.device_codes };
         }
         while let Ok(Some(json)) = self.model_changes.receive() {
-            // A word that is not understood is told by the recorder, which needs it.
+            // A message that cannot be read is reported by the recorder, which needs it.
             let change = serde_json::from_slice::<ModelChange>(json.payload()).ok();
             if let Some((tick, Ok(model))) = change.map(|change| (change.tick, change.model())) {
                 self.models.push(FeltModel { tick, name: model.name });
@@ -167,7 +167,7 @@ impl LoopLink {
             .control
             .send_copy(ControlRequest { kind: kind.code(), reserved: 0 })
             .map_err(|error| anyhow::anyhow!("{error:?}"))
-            .context("the control loop could not be asked")?;
+            .context("the request could not be sent to the control loop")?;
         let deadline = Instant::now() + ANSWER;
         while Instant::now() < deadline {
             if let Ok(Some(answer)) = pending.receive() {

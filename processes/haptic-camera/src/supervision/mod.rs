@@ -22,7 +22,7 @@ use archive::Claim;
 use rt_loop::LONGEST_PREPARATION_S;
 use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
-use shared_types::drill::{self, Drill};
+use shared_types::fault_injection::{self, FaultInjection};
 use shared_types::{CommandKind, LoopState, LoopStatus, ProcessKind, realtime, rig};
 
 use crate::large_job;
@@ -64,7 +64,7 @@ pub(crate) struct SupervisedRun {
     pub(crate) request: RunRequest,
     /// Whether the simulated rig is run as fast as the processor goes, without other processes.
     pub(crate) offline: bool,
-    /// What the viewer's program is told, if there is to be a live view.
+    /// The viewer's argument; `None` without a live view.
     pub(crate) viewer: Option<&'static str>,
     /// Where the archive goes.
     pub(crate) archive: PathBuf,
@@ -108,7 +108,7 @@ impl SupervisedRun {
         if !self.request.is_open_ended() {
             large_job::tell(self.request.ticks());
         }
-        let request = toml::to_string(&self.request).context("the control loop cannot be asked for this run")?;
+        let request = toml::to_string(&self.request).context("the request for this run cannot be encoded")?;
         let mut control_loop = Child::start(program("rt-loop")?.arg(format!("--request={request}")))?;
         let end = self.supervise(&mut control_loop, interrupted);
         // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
@@ -131,7 +131,7 @@ impl SupervisedRun {
         }
         let archive = end.left_archive(archive).with_context(|| format!("{in_words}: no archive was left"))?;
         let outcome = end.settle(&Archived::read(&archive)?);
-        anyhow::ensure!(outcome != Outcome::Failed, "{in_words}: did not come to its end");
+        anyhow::ensure!(outcome != Outcome::Failed, "{in_words}: did not finish");
         Ok((archive, outcome))
     }
 
@@ -161,11 +161,11 @@ impl SupervisedRun {
         let mut rule = self.until.map(StopRule::new);
         let mut progress = Progress::new(self);
         let (mut stopped_by_operator, mut loop_died) = (false, false);
-        let drill = Drill::listen(drill::SERVING_THREAD)?;
+        let fault = FaultInjection::listen(fault_injection::SERVING_THREAD)?;
         loop {
             std::thread::sleep(CYCLE);
-            if let Some(drill) = &drill {
-                drill.panic_if_told();
+            if let Some(fault) = &fault {
+                fault.panic_if_requested();
             }
             let has_ended = control_loop.has_ended();
             link.listen();
@@ -192,7 +192,7 @@ impl SupervisedRun {
                 stop(&link, control_loop);
             }
             if link.silence_of_loop() > LOOP_HUNG {
-                remark("the control loop no longer answers and is ended");
+                remark("the control loop does not respond and is killed");
                 control_loop.end(LOOP_ENDS);
             }
         }
@@ -221,7 +221,7 @@ impl SupervisedRun {
     fn tell_start(&self, status: &LoopStatus) {
         say(format!("{}, core {}", self.in_words, status.core));
         if status.realtime & realtime::FULL != realtime::FULL {
-            remark("without full real-time permission: ticks may be late, and the capture is marked so");
+            remark("without full real-time permission: ticks may be late, and the capture records that");
         }
     }
 }
@@ -255,7 +255,7 @@ pub(crate) fn clear_shared_memory() {
     }
 }
 
-/// The control loop did not run, and has told the operator why.
+/// The control loop did not run, and has printed why.
 #[derive(Debug, thiserror::Error)]
 #[error("the control loop could not run")]
 pub(crate) struct LoopSaidWhy;

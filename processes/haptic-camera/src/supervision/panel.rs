@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn lateness_is_told_by_the_bins_that_hold_half_and_nearly_all_ticks() {
+    fn lateness_is_reported_as_the_bins_that_hold_half_and_nearly_all_ticks() {
         let mut status = LoopStatus { max_lateness_ns: 250_000, ..LoopStatus::default() };
         assert_eq!(lateness(&status), "-");
         status.lateness_counts[1] = 90;

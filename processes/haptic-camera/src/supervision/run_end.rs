@@ -1,4 +1,4 @@
-//! How a run ended, and how the operator is told.
+//! How a run ended, and the report to the operator.
 
 use std::path::{Path, PathBuf};
 
@@ -96,8 +96,8 @@ impl RunEnd {
             return Some(found.to_owned());
         }
         remark(format!(
-            "the recorder could not close {}; what it wrote lies beside it as parts, to be made whole by \
-             `haptic-camera recover {0} --out WHOLE.mcap`",
+            "the recorder could not close {}; its parts are in the same folder: run `haptic-camera recover {0} --out \
+             WHOLE.mcap`",
             archive.display()
         ));
         None
@@ -110,8 +110,8 @@ impl RunEnd {
 
     /// Tells how the rig kept up, and what was lost of the run, planned, taken or archived; how the command that made it ended.
     pub(crate) fn settle(&self, archived: &Archived) -> Outcome {
-        let told = archived.rig_in_words(self.status.device_code.cast_signed());
-        told.iter().for_each(|told| say(format!("rig      {told}")));
+        let account = archived.rig_in_words(self.status.device_code.cast_signed());
+        account.iter().for_each(|line| say(format!("rig      {line}")));
         let is_cut = self.is_ended_on_purpose() || self.loop_died || self.fault_words().is_some();
         let losses = account::losses(&self.status, archived, is_cut);
         losses.iter().for_each(remark);

@@ -28,7 +28,7 @@ pub(super) fn captures(folders: &[PathBuf]) -> anyhow::Result<Vec<Seen>> {
 }
 
 fn add(folder: &Path, files: &mut Vec<Seen>) -> anyhow::Result<()> {
-    let unreadable = || format!("the folder {} cannot be read; name folders of captures", folder.display());
+    let unreadable = || format!("the folder {} cannot be read; give folders of captures", folder.display());
     for entry in std::fs::read_dir(folder).with_context(unreadable)? {
         let entry = entry.with_context(unreadable)?;
         let path = entry.path();

@@ -45,10 +45,10 @@ impl<'spec> Journal<'spec> {
         specification: Option<&'spec Specification>,
     ) -> anyhow::Result<(Self, HashSet<Seen>)> {
         let place = super::journal_beside(table);
-        let unusable = || format!("{} cannot be used; choose another place for the table", place.display());
+        let unusable = || format!("{} cannot be used; choose another --out", place.display());
         let mut file = File::options().read(true).append(true).create(true).open(&place).with_context(unusable)?;
         if file.try_lock().is_err() {
-            bail!("{} is in use by another call; wait for it, or choose another place for the table", place.display());
+            bail!("{} is in use by another `table`; wait for it, or choose another --out", place.display());
         }
         let (mut lines, mut text) = (HashMap::new(), String::new());
         let columns = Row::columns(specification);
@@ -86,7 +86,7 @@ impl<'spec> Journal<'spec> {
         let cells = row.cells().iter().map(|(_, cell)| written(cell)).collect();
         let line: Line = (seen.path.clone(), seen.bytes, seen.written_ns.to_string(), cells);
         let text = serde_json::to_string(&line)? + "\n";
-        let full = || format!("{} cannot be written; make room and call again", self.place.display());
+        let full = || format!("{} cannot be written; free some space and run again", self.place.display());
         self.file.write_all(text.as_bytes()).with_context(full)?;
         self.lines.insert(seen.clone(), self.end);
         self.end += text.len() as u64;
@@ -158,6 +158,6 @@ fn read_back(journal: &mut File, start: u64, columns: &[(String, Cell)]) -> anyh
     journal.seek(SeekFrom::Start(start))?;
     let mut line = String::new();
     BufReader::new(journal).read_line(&mut line)?;
-    let (_, cells) = parsed(&line, columns).context("the journal was changed meanwhile; make the table again")?;
+    let (_, cells) = parsed(&line, columns).context("the journal was changed in the meantime; make the table again")?;
     Ok(cells)
 }

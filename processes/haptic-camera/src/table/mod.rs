@@ -28,7 +28,7 @@ use journal::Journal;
 /// When a folder cannot be read or the table not be written; a capture that cannot is a row.
 pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
     let files = captures(&options.folders)?;
-    ensure!(!files.is_empty(), "there is no .mcap or .csv file in the folders; name folders of captures");
+    ensure!(!files.is_empty(), "no .mcap or .csv file in the folders; give folders of captures");
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let (mut journal, done) = Journal::open(&options.out, specification.as_ref())?;
     let left: Vec<&Seen> = files.iter().filter(|file| !done.contains(*file)).collect();

@@ -3,7 +3,7 @@
 use dynamics::{Model, ParameterKind};
 
 /// A parameter with its value.
-pub(super) fn told(parameter: &ParameterKind, value: f64) -> String {
+pub(super) fn line(parameter: &ParameterKind, value: f64) -> String {
     format!("  {:<22} {value} {}", parameter.name, parameter.unit)
 }
 
@@ -35,14 +35,17 @@ mod tests {
     use super::lines;
 
     #[test]
-    fn a_change_is_told_from_old_to_new_and_what_stays_is_not() {
+    fn a_change_is_listed_from_old_to_new_and_what_stays_is_not() {
         let old = knobs::paper_knob(3).unwrap();
         let mut new = old.clone();
         assert_eq!(lines(&old, &new), ["nothing changes: the model is as it was"]);
         new.effects[0].values_mut()[0] = 0.05;
         assert_eq!(lines(&old, &new), ["  inertia                0.035 → 0.05 mNm s²/rad"]);
         let gone = new.effects.pop().unwrap();
-        let told = lines(&old, &new);
-        assert!(told[1..].iter().all(|line| line.contains("→ –")) && told.len() == 1 + gone.values().len(), "{told:?}");
+        let listed = lines(&old, &new);
+        assert!(
+            listed[1..].iter().all(|line| line.contains("→ –")) && listed.len() == 1 + gone.values().len(),
+            "{listed:?}"
+        );
     }
 }

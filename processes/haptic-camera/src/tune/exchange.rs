@@ -66,7 +66,7 @@ impl LoopModels {
         match self.ask(&ModelRequest::Present)? {
             Some(ModelAnswer::Rendered { revision, model_toml }) => Present::read(revision, &model_toml),
             Some(ModelAnswer::Refused { reason }) => bail!(reason),
-            Some(other) => bail!("the control loop did not say what it renders, but {other:?}"),
+            Some(other) => bail!("the control loop did not report its model, but {other:?}"),
             None => {
                 clear_shared_memory();
                 bail!("no replay is running on this rig; start one with `haptic-camera replay MODEL`")
@@ -93,9 +93,9 @@ impl LoopModels {
                 Some(ModelAnswer::Refused { reason }) => bail!(reason),
                 Some(ModelAnswer::Busy) if Instant::now() < deadline => std::thread::sleep(PAUSE),
                 Some(ModelAnswer::Busy) => {
-                    bail!("the replay still waits to feel like a model that was sent before; try again in a moment")
+                    bail!("the replay has yet to start rendering an earlier model; try again in a moment")
                 }
-                Some(other) => bail!("the control loop did not answer to the model, but said {other:?}"),
+                Some(other) => bail!("the control loop gave an unexpected answer to the model: {other:?}"),
                 None => bail!("the replay ended before it could take the model"),
             }
         }
@@ -117,7 +117,12 @@ impl LoopModels {
 
     fn ask_once(&self, request: &ModelRequest) -> anyhow::Result<Asked> {
         let text = serde_json::to_vec(request).context("the model has no text form")?;
-        let unasked = |error: String| anyhow::anyhow!(error).context("the control loop could not be asked");
+        let unasked = |error: String| {
+            anyhow::anyhow!(error).context(
+                "the request could not be sent to the control \
+            loop",
+            )
+        };
         let place = self.client.loan_slice_uninit(text.len()).map_err(|error| unasked(format!("{error:?}")))?;
         let pending = place.write_from_slice(&text).send().map_err(|error| unasked(format!("{error:?}")))?;
         if pending.number_of_server_connections() == 0 {
@@ -129,7 +134,7 @@ impl LoopModels {
             let connected = pending.is_connected();
             if let Ok(Some(answer)) = pending.receive() {
                 let answer = serde_json::from_slice(answer.payload())
-                    .context("the control loop's answer is not understood; use the programs of one build together")?;
+                    .context("the control loop's answer cannot be read; use programs of the same build")?;
                 return Ok(Asked::Answer(answer));
             }
             if !connected {

@@ -23,7 +23,7 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
     let mut present = link.present()?;
     if options.model.is_none() && options.settings.is_empty() {
         say(&present.model.name);
-        present.model.parameters().for_each(|(parameter, value)| say(changes::told(parameter, value)));
+        present.model.parameters().for_each(|(parameter, value)| say(changes::line(parameter, value)));
         return Ok(Outcome::Done);
     }
     for _ in 0..OVERTAKEN {
@@ -40,12 +40,15 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
                 return Ok(Outcome::Done);
             }
             Sent::Overtaken(newest) => {
-                remark("another tune was faster: its model is the one that is changed");
+                remark("another `tune` changed the model first; the change was applied to its model");
                 present = newest;
             }
         }
     }
-    bail!("other tunes were faster {OVERTAKEN} times in a row; nothing was changed, try again when they are done")
+    bail!(
+        "other `tune` commands changed the model first {OVERTAKEN} times in a row; nothing was changed, try again \
+        later"
+    )
 }
 
 /// What `present` is to become.

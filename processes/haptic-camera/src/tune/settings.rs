@@ -69,8 +69,8 @@ mod tests {
             ("detent_period=0", "more than zero"),
             ("spring_stiffness=1", "return-spring"),
         ] {
-            let told = set(&[setting]).unwrap_err();
-            assert!(told.contains(expected), "{setting}: {told}");
+            let error = set(&[setting]).unwrap_err();
+            assert!(error.contains(expected), "{setting}: {error}");
         }
     }
 }

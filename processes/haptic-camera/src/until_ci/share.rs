@@ -9,7 +9,7 @@ pub struct Share(f64);
 
 /// A text that is no share.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("give the share of a value that half its 95 % interval may be wide, between 0% and 100%, as 1% or 0.5%")]
+#[error("give half the width of the 95 % interval as a share of the value, between 0% and 100%, as in 1% or 0.5%")]
 pub struct ShareError;
 
 impl Share {

@@ -89,7 +89,7 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
     let added = match added(model, &train, &heldout) {
         Ok(added) => Some(added),
         Err(error) => {
-            notes.push(format!("what the rendering adds cannot be told: {error:#}"));
+            notes.push(format!("what the rendering adds cannot be determined: {error:#}"));
             None
         }
     };
@@ -123,7 +123,7 @@ fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
 fn added(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Added> {
     anyhow::ensure!(
         model.effects.iter().all(|effect| effect.table().is_none()),
-        "the model has a drawn table, which a diagnosis cannot start from"
+        "a diagnosis cannot start from a model with a drawn table"
     );
     let options = DiagnoseOptions {
         calibration: train.calibration.clone(),

@@ -20,15 +20,15 @@ pub struct Verified {
     pub unit: &'static str,
     /// Its value in the model.
     pub intended: f64,
-    /// Its value in the rendered knob; `None` where the captures cannot tell it.
+    /// Its value in the rendered knob; `None` where the captures do not determine it.
     pub rendered: Option<f64>,
     /// The 95 % interval of the rendered value.
     pub ci95: Option<[f64; 2]>,
-    /// 100 · (rendered / intended − 1); of a phase, the part of a period by which it is off.
+    /// 100 · (rendered / intended − 1); for a phase, its error as a share of a period.
     pub difference_percent: Option<f64>,
-    /// Whether the interval holds the intended value or the difference is small enough; `None` where it cannot be told.
+    /// Whether the interval holds the intended value or the difference is small enough; `None` where there is no value.
     pub passed: Option<bool>,
-    /// Why it is not told.
+    /// Why there is no value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
@@ -47,8 +47,8 @@ impl Verified {
         } else {
             100.0 * (rendered / intended - 1.0)
         };
-        let bears = name.starts_with("static_");
-        let limit = if bears { LARGEST_STATIC_DIFFERENCE_PERCENT } else { LARGEST_DIFFERENCE_PERCENT };
+        let is_static = name.starts_with("static_");
+        let limit = if is_static { LARGEST_STATIC_DIFFERENCE_PERCENT } else { LARGEST_DIFFERENCE_PERCENT };
         let held = ci95.is_some_and(|[low, high]| (low..=high).contains(&intended));
         Self {
             name,
@@ -62,7 +62,7 @@ impl Verified {
         }
     }
 
-    pub(super) fn untold(name: &'static str, unit: &'static str, intended: f64, reason: String) -> Self {
+    pub(super) fn not_identifiable(name: &'static str, unit: &'static str, intended: f64, reason: String) -> Self {
         Self {
             name,
             unit,
@@ -102,16 +102,23 @@ pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshol
                 let borne = if name == "static_negative" { limits.negative_mnm } else { limits.positive_mnm };
                 verified.push(match threshold {
                     Some(seen) => Verified::new(name, unit, borne, seen.torque_mnm, seen.ci95_mnm),
-                    None => Verified::untold(name, unit, borne, "the knob did not break away in the creep".to_owned()),
+                    None => Verified::not_identifiable(
+                        name,
+                        unit,
+                        borne,
+                        "the knob did not break away in the creep".to_owned(),
+                    ),
                 });
                 continue;
             }
             verified.push(match fit.parameters.get(name) {
                 Some(found) => match found.value {
                     Some(value) => Verified::new(name, unit, intended, value, found.ci95),
-                    None => Verified::untold(name, unit, intended, found.reason.clone().unwrap_or_default()),
+                    None => Verified::not_identifiable(name, unit, intended, found.reason.clone().unwrap_or_default()),
                 },
-                None => Verified::untold(name, unit, intended, "a fit does not tell this effect".to_owned()),
+                None => {
+                    Verified::not_identifiable(name, unit, intended, "a fit does not estimate this effect".to_owned())
+                }
             });
         }
     }
@@ -125,7 +132,7 @@ pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshol
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 pub(super) fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
     let mut fitted = fit.model(&model.name);
-    // Parameters that cannot be told apart make the torque together: what the fit left in them is taken as it is.
+    // Parameters that are not separately identifiable make up the torque together: their fitted values are used as they are.
     for effect in fitted.effects.iter_mut().filter(|effect| !matches!(effect.kind().part, Part::Inertia(_))) {
         let left = fit.effects().iter().find(|left| left.kind().name == effect.kind().name);
         *effect = left.copied().unwrap_or(*effect);

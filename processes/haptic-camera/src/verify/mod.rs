@@ -25,12 +25,12 @@ use compare::Verified;
 
 /// Largest difference of a parameter that passes if its interval does not hold the intended value, %.
 pub const LARGEST_DIFFERENCE_PERCENT: f64 = 2.0;
-/// The same for what a knob bears at rest, %.
+/// The same for static friction, %.
 pub const LARGEST_STATIC_DIFFERENCE_PERCENT: f64 = 5.0;
 /// Largest torque error that passes, as a share of the model's RMS torque, %.
 pub const LARGEST_TORQUE_ERROR_PERCENT: f64 = 5.0;
 
-/// How a rendered knob compares with the model that it was to be.
+/// How a rendered knob compares with its model.
 #[derive(Debug, Serialize)]
 pub struct Verification {
     /// The model's name.
@@ -52,7 +52,7 @@ pub struct Verification {
     pub lost_motion: Option<LostMotion>,
     /// The knob held by a torque inside its stick band; `None` where it bears none at rest.
     pub held_still: Option<HeldStill>,
-    /// What the rendering adds that the model does not have; `None` with the reason in `notes` where that cannot be told.
+    /// What the rendering adds to the model; `None`, with the reason in `notes`, where that is not known.
     pub added: Option<Added>,
     /// What passes.
     pub limits: Limits,
@@ -63,9 +63,9 @@ pub struct Verification {
     pub passed: bool,
 }
 
-/// What `replay --verify --json` tells.
+/// The result, as `replay --verify --json` writes it.
 #[derive(Serialize)]
-struct Told<'a> {
+struct VerificationResult<'a> {
     #[serde(flatten)]
     verification: &'a Verification,
     /// The capture of the rendered knob that was fitted.
@@ -77,7 +77,7 @@ struct Told<'a> {
 pub struct Limits {
     /// Largest difference of a parameter whose interval does not hold the intended value, %.
     pub difference_percent: f64,
-    /// The same for what a knob bears at rest, %.
+    /// The same for static friction, %.
     pub static_difference_percent: f64,
     /// Largest torque error, %.
     pub torque_error_percent: f64,
@@ -161,7 +161,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     let model = Plan::new(&asked)?.rendering.context("no model is rendered")?.model;
     let out = &options.run.out;
     let folder = claim::folder(out, &archive_stem(asked.knob_name(), "verify-"))
-        .with_context(|| format!("no folder can be made in {}; choose another with --out", out.display()))?;
+        .with_context(|| format!("cannot create a folder in {}; choose another with --out", out.display()))?;
     let mut whole = Outcome::Done;
     let mut make =
         |name: &str, hand: HandRequest, amplitude_rad: Option<f64>, duration_s: f64| -> anyhow::Result<PathBuf> {
@@ -191,7 +191,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     write_json_on(
         model.axis,
         options.json.as_deref(),
-        &Told { verification, capture: analysis::facts(&captured.train) },
+        &VerificationResult { verification, capture: analysis::facts(&captured.train) },
     )?;
     if let Some(path) = &options.report {
         write(path, Kind::Page, &model.axis.words(&page::page(&model, &captured)))?;

@@ -58,7 +58,7 @@ fn row(parameter: &Verified) -> [String; 6] {
         match parameter.passed {
             Some(true) => String::new(),
             Some(false) => "✗".to_owned(),
-            None => "not told".to_owned(),
+            None => "-".to_owned(),
         },
     ]
 }
@@ -76,16 +76,16 @@ pub(super) fn lost_motion_in_words(lost: &LostMotion) -> [String; 2] {
     ways.sort_by(f64::total_cmp);
     let seen = match (ways.last(), ways.get(ways.len() / 2)) {
         (Some(longest), Some(middle)) => {
-            format!("{} free ways in the creep, {middle:.4} rad in the middle, {longest:.4} at most", ways.len())
+            format!("{} free travels in the creep, {middle:.4} rad median, {longest:.4} at most", ways.len())
         }
-        _ => "no free way in the creep".to_owned(),
+        _ => "no free travel in the creep".to_owned(),
     };
     let partly: Vec<String> =
         lost.partly.iter().map(|(effect, percent)| format!("{effect} {percent:.0} % of it")).collect();
     let partly = if partly.is_empty() { String::new() } else { format!("; {}", partly.join(", ")) };
     [
         format!("gap      {:.4} rad intended; {seen}", lost.intended_rad),
-        format!("without  the gap a diagnosis misses {}{partly}", in_words(&lost.named)),
+        format!("missing  without the gap, by a diagnosis: {}{partly}", in_words(&lost.named)),
     ]
 }
 
@@ -93,14 +93,15 @@ fn in_words(added: &Added) -> String {
     let Added { heldout_rms_before, heldout_rms_after, noise_floor_rms, .. } = added;
     match added.verdict {
         Verdict::None => {
-            format!("nothing: {heldout_rms_before:.3} mNm are left on other motion, noise {noise_floor_rms:.3}")
+            format!("nothing: residual {heldout_rms_before:.3} mNm on another motion, noise {noise_floor_rms:.3}")
         }
         Verdict::Effects => format!(
-            "{}: {heldout_rms_before:.3} to {heldout_rms_after:.3} mNm on other motion, noise {noise_floor_rms:.3}",
+            "{}: residual {heldout_rms_before:.3} to {heldout_rms_after:.3} mNm on another motion, noise \
+             {noise_floor_rms:.3}",
             added.effects.join(", ")
         ),
         Verdict::OutsideLibrary => format!(
-            "something without a name: {heldout_rms_after:.3} mNm are left on other motion, noise {noise_floor_rms:.3}"
+            "an unknown effect: residual {heldout_rms_after:.3} mNm on another motion, noise {noise_floor_rms:.3}"
         ),
     }
 }

@@ -79,14 +79,19 @@ fn parameters(model: &Model, found: &Diagnosis) -> Vec<Verified> {
             if let Part::Stick(_) = effect.kind().part {
                 // The speed at which a knob comes to rest shows in no torque.
                 if unit == "mNm" {
-                    let reason = "the encoder does not see the inner body break away".to_owned();
-                    verified.push(Verified::untold(name, unit, intended, reason));
+                    let reason = "the encoder does not measure the inner body's breakaway".to_owned();
+                    verified.push(Verified::not_identifiable(name, unit, intended, reason));
                 }
                 continue;
             }
             verified.push(match found.refined.get(name) {
                 Some(value) => Verified::new(name, unit, intended, value.value, value.ci95),
-                None => Verified::untold(name, unit, intended, "a refinement does not tell this effect".to_owned()),
+                None => Verified::not_identifiable(
+                    name,
+                    unit,
+                    intended,
+                    "a refinement does not estimate this effect".to_owned(),
+                ),
             });
         }
     }

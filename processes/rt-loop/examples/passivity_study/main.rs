@@ -73,7 +73,7 @@ fn outside() {
         grips.len()
     );
     let row = |what: String, inertia: f64, stiffness_mnm_rad: f64, gains: RenderGains| {
-        let told = [f64::INFINITY, gains.slack].map(|slack| {
+        let cells = [f64::INFINITY, gains.slack].map(|slack| {
             let gains = RenderGains { slack, ..gains };
             let seen = grips.iter().map(|grip| passivity::wheel(inertia, stiffness_mnm_rad, gains, *grip));
             let seen: Vec<_> = seen.collect();
@@ -81,7 +81,7 @@ fn outside() {
             let least = seen.iter().map(|seen| seen.least_energy).fold(f64::INFINITY, f64::min);
             format!("{grown:2}, {:8.2e} mNm·rad given out", (-least).max(0.0))
         });
-        println!("  {what}: {}; {}", told[0], told[1]);
+        println!("  {what}: {}; {}", cells[0], cells[1]);
     };
     for times in [0.3, 1.0, 2.0, 4.0, 10.0, 30.0] {
         let inertia = bounds.largest_inertia(0.0);

@@ -162,7 +162,7 @@ fn speed_lag_s(angle_step_rad: f64, crossover_rad_s: f64, delay_s: f64, rate_hz:
     enough_s
 }
 
-/// Longest time constant of that low-pass, s: an encoder of so few counts that it were longer shakes, and that is told.
+/// Longest time constant of that low-pass, s. An encoder too coarse for it makes the torque shake, which is reported.
 const LONGEST_SPEED_LAG_S: f64 = 5e-3;
 
 /// Frequency of the notch, Hz.

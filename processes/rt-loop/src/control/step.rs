@@ -106,7 +106,7 @@ pub struct ControlState {
     newest: Option<Measurement>,
     /// Ticks since the newest measurement.
     unmeasured_ticks: u64,
-    /// Ticks up to this one that brought nothing new.
+    /// Ticks up to this one without new data.
     stale_ticks: u32,
     /// Why, by the rig's own code.
     stale_code: i32,

@@ -26,7 +26,7 @@ const PATIENCE: Duration = Duration::from_millis(1);
 #[derive(Debug, thiserror::Error)]
 pub enum CallWatchError {
     /// The kernel, or what contains this process, does not let calls be watched.
-    #[error("system calls cannot be watched here ({0}); Linux 5.5 or newer is needed, and leave to use seccomp")]
+    #[error("system calls cannot be watched here ({0}); this needs Linux 5.5 or newer and permission to use seccomp")]
     Refused(io::Error),
     /// The thread was to be watched and never said that it began.
     #[error("the real-time thread ended before its system calls were watched")]
@@ -56,7 +56,7 @@ pub struct PermittedCalls {
 /// The declared calls that a run made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeclaredCallsMade {
-    /// All told.
+    /// All calls.
     pub total: u64,
     /// Most in one tick.
     pub most_in_a_tick: u32,
@@ -173,9 +173,9 @@ impl CallWatch {
         if counts.is_empty() {
             return Ok(declared);
         }
-        let told: Vec<String> =
+        let calls: Vec<String> =
             counts.iter().map(|(&number, count)| format!("{} ({count} times)", call_name(number))).collect();
-        Err(CallWatchError::CallsMade(told.join(", ")))
+        Err(CallWatchError::CallsMade(calls.join(", ")))
     }
 }
 

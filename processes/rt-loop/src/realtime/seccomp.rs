@@ -69,7 +69,7 @@ fn program() -> [libc::sock_filter; 7] {
     ]
 }
 
-/// What is told of a thread's calls.
+/// A notification of a thread's call.
 #[derive(Debug)]
 pub(super) struct Listener(OwnedFd);
 

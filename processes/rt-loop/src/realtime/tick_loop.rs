@@ -166,7 +166,7 @@ impl TickLoop {
         self.watched = Some(watched);
     }
 
-    /// Runs until told to quit. The rig is prepared. Its amplifier is on from here and off when this returns, and also when it
+    /// Runs until a request to quit. The rig is prepared. Its amplifier is on from here and off when this returns, and also when it
     /// panics.
     ///
     /// Nothing in here allocates, frees, locks, logs or makes a system call but the sleep in the wait.

@@ -83,7 +83,7 @@ impl TickLog {
         Ok(Self { records, file, path, failed: false })
     }
 
-    /// Writes what has come; after a failure, which is told once, nothing more.
+    /// Writes what has come; nothing more after a failure, which is reported once.
     pub fn write_waiting(&mut self) {
         while let Ok(record) = self.records.pop() {
             if !self.failed

@@ -9,7 +9,7 @@ use crate::request::RunRequest;
 
 pub(super) static KIND: RigKind = RigKind {
     name: "ethercat",
-    description: "a CiA 402 servo drive on EtherCAT, with terminals beside it",
+    description: "a CiA 402 servo drive on EtherCAT, with optional terminals",
     template: TEMPLATE,
     make,
     scan: Some(Scan { target: "an Ethernet interface", knows, look: |interface, stop| Ok(scan(interface, stop)?) }),

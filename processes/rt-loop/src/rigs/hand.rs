@@ -23,7 +23,7 @@ pub(super) fn hand(asked: &HandRequest, axis: Axis, amplitude_rad: Option<f64>) 
     let grip = Grip { damping: grip * usual.damping, stiffness_mnm_rad: grip * usual.stiffness_mnm_rad, ..usual };
     let intention = match (hand_torque, hand.as_str()) {
         (Some(torque_mnm), _) if torque_mnm.is_finite() => Intention::Torque(*torque_mnm),
-        (Some(torque_mnm), _) => return Err(unusable(format!("a torque of {torque_mnm} mNm is no torque"))),
+        (Some(torque_mnm), _) => return Err(unusable(format!("a torque of {torque_mnm} mNm is not a finite number"))),
         (None, "none") => return Ok(None),
         (None, file) if Path::new(file).extension().is_some_and(|extension| extension == "csv") => {
             recorded_motion(Path::new(file)).map_err(unusable)?
@@ -42,18 +42,18 @@ pub(super) fn hand(asked: &HandRequest, axis: Axis, amplitude_rad: Option<f64>) 
 /// Reads the columns `t_s` and `angle_rad` of a table of evenly spaced rows.
 #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 fn recorded_motion(path: &Path) -> Result<Intention, String> {
-    let told = |what: &dyn std::fmt::Display| format!("{}: {what}", path.display());
-    let file = foreign_files::open(path).map_err(|error| told(&error))?;
+    let error = |what: &dyn std::fmt::Display| format!("{}: {what}", path.display());
+    let file = foreign_files::open(path).map_err(|source| error(&source))?;
     let wanted = ["t_s", "angle_rad"].map(Column::required);
-    let columns = read_columns(file, wanted, Others::PassedOver).map_err(|error| told(&error))?;
+    let columns = read_columns(file, wanted, Others::PassedOver).map_err(|source| error(&source))?;
     let [t_s, angle_rad] = columns.map(Option::unwrap_or_default);
     let duration_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
     let rate_hz = (t_s.len().max(1) - 1) as f64 / duration_s;
     if !(t_s.len() >= 2 && duration_s > 0.0 && rate_hz.is_finite()) {
-        return Err(told(&"it needs at least two rows with rising t_s"));
+        return Err(error(&"it needs at least two rows with rising t_s"));
     }
     if t_s.windows(2).any(|pair| ((pair[1] - pair[0]) * rate_hz - 1.0).abs() > 0.5) {
-        return Err(told(&"its t_s is not evenly spaced; resample it"));
+        return Err(error(&"its t_s is not evenly spaced; resample it"));
     }
     Ok(Intention::Recorded { angle_rad, rate_hz })
 }

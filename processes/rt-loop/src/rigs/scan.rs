@@ -11,7 +11,7 @@ pub struct Scan {
     pub target: &'static str,
     /// Whether it knows this target.
     pub knows: fn(&str) -> bool,
-    /// Looks at a target that it knows, and gives up once it is told to stop; nothing moves.
+    /// Looks at a target that it knows, until it is stopped; nothing moves.
     ///
     /// # Errors
     /// The driver's own, in a sentence.

@@ -24,7 +24,7 @@ fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
     ];
     if let Some((key, _)) = own.into_iter().find(|(_, is_given)| *is_given) {
         return Err(file
-            .error(format!("the simulated rig has no {key} to choose; leave it out, or change [settings]"))
+            .error(format!("the {key} of the simulated rig is fixed; omit it, or change [settings]"))
             .into());
     }
     let parameters: RigParameters = file.settings()?;

@@ -172,7 +172,7 @@ impl Bounds {
         at_most(Bounded::Torque, demands.torque_mnm, self.largest_torque_mnm, "mNm", &remedy)?;
         self.check_contact(model, &demands)?;
         let drives = demands.drives_from_rad_s.map(|speed_rad_s| {
-            format!("friction would drive the knob from {speed_rad_s:.1} rad/s on; it is held at zero there")
+            format!("friction would drive the knob above {speed_rad_s:.1} rad/s; it is set to zero there")
         });
         Ok(drives.into_iter().collect())
     }
@@ -193,7 +193,7 @@ impl Bounds {
         let value = contact.stiffness_mnm_rad;
         let bound = contact.stiffest_mnm_rad(&self.port, &self.hands, SAFETY, value);
         if bound < value {
-            let remedy = "lower it, or change the damping beside it";
+            let remedy = "lower it, or change the damping next to it";
             return exceeded(Bounded::Contact, value, bound, "mNm/rad", remedy);
         }
         Ok(())

@@ -113,7 +113,7 @@ const LOOK_ALIKES: [(&str, &str); 14] = [
     ("velocity-strengthening", "presliding-hysteresis"),
 ];
 
-/// Whether two effects of the catalogue can be told apart when both are there.
+/// Whether two effects of the catalogue can be distinguished when both are present.
 pub fn distinguishable(first: &str, second: &str) -> bool {
     first != second && !LOOK_ALIKES.iter().any(|pair| *pair == (first, second) || *pair == (second, first))
 }

@@ -22,9 +22,9 @@ const TICKS: usize = 4;
 /// Half widths of the mean's interval, or of the widest capture's, within which a true value widens the axis.
 const REACH: f64 = 2.0;
 
-/// The plots side by side with their words; `None` if no parameter was told twice.
+/// The plots side by side with their words; `None` if no parameter was estimated twice.
 pub(super) fn figure(page: &AveragePage<'_>) -> Option<Markup> {
-    let told: Vec<(&str, &Repeatability)> = page
+    let estimated: Vec<(&str, &Repeatability)> = page
         .average
         .fit
         .parameters
@@ -32,14 +32,14 @@ pub(super) fn figure(page: &AveragePage<'_>) -> Option<Markup> {
         .iter()
         .filter_map(|parameter| Some((parameter.name, page.average.repeatability.get(parameter.name)?)))
         .collect();
-    if told.is_empty() {
+    if estimated.is_empty() {
         return None;
     }
     Some(html! {
         figure.forests {
             h3 { span.number { "Figure 1 " } "Each capture's parameters and their mean" }
             div.thirds {
-                @for (name, record) in &told {
+                @for (name, record) in &estimated {
                     div.forest {
                         p { code { (name) } " " span.axis { "(" (record.unit) ")" } }
                         (plot(name, record, truth(page, name, record)))
@@ -50,7 +50,7 @@ pub(super) fn figure(page: &AveragePage<'_>) -> Option<Markup> {
                 "Dots with whiskers: a capture's value and 95 % interval. Diamond and band: the mean and its interval, which \
                  narrows as captures agree and widens as they differ."
                 @if page.truth.is_some() { " Dashed line: the true value of the simulated knob." }
-                @if let Some(angle_rad) = told.iter().find_map(|(_, record)| record.at_angle_rad) {
+                @if let Some(angle_rad) = estimated.iter().find_map(|(_, record)| record.at_angle_rad) {
                     " The phase is that at the captures' mean angle, " (crate::numbers::three(angle_rad)) " rad."
                 }
             }
@@ -72,11 +72,12 @@ fn plot(name: &str, record: &Repeatability, truth: Option<f64>) -> Markup {
     let rows = record.compared.len() + 1;
     let bottom = place(rows) - 0.5 * ROW;
     let height = bottom + BOTTOM;
-    let ends = |told: &Told| [told.value - told.half_width, told.value + told.half_width];
-    let widest = record.compared.iter().flatten().map(|told| told.half_width).fold(record.mean.half_width, f64::max);
+    let ends = |estimate: &Told| [estimate.value - estimate.half_width, estimate.value + estimate.half_width];
+    let widest =
+        record.compared.iter().flatten().map(|estimate| estimate.half_width).fold(record.mean.half_width, f64::max);
     let near = truth.filter(|truth| (truth - record.mean.value).abs() <= REACH * widest);
-    let told = record.compared.iter().flatten().chain([&record.mean]);
-    let axis = Axis::around("", told.flat_map(ends).chain(near));
+    let estimates = record.compared.iter().flatten().chain([&record.mean]);
+    let axis = Axis::around("", estimates.flat_map(ends).chain(near));
     let x = |value: f64| short(LEFT + axis.share(value) * (WIDTH - LEFT - RIGHT));
     let [low, high] = ends(&record.mean);
     let mean_row = place(rows - 1);
@@ -89,9 +90,9 @@ fn plot(name: &str, record: &Repeatability, truth: Option<f64>) -> Markup {
                 text.label x=(x(at)) y=(bottom) dy="1.3em" text-anchor="middle" { (label) }
             }
             @if let Some(truth) = near { path.line.reference d={"M" (x(truth)) " 0V" (bottom)} {} }
-            @for (index, told) in record.compared.iter().enumerate() {
+            @for (index, estimate) in record.compared.iter().enumerate() {
                 text.label x=(LEFT - 10.0) y=(place(index)) dy="0.35em" text-anchor="end" { (index + 1) }
-                @if let Some(told) = told { (whisker(&x, ends(told), told.value, place(index))) }
+                @if let Some(estimate) = estimate { (whisker(&x, ends(estimate), estimate.value, place(index))) }
             }
             text.title x=(LEFT - 10.0) y=(mean_row) dy="0.35em" text-anchor="end" { "mean" }
             path.line.model d={"M" (x(low)) " " (mean_row) "H" (x(high))} {}

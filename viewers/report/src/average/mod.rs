@@ -11,7 +11,7 @@ use crate::AveragePage;
 use crate::figures::{angle_figure, finite_points, velocity_figure};
 use crate::numbers::{three, two};
 use crate::page::{FEWEST_ROWS, document, footer, uppercase_first};
-use crate::preparation::{method, preparation, untold};
+use crate::preparation::{method, not_identifiable, preparation};
 use crate::verdict::findings;
 
 pub(crate) fn average_page(page: &AveragePage<'_>) -> Markup {
@@ -32,7 +32,7 @@ pub(crate) fn average_page(page: &AveragePage<'_>) -> Markup {
         }
         section {
             h2 { "How the captures repeat" }
-            (forest::figure(page).unwrap_or_else(|| html! { p { "No parameter was told by two captures." } }))
+            (forest::figure(page).unwrap_or_else(|| html! { p { "No parameter was estimated from two captures." } }))
         }
         section {
             h2 { "The captures" }
@@ -41,7 +41,7 @@ pub(crate) fn average_page(page: &AveragePage<'_>) -> Markup {
         (torques(page))
         section {
             h2 { "What the data could not tell" }
-            (untold(&average.fit))
+            (not_identifiable(&average.fit))
         }
         @for (index, fit) in fits.iter().enumerate() {
             section {

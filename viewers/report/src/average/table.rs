@@ -54,7 +54,7 @@ fn row(page: &AveragePage<'_>, shown: &[Fit], parameter: &Parameter) -> Markup {
                     @let digits = Digits::of_interval(value, 0.5 * (high - low));
                     td.number.value { (digits.show(value)) span.faint { (digits.span([low, high])) } }
                 },
-                None => td.number { "–" span.faint { "cannot be told" } },
+                None => td.number { "–" span.faint { "not identifiable" } },
             }
             @for fit in shown { (cell(fit, parameter.name)) }
             (difference(page.average.repeatability.get(parameter.name)))
@@ -69,8 +69,8 @@ fn row(page: &AveragePage<'_>, shown: &[Fit], parameter: &Parameter) -> Markup {
 
 /// What one capture tells of a parameter.
 fn cell(fit: &Fit, name: &str) -> Markup {
-    let told = fit.parameters.get(name).and_then(|own| own.value.zip(own.ci95));
-    let Some((value, [low, high])) = told else { return html! { td.number { "–" } } };
+    let own = fit.parameters.get(name).and_then(|own| own.value.zip(own.ci95));
+    let Some((value, [low, high])) = own else { return html! { td.number { "–" } } };
     let half = (value - low).max(high - value);
     let digits = Digits::of_interval(value, half);
     html! { td.number { (digits.show(value)) span.faint { "±\u{a0}" (digits.show(half)) } } }

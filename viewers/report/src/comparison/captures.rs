@@ -105,12 +105,12 @@ pub(super) fn side_by_side(knob: &ComparedKnob) -> Markup {
 /// The parameters that some capture tells with their units, in the order in which a model lists them.
 fn ordered(knob: &ComparedKnob) -> Vec<(&'static str, &'static str)> {
     let known = dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);
-    let told = |name: &str| {
+    let has_value = |name: &str| {
         let of = |capture: &ComparedCapture| capture.parameters.get(name).is_some_and(|own| own.value.is_some());
         knob.captures.iter().any(of)
     };
     known
-        .filter(|kind| told(kind.name))
+        .filter(|kind| has_value(kind.name))
         .filter_map(|kind| Some((kind.name, knob.parameters.get(kind.name)?.unit)))
         .collect()
 }

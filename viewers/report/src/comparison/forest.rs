@@ -86,13 +86,13 @@ pub(super) fn figure(compared: &Comparison, number: usize) -> Option<Markup> {
 
 fn plot(name: &str, knobs: &[ComparedKnob]) -> Option<Markup> {
     let (rows, separators, bottom) = rows(name, knobs);
-    let told = || rows.iter().filter_map(|row| Some((row.content.own()?.value?, row.content.own()?.ci95)));
+    let estimates = || rows.iter().filter_map(|row| Some((row.content.own()?.value?, row.content.own()?.ci95)));
     let papers =
         || rows.iter().filter_map(|row| if let Content::Paper(value) = row.content { Some(value) } else { None });
-    if told().next().is_none() || told().count() + papers().count() < 2 {
+    if estimates().next().is_none() || estimates().count() + papers().count() < 2 {
         return None;
     }
-    let ends = told().flat_map(|(value, ci95)| [Some(value), ci95.map(|ends| ends[0]), ci95.map(|ends| ends[1])]);
+    let ends = estimates().flat_map(|(value, ci95)| [Some(value), ci95.map(|ends| ends[0]), ci95.map(|ends| ends[1])]);
     let scale = Scale::around(ends.flatten().chain(papers()));
     let x = |value: f64| short(LEFT + scale.share(value) * (WIDTH - LEFT - RIGHT));
     Some(html! {
@@ -124,8 +124,8 @@ fn rows<'a>(name: &str, knobs: &'a [ComparedKnob]) -> (Vec<Row<'a>>, Vec<f64>, f
             rows.push(Row { label, content, y: top + 0.5 * ROW });
             top += ROW;
         };
-        let told = |capture: &ComparedCapture| capture.parameters.get(name).is_some_and(|own| own.value.is_some());
-        if knob.captures.len() > 1 && knob.captures.iter().any(told) {
+        let has_value = |capture: &ComparedCapture| capture.parameters.get(name).is_some_and(|own| own.value.is_some());
+        if knob.captures.len() > 1 && knob.captures.iter().any(has_value) {
             for capture in &knob.captures {
                 add(format!("capture {}", capture.number), Content::Capture(capture.parameters.get(name)));
             }
@@ -166,7 +166,7 @@ fn marks(row: &Row<'_>, x: &impl Fn(f64) -> String) -> Markup {
                 "m0 " (-2.0 * CROSS) "l" (-2.0 * CROSS) " " (2.0 * CROSS)
             } {},
             (Content::Capture(Some(_)) | Content::Knob(Some(_)), None) => text.label x=(LEFT) y=(y_text) dy="0.35em" {
-                "cannot be told"
+                "not identifiable"
             },
             _ => {},
         }

@@ -191,7 +191,7 @@ impl ComparedKnob {
         }
     }
 
-    /// Unit of a parameter, wherever it is told.
+    /// Unit of a parameter, from whichever knob has it.
     pub(super) fn unit(&self, name: &str) -> Option<&'static str> {
         let own = self.parameters.get(name).map(|own| own.unit);
         own.or_else(|| self.paper.as_ref()?.parameters.get(name).map(|printed| printed.unit))

@@ -75,7 +75,7 @@ pub(crate) fn comparison_page(compared: &Comparison) -> Markup {
         }
         section {
             h2 { "What the data could not tell" }
-            (untold(compared))
+            (not_identifiable(compared))
         }
         section {
             h2 { "How the numbers were made" }
@@ -114,13 +114,13 @@ fn ranges(compared: &Comparison) -> Vec<String> {
         ("detent_amplitude", "detents"),
     ];
     let reach = |(name, words): (&str, &str)| {
-        let told = compared.knobs.iter().filter_map(|knob| {
+        let knobs = compared.knobs.iter().filter_map(|knob| {
             let own = knob.parameters.get(name)?;
             Some((knob.name.as_str(), own.value.filter(|value| *value > 0.0)?, own.unit))
         });
-        let told: Vec<_> = told.collect();
-        let least = told.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let most = told.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let knobs: Vec<_> = knobs.collect();
+        let least = knobs.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let most = knobs.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         (least.0 != most.0).then(|| {
             format!(
                 "{words} from {} ({}) to {}\u{a0}{} ({})",
@@ -132,8 +132,8 @@ fn ranges(compared: &Comparison) -> Vec<String> {
             )
         })
     };
-    let told: Vec<String> = quantities.into_iter().filter_map(reach).collect();
-    if told.is_empty() { Vec::new() } else { vec![format!("{}.", uppercase_first(&told.join("; ")))] }
+    let ranges: Vec<String> = quantities.into_iter().filter_map(reach).collect();
+    if ranges.is_empty() { Vec::new() } else { vec![format!("{}.", uppercase_first(&ranges.join("; ")))] }
 }
 
 /// Table 4.
@@ -158,8 +158,8 @@ fn descriptions(compared: &Comparison) -> Markup {
     }
 }
 
-/// What no capture of a knob tells, and what else a reader should know.
-fn untold(compared: &Comparison) -> Markup {
+/// The parameters that are not identifiable, with the reasons, and other remarks.
+fn not_identifiable(compared: &Comparison) -> Markup {
     let mut words: Vec<(String, Vec<&str>, String)> = Vec::new();
     for knob in &compared.knobs {
         for (name, own) in &knob.parameters {
@@ -174,7 +174,7 @@ fn untold(compared: &Comparison) -> Markup {
         compared.knobs.iter().flat_map(|knob| knob.notes.iter().map(|note| (knob.name.as_str(), note))).collect();
     html! {
         @if words.is_empty() && notes.is_empty() {
-            p { "Every parameter could be told, and nothing needs a warning." }
+            p { "Every parameter is identifiable, and there are no warnings." }
         } @else {
             ul {
                 @for (knob, names, reason) in &words {

@@ -105,7 +105,7 @@ fn cell(knob: &ComparedKnob, name: &str) -> Markup {
 /// A value with its interval below it.
 pub(super) fn value(own: &ComparedValue) -> Markup {
     let ComparedValue { value, ci95_half_width, .. } = own;
-    let Some(value) = *value else { return html! { span.untold { "cannot be told" } } };
+    let Some(value) = *value else { return html! { span.undetermined { "not identifiable" } } };
     let half = ci95_half_width.unwrap_or(f64::NAN);
     let digits = if half > 0.0 { Digits::of_interval(value, half) } else { Digits::significant(value, DIGITS) };
     html! {

@@ -80,7 +80,7 @@ pub(super) fn before_and_after<'a>(before: &'a [Location], after: &'a [Location]
 
 /// One or two maps over the same coordinate.
 struct Panel<'a> {
-    /// The one whose share and probability are told.
+    /// The one whose share and probability are given.
     location: &'a Location,
     maps: Vec<(Ink, &'a Vec<[f64; 2]>)>,
     shape: Option<String>,

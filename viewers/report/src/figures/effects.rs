@@ -14,12 +14,16 @@ const MOST_DOTS: usize = 2500;
 /// Points of the model's curve.
 const CURVE: usize = 240;
 
-/// One figure for each effect of the fit that was told and is a curve over one quantity.
+/// One figure for each effect of the fit that was estimated and is a curve over one quantity.
 pub(crate) fn effect_figures(fit: &Fit, points: &[Point]) -> Vec<Figure> {
-    let told = |effect: &&Effect| {
+    let is_estimated = |effect: &&Effect| {
         effect.parameters().all(|(kind, _)| fit.parameters.get(kind.name).is_some_and(|found| found.value.is_some()))
     };
-    fit.effects().iter().filter(told).filter_map(|effect| Some(figure(&View::of(effect)?, effect, points))).collect()
+    fit.effects()
+        .iter()
+        .filter(is_estimated)
+        .filter_map(|effect| Some(figure(&View::of(effect)?, effect, points)))
+        .collect()
 }
 
 /// How an effect is looked at.

@@ -59,7 +59,7 @@ pub(crate) fn order_figure(fit: &Fit, points: &[Point]) -> (Figure, Numbers) {
         caption: format!(
             "A peak is a torque that repeats with the angle and is not in the model: an off-centre mass at one per turn, \
              cogging, or detents that are no sine. The tallest has {} mNm at {} per turn; orders closer than {} cannot be \
-             told apart over this travel.",
+             resolved over this travel.",
             two(tallest.1),
             three(tallest.0),
             two(resolution)

@@ -35,7 +35,7 @@ pub struct RenderingPage<'a> {
     pub largest_torque_error_percent: f64,
     /// The knob held inside its stick band; `None` where it bears nothing at rest.
     pub held_still: Option<HeldStill>,
-    /// What the rendering adds; `None` where that cannot be told.
+    /// What the rendering adds; `None` where that is not known.
     pub added: Option<AddedByRendering>,
     /// What a reader should know, in sentences.
     pub notes: Vec<String>,
@@ -58,9 +58,9 @@ pub struct RenderedParameter {
     pub ci95: Option<[f64; 2]>,
     /// How far rendered is from intended, %.
     pub difference_percent: Option<f64>,
-    /// Whether that passes; `None` where it cannot be told.
+    /// Whether that passes; `None` where there is no value.
     pub passed: Option<bool>,
-    /// Why it is not told.
+    /// Why there is no value.
     pub reason: Option<String>,
 }
 

@@ -38,11 +38,11 @@ fn row(parameter: &RenderedParameter) -> Markup {
     let RenderedParameter { name, unit, intended, rendered, ci95, difference_percent, passed, reason } = parameter;
     let Some(value) = *rendered else {
         return html! {
-            tr.untold {
+            tr.undetermined {
                 (name_cells(name))
                 td.number { (three(*intended)) }
                 td.reason colspan="4" {
-                    strong { "cannot be told" }
+                    strong { "not identifiable" }
                     @if let Some(reason) = reason { ": " (reason) }
                 }
                 td.unit { (unit) }

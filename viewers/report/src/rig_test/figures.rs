@@ -32,7 +32,7 @@ pub(super) fn sweep(test: &RigTest, number: usize) -> Markup {
                 }
             }
             figcaption {
-                "Left: the last " (two(EXCERPT_S)) " s. The thin line is what the rig was told, the thick pale one behind it what it measured; \
+                "Left: the last " (two(EXCERPT_S)) " s. The thin line is the command, the thick pale one behind it the measurement; \
                  where they part the rig is late or falls short. Right: the range of their difference over the whole sweep. A strip \
                  that widens as the sweep gets faster is lag; one of even width is noise; one that lies off zero is a wrong zero; levels that \
                  change sign as the signal turns are friction between motor and sensor."

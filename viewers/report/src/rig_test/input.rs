@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::CaptureFacts;
 
-/// How far what a rig measures lies from what it was told to do, beside the paper's rig.
+/// How far a rig's measurement is from its command, compared with the paper's rig.
 #[derive(Clone, Debug, Serialize)]
 pub struct RigTest {
     /// Name of the sweep.

@@ -1,4 +1,4 @@
-//! The page of a rig test: what the rig measures beside what it was told to do.
+//! The page of a rig test: the rig's measurement compared with its command.
 
 mod figures;
 mod input;

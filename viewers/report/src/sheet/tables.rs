@@ -27,29 +27,29 @@ fn with_unit(figure: Option<&Figure>) -> Option<String> {
 
 /// What one says first of a control.
 pub(super) fn headline(sheet: &Sheet) -> String {
-    let told = |name: &str| with_unit(sheet.figures.get(name));
+    let figure = |name: &str| with_unit(sheet.figures.get(name));
     let words = match sheet.axis {
         Axis::Rotary => [
-            told("detent_count").map(|count| format!("{count} detents in a turn")),
-            told("detent_pitch").map(|pitch| format!("{pitch} apart")),
-            told("peak_torque").map(|peak| format!("peak {peak}")),
-            told("running_friction").map(|friction| format!("running friction {friction}")),
+            figure("detent_count").map(|count| format!("{count} detents in a turn")),
+            figure("detent_pitch").map(|pitch| format!("{pitch} apart")),
+            figure("peak_torque").map(|peak| format!("peak {peak}")),
+            figure("running_friction").map(|friction| format!("running friction {friction}")),
         ],
         Axis::Linear => [
-            told("collapse_force").map(|force| format!("collapse at {force}")),
-            told("collapse_travel").map(|travel| format!("after {travel}")),
-            told("snap").map(|snap| format!("snap {snap}")),
-            told("travel").map(|travel| format!("bottom-out after {travel}")),
+            figure("collapse_force").map(|force| format!("collapse at {force}")),
+            figure("collapse_travel").map(|travel| format!("after {travel}")),
+            figure("snap").map(|snap| format!("snap {snap}")),
+            figure("travel").map(|travel| format!("bottom-out after {travel}")),
         ],
     };
     let words: Vec<String> = words.into_iter().flatten().collect();
-    if words.is_empty() { "no figure could be told.".to_owned() } else { format!("{}.", words.join(", ")) }
+    if words.is_empty() { "no figure could be determined.".to_owned() } else { format!("{}.", words.join(", ")) }
 }
 
 /// Every figure with its definition.
 pub(super) fn figures(sheet: &Sheet) -> Markup {
-    let told = || kinds().filter_map(|kind| Some((kind, sheet.figure(kind)?)));
-    let any_spread = told().any(|(_, figure)| figure.over.is_some());
+    let figures = || kinds().filter_map(|kind| Some((kind, sheet.figure(kind)?)));
+    let any_spread = figures().any(|(_, figure)| figure.over.is_some());
     html! {
         div.scroll {
             table.compared {
@@ -63,7 +63,7 @@ pub(super) fn figures(sheet: &Sheet) -> Markup {
                     }
                 }
                 tbody {
-                    @for (kind, figure) in told() {
+                    @for (kind, figure) in figures() {
                         tr {
                             th scope="row" { code { (kind.name) } }
                             td.number.value {
@@ -77,7 +77,7 @@ pub(super) fn figures(sheet: &Sheet) -> Markup {
                             }
                             td.words {
                                 (kind.definition) " " span.faint { "Source: " (kind.source) "." }
-                                @if let Some(reason) = &figure.reason { span.untold { "Not told: " (reason) "." } }
+                                @if let Some(reason) = &figure.reason { span.undetermined { "Not determined: " (reason) "." } }
                             }
                         }
                     }

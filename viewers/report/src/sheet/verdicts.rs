@@ -78,7 +78,7 @@ pub(crate) fn verdicts_page(page: &VerdictsPage<'_>) -> Markup {
 fn class(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Pass => "inside",
-        Verdict::Undecided => "untold",
+        Verdict::Undecided => "undetermined",
         Verdict::Fail => "outside",
     }
 }
@@ -86,7 +86,7 @@ fn class(verdict: Verdict) -> &'static str {
 fn words(figure: &FigureVerdict) -> String {
     let unit = figure.unit;
     let value = figure.value.zip(figure.ci95).map_or_else(
-        || "not told".to_owned(),
+        || "not determined".to_owned(),
         |(value, [low, high])| {
             let half = 0.5 * (high - low);
             format!("{} {unit}", Digits::of_interval(value, half).plus_minus(value, half))

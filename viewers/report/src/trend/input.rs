@@ -78,7 +78,7 @@ pub struct Drift {
 impl Drift {
     /// Whether chance hardly explains it.
     #[must_use]
-    pub fn is_told(&self) -> bool {
+    pub fn is_significant(&self) -> bool {
         self.per_day_ci95[0] > 0.0 || self.per_day_ci95[1] < 0.0
     }
 }

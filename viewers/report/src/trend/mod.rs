@@ -53,7 +53,7 @@ pub(crate) fn trend_page(trend: &Trend) -> Markup {
             h2 { "How the numbers were made" }
             p {
                 "Every capture counts alike. The drift is the straight line of least squares through them, its interval from their \
-                 scatter about it; it is told where the interval leaves zero out. One in twenty would do so by chance."
+                 scatter about it; it is significant where the interval excludes zero, as one in twenty does by chance."
             }
         }
         (footer(&trend.software_version, &trend.source))
@@ -75,18 +75,18 @@ fn parameters(trend: &Trend) -> Vec<&str> {
 fn verdict(trend: &Trend) -> String {
     let all = || trend.groups.iter().flat_map(|group| group.parameters.iter().map(move |one| (group, one)));
     let drifts = || all().filter_map(|(group, one)| Some((group, one, one.drift?)));
-    let told: Vec<String> = drifts()
-        .filter(|(_, _, drift)| drift.is_told())
+    let significant: Vec<String> = drifts()
+        .filter(|(_, _, drift)| drift.is_significant())
         .map(|(group, one, _)| format!("{} of {}", one.name, group.name))
         .collect();
     let captures: usize =
         trend.groups.iter().filter_map(|group| group.parameters.iter().map(|one| one.captures).max()).sum();
     let left_out =
         if trend.with_error > 0 { format!(" {} with an error are left out.", trend.with_error) } else { String::new() };
-    let drift = match (told.len(), drifts().count()) {
-        (0, 0) => "No group has captures of three times, so no drift is told.".to_owned(),
+    let drift = match (significant.len(), drifts().count()) {
+        (0, 0) => "No group has captures at three times or more, so no drift can be estimated.".to_owned(),
         (0, of) => format!("None of {of} parameters drifts."),
-        (some, of) => format!("{some} of {of} parameters drift: {}.", told.join(", ")),
+        (some, of) => format!("{some} of {of} parameters drift: {}.", significant.join(", ")),
     };
     format!("{} captures by {}. {drift}{left_out}", count(captures as u64), trend.by)
 }

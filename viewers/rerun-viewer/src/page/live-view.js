@@ -11,7 +11,7 @@ const ANSWER_LIMIT = 10000;
 const FETCH_LIMIT = 60000;
 // How long the viewer may take to take in what it was given before it is given more regardless, ms.
 const TAKE_LIMIT = 20000;
-// So many failures to fetch in a row are told.
+// Failed fetches in a row before a warning is shown.
 const FAILURES_TOLD = 8;
 // Lag up to which the past is fetched besides the present, and from which on the strip warns, s.
 const LAG_TO_LOOK_BACK = 1;

@@ -21,7 +21,7 @@ use crate::drawing::TIMELINE;
 use crate::drawn::{Answer, Contents, Drawn, Wanted};
 use crate::glance::{Glance, SharedGlance};
 
-/// What the page is told twice a second.
+/// The state that the page fetches twice a second.
 #[derive(Serialize)]
 struct Status<'a> {
     /// Another one after each start of the viewer.

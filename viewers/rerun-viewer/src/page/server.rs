@@ -1,6 +1,6 @@
 //! The page's server: one thread, hyper, and bounds for whatever is at the other end.
 //!
-//! The page shows what is captured to our own user only ([`peer`]): others are told so. A client that sends no request, or
+//! The page shows what is captured to our own user only ([`peer`]): others are refused. A client that sends no request, or
 //! takes no answer, costs its connection and nobody else's: the header of a request has a size and a deadline, the kernel
 //! ends a connection of which nothing was taken for [`PATIENCE`], and when all connections are in use the next
 //! one takes the place of the one that was idle for longest.
@@ -26,11 +26,11 @@ use crate::peer;
 pub const PATIENCE: Duration = Duration::from_secs(10);
 /// Connections at once; a page needs up to six.
 pub const MOST_CONNECTIONS: usize = 64;
-/// Other users who are told at once that this is not theirs.
+/// Most other users who are refused at a time.
 const MOST_REFUSALS: usize = 8;
 /// Size of a request's header, bytes.
 const MOST_HEADER: usize = 16 << 10;
-/// What is told to other users.
+/// The answer to other users.
 const REFUSAL: &str = "This live view belongs to another user of this machine. Start the capture as the user of this \
                        browser, or with sudo from him, or reach the page through ssh as the user who captures.\n";
 

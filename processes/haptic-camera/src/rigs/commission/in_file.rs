@@ -31,7 +31,7 @@ fn with(text: &str, known: &Known) -> anyhow::Result<String> {
     let mut document: DocumentMut = text.parse().context("it is no TOML")?;
     anyhow::ensure!(
         !document.contains_key("calibration_file"),
-        "its calibration is in another file (calibration_file): write what was found there"
+        "its calibration is in another file (calibration_file): enter the values there"
     );
     let table = document.entry("calibration").or_insert(toml_edit::table());
     let found = [("motor_inertia", known.motor_inertia), ("angle_step_rad", known.angle_step_rad)];

@@ -26,7 +26,8 @@ fn digits(inertia: f64) -> String {
 pub enum Unrenderable {
     /// An effect that has no place in the virtual body.
     #[error(
-        "the effect '{effect}' cannot be rendered; leave it out of the model, or put what it does into torque, inertia and friction"
+        "the effect '{effect}' cannot be rendered; remove it from the model, or express it as torque, inertia and \
+         friction"
     )]
     Effect {
         /// Its name.
@@ -34,8 +35,8 @@ pub enum Unrenderable {
     },
     /// An inertia that the gripper alone already has.
     #[error(
-        "an inertia of {inertia} mNm·s²/rad cannot be rendered: gripper and rotor have {least} already; the least that \
-         would do is inertia = {least}", least = digits(*least)
+        "an inertia of {inertia} mNm·s²/rad cannot be rendered: gripper and rotor have {least} already; the least \
+         possible is inertia = {least}", least = digits(*least)
     )]
     Inertia {
         /// The model's, mNm·s²/rad.
@@ -45,8 +46,8 @@ pub enum Unrenderable {
     },
     /// A cap that the gripper alone outweighs.
     #[error(
-        "a cap of {cap} mNm·s²/rad before its gap cannot be rendered: gripper and rotor have {least:.4} already; the least that \
-         would do is inertia = {inertia:.5} with backlash_inner_share = {share:.4}"
+        "a cap of {cap} mNm·s²/rad before its gap cannot be rendered: gripper and rotor have {least:.4} already; the \
+         least possible is inertia = {inertia:.5} with backlash_inner_share = {share:.4}"
     )]
     Cap {
         /// The model's, mNm·s²/rad.
@@ -59,15 +60,13 @@ pub enum Unrenderable {
         share: f64,
     },
     /// An inner body without inertia.
-    #[error(
-        "an inner body without inertia cannot be rendered; the least backlash_inner_share that would do is {share:.2e}"
-    )]
+    #[error("an inner body without inertia cannot be rendered; the least possible backlash_inner_share is {share:.2e}")]
     Inner {
         /// The least share that would do.
         share: f64,
     },
     /// More than one gap or shaft.
-    #[error("a model with {count} gaps and shafts cannot be rendered, one can; leave '{effect}' out")]
+    #[error("a model with {count} gaps and shafts cannot be rendered, only one; remove '{effect}'")]
     Joints {
         /// How many it has.
         count: usize,

@@ -1,23 +1,23 @@
 //! A rig whose sensors panic on demand, for drills.
 
 use hal::{Apparatus, ApparatusError, Measurement, RigDescription};
-use shared_types::drill::Drill;
+use shared_types::fault_injection::FaultInjection;
 
-/// An apparatus whose next reading panics once the drill's signal came: on the real-time thread, where else none would.
-pub struct DrilledApparatus {
+/// An apparatus whose next reading, on the real-time thread, panics once the signal of `fault` came.
+pub struct PanickingApparatus {
     apparatus: Box<dyn Apparatus>,
-    drill: Drill,
+    fault: FaultInjection,
 }
 
-impl DrilledApparatus {
-    /// `apparatus`, listening for `drill`.
+impl PanickingApparatus {
+    /// `apparatus`, listening for `fault`.
     #[must_use]
-    pub fn new(apparatus: Box<dyn Apparatus>, drill: Drill) -> Self {
-        Self { apparatus, drill }
+    pub fn new(apparatus: Box<dyn Apparatus>, fault: FaultInjection) -> Self {
+        Self { apparatus, fault }
     }
 }
 
-impl Apparatus for DrilledApparatus {
+impl Apparatus for PanickingApparatus {
     fn description(&self) -> &RigDescription {
         self.apparatus.description()
     }
@@ -35,7 +35,7 @@ impl Apparatus for DrilledApparatus {
     }
 
     fn exchange(&mut self, due_ns: u64, torque_mnm: f64) -> Result<Measurement, ApparatusError> {
-        self.drill.panic_if_told();
+        self.fault.panic_if_requested();
         self.apparatus.exchange(due_ns, torque_mnm)
     }
 
