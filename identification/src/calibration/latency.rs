@@ -14,9 +14,9 @@
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate};
-use super::gravity::knob_angle;
 use super::regression::{Band, Solved};
 use crate::Samples;
+use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::gradient;
 use crate::preparation::spectrum::Spectrum;
 use crate::preparation::uniform::{Uniform, advance};
@@ -43,7 +43,7 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     samples.check()?;
     let uniform = Uniform::of(samples, None);
     let band = band(&uniform);
-    let columns = columns(&band, &knob_angle(&uniform, known));
+    let columns = columns(&band, &knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, Some(known)));
     let torque = band.solve(&columns, &band.smooth(&uniform.torque_mnm));
     let mut found = vec![("torque", "torque_delay_s", torque)];
     if let Some(acceleration) = &uniform.acceleration_rad_s2 {

@@ -4,7 +4,7 @@ use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_at_rest};
 use crate::samples::span;
-use crate::uncertainty::statistics::student_95;
+use crate::uncertainty::statistics::{mean_and_error, student_95};
 
 /// Travel up to which the rig counts as at rest, rad.
 const REST_RAD: f64 = 2e-3;
@@ -52,17 +52,12 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
 /// Widrow's series (B. Widrow, I. Kollár, *Quantization Noise*, 2008).
 #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn mean(signal: &[f64], step: f64) -> (f64, f64) {
-    let average = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let value = average(signal);
+    let (value, own_error) = mean_and_error(signal);
     let stretch = signal.len() / STRETCHES;
-    let means: Vec<f64> = signal.chunks_exact(stretch).take(STRETCHES).map(average).collect();
-    let centre = average(&means);
-    let variance = |values: &[f64], centre: f64| {
-        values.iter().map(|value| (value - centre).powi(2)).sum::<f64>() / (values.len() - 1) as f64
-    };
-    let standard_error = (variance(&means, centre) / means.len() as f64).sqrt();
+    let means: Vec<f64> = signal.chunks_exact(stretch).take(STRETCHES).map(|part| mean_and_error(part).0).collect();
+    let (_, standard_error) = mean_and_error(&means);
     let hidden = if step > 0.0 {
-        let noise = (variance(signal, value) - step * step / 12.0).max(0.0);
+        let noise = (signal.len() as f64 * own_error * own_error - step * step / 12.0).max(0.0);
         step / std::f64::consts::PI * (-2.0 * std::f64::consts::PI.powi(2) * noise / (step * step)).exp()
     } else {
         0.0

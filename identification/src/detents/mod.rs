@@ -8,10 +8,11 @@ use dynamics::{Effect, effects};
 use self::bends::bends;
 use self::scan::{FEWEST_PERIODS, Scan};
 use crate::estimate::Harmonic;
+use crate::numerics::vector::dot;
 use crate::preparation::frame::Frame;
 use crate::preparation::motion::{Band, KnobMotion};
 use crate::regression::held_out;
-use crate::regression::least_squares::{LeastSquares, dot};
+use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::{Column, Problem};
 use crate::uncertainty::statistics::rms;
 
@@ -20,9 +21,9 @@ const CANDIDATES: usize = 3;
 /// … if they explain at least this share of what the strongest explains.
 const RIVAL: f64 = 0.5;
 /// A detent must explain this share of the sum of squares that the rest of the model leaves …
-const WORTHWHILE_SHARE: f64 = 0.25;
+pub(crate) const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
-const WORTHWHILE_AMPLITUDE: f64 = 0.1;
+pub(crate) const WORTHWHILE_AMPLITUDE: f64 = 0.1;
 /// How far above the background the evidence for a period must stand beyond what the number of periods tried gives by chance.
 const MARGIN: f64 = 6.0;
 /// Standard errors by which detents must predict stretches of the capture that they were not fitted to.

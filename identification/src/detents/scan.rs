@@ -11,10 +11,9 @@ use nalgebra::DMatrix;
 use realfft::{RealToComplex, num_complex::Complex};
 
 use crate::numerics::fourier;
-use crate::numerics::vector;
+use crate::numerics::vector::{self, dot};
 use crate::preparation::frame::Frame;
 use crate::preparation::motion::{Band, KnobMotion};
-use crate::regression::least_squares::dot;
 use crate::regression::problem::Column;
 use crate::uncertainty::statistics::{median, quantile};
 
@@ -161,15 +160,7 @@ impl Scan {
         order
             .into_iter()
             .map(|index| {
-                // Between two wavenumbers, where the parabola through three has its top.
-                let at = |index: Option<usize>| index.and_then(|index| powers.get(index)).copied();
-                let top = match (at(index.checked_sub(1)), at(Some(index + 1))) {
-                    (Some(left), Some(right)) => {
-                        let bend = 2.0 * powers[index] - left - right;
-                        if bend > 0.0 { 0.5 * (right - left) / bend } else { 0.0 }
-                    }
-                    _ => 0.0,
-                };
+                let top = vertex_of(powers, index);
                 Peak { wavenumber: ((index + self.first) as f64 + top) * self.spacing, power: powers[index] }
             })
             .collect()
@@ -259,6 +250,14 @@ impl Scan {
         }
         attenuations
     }
+}
+
+/// Where a parabola through a peak and its neighbours has its top, in steps from the peak.
+pub(crate) fn vertex_of(powers: &[f64], peak: usize) -> f64 {
+    let neighbours = peak.checked_sub(1).and_then(|left| Some((powers[left], *powers.get(peak + 1)?)));
+    let Some((left, right)) = neighbours else { return 0.0 };
+    let bend = 2.0 * powers[peak] - left - right;
+    if bend > 0.0 { (0.5 * (right - left) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
 /// One entry of [`Scan::inverses`]: for the wavenumber of an `index`, at which the rows' filter has the mean square gain

@@ -9,6 +9,7 @@ use rand_xoshiro::rand_core::SeedableRng as _;
 
 use super::periodogram::periodogram;
 use super::structure::Structure;
+use crate::numerics::vector::{dot, smallest_step};
 use crate::options::AccelerationUse;
 use crate::preparation::filter::Fir;
 use crate::preparation::frame::Frame;
@@ -16,7 +17,6 @@ use crate::preparation::motion::{Band, KnobMotion, gradient, scatter};
 use crate::preparation::sensor_noise::SensorNoise;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static::SlowMotion;
-use crate::regression::least_squares::dot;
 use crate::samples::{FitError, Samples, span};
 use crate::uncertainty::statistics::{median, quantile, rms};
 
@@ -133,7 +133,7 @@ impl Capture {
             acceleration_noise_rad_s2: (noise.acceleration_squares / weight).sqrt(),
             acceleration_noise_share: (noise.acceleration_squares / dot(&acceleration, &acceleration)).sqrt(),
             weight,
-            angle_step_rad: crate::fit::smallest_step(samples.angle_rad),
+            angle_step_rad: smallest_step(samples.angle_rad),
             band,
             motions: (0..motion.len()).map(|index| motion.at(index)).collect(),
             motion,
@@ -170,7 +170,7 @@ impl Capture {
             acceleration_noise_rad_s2: 0.0,
             acceleration_noise_share: 0.0,
             weight: mask.iter().sum(),
-            angle_step_rad: crate::fit::smallest_step(&motion.angle_rad),
+            angle_step_rad: smallest_step(&motion.angle_rad),
             motions: (0..count).map(|index| motion.at(index)).collect(),
             frame: Frame { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s: 0.0 },
             motion,

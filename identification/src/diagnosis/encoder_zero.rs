@@ -12,8 +12,8 @@ use super::judged::{Judged, p_value};
 use super::nonlinear::residual;
 use super::separable::Separable;
 use super::structure::Structure;
+use crate::numerics::vector::dot;
 use crate::preparation::motion::KnobMotion;
-use crate::regression::least_squares::dot;
 use crate::uncertainty::statistics::{NORMAL_95, plus_minus};
 
 /// Angles between two zeros that are tried per radian of the finest torque's phase.

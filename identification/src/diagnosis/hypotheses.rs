@@ -13,8 +13,8 @@ use super::sticking;
 use super::structure::Structure;
 use super::twist;
 use super::worth::WORTHWHILE;
-use crate::numerics::vector::subtract;
-use crate::regression::least_squares::dot;
+use crate::numerics::vector::{dot, subtract};
+use crate::regression::least_squares::residual;
 
 /// Starts of a separable hypothesis that are refined.
 const REFINED: usize = 2;
@@ -414,7 +414,7 @@ impl Coarse {
         let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let nonnegative: Vec<bool> = (0..columns.len()).map(|c| regressors.nonnegative.contains(&c)).collect();
         let coefficients = normal::solve(&slices, &self.residual, &nonnegative);
-        let left = normal::residual(&slices, &self.residual, &coefficients);
+        let left = residual(&slices, &self.residual, &coefficients);
         let mut all = vec![0.0; regressors.columns];
         all[..coefficients.len()].copy_from_slice(&coefficients);
         (regressors.values)(&all, effect.values_mut());

@@ -5,8 +5,9 @@ use super::nonlinear::{self, Nonlinear};
 use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
-use crate::regression::least_squares::dot;
-use crate::uncertainty::statistics::student_above;
+use crate::numerics::vector::dot;
+use crate::regression::least_squares::residual;
+use crate::uncertainty::statistics::{mean_over_error, student_above};
 
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;
@@ -132,15 +133,6 @@ pub(crate) fn p_value(before: &[f64], after: &[f64]) -> f64 {
     student_above(mean_over_error(&gains), (gains.len() - 1) as f64)
 }
 
-/// Mean in standard errors.
-#[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
-fn mean_over_error(values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
-    mean / variance.sqrt().max(f64::MIN_POSITIVE)
-}
-
 /// By how much the logarithm of the mean square falls in each stretch.
 fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
     let length = before.len().div_ceil(BLOCKS).max(1);
@@ -169,5 +161,5 @@ fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
     let rest = own.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
     let left = nonlinear::residual(&rest, capture);
     let coefficients = normal::solve(&columns, &left, &vec![false; columns.len()]);
-    normal::residual(&columns, &left, &coefficients)
+    residual(&columns, &left, &coefficients)
 }

@@ -10,9 +10,9 @@ use rayon::prelude::*;
 
 use super::capture::Capture;
 use super::structure::{Searched, Structure};
+use crate::numerics::vector::dot;
 use crate::preparation::filter::Fir;
 use crate::preparation::uniform::whole;
-use crate::regression::least_squares::dot;
 
 /// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in
 /// each.

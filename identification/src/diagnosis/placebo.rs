@@ -5,7 +5,8 @@ use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::normal;
 use super::structure::Structure;
-use crate::regression::least_squares::dot;
+use crate::numerics::vector::dot;
+use crate::regression::least_squares;
 use crate::uncertainty::statistics::median;
 
 /// Shifts of the columns, as shares of the capture.
@@ -33,7 +34,7 @@ pub(crate) fn rms_of_columns(
             let coefficients = normal::solve(&slices, &before.train_residual, &vec![false; slices.len()]);
             let turned = self::turned(heldout_columns, *shift);
             let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
-            let residual = normal::residual(&slices, &before.heldout_residual, &coefficients);
+            let residual = least_squares::residual(&slices, &before.heldout_residual, &coefficients);
             (dot(&residual, &residual) / heldout.weight).sqrt()
         })
         .collect();

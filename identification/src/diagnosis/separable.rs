@@ -3,9 +3,11 @@
 use dynamics::{Effect, Part};
 
 use super::capture::Capture;
-use super::normal::{residual, solve};
+use super::normal::solve;
 use super::structure::{Searched, Structure};
-use crate::regression::least_squares::dot;
+use crate::numerics::vector::dot;
+use crate::regression::backtracking::longest_improving;
+use crate::regression::least_squares::residual;
 
 /// Relative change of a searched parameter for its column by differences.
 const DIFFERENCE: f64 = 1e-5;
@@ -193,19 +195,17 @@ impl<'a> Separable<'a> {
     fn step(&mut self, searched: &[Searched], step: &[f64]) -> bool {
         let before = self.squares();
         let start: Vec<f64> = searched.iter().map(|which| self.structure.get(*which)).collect();
-        let mut share = 1.0;
-        while share > 1e-2 {
+        let improved = longest_improving(0.25, |share| {
             let moved = searched.iter().zip(&start).zip(step);
             let values: Vec<f64> =
                 moved.map(|((which, value), step)| self.limited(*which, *value, share * step)).collect();
             self.set(searched, &values);
-            if self.squares() < before {
-                return true;
-            }
-            share *= 0.25;
+            (self.squares() < before).then_some(())
+        });
+        if improved.is_none() {
+            self.set(searched, &start);
         }
-        self.set(searched, &start);
-        false
+        improved.is_some()
     }
 
     /// A value moved by a step, no further than is sensible in one go and within its range.

@@ -14,8 +14,9 @@ use super::capture::Capture;
 use super::normal;
 use super::structure::Structure;
 use crate::numerics::fourier;
+use crate::numerics::vector::dot;
 use crate::preparation::motion::KnobMotion;
-use crate::regression::least_squares::dot;
+use crate::regression::least_squares::residual;
 
 /// Sum of squares of what a structure leaves behind a shaft, and the coefficients with which it does, mNm².
 pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> (f64, Vec<f64>) {
@@ -27,7 +28,7 @@ pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> 
     let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let target = response(target);
     let coefficients = normal::solve(&columns, &target, &base.nonnegative());
-    let left = normal::residual(&columns, &target, &coefficients);
+    let left = residual(&columns, &target, &coefficients);
     (dot(&left, &left), coefficients)
 }
 

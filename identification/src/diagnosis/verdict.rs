@@ -201,7 +201,7 @@ impl Search<'_> {
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {
         let target = self.heldout.target(judged.structure.delay_s());
-        let square = |values: &[f64]| crate::regression::least_squares::dot(values, values);
+        let square = |values: &[f64]| crate::numerics::vector::dot(values, values);
         100.0 * (square(&judged.heldout_residual) / square(&target)).sqrt()
     }
 
@@ -261,7 +261,7 @@ impl Search<'_> {
                 let late: f64 = delayed.map(|(with, without)| (with - without).powi(2)).sum();
                 let difference: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
                 let rows = self.train.frame.rows(&difference);
-                Some((crate::regression::least_squares::dot(&rows, &rows) + late, step.effect))
+                Some((crate::numerics::vector::dot(&rows, &rows) + late, step.effect))
             })
             .collect();
         sizes.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -14,7 +14,7 @@ use crate::preparation::filter::Fir;
 use crate::preparation::frame::HALF_LENGTH_PERIODS;
 use crate::preparation::motion::{KnobMotion, ROWS_PER_EDGE};
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
-use crate::uncertainty::statistics::{NORMAL_95, median};
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
 
 /// Share of the band that the narrower fit keeps, and every how many of its rows.
 const NARROWER: f64 = 0.5;
@@ -121,7 +121,7 @@ impl Misfit {
     pub(crate) fn without_bounds(&self, derivatives: &RowDVector<f64>, critical: f64) -> Option<[f64; 2]> {
         let Shift { change, other, .. } = self.unbounded.as_ref()?;
         let change = derivatives.transpose().dot(change);
-        let half = critical * (derivatives * other).dot(derivatives).max(0.0).sqrt();
+        let half = critical * deviation_of_sum(other, derivatives.as_slice());
         Some([change - half, change + half])
     }
 }

@@ -11,7 +11,7 @@ use self::report::Report;
 use crate::detents::{self, Detents, Found};
 use crate::estimate::{Fit, Harmonic, Preparation};
 use crate::karnopp::Stick;
-use crate::numerics::vector;
+use crate::numerics::vector::{self, dot};
 use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
 use crate::preparation::central_differences::central_differences;
 use crate::preparation::encoder_step::encoder_step;
@@ -24,7 +24,7 @@ use crate::preparation::time_order::sorted;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static;
 use crate::regression::characteristic::{Beside, Measured, NO_DETENTS, Places, measure};
-use crate::regression::least_squares::{ColumnNoise, LeastSquares, dot};
+use crate::regression::least_squares::{ColumnNoise, LeastSquares};
 use crate::regression::problem::{Column, Problem};
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
 use crate::uncertainty::statistics::quantile;
@@ -201,7 +201,7 @@ impl<'a> Prepared<'a> {
         let mut base = Problem::new(frame, motion, band, torque_mnm, &base_effects(&options.further_effects));
         let solution = base.refine(20, |_, value| 0.1 * value.abs());
         let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad).filter(|step| *step > 0.0);
-        let step = known_step.unwrap_or_else(|| smallest_step(samples.angle_rad));
+        let step = known_step.unwrap_or_else(|| vector::smallest_step(samples.angle_rad));
         let found = if options.without_detents {
             Detents::None("detents were not asked for".to_owned())
         } else {
@@ -511,11 +511,6 @@ fn unknown_step(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Opt
         "the encoder's step is {step_rad:.2e} rad, of which the rig's calibration says nothing; with `angle_step_rad = {step_rad:.2e}` \
          in it the servo makes less noise"
     ))
-}
-
-/// The smallest difference between two samples that differ: the encoder's step, if it has one.
-pub(crate) fn smallest_step(angle_rad: &[f64]) -> f64 {
-    vector::smallest_step(angle_rad)
 }
 
 fn preparation(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, band: &Band) -> Preparation {

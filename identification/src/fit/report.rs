@@ -6,12 +6,12 @@ use nalgebra::{DMatrix, RowDVector};
 use super::misfit::Misfit;
 use super::{Rows, Trimmed};
 use crate::estimate::{Covariance, Parameter, Parameters, Point};
-use crate::numerics::vector;
+use crate::numerics::vector::{self, dot};
 use crate::preparation::frame::Frame;
 use crate::preparation::motion::{Band, KnobMotion};
-use crate::regression::least_squares::{RobustCovariance, dot};
+use crate::regression::least_squares::RobustCovariance;
 use crate::regression::problem::Column;
-use crate::uncertainty::statistics::{NORMAL_95, plus_minus, rms, student_95};
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, plus_minus, rms, student_95};
 
 /// A parameter whose interval spans this share of the torque's RMS, times its column, is not told.
 const HOPELESS: f64 = 0.5;
@@ -209,8 +209,8 @@ impl Report<'_> {
         let together = solution.coefficients[coulomb] + solution.coefficients[viscous] * speed_rad_s;
         let mut derivatives = RowDVector::zeros(columns.len());
         (derivatives[coulomb], derivatives[viscous]) = (1.0, speed_rad_s);
-        let variance = (&derivatives * &robust.matrix).dot(&derivatives);
-        let half = (critical * variance.max(0.0).sqrt()).hypot(misfit.of_sum(&derivatives));
+        let by_chance = critical * deviation_of_sum(&robust.matrix, derivatives.as_slice());
+        let half = by_chance.hypot(misfit.of_sum(&derivatives));
         let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(

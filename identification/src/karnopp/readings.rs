@@ -3,7 +3,7 @@
 use dynamics::{Minimum, ParameterKind};
 
 use crate::estimate::Parameter;
-use crate::uncertainty::statistics::{NORMAL_95, student_95};
+use crate::uncertainty::statistics::{NORMAL_95, mean_and_error, student_95};
 
 use super::slide::to_f64;
 
@@ -39,9 +39,8 @@ impl Readings {
             return Parameter::untold(kind.name, kind.unit, why());
         }
         let count = to_f64(self.count());
-        let value = self.values.iter().sum::<f64>() / count;
-        let squares: f64 = self.values.iter().map(|reading| (reading - value).powi(2)).sum();
-        let scatter = student_95(count - 1.0) * (squares / (count - 1.0) / count).sqrt();
+        let (value, standard_error) = mean_and_error(&self.values);
+        let scatter = student_95(count - 1.0) * standard_error;
         let difference = self.others.iter().sum::<f64>() / count - value;
         let half = scatter.hypot(NORMAL_95 * difference / 3.0_f64.sqrt());
         let lowest = if kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };

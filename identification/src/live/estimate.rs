@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 
 use super::blocks::{Blocks, Solution};
 use super::convergence::{Convergence, Criterion, MotionRms};
+use crate::uncertainty::statistics::deviation_of_sum;
 
 /// Blocks that must scatter before intervals mean anything.
 const FEWEST_BLOCKS: usize = 16;
@@ -219,7 +220,7 @@ fn parameter(
 ) -> LiveParameter {
     let ParameterKind { name, unit, .. } = *kind;
     let seen = excitation.of(name);
-    if !solution.told[column] || seen < excitation.enough {
+    if !solution.is_fitted[column] || seen < excitation.enough {
         return LiveParameter {
             name,
             unit,
@@ -256,11 +257,11 @@ fn joint_solution(columns: usize, detent: &Detent<'_>) -> Option<JointSolution> 
     let (sine, cosine) = (plain.coefficients[columns], plain.coefficients[columns + 1]);
     let width = columns + 5;
     let mut map = DMatrix::zeros(columns + 4, width);
-    (0..columns + 2).for_each(|index| map[(index, index)] = 1.0);
+    (0..columns + 2).for_each(|index| map[(index + 1, index)] = 1.0);
     // Stored after sine and cosine: angle·sine, angle·cosine, torque.
-    map[(columns + 2, columns + 2)] = -cosine;
-    map[(columns + 2, columns + 3)] = sine;
-    map[(columns + 3, columns + 4)] = 1.0;
+    map[(columns + 3, columns + 2)] = -cosine;
+    map[(columns + 3, columns + 3)] = sine;
+    map[(0, columns + 4)] = 1.0;
     let solution = detent.blocks.solve_mapped(&map)?;
     let correction = solution.coefficients[columns + 2];
     Some(JointSolution { solution, correction })
@@ -274,16 +275,8 @@ fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution)
     let amplitude = a.hypot(b);
     // The columns' angle counts from the centre: kθ' + s = kθ + (s − k·centre).
     let (_, phase) = effects::detent::canonical(amplitude, b.atan2(a) - wavenumber * detent.centre_rad);
-    let part = covariance.view((columns, columns), (3, 3));
-    let half = |gradient: [f64; 3]| {
-        let mut variance = 0.0;
-        for (row, left) in gradient.iter().enumerate() {
-            for (column, right) in gradient.iter().enumerate() {
-                variance += left * part[(row, column)] * right;
-            }
-        }
-        joint.solution.critical() * variance.max(0.0).sqrt()
-    };
+    let part = covariance.view((columns, columns), (3, 3)).into_owned();
+    let half = |gradient: [f64; 3]| joint.solution.critical() * deviation_of_sum(&part, &gradient);
     let square = amplitude * amplitude;
     let half_amplitude = half([a / amplitude, b / amplitude, 0.0]);
     let told = half_amplitude < ESTIMATED_SHARE * amplitude;

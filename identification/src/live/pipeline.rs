@@ -6,6 +6,7 @@ use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
 use super::ring::Ring;
+use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
 use crate::uncertainty::statistics::MEDIAN_MAGNITUDE;
 
@@ -71,11 +72,7 @@ impl Pipeline {
             rate_hz,
             fir: Fir::low_pass(half_length, cutoff_hz, rate_hz),
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
-            // Below zero as the hand sees it on a rig that renders.
-            compliance_rad_mnm: calibration
-                .map(|known| 1.0 / known.torque_sensor_stiffness_mnm_rad)
-                .filter(|compliance| compliance.is_finite())
-                .unwrap_or(0.0),
+            compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,
             // Lagrange weights for the nodes −1, 0, 1, 2.
             weights: [

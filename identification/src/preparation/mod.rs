@@ -3,6 +3,7 @@
 
 pub(crate) mod angle_spectrum;
 pub(crate) mod central_differences;
+pub(crate) mod compliance;
 pub(crate) mod encoder_step;
 pub mod filter;
 pub(crate) mod fixed_preparation;

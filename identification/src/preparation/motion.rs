@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use super::angle_spectrum::AngleSpectrum;
+use super::compliance::{compliance_rad_mnm, knob_angle_rad};
 use super::filter::{Fir, Sections, butterworth_low_pass};
 use super::fusion::{Sensors, blend, kalman_smoother};
 use super::spectrum::{Spectrum, white_density};
@@ -156,7 +157,7 @@ impl KnobMotion {
     ///
     /// The columns move out of `uniform`, which is left without motion.
     pub(crate) fn exact(uniform: &mut Uniform, calibration: Option<&Calibration>) -> Option<Self> {
-        if calibration.is_some_and(compliant) { None } else { exact_motion(uniform) }
+        if compliance_rad_mnm(calibration) != 0.0 { None } else { exact_motion(uniform) }
     }
 
     /// The motion as the sensors saw it, every cutoff chosen from the signals' own spectra.
@@ -169,13 +170,7 @@ impl KnobMotion {
         let rate_hz = uniform.rate_hz;
         let mut angle_density = band.angle_density;
         let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
-        let mut angle = uniform.angle_rad.clone();
-        if let Some(known) = calibration.filter(|known| compliant(known)) {
-            // The knob is behind the encoder by the twist of the torque sensor.
-            for (angle, torque) in angle.iter_mut().zip(&uniform.torque_mnm) {
-                *angle -= torque / known.torque_sensor_stiffness_mnm_rad;
-            }
-        }
+        let angle = knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, calibration);
         let smoother = smoother(cutoff_hz, rate_hz);
         let mut smooth = smoother.filter(&angle);
         let mut velocity = gradient(&smooth, rate_hz);
@@ -232,9 +227,7 @@ impl KnobMotion {
             reach: effective_reach(&smoother),
             accelerometer,
             angle_density,
-            compliance_rad_mnm: calibration
-                .filter(|known| compliant(known))
-                .map_or(0.0, |known| 1.0 / known.torque_sensor_stiffness_mnm_rad),
+            compliance_rad_mnm: compliance_rad_mnm(calibration),
             accelerometer_density,
             lag_s,
             equal_hz,
@@ -286,10 +279,6 @@ impl KnobMotion {
     pub(crate) fn len(&self) -> usize {
         self.time_s.len()
     }
-}
-
-fn compliant(calibration: &Calibration) -> bool {
-    calibration.torque_sensor_stiffness_mnm_rad.is_finite() && calibration.torque_sensor_stiffness_mnm_rad != 0.0
 }
 
 /// Samples on each side that [`gradient`] looks at.

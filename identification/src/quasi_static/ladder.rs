@@ -118,9 +118,9 @@ pub(super) fn climb(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec
     let mut tried: Vec<f64> = Vec::new();
     let mut refusals = 0;
     while wavenumbers.len() < MOST && refusals < REFUSALS {
-        let all: Vec<usize> = (0..sums.width()).collect();
-        let Some(solution) = sums.solve(&all) else { break };
-        let Some(peak) = grid.strongest(angle_rad, &sums.residual(&solution), &tried) else { break };
+        let Some(solution) = sums.solve() else { break };
+        let residual = sums.residual(&solution.coefficients);
+        let Some(peak) = grid.strongest(angle_rad, &residual, &tried) else { break };
         if !peak.clear {
             break;
         }
@@ -165,11 +165,10 @@ fn refined(sums: &mut BlockSums, angle_rad: &[f64], start: f64, unit: f64) -> f6
     let mut wavenumber = start;
     for _ in 0..STEPS {
         push(sums, angle_rad, wavenumber);
-        let chosen: Vec<usize> = (0..base + 2).collect();
-        let step = sums.solve(&chosen).and_then(|solution| {
-            sums.push(tangent(angle_rad, wavenumber, [solution[base], solution[base + 1]]));
-            let chosen: Vec<usize> = (0..base + 3).collect();
-            sums.solve(&chosen).map(|extended| extended[base + 2])
+        let step = sums.solve().and_then(|solution| {
+            let [sine, cosine] = [base, base + 1].map(|column| solution.coefficients[column]);
+            sums.push(tangent(angle_rad, wavenumber, [sine, cosine]));
+            sums.solve().map(|extended| extended.coefficients[base + 2])
         });
         sums.truncate(base);
         wavenumber += step.unwrap_or(0.0).clamp(-0.5 * unit, 0.5 * unit);

@@ -14,12 +14,12 @@ use dynamics::{Axis, Effect, effects};
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
-use crate::fit::smallest_step;
+use crate::numerics::vector::smallest_step;
 use crate::options::FitOptions;
 use crate::preparation::motion::scatter;
 use crate::preparation::saturation::Rails;
 use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::uncertainty::statistics::{NORMAL_95, median, rms};
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median, rms};
 use block_sums::{BlockSums, critical};
 use ladder::Grid;
 pub(crate) use sinusoids::of_turns;
@@ -305,7 +305,7 @@ impl Fitted {
                     acceleration_rad_s2: 0.0,
                     torque_mnm: map.torque_mnm[at],
                     torque_model_mnm: map.torque_mnm[at] - self.residual[at],
-                    torque_model_ci95_mnm: critical() * sd(&row, &self.covariance),
+                    torque_model_ci95_mnm: critical() * deviation_of_sum(&self.covariance, row.as_slice()),
                     residual_mnm: self.residual[at],
                 }
             })
@@ -319,7 +319,7 @@ impl Fitted {
         let sum: f64 = (0..rows)
             .map(|at| {
                 self.sums.row(at, &mut row);
-                sd(&row, covariance)
+                deviation_of_sum(covariance, row.as_slice())
             })
             .sum();
         sum / rows as f64
@@ -328,19 +328,6 @@ impl Fitted {
 
 fn interval(value: f64, half: f64) -> [f64; 2] {
     [value - half, value + half]
-}
-
-/// Standard deviation of a row's prediction.
-fn sd(row: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
-    row.dot(&(covariance * row)).max(0.0).sqrt()
-}
-
-/// Standard deviation of the combination of two neighbouring coefficients with the weights given.
-fn along(covariance: &DMatrix<f64>, at: usize, [first, second]: [f64; 2]) -> f64 {
-    let variance = first * first * covariance[(at, at)]
-        + 2.0 * first * second * covariance[(at, at + 1)]
-        + second * second * covariance[(at + 1, at + 1)];
-    variance.max(0.0).sqrt()
 }
 
 /// Which multiple of the strongest a wavenumber is, if it is one.

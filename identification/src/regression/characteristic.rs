@@ -4,8 +4,8 @@
 use dynamics::{Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
 use nalgebra::DMatrix;
 
-use super::least_squares::{ColumnNoise, LeastSquares, dot};
-use crate::numerics::vector;
+use super::least_squares::{ColumnNoise, LeastSquares};
+use crate::numerics::vector::{self, dot};
 use crate::uncertainty::statistics::NORMAL_95;
 
 /// Numbers of points that are tried.

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use dynamics::{Effect, Minimum, Part, effects};
 use nalgebra::{DMatrix, DVector};
 
-use super::least_squares::{ColumnNoise, LeastSquares, dot};
-use crate::numerics::vector;
+use super::backtracking::longest_improving;
+use super::least_squares::{ColumnNoise, LeastSquares};
+use crate::numerics::vector::{self, dot};
 use crate::preparation::frame::{self, Frame};
 use crate::preparation::motion::{Band, GRADIENT_REACH, KnobMotion, gradient};
 use crate::preparation::sensor_noise::SensorNoise;
@@ -234,20 +235,13 @@ impl<'a> Problem<'a> {
             if gain * rows <= SETTLED * before {
                 break;
             }
-            let mut share = 1.0;
-            let better = loop {
+            let better = longest_improving(0.25, |share| {
                 for ((which, step), value) in searched.iter().zip(&steps).zip(&start) {
                     self.set(*which, value + share * step);
                 }
                 let trial = self.solve();
-                if dot(&trial.residual, &trial.residual) < before {
-                    break Some(trial);
-                }
-                share *= 0.25;
-                if share < 1e-2 {
-                    break None;
-                }
-            };
+                (dot(&trial.residual, &trial.residual) < before).then_some(trial)
+            });
             let Some(better) = better else {
                 searched.iter().zip(&start).for_each(|(which, value)| self.set(*which, *value));
                 break;

@@ -1,5 +1,6 @@
 //! Quantiles, and the factors between a standard deviation and a 95 % interval.
 
+use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::numerics::vector::dot;
@@ -58,6 +59,30 @@ pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
 pub fn plus_minus(value: f64, half_width: f64) -> String {
     let decimals = (1.0 - half_width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{value:.decimals$} ± {half_width:.decimals$}")
+}
+
+/// Standard deviation of Σ `derivatives`ⱼ·valueⱼ for values with this covariance.
+pub(crate) fn deviation_of_sum(covariance: &DMatrix<f64>, derivatives: &[f64]) -> f64 {
+    let columns = covariance.column_iter().zip(derivatives);
+    let variance: f64 = columns
+        .map(|(column, factor)| factor * column.iter().zip(derivatives).map(|(product, by)| product * by).sum::<f64>())
+        .sum();
+    variance.max(0.0).sqrt()
+}
+
+/// Mean, and its standard error as the values' scatter gives it.
+#[allow(clippy::cast_precision_loss, reason = "a number of values")]
+pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
+    (mean, variance.sqrt())
+}
+
+/// Mean in standard errors.
+pub(crate) fn mean_over_error(values: &[f64]) -> f64 {
+    let (mean, error) = mean_and_error(values);
+    mean / error.max(f64::MIN_POSITIVE)
 }
 
 /// Median of the values, which are reordered; 0 for none.
