@@ -3,9 +3,8 @@
 use dynamics::Model;
 use nalgebra::DMatrix;
 
-use super::mean_of;
 use crate::estimate::{Fit, Point};
-use crate::uncertainty::statistics::deviation_of_sum;
+use crate::uncertainty::statistics::{deviation_of_sum, mean};
 
 /// Points of each capture at which the torque's interval is taken.
 const POINTS: usize = 400;
@@ -29,7 +28,7 @@ pub(super) fn mean_half_width_mnm(combined: &Fit, fits: &[Fit]) -> f64 {
             .collect();
         known.critical * deviation_of_sum(&covariance, &gradient)
     };
-    mean_of(fits.iter().flat_map(|fit| {
+    mean(fits.iter().flat_map(|fit| {
         let every = fit.points.len().div_ceil(POINTS).max(1);
         fit.points.iter().step_by(every).map(half_width)
     }))

@@ -35,7 +35,7 @@ const ROUNDS: usize = 3;
 /// Fits the delays to a capture of the gripper alone (or any inertia without friction and detents).
 ///
 /// Takes gravity and the torque sensor's stiffness from `known`. Tells `torque_delay_s` and, where
-/// there is an accelerometer, `acceleration_delay_s`; a channel that cannot be told is a note.
+/// there is an accelerometer, `acceleration_delay_s`; a channel that cannot be estimated is a note.
 ///
 /// # Errors
 /// [`CalibrateError`] for samples that are no motion, or when neither channel follows it.

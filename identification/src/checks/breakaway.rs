@@ -5,6 +5,7 @@ use dynamics::{Calibration, Direction};
 use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples};
+use crate::uncertainty::statistics::mean;
 
 /// Shortest rest before a breakaway, s.
 const REST_S: f64 = 0.020;
@@ -74,9 +75,9 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
             // The torque falls once the knob slides: its peak is the breakaway, a short mean keeps noise out of it.
             let peak = samples.torque_mnm[index - read..=index]
                 .windows(average)
-                .map(|part| sign * part.iter().sum::<f64>() / average as f64)
+                .map(|part| sign * mean(part))
                 .fold(f64::NEG_INFINITY, f64::max);
-            let at_first = sign * samples.torque_mnm[start..start + average].iter().sum::<f64>() / average as f64;
+            let at_first = sign * mean(&samples.torque_mnm[start..start + average]);
             if peak - at_first > RISE * (peak - sign * zero_mnm).abs() {
                 found.push(Breakaway {
                     t_s: samples.t_s[index],

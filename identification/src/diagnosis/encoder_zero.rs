@@ -127,7 +127,7 @@ impl EncoderZero {
 fn moved(capture: &Capture, by_rad: f64) -> Capture {
     let motion = &capture.motion;
     let angle_rad = motion.angle_rad.iter().map(|angle| angle + by_rad).collect();
-    capture.beside(KnobMotion { angle_rad, ..motion.clone() })
+    capture.with_motion(KnobMotion { angle_rad, ..motion.clone() })
 }
 
 /// Whether an effect is a torque of the angle. A spring counts as none: another zero of it is an offset.

@@ -118,7 +118,7 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
 /// The residual over frequency: whether one line stands out of its neighbours, as a hum or a ringing does.
 #[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
 fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Capture) -> Location {
-    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let rate_hz = capture.rate_hz / capture.row_filter.step as f64;
     let slid: Vec<f64> =
         residual.iter().zip(rows).map(|(value, (_, mask))| if *mask > 0.0 { *value } else { 0.0 }).collect();
     let lines = periodogram(&slid);

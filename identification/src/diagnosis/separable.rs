@@ -2,8 +2,8 @@
 
 use dynamics::{Effect, Part};
 
+use super::bounded_least_squares::solve;
 use super::capture::Capture;
-use super::normal::solve;
 use super::structure::{Searched, Structure};
 use crate::numerics::vector::dot;
 use crate::regression::backtracking::longest_improving;
@@ -72,7 +72,7 @@ impl<'a> Separable<'a> {
         let middle_rad = 0.5 * (scene.lowest_rad + scene.highest_rad);
         let half_rad = 0.5 * scene.travel_rad().max(f64::MIN_POSITIVE);
         let share = move |angle_rad: f64| (angle_rad - middle_rad) / half_rad;
-        let bend = self.capture.frame.rows_of(BEND, |range, columns| {
+        let bend = self.capture.row_filter.rows_of(BEND, |range, columns| {
             for (row, angle_rad) in self.capture.motion.angle_rad[range].iter().enumerate() {
                 let share = share(*angle_rad);
                 columns.iter_mut().fold(share, |power, column| {

@@ -7,15 +7,15 @@ use std::f64::consts::{PI, TAU};
 
 use dynamics::{Coordinate, Curve, Effect, TableUse, TorqueTable, effects};
 
+use super::bounded_least_squares;
 use super::capture::Capture;
 use super::findings::{UnequalDetent, Value};
-use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
 use crate::numerics::vector::dot;
 use crate::regression::backtracking::longest_improving;
 use crate::regression::least_squares::{LeastSquares, residual};
-use crate::uncertainty::statistics::{deviation_of_sum, student_95};
+use crate::uncertainty::statistics::{deviation_of_sum, mean, student_95};
 
 /// Gauss–Newton steps; each moves a zero by at most this share of the distance between two.
 const STEPS: usize = 12;
@@ -104,7 +104,7 @@ impl Lobes {
     /// Columns of the heights, and of the zeros at the present heights.
     fn columns(&self, capture: &Capture) -> Vec<Vec<f64>> {
         let count = self.count();
-        capture.frame.rows_of(2 * count, |range, columns| {
+        capture.row_filter.rows_of(2 * count, |range, columns| {
             columns.iter_mut().for_each(|column| column.fill(0.0));
             for (row, index) in range.enumerate() {
                 let (lobe, share, width_rad) = self.place(capture.motion.angle_rad[index]);
@@ -246,7 +246,7 @@ fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], 
     let count = lobes.count();
     let mean_square =
         |columns: &[Vec<f64>]| columns.iter().map(|column| dot(column, column)).sum::<f64>() / to_f64(count);
-    let mean_mnm = lobes.heights_mnm.iter().sum::<f64>() / to_f64(count);
+    let mean_mnm = mean(&lobes.heights_mnm);
     let held: Vec<f64> = columns
         .chunks(count)
         .flat_map(|of_kind| std::iter::repeat_n((HELD * mean_square(of_kind)).sqrt(), of_kind.len()))
@@ -264,7 +264,7 @@ fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], 
     let mut wanted = target.to_vec();
     wanted.extend((0..columns.len()).map(|row| if row < count { held[row] * mean_mnm } else { 0.0 }));
     let slices: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
-    normal::solve(&slices, &wanted, &nonnegative[..slices.len()])
+    bounded_least_squares::solve(&slices, &wanted, &nonnegative[..slices.len()])
 }
 
 /// Sum of squares that lobes leave, whatever their heights.

@@ -11,8 +11,8 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::{Rows, Trimmed};
 use crate::preparation::filter::Fir;
-use crate::preparation::frame::HALF_LENGTH_PERIODS;
 use crate::preparation::motion::{KnobMotion, ROWS_PER_EDGE};
+use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
 use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
 
@@ -84,7 +84,7 @@ impl Misfit {
         }
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
-        let step = trimmed.problem.frame.step;
+        let step = trimmed.problem.row_filter.step;
         let speeds: Vec<f64> =
             (0..trimmed.problem.target.len()).map(|row| motion.velocity_rad_s[row * step].abs()).collect();
         let typical = median(&mut speeds.clone());

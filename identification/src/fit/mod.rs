@@ -16,14 +16,14 @@ use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
 use crate::preparation::central_differences::central_differences;
 use crate::preparation::encoder_step::encoder_step;
 use crate::preparation::fixed_preparation::FixedPreparation;
-use crate::preparation::frame::Frame;
 use crate::preparation::motion::{Band, KnobMotion};
 use crate::preparation::paper_preparation::paper_preparation;
-use crate::preparation::saturation::Rails;
+use crate::preparation::row_filter::RowFilter;
+use crate::preparation::saturation::Saturation;
 use crate::preparation::time_order::sorted;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static;
-use crate::regression::characteristic::{Beside, Measured, NO_DETENTS, Places, measure};
+use crate::regression::characteristic::{CurveProjection, Measured, NO_DETENTS, Places, measure};
 use crate::regression::least_squares::{ColumnNoise, LeastSquares};
 use crate::regression::problem::{Column, Problem};
 use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
@@ -77,7 +77,7 @@ const WORTH_A_NOTE: f64 = 0.25;
 /// ```
 ///
 /// # Errors
-/// [`FitError`] where nothing can be told; what only some parameters lack is a reason in [`Fit::parameters`].
+/// [`FitError`] where nothing can be estimated; what only some parameters lack is a reason in [`Fit::parameters`].
 pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     let mut fit = match sorted(samples) {
         Some(sorted) => {
@@ -100,7 +100,7 @@ fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitEr
     }
     match fit_moving(samples, options) {
         Err(hardly @ FitError::HardlyMoving { .. }) if options.preparation == PreparationMethod::Automatic => {
-            let (saturated, total) = (Rails::of(samples.torque_mnm).samples(), samples.t_s.len());
+            let (saturated, total) = (Saturation::of(samples.torque_mnm).samples(), samples.t_s.len());
             if 2 * saturated > total {
                 return Err(FitError::Saturated { samples: saturated, total });
             }
@@ -110,7 +110,7 @@ fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitEr
     }
 }
 
-/// Fits a capture in which the knob moves fast enough for its speed to be told.
+/// Fits a capture in which the knob moves fast enough for its speed to be estimated.
 fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     let calibration = options.calibration.as_ref();
     let mut uniform = Uniform::of(samples, calibration);
@@ -134,7 +134,7 @@ fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitErr
         let options = FitOptions { further_effects, without_detents: true, ..options.clone() };
         let mut solved = first.solve(samples, &options);
         solved.no_detents = Some(NO_DETENTS.to_owned());
-        solved.beside = solved.problem.both_ways().map(|(_, both)| Beside::new(&measured, &both));
+        solved.curves = solved.problem.both_ways().map(|(_, both)| CurveProjection::new(&measured, &both));
         let fit = first.report(solved, &uniform, samples, &options);
         return Ok(Fit { characteristics: measured.curves, ..fit });
     }
@@ -155,7 +155,7 @@ struct Prepared<'a> {
     band: Band,
     motion: KnobMotion,
     torque_mnm: Cow<'a, [f64]>,
-    frame: Frame,
+    row_filter: RowFilter,
 }
 
 /// The problem with detents, if there are any, not yet trimmed.
@@ -166,7 +166,7 @@ struct Solved<'a> {
     harmonics: Vec<Harmonic>,
     no_detents: Option<String>,
     /// Measured curves among the effects.
-    beside: Option<Beside>,
+    curves: Option<CurveProjection>,
 }
 
 impl<'a> Prepared<'a> {
@@ -178,39 +178,39 @@ impl<'a> Prepared<'a> {
     ) -> Result<Self, FitError> {
         let calibration = options.calibration.as_ref();
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(uniform, &band, calibration, options.acceleration));
-        let frame = Frame::new(uniform, &motion, &band);
+        let row_filter = RowFilter::new(uniform, &motion, &band);
         let torque_mnm = motion.alike(&uniform.torque_mnm, uniform.rate_hz);
-        Self { band, motion, torque_mnm, frame }.checked()
+        Self { band, motion, torque_mnm, row_filter }.checked()
     }
 
     fn fixed(fixed: FixedPreparation) -> Result<Self, FitError> {
-        let FixedPreparation { motion, torque_mnm, frame, band } = fixed;
-        Self { band, motion, torque_mnm: torque_mnm.into(), frame }.checked()
+        let FixedPreparation { motion, torque_mnm, row_filter, band } = fixed;
+        Self { band, motion, torque_mnm: torque_mnm.into(), row_filter }.checked()
     }
 
     fn checked(self) -> Result<Self, FitError> {
-        let samples = self.frame.sliding();
+        let samples = self.row_filter.sliding();
         if samples < FEWEST_SAMPLES / 2 {
-            return Err(FitError::HardlyMoving { threshold_rad_s: self.frame.threshold_rad_s, samples });
+            return Err(FitError::HardlyMoving { threshold_rad_s: self.row_filter.threshold_rad_s, samples });
         }
         Ok(self)
     }
 
     fn solve(&self, samples: &Samples<'_>, options: &FitOptions) -> Solved<'_> {
-        let Self { band, motion, torque_mnm, frame } = self;
-        let mut base = Problem::new(frame, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        let Self { band, motion, torque_mnm, row_filter } = self;
+        let mut base = Problem::new(row_filter, motion, band, torque_mnm, &base_effects(&options.further_effects));
         let solution = base.refine(20, |_, value| 0.1 * value.abs());
         let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad).filter(|step| *step > 0.0);
         let step = known_step.unwrap_or_else(|| vector::smallest_step(samples.angle_rad));
         let found = if options.without_detents {
             Detents::None("detents were not asked for".to_owned())
         } else {
-            detents::search(&base, &solution, frame, motion, band, step)
+            detents::search(&base, &solution, row_filter, motion, band, step)
         };
         match found {
             Detents::Found(found) => {
                 let Found { problem, solution, aliases_rad, harmonics } = *found;
-                Solved { problem, solution, aliases_rad, harmonics, no_detents: None, beside: None }
+                Solved { problem, solution, aliases_rad, harmonics, no_detents: None, curves: None }
             }
             Detents::None(reason) => Solved {
                 problem: base,
@@ -218,15 +218,15 @@ impl<'a> Prepared<'a> {
                 aliases_rad: Vec::new(),
                 harmonics: Vec::new(),
                 no_detents: Some(reason),
-                beside: None,
+                curves: None,
             },
         }
     }
 
     /// The torque over the angle, measured beside all that the fit has anyway.
     fn measure(&self, options: &FitOptions) -> Option<Measured> {
-        let Self { band, motion, torque_mnm, frame } = self;
-        let base = Problem::new(frame, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        let Self { band, motion, torque_mnm, row_filter } = self;
+        let base = Problem::new(row_filter, motion, band, torque_mnm, &base_effects(&options.further_effects));
         // One Coulomb friction for both directions: half of what differs between them is a torque that does not change with them.
         let ([negative, positive], both) = base.both_ways()?;
         let mut columns = base.columns.clone();
@@ -236,12 +236,12 @@ impl<'a> Prepared<'a> {
         nonnegative.remove(positive);
         let mut noise = base.column_noise();
         noise.iter_mut().for_each(|noise| noise.column -= usize::from(noise.column > positive));
-        let sliding = |index: &usize| frame.mask[*index] > 0.0;
+        let sliding = |index: &usize| row_filter.mask[*index] > 0.0;
         let places =
             Places::of(&(0..motion.len()).filter(sliding).map(|index| (motion.angle_rad[index], torque_mnm[index])))?;
         let [back, forth] = [negative, positive].map(|column| base.columns[column].iter().any(|value| *value != 0.0));
         measure(&columns, &nonnegative, &noise, &base.target, &places, back && forth, |spline| {
-            spline.columns(motion.len(), |index| motion.at(index)).map(|column| frame.rows(&column)).collect()
+            spline.columns(motion.len(), |index| motion.at(index)).map(|column| row_filter.rows(&column)).collect()
         })
     }
 
@@ -251,22 +251,22 @@ impl<'a> Prepared<'a> {
             return None;
         }
         let wavenumber = 1.0 / solved.problem.effects.last()?.values()[1];
-        let at_rows = self.motion.velocity_rad_s.iter().step_by(self.frame.step);
+        let at_rows = self.motion.velocity_rad_s.iter().step_by(self.row_filter.step);
         let mut speeds: Vec<f64> = at_rows.map(|velocity| velocity.abs()).collect();
-        self.band.widened(wavenumber, quantile(&mut speeds, 0.95), self.frame.rate_hz)
+        self.band.widened(wavenumber, quantile(&mut speeds, 0.95), self.row_filter.rate_hz)
     }
 
     fn report(&self, solved: Solved<'_>, uniform: &Uniform, samples: &Samples<'_>, options: &FitOptions) -> Fit {
         let calibration = options.calibration.as_ref();
-        let Self { band, motion, torque_mnm, frame } = self;
-        let Solved { problem, solution, aliases_rad, harmonics, no_detents, beside } = solved;
+        let Self { band, motion, torque_mnm, row_filter } = self;
+        let Solved { problem, solution, aliases_rad, harmonics, no_detents, curves } = solved;
         let mut trimmed = if options.preparation == PreparationMethod::CentralDifferences {
             untrimmed(problem)
         } else {
             trim(problem, &solution)
         };
-        if let Some(beside) = beside {
-            trimmed.beside(beside);
+        if let Some(curves) = curves {
+            trimmed.project_curves_out(curves);
         }
         let instrumented = options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer;
         if instrumented {
@@ -274,13 +274,13 @@ impl<'a> Prepared<'a> {
             trimmed.instrument(&encoder.acceleration_rad_s2);
         }
         let near = match options.preparation {
-            PreparationMethod::Automatic => frame.next_to_standstill(uniform, motion),
+            PreparationMethod::Automatic => row_filter.next_to_standstill(uniform, motion),
             PreparationMethod::Paper | PreparationMethod::CentralDifferences => None,
         };
         // Rows beside measured curves are freed of what the curves do at their own samples.
-        let near = near.filter(|_| trimmed.beside.is_none());
+        let near = near.filter(|_| trimmed.curves.is_none());
         let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
-        let report = Report { trimmed: &trimmed, motion, frame, band, calibration, near };
+        let report = Report { trimmed: &trimmed, motion, row_filter, band, calibration, near };
         let (mut parameters, covariance, comparison) = report.parameters(no_detents);
         let mut effects = trimmed.effects();
         Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
@@ -304,7 +304,7 @@ impl<'a> Prepared<'a> {
             detent_aliases_rad: aliases_rad,
             preparation: Preparation {
                 method: options.preparation.name(),
-                ..preparation(uniform, motion, frame, band)
+                ..preparation(uniform, motion, row_filter, band)
             },
             notes,
             points: comparison.points,
@@ -326,7 +326,7 @@ pub(crate) struct Trimmed<'a> {
     /// What the residual was made orthogonal to, if not the columns themselves.
     pub(crate) instruments: Option<Vec<Column>>,
     /// Measured curves of which the columns have been freed.
-    pub(crate) beside: Option<Beside>,
+    pub(crate) curves: Option<CurveProjection>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
     /// Delay that the data ask for although it is too long for a trim, s.
@@ -340,8 +340,8 @@ pub(crate) struct Rows {
 }
 
 impl Trimmed<'_> {
-    /// The rows, together with those of samples that only another frame has.
-    fn with_rows_of(&self, other: &Frame, band: &Band, torque_mnm: &[f64]) -> Rows {
+    /// The rows, together with those of samples that only another row filter has.
+    fn with_rows_of(&self, other: &RowFilter, band: &Band, torque_mnm: &[f64]) -> Rows {
         let coefficients = &self.solution.coefficients;
         let problem = Problem::new(other, self.problem.motion, band, torque_mnm, &self.problem.effects);
         let mut columns = problem.columns.clone();
@@ -361,8 +361,8 @@ impl Trimmed<'_> {
 
     /// Solves again with another sensor's acceleration as the instrument for the inertia.
     fn instrument(&mut self, acceleration_rad_s2: &[f64]) {
-        let acceleration = self.problem.frame.rows(acceleration_rad_s2);
-        let acceleration = self.beside.as_ref().map_or(acceleration.clone(), |beside| beside.left_of(&acceleration));
+        let acceleration = self.problem.row_filter.rows(acceleration_rad_s2);
+        let acceleration = self.curves.as_ref().map_or(acceleration.clone(), |curves| curves.remainder(&acceleration));
         let instruments = self.problem.instruments(&self.columns, &acceleration.into());
         self.solution = self.solution.clone().instrumented(&self.columns, &instruments, &self.target);
         self.instruments = Some(instruments);
@@ -371,12 +371,12 @@ impl Trimmed<'_> {
     /// Solves again with what the points of measured curves can do left out of the other columns: the curves stay as they are, and how little
     /// is known of them joins what is known of the rest.
     #[allow(clippy::cast_precision_loss, reason = "numbers of rows and points")]
-    fn beside(&mut self, beside: Beside) {
+    fn project_curves_out(&mut self, curves: CurveProjection) {
         let Self { problem, columns, target, .. } = self;
         let less = |column: &[f64], part: &[f64]| -> Vec<f64> {
             column.iter().zip(part).map(|(value, part)| value - part).collect()
         };
-        let done = |column: &[f64]| less(column, &beside.left_of(column));
+        let done = |column: &[f64]| less(column, &curves.remainder(column));
         let is_curve = |effect: &Effect| matches!(effect.kind().part, Part::TorqueTable(_) | Part::FrictionTable(_));
         let effects = (0..problem.effects.len()).filter(|effect| is_curve(&problem.effects[*effect]));
         let of_curves: Vec<usize> = effects.flat_map(|effect| problem.range(effect)).collect();
@@ -391,27 +391,27 @@ impl Trimmed<'_> {
             let part = match &coulomb {
                 _ if of_curves.contains(&index) => {
                     beyond = less(&beyond, &column);
-                    beside.left_of(&column)
+                    curves.remainder(&column)
                 }
                 Some((places, half)) if places.contains(&index) => half.clone(),
                 _ => done(&column),
             };
             *place = less(&column, &part).into();
         }
-        beyond = beside.left_of(&beyond);
+        beyond = curves.remainder(&beyond);
         for index in of_curves {
             beyond.iter_mut().zip(&*columns[index]).for_each(|(sum, value)| *sum += value);
         }
         *target = beyond.into();
         let mut nonnegative = problem.nonnegative().to_vec();
         nonnegative.resize(columns.len(), false);
-        let share = 1.0 - beside.count() as f64 / target.len() as f64;
+        let share = 1.0 - curves.count() as f64 / target.len() as f64;
         let noise = problem.column_noise().into_iter();
         let noise: Vec<ColumnNoise> = noise
             .map(|noise| ColumnNoise { square: share * noise.square, product: share * noise.product, ..noise })
             .collect();
         self.solution = LeastSquares::solve_within(columns, target, &nonnegative, &noise);
-        self.beside = Some(beside);
+        self.curves = Some(curves);
     }
 
     /// The effects with all their values filled in.
@@ -439,7 +439,7 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
         && extended.improves(solution);
     let left = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
     let worthwhile = left(&extended) < (1.0 - WORTH_A_NOTE) * left(solution);
-    let small = delay_s.abs() <= LARGEST_DELAY_SAMPLES / problem.frame.rate_hz;
+    let small = delay_s.abs() <= LARGEST_DELAY_SAMPLES / problem.row_filter.rate_hz;
     if significant && small {
         // The delay shifts the searched parameters too: the column takes it out, then they settle again.
         let mut problem = problem;
@@ -458,7 +458,7 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
             target,
             solution,
             instruments: None,
-            beside: None,
+            curves: None,
             delay_s,
             refused_delay_s: None,
         };
@@ -470,7 +470,7 @@ fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
         columns,
         solution,
         instruments: None,
-        beside: None,
+        curves: None,
         delay_s: 0.0,
         refused_delay_s: (significant && worthwhile).then_some(delay_s),
     }
@@ -488,7 +488,7 @@ fn untrimmed(problem: Problem<'_>) -> Trimmed<'_> {
         columns,
         solution,
         instruments: None,
-        beside: None,
+        curves: None,
         delay_s: 0.0,
         refused_delay_s: None,
     }
@@ -513,9 +513,9 @@ fn unknown_step(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Opt
     ))
 }
 
-fn preparation(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, band: &Band) -> Preparation {
+fn preparation(uniform: &Uniform, motion: &KnobMotion, row_filter: &RowFilter, band: &Band) -> Preparation {
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-    let share = frame.sliding() as f64 / motion.len() as f64;
+    let share = row_filter.sliding() as f64 / motion.len() as f64;
     Preparation {
         method: PreparationMethod::default().name(),
         rate_hz: uniform.rate_hz,
@@ -524,7 +524,7 @@ fn preparation(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, band: &Ban
         accelerometer: motion.accelerometer,
         angle_cutoff_hz: motion.cutoff_hz,
         band_hz: band.edge_hz,
-        stick_threshold_rad_s: frame.threshold_rad_s,
+        stick_threshold_rad_s: row_filter.threshold_rad_s,
         sliding_percent: 100.0 * share,
         angle_noise_rad: (motion.angle_density * 0.5 * uniform.rate_hz).sqrt(),
         torque_noise_mnm: band.torque_noise_mnm,

@@ -200,7 +200,7 @@ impl AngleBins {
             return None;
         }
         let gram = DMatrix::from_fn(columns, columns, |row, column| self.gram[row * self.width + column]);
-        let inverse = told_inverse(&gram);
+        let inverse = ridge_inverse(&gram);
         let spectra = self.spectra(length, 2 * last + 1);
         let (weights, torque) = (&spectra[0], &spectra[self.width]);
         // Room for one wavenumber's products, taken once: there are thousands of them.
@@ -279,7 +279,7 @@ impl AngleBins {
 }
 
 /// Inverse of a Gram matrix, zero for empty columns.
-fn told_inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
+fn ridge_inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
     let count = gram.nrows();
     let scale = |index: usize| gram[(index, index)].sqrt().max(f64::MIN_POSITIVE.sqrt());
     let scaled = DMatrix::from_fn(count, count, |row, column| {

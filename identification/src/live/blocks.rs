@@ -11,7 +11,7 @@ pub(super) const MOST_COLUMNS: usize = 16;
 const MOST_BLOCKS: usize = 128;
 /// Rows of the first blocks.
 const FIRST_LENGTH: u64 = 16;
-/// A column of which less than this share remains beside the others cannot be told.
+/// A column of which less than this share remains beside the others cannot be estimated.
 const COLLINEAR: f64 = 1e-7;
 
 /// The Gram matrices of consecutive blocks of rows; the last column of a row is the torque.
@@ -28,11 +28,11 @@ pub(super) struct Blocks {
 /// Coefficients from the blocks.
 #[derive(Clone, Debug)]
 pub(super) struct Solution {
-    /// One per column; zero where it could not be told.
+    /// One per column; zero where it could not be estimated.
     pub(super) coefficients: Vec<f64>,
     /// Covariance of the coefficients from the scatter of the blocks.
     pub(super) covariance: DMatrix<f64>,
-    /// Whether each column could be told from the others.
+    /// Whether each column could be estimated from the others.
     pub(super) is_fitted: Vec<bool>,
     /// RMS of each column over the rows.
     pub(super) column_rms: Vec<f64>,

@@ -147,7 +147,7 @@ pub(super) fn estimate(
         .and_then(|detent| joint_solution(columns, &detent).map(|joint| (detent, joint)))
         .filter(|(_, joint)| joint.solution.blocks >= FEWEST_BLOCKS);
     let Some(solution) = joint.as_ref().map(|(_, joint)| joint.solution.clone()).or_else(|| base.solve(columns)) else {
-        estimate.parameters = untold(base_effects);
+        estimate.parameters = not_yet_estimated(base_effects);
         return estimate;
     };
     let mut start = 0;
@@ -193,7 +193,7 @@ pub(super) fn estimate(
     estimate
 }
 
-fn untold(base_effects: &[Effect]) -> Vec<LiveParameter> {
+fn not_yet_estimated(base_effects: &[Effect]) -> Vec<LiveParameter> {
     base_effects
         .iter()
         .map(Effect::kind)
@@ -279,8 +279,8 @@ fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution)
     let half = |gradient: [f64; 3]| joint.solution.critical() * deviation_of_sum(&part, &gradient);
     let square = amplitude * amplitude;
     let half_amplitude = half([a / amplitude, b / amplitude, 0.0]);
-    let told = half_amplitude < ESTIMATED_SHARE * amplitude;
-    let verdict = if told { Verdict::Estimated } else { Verdict::NotYet };
+    let estimated = half_amplitude < ESTIMATED_SHARE * amplitude;
+    let verdict = if estimated { Verdict::Estimated } else { Verdict::NotYet };
     let [amplitude_kind, period_kind, phase_kind] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
     let of = |kind: &'static ParameterKind, value: f64, half: f64| LiveParameter {
         name: kind.name,

@@ -1,7 +1,7 @@
-//! What the sinusoids of a ladder are, each with its intervals.
+//! What the sinusoids of the angle are, each with its intervals.
 
 use super::block_sums::{BlockSums, Estimate, critical};
-use super::ladder::{self, Grid};
+use super::matching_pursuit::{self, Grid};
 use super::{interval, overtone};
 use crate::estimate::Harmonic;
 use crate::uncertainty::statistics::deviation_of_sum;
@@ -24,7 +24,7 @@ pub(crate) fn of_turns(
     if !grid.whole_turn {
         return None;
     }
-    let wavenumbers = ladder::climb(&mut sums, angle_rad, &grid);
+    let wavenumbers = matching_pursuit::sinusoids(&mut sums, angle_rad, &grid);
     let estimate = sums.estimate()?;
     ranked(&sums, &estimate, columns, &wavenumbers).map(|(_, harmonics)| harmonics)
 }

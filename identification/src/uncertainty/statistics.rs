@@ -1,5 +1,7 @@
 //! Quantiles, and the factors between a standard deviation and a 95 % interval.
 
+use std::borrow::Borrow;
+
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -70,11 +72,17 @@ pub(crate) fn deviation_of_sum(covariance: &DMatrix<f64>, derivatives: &[f64]) -
     variance.max(0.0).sqrt()
 }
 
+/// Mean; 0 for no values.
+pub(crate) fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
+    let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value.borrow(), count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
 /// Mean, and its standard error as the values' scatter gives it.
 #[allow(clippy::cast_precision_loss, reason = "a number of values")]
 pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
+    let mean = mean(values);
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
     (mean, variance.sqrt())
 }

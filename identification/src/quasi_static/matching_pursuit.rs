@@ -28,7 +28,7 @@ const PREDICTS: f64 = 3.0;
 /// A sinusoid that explains less than this share of what the others leave is not worth a line of the table: of the
 /// thousands tried, the best one explains a little of anything.
 const WORTHWHILE: f64 = 0.01;
-/// The climb ends with so many sinusoids in a row that do not.
+/// The pursuit ends with so many sinusoids in a row that do not.
 const REFUSALS: usize = 4;
 /// No more sinusoids than this.
 const MOST: usize = 64;
@@ -113,7 +113,7 @@ struct Peak {
 /// Adds the sinusoids that stand out and predict what they were not fitted to; returns their wavenumbers, 1/rad.
 ///
 /// The columns of each are sine and cosine, behind those that the sums hold already.
-pub(super) fn climb(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
+pub(super) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
     let mut wavenumbers: Vec<f64> = Vec::new();
     let mut tried: Vec<f64> = Vec::new();
     let mut refusals = 0;

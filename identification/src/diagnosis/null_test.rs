@@ -1,9 +1,9 @@
 //! What mere freedom buys: an effect's own columns, but at the wrong time.
 
+use super::bounded_least_squares;
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
-use super::normal;
 use super::structure::Structure;
 use crate::numerics::vector::dot;
 use crate::regression::least_squares;
@@ -31,7 +31,8 @@ pub(crate) fn rms_of_columns(
         .map(|shift| {
             let turned = turned(train_columns, *shift);
             let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
-            let coefficients = normal::solve(&slices, &before.train_residual, &vec![false; slices.len()]);
+            let coefficients =
+                bounded_least_squares::solve(&slices, &before.train_residual, &vec![false; slices.len()]);
             let turned = self::turned(heldout_columns, *shift);
             let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
             let residual = least_squares::residual(&slices, &before.heldout_residual, &coefficients);
