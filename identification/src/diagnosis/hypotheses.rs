@@ -27,12 +27,10 @@ const COARSEST: f64 = 1.5;
 const FINEST: f64 = 1.02;
 /// Starts of a coupling that are refined: as many of the best on slow motion and of the best on the whole band.
 const STARTED: usize = 3;
+/// Starts of a coupling that are refined in a thorough search.
+const STARTED_THOROUGHLY: usize = 20;
 /// Share of the squares of slow motion that a coupling must not leave to be looked at in the whole band.
 const HOPELESS: f64 = 0.95;
-/// Further starts that are refined where the best of those still leaves much, …
-const FURTHER: usize = 14;
-/// … but less than this share of the squares without a coupling.
-const PARTIAL: f64 = 0.75;
 /// A gap this close to the floor is closed, in floors.
 pub(crate) const CLOSED: f64 = 1.12;
 /// A fit that leaves more than this may lack a stick limit, in floors.
@@ -128,6 +126,8 @@ pub(crate) enum Effort {
     Short,
     /// What the inner body bears at rest is looked for too, if much is left.
     Full,
+    /// The same from more starts.
+    Thorough,
 }
 
 /// The best fit of a structure and a coupling of `kind` to the first capture, judged by both.
@@ -151,42 +151,17 @@ pub(crate) fn coupled<'a>(
     let fits = Nonlinear::all(&structures, train).into_iter();
     let mut starts: Vec<(f64, f64, Nonlinear<'_>)> =
         fits.map(|fit| (fit.slow_squares(SLOW), fit.squares(), fit)).collect();
-    // The best starts on slow motion, then the best on the whole band among the others.
+    // The best starts on slow motion, and the best on the whole band among the others.
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     let first = starts.len().min(STARTED);
     starts[first..].sort_by(|a, b| a.1.total_cmp(&b.1));
-    let starts: Vec<Nonlinear<'_>> = starts.into_iter().map(|(_, _, fit)| fit).collect();
-    let (first, others) = starts.split_at(starts.len().min(2 * STARTED));
-    let present = Nonlinear::new(unskewed, train);
-    let mut best = best_of(first, &present, None, [train, heldout]);
-    // A fit that explains much and leaves much may stand in a neighbouring valley.
-    let in_a_neighbouring_valley = |(judged, fit): &(Judged, Nonlinear<'_>)| {
-        judged.train_over_floor() > OPEN && fit.squares() < PARTIAL * present.squares()
-    };
-    if best.as_ref().is_some_and(in_a_neighbouring_valley) {
-        best = best_of(&others[..others.len().min(FURTHER)], &present, best, [train, heldout]);
-    }
-    let (judged, fit) = best?;
-    if effort == Effort::Short || judged.train_over_floor() < OPEN {
-        return Some(judged);
-    }
-    let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
-    stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
-}
-
-/// The best of the fits from `starts` and the `best` so far; ends at the first fit that leaves no more than noise.
-fn best_of<'a>(
-    starts: &[Nonlinear<'a>],
-    present: &Nonlinear<'_>,
-    mut best: Option<(Judged, Nonlinear<'a>)>,
-    [train, heldout]: [&'a Capture; 2],
-) -> Option<(Judged, Nonlinear<'a>)> {
-    let hopeless = HOPELESS * present.slow_squares(SLOW);
-    let refined = starts.par_iter().filter_map(|start| {
+    starts.truncate(if effort == Effort::Thorough { STARTED_THOROUGHLY } else { 2 * STARTED });
+    let present = Nonlinear::new(unskewed, train).slow_squares(SLOW);
+    let refined = starts.par_iter().filter_map(|(_, _, start)| {
         let mut fit = start.clone();
         fit.refine_slow();
         let left = fit.slow_squares(SLOW);
-        (left < hopeless).then_some((left, fit))
+        (left < HOPELESS * present).then_some((left, fit))
     });
     let mut slow: Vec<(f64, Nonlinear<'_>)> = refined.collect();
     slow.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -200,6 +175,7 @@ fn best_of<'a>(
             fit
         })
     };
+    let mut best: Option<(Judged, Nonlinear<'_>)> = None;
     let mut next = begun(slow.next());
     while let Some(mut fit) = next {
         let after = slow.next();
@@ -217,7 +193,12 @@ fn best_of<'a>(
             break;
         }
     }
-    best
+    let (judged, fit) = best?;
+    if effort == Effort::Short || judged.train_over_floor() < OPEN {
+        return Some(judged);
+    }
+    let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
+    stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
 /// Where the measured torque tells the twist of a shaft, the best values for it, found without simulation by going

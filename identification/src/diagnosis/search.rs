@@ -352,15 +352,25 @@ impl Search<'_> {
         let closes =
             |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();
         if open(current) && !tried.iter().any(closes) {
-            for kind in coupled.into_iter().filter(|kind| !found.has_failed(kind)) {
-                let judged = hypotheses::coupled(kind, &current.structure, [self.train, self.heldout], Effort::Full);
+            coupled.retain(|kind| !found.has_failed(kind));
+            let fitted = |kind: &&'static EffectKind, effort| {
+                hypotheses::coupled(kind, &current.structure, [self.train, self.heldout], effort)
+            };
+            for kind in &coupled {
+                let judged = fitted(kind, Effort::Full);
                 say(kind);
                 let closed = judged.as_ref().is_some_and(closes);
                 tried.extend(judged);
                 if closed {
                     // The next coupling has more freedom and costs more.
-                    break;
+                    return tried;
                 }
+            }
+            // A coupling that explains most, but not all, may have been fitted in a neighbouring valley.
+            let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+            if best.is_some_and(|best| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE) {
+                tried.retain(|judged| !judged.structure.is_coupled());
+                tried.extend(coupled.iter().filter_map(|kind| fitted(kind, Effort::Thorough)));
             }
         }
         tried

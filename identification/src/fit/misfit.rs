@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-use super::{Rows, Trimmed};
+use super::trimmed::{Rows, Trimmed};
 use crate::preparation::filter::Fir;
 use crate::preparation::motion::{KnobMotion, ROWS_PER_EDGE};
 use crate::preparation::row_filter::HALF_LENGTH_PERIODS;

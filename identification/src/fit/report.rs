@@ -4,7 +4,7 @@ use dynamics::{Calibration, Effect, Part, effects};
 use nalgebra::{DMatrix, RowDVector};
 
 use super::misfit::Misfit;
-use super::{Rows, Trimmed};
+use super::trimmed::{Rows, Trimmed};
 use crate::estimate::{Covariance, Parameter, Parameters, Point};
 use crate::numerics::vector::{self, dot};
 use crate::preparation::motion::{Band, KnobMotion};
