@@ -8,7 +8,8 @@ use super::LiveSample;
 use super::ring::Ring;
 use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
-use crate::uncertainty::statistics::MEDIAN_MAGNITUDE;
+use crate::preparation::uniform::cubic_weights;
+use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
 const ANGLE_BAND: f64 = 2.5;
@@ -74,13 +75,7 @@ impl Pipeline {
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
             compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,
-            // Lagrange weights for the nodes −1, 0, 1, 2.
-            weights: [
-                -part * (part - 1.0) * (part - 2.0) / 6.0,
-                (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
-                -(part + 1.0) * part * (part - 2.0) / 2.0,
-                (part + 1.0) * part * (part - 1.0) / 6.0,
-            ],
+            weights: cubic_weights(part),
             guard,
             count: 0,
             time: ring(),
@@ -174,8 +169,7 @@ impl Pipeline {
 
     /// White noise of the encoder, differentiated, up to the cutoff.
     fn velocity_noise_rad_s(&self) -> f64 {
-        // Fourth differences raise the variance of white noise 70-fold.
-        let angle = self.noise / (MEDIAN_MAGNITUDE * 70_f64.sqrt());
+        let angle = self.noise / MEDIAN_FOURTH_DIFFERENCE;
         angle * TAU * (self.cutoff_hz.powi(3) / (1.5 * self.rate_hz)).sqrt()
     }
 

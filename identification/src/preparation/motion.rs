@@ -13,7 +13,7 @@ use super::spectrum::{Spectrum, white_density};
 use super::uniform::Uniform;
 use crate::numerics::vector::{self, dot};
 use crate::options::AccelerationUse;
-use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, median, rms};
+use crate::uncertainty::statistics::{MEDIAN_FOURTH_DIFFERENCE, median, rms};
 
 /// Share of the torque's power above its noise that may lie beyond the fit's band.
 const POWER_BEYOND_BAND: f64 = 1e-4;
@@ -402,15 +402,12 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
 pub(crate) fn scatter(signal: &[f64]) -> f64 {
     let mut fourth: Vec<f64> =
         signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
-    // Fourth differences raise the variance of white noise 70-fold.
-    median(&mut fourth) / MEDIAN_MAGNITUDE / 70_f64.sqrt()
+    median(&mut fourth) / MEDIAN_FOURTH_DIFFERENCE
 }
 
 /// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
 fn is_smooth(signal: &[f64], limit: f64) -> bool {
-    // Fourth differences raise the variance of white noise 70-fold.
-    let limit = limit * MEDIAN_MAGNITUDE * 70_f64.sqrt();
-    2 * vector::small_fourth_differences(signal, limit) > signal.len().saturating_sub(4)
+    2 * vector::small_fourth_differences(signal, limit * MEDIAN_FOURTH_DIFFERENCE) > signal.len().saturating_sub(4)
 }
 
 /// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.

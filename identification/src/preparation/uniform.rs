@@ -263,6 +263,16 @@ fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
         .collect()
 }
 
+/// Lagrange's weights of the values one sample before, at, one and two samples after a place, for the value `part` of a sample after it.
+pub(crate) fn cubic_weights(part: f64) -> [f64; 4] {
+    [
+        -part * (part - 1.0) * (part - 2.0) / 6.0,
+        (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
+        -(part + 1.0) * part * (part - 2.0) / 2.0,
+        (part + 1.0) * part * (part - 1.0) / 6.0,
+    ]
+}
+
 /// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
 #[allow(
     clippy::cast_precision_loss,
@@ -279,13 +289,7 @@ pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
     let part = shift - whole;
     let last = signal.len() as isize - 1;
     let at = |index: isize| signal[index.clamp(0, last) as usize];
-    // Lagrange weights for the nodes −1, 0, 1, 2.
-    let weights = [
-        -part * (part - 1.0) * (part - 2.0) / 6.0,
-        (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
-        -(part + 1.0) * part * (part - 2.0) / 2.0,
-        (part + 1.0) * part * (part - 1.0) / 6.0,
-    ];
+    let weights = cubic_weights(part);
     (0..signal.len() as isize)
         .map(|index| {
             let base = index + whole as isize;

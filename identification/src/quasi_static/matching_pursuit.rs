@@ -5,9 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realfft::RealFftPlanner;
-
 use super::block_sums::BlockSums;
+use crate::numerics::fourier;
 use crate::samples::span;
 use crate::uncertainty::statistics::median;
 
@@ -79,7 +78,7 @@ impl Grid {
         reason = "a place between 0 and their number"
     )]
     fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<Peak> {
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(PLACES);
+        let transform = fourier::forward(PLACES);
         let (mut sums, mut lines) = (transform.make_input_vec(), transform.make_output_vec());
         for (angle, rest) in angle_rad.iter().zip(residual) {
             let turns = (angle - self.start_rad) * self.unit / TAU;

@@ -13,6 +13,8 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 const UPPER_95: f64 = 0.975;
 /// Median of the magnitudes of normal values, in standard deviations.
 pub const MEDIAN_MAGNITUDE: f64 = 0.674_489_750_196_081_7;
+/// Median of the magnitudes of white noise's fourth differences, of which the variance is 70-fold, in its standard deviations.
+pub(crate) const MEDIAN_FOURTH_DIFFERENCE: f64 = MEDIAN_MAGNITUDE * 8.366_600_265_340_756;
 
 /// Two-sided 95 % of Student's distribution with `degrees_of_freedom`, in standard deviations; infinite where there are
 /// none.
