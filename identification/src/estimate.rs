@@ -6,13 +6,13 @@ use dynamics::{Axis, Effect, Model, Motion, effects};
 
 use crate::regression::characteristic::MeasuredCurve;
 
-/// A fitted parameter, or the reason why the data cannot tell it.
+/// A fitted parameter, or the reason why the data cannot identify it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Parameter {
     /// Standard name, as in model files.
     #[serde(skip)]
     pub name: &'static str,
-    /// Fitted value; `None` if the data cannot tell it.
+    /// Fitted value; `None` if the data cannot identify it.
     pub value: Option<f64>,
     /// Unit of value and intervals.
     pub unit: &'static str,
@@ -27,8 +27,8 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// A parameter that the data cannot tell.
-    pub(crate) fn untold(name: &'static str, unit: &'static str, reason: String) -> Self {
+    /// A parameter that the data cannot identify.
+    pub(crate) fn not_identifiable(name: &'static str, unit: &'static str, reason: String) -> Self {
         Self { name, value: None, unit, ci95: None, ci95_textbook: None, reason: Some(reason) }
     }
 }
@@ -57,7 +57,7 @@ impl Serialize for Parameters {
 
 /// Covariance of a fit's parameters for residuals that are correlated and of varying size.
 ///
-/// Parameters are left out that the data cannot tell, that are held at zero, or that were read off the capture
+/// Parameters are left out that the data cannot identify, that are held at zero, or that were read off the capture
 /// (`static_*`): their intervals are not those of a regression.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Covariance {
@@ -208,11 +208,11 @@ pub struct Fit {
 impl Fit {
     /// The fitted model.
     ///
-    /// A friction that the data could not tell in one direction is taken from the other; other
-    /// parameters that could not be told are zero. Both are said in the description.
+    /// A friction that the data did not identify in one direction is taken from the other; other
+    /// parameters that could not be estimated are zero. Both are said in the description.
     #[must_use]
     pub fn model(&self, name: &str) -> Model {
-        let told = |parameter: &str| self.parameters.get(parameter).and_then(|parameter| parameter.value);
+        let estimated = |parameter: &str| self.parameters.get(parameter).and_then(|parameter| parameter.value);
         let mut description = format!(
             "fitted to {} samples: residual {:.3} mNm, relative error {:.2} %",
             self.samples, self.residual_rms_mnm, self.relative_error_percent
@@ -223,10 +223,11 @@ impl Fit {
             let kind = effect.kind();
             for (slot, parameter) in effect.values_mut().iter_mut().zip(kind.parameters) {
                 // The stick velocity is never told, but the speed that the capture resolves bounds it.
-                if told(parameter.name).is_some() || kind.name == effects::karnopp_stick::KIND.name {
+                if estimated(parameter.name).is_some() || kind.name == effects::karnopp_stick::KIND.name {
                     continue;
                 }
-                let opposite = opposite_direction(parameter.name).and_then(|other| told(&other).map(|v| (other, v)));
+                let opposite =
+                    opposite_direction(parameter.name).and_then(|other| estimated(&other).map(|v| (other, v)));
                 *slot = opposite.as_ref().map_or(0.0, |(_, value)| *value);
                 description.push_str(&match opposite {
                     Some((other, _)) => format!("; {} taken from {other}", parameter.name),
@@ -234,7 +235,7 @@ impl Fit {
                 });
             }
             if kind.name == effects::inertia::KIND.name {
-                let value = told("inertia").unwrap_or(0.0).max(0.0);
+                let value = estimated("inertia").unwrap_or(0.0).max(0.0);
                 effect.values_mut().iter_mut().for_each(|inertia| *inertia = value);
             }
             model.effects.push(effect);
@@ -243,7 +244,7 @@ impl Fit {
         model
     }
 
-    /// The effects as fitted, gripper included; parameters that could not be told hold what the fit left there.
+    /// The effects as fitted, gripper included; parameters that could not be estimated hold what the fit left there.
     #[must_use]
     pub fn effects(&self) -> &[Effect] {
         &self.effects

@@ -24,7 +24,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
             names.push(name);
         }
     }
-    let told = |name: &str| -> Vec<(f64, f64)> {
+    let estimated = |name: &str| -> Vec<(f64, f64)> {
         observations
             .iter()
             .filter_map(|one| position(&one.names, name).map(|at| (one.values[at], one.covariance[(at, at)])))
@@ -34,7 +34,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
     let floors: Vec<f64> = names
         .iter()
         .map(|name| {
-            let known = told(name).iter().map(|one| one.1).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
+            let known = estimated(name).iter().map(|one| one.1).filter(|own| *own > 0.0).fold(f64::INFINITY, f64::min);
             if known.is_finite() { known } else { 1.0 }
         })
         .collect();
@@ -43,7 +43,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
         .zip(&floors)
         .map(|(name, floor)| {
             let known: Vec<(f64, f64)> =
-                told(name).iter().map(|one| (one.0, if one.1 > 0.0 { one.1 } else { *floor })).collect();
+                estimated(name).iter().map(|one| (one.0, if one.1 > 0.0 { one.1 } else { *floor })).collect();
             scalar::between(&known)
         })
         .collect();
@@ -62,7 +62,7 @@ pub(super) fn mean(observations: &[Observation]) -> (Observation, Option<Agreeme
     let widening: Vec<f64> = scatter.iter().zip(&weighing).map(|(scatter, weighing)| scatter - weighing).collect();
     let (values, mut covariance) = problem.solve(&weighing, &widening);
     for (at, name) in names.iter().enumerate() {
-        let uncertain = scatter[at] > 0.0 || told(name).iter().any(|one| one.1 > 0.0);
+        let uncertain = scatter[at] > 0.0 || estimated(name).iter().any(|one| one.1 > 0.0);
         if !uncertain {
             covariance.row_mut(at).fill(0.0);
             covariance.column_mut(at).fill(0.0);
@@ -161,7 +161,7 @@ impl Problem<'_> {
     #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
     fn agreement(&self, (mean, of_mean): &(DVector<f64>, DMatrix<f64>)) -> Option<Agreement> {
         let none = vec![0.0; self.names.len()];
-        let (mut chi_squared, mut told, mut uncertain) = (0.0, 0, 0.0);
+        let (mut chi_squared, mut estimated, mut uncertain) = (0.0, 0, 0.0);
         let mut parameters = vec![false; self.names.len()];
         for observation in self.observations {
             let places = self.places(observation);
@@ -187,11 +187,11 @@ impl Problem<'_> {
             });
             uncertain += ((&free * &free).trace() + free.trace().powi(2)) / (2.0 * observation.degrees_of_freedom);
             for (at, place) in places.iter().enumerate().filter(|(at, _)| observation.joint[*at]) {
-                told += usize::from(observation.covariance[(at, at)] > 0.0);
+                estimated += usize::from(observation.covariance[(at, at)] > 0.0);
                 parameters[*place] = true;
             }
         }
-        let degrees_of_freedom = told.saturating_sub(parameters.iter().filter(|told| **told).count());
+        let degrees_of_freedom = estimated.saturating_sub(parameters.iter().filter(|estimated| **estimated).count());
         if degrees_of_freedom == 0 {
             return None;
         }

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use dynamics::{Effect, Model, effects};
 
 use crate::estimate::{Covariance, Fit, Parameter, Parameters};
-use crate::uncertainty::statistics::NORMAL_95;
+use crate::uncertainty::statistics::{self, NORMAL_95};
 use observation::Observation;
 
 pub use repeatability::{Repeatability, Told};
@@ -103,8 +103,8 @@ pub fn average(fits: &[Fit]) -> Option<Average> {
     fit.notes = notes(fits, agreement, &repeatability);
     fit.effects = fit.effects.iter().map(|effect| with_values(effect, &fit.parameters)).collect();
     fit.covariance = covariance(&mean);
-    let own = mean_of(fits.iter().map(|one| one.mean_ci95_mnm));
-    let textbook = mean_of(fits.iter().map(|one| one.mean_ci95_textbook_mnm));
+    let own = statistics::mean(fits.iter().map(|one| one.mean_ci95_mnm));
+    let textbook = statistics::mean(fits.iter().map(|one| one.mean_ci95_textbook_mnm));
     fit.mean_ci95_mnm = model_torque::mean_half_width_mnm(&fit, fits);
     fit.mean_ci95_textbook_mnm = if own > 0.0 { textbook * fit.mean_ci95_mnm / own } else { textbook };
     Some(Average { fit, captures: fits.len(), agreement, repeatability })
@@ -115,7 +115,7 @@ fn position(names: &[&'static str], name: &str) -> Option<usize> {
 }
 
 fn with_mean(parameter: &Parameter, mean: &Observation) -> Parameter {
-    let Some((value, half_width)) = mean.told(parameter.name) else { return parameter.clone() };
+    let Some((value, half_width)) = mean.estimate(parameter.name) else { return parameter.clone() };
     Parameter {
         value: Some(value),
         ci95: Some(bounded(parameter, value, half_width)),
@@ -201,14 +201,9 @@ fn with_values(effect: &Effect, parameters: &Parameters) -> Effect {
         if kind.name == effects::inertia::KIND.name {
             continue;
         }
-        if let Some(value) = parameters.get(parameter.name).and_then(|told| told.value) {
+        if let Some(value) = parameters.get(parameter.name).and_then(|estimated| estimated.value) {
             *slot = value;
         }
     }
     effect
-}
-
-fn mean_of(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
 }

@@ -1,9 +1,10 @@
 //! How far the combined model's torque is uncertain.
 
 use dynamics::Model;
+use nalgebra::DMatrix;
 
-use super::mean_of;
 use crate::estimate::{Fit, Point};
+use crate::uncertainty::statistics::{deviation_of_sum, mean};
 
 /// Points of each capture at which the torque's interval is taken.
 const POINTS: usize = 400;
@@ -14,6 +15,8 @@ const STEP: f64 = 1e-3;
 pub(super) fn mean_half_width_mnm(combined: &Fit, fits: &[Fit]) -> f64 {
     let base = Model { effects: combined.effects().to_vec(), ..Model::default() };
     let known = &combined.covariance;
+    let count = known.order.len();
+    let covariance = DMatrix::from_fn(count, count, |row, column| known.rows[row][column]);
     let shifted: Vec<Option<(Model, f64)>> =
         known.order.iter().enumerate().map(|(at, name)| shifted(&base, name, known.rows[at][at].sqrt())).collect();
     let half_width = |point: &Point| {
@@ -23,15 +26,9 @@ pub(super) fn mean_half_width_mnm(combined: &Fit, fits: &[Fit]) -> f64 {
             .iter()
             .map(|one| one.as_ref().map_or(0.0, |(model, step)| (model.torque_mnm(&motion) - torque_mnm) / step))
             .collect();
-        let variance: f64 = known
-            .rows
-            .iter()
-            .zip(&gradient)
-            .map(|(row, left)| left * row.iter().zip(&gradient).map(|(value, right)| value * right).sum::<f64>())
-            .sum();
-        known.critical * variance.max(0.0).sqrt()
+        known.critical * deviation_of_sum(&covariance, &gradient)
     };
-    mean_of(fits.iter().flat_map(|fit| {
+    mean(fits.iter().flat_map(|fit| {
         let every = fit.points.len().div_ceil(POINTS).max(1);
         fit.points.iter().step_by(every).map(half_width)
     }))

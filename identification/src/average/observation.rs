@@ -23,29 +23,30 @@ pub(super) struct Observation {
 impl Observation {
     /// All that a fit tells. A parameter outside of its covariance (held at zero, or read off the capture) stands by itself.
     pub(super) fn of(fit: &Fit) -> Self {
-        let told: Vec<(&Parameter, f64)> =
+        let estimated: Vec<(&Parameter, f64)> =
             fit.parameters.0.iter().filter_map(|parameter| Some((parameter, parameter.value?))).collect();
         let known = &fit.covariance;
-        let places: Vec<Option<usize>> = told
+        let places: Vec<Option<usize>> = estimated
             .iter()
             .map(|(parameter, _)| position(&known.order, parameter.name).filter(|at| known.rows[*at][*at] > 0.0))
             .collect();
         // Student's quantile is each parameter's own.
-        let scales: Vec<f64> = told
+        let scales: Vec<f64> = estimated
             .iter()
             .zip(&places)
             .map(|((parameter, _), place)| {
                 place.map_or(1.0, |at| half_width(parameter) / NORMAL_95 / known.rows[at][at].sqrt())
             })
             .collect();
-        let covariance = DMatrix::from_fn(told.len(), told.len(), |row, column| match (places[row], places[column]) {
-            (Some(a), Some(b)) => scales[row] * scales[column] * known.rows[a][b],
-            _ if row == column => (half_width(told[row].0) / NORMAL_95).powi(2),
-            _ => 0.0,
-        });
+        let covariance =
+            DMatrix::from_fn(estimated.len(), estimated.len(), |row, column| match (places[row], places[column]) {
+                (Some(a), Some(b)) => scales[row] * scales[column] * known.rows[a][b],
+                _ if row == column => (half_width(estimated[row].0) / NORMAL_95).powi(2),
+                _ => 0.0,
+            });
         Self {
-            names: told.iter().map(|(parameter, _)| parameter.name).collect(),
-            values: told.iter().map(|(_, value)| *value).collect(),
+            names: estimated.iter().map(|(parameter, _)| parameter.name).collect(),
+            values: estimated.iter().map(|(_, value)| *value).collect(),
             covariance,
             joint: places.iter().map(Option::is_some).collect(),
             degrees_of_freedom: known.degrees_of_freedom,
@@ -68,7 +69,7 @@ impl Observation {
     }
 
     /// A parameter with the half width of its interval.
-    pub(super) fn told(&self, name: &str) -> Option<(f64, f64)> {
+    pub(super) fn estimate(&self, name: &str) -> Option<(f64, f64)> {
         let at = position(&self.names, name)?;
         Some((self.values[at], NORMAL_95 * self.covariance[(at, at)].max(0.0).sqrt()))
     }

@@ -5,16 +5,17 @@
 //! to angle zero with the combined period.
 
 use super::observation::Observation;
+use super::position;
 use super::scalar::wrapped;
-use super::{mean_of, position};
 use crate::estimate::Fit;
+use crate::uncertainty::statistics::mean;
 
 pub(super) const PHASE: &str = "detent_phase";
 pub(super) const PERIOD: &str = "detent_period";
 
 /// Mean angle of all captures, rad.
 pub(super) fn common_angle_rad(fits: &[Fit]) -> f64 {
-    mean_of(fits.iter().map(|fit| mean_of(fit.points.iter().map(|point| point.angle_rad))))
+    mean(fits.iter().map(|fit| mean(fit.points.iter().map(|point| point.angle_rad))))
 }
 
 /// Takes every capture's phase from angle zero to `angle_rad`, all on the same turn of the circle.

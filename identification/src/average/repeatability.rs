@@ -16,7 +16,7 @@ pub struct Told {
 /// How one parameter repeats from capture to capture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Repeatability {
-    /// The values, capture by capture; `None` where a capture could not tell it.
+    /// The values, capture by capture; `None` where a capture did not identify it.
     pub values: Vec<Option<f64>>,
     /// The same with intervals as they were compared: phases at [`Repeatability::at_angle_rad`], on one turn.
     pub compared: Vec<Option<Told>>,
@@ -44,8 +44,9 @@ impl Repeatability {
         mean: &Observation,
         common_angle_rad: f64,
     ) -> Option<Self> {
-        let told = |one: &Observation| one.told(parameter.name).map(|(value, half_width)| Told { value, half_width });
-        let compared: Vec<Option<Told>> = observations.iter().map(told).collect();
+        let estimated =
+            |one: &Observation| one.estimate(parameter.name).map(|(value, half_width)| Told { value, half_width });
+        let compared: Vec<Option<Told>> = observations.iter().map(estimated).collect();
         let known = || compared.iter().flatten();
         if known().count() < 2 {
             return None;
@@ -56,7 +57,7 @@ impl Repeatability {
         let difference_ci95 = least.half_width.hypot(most.half_width);
         Some(Self {
             values: fits.iter().map(|fit| fit.parameters.get(parameter.name).and_then(|own| own.value)).collect(),
-            mean: told(mean)?,
+            mean: estimated(mean)?,
             at_angle_rad: (parameter.name == PHASE).then_some(common_angle_rad),
             difference,
             difference_ci95,

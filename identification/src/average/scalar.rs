@@ -12,12 +12,12 @@ pub(crate) struct Combined {
 }
 
 /// The weighted mean of values with half widths, scatter between them included.
-pub(crate) fn combined(told: &[(f64, f64)]) -> Combined {
-    let smallest = told.iter().map(|one| one.1).filter(|half| *half > 0.0).fold(f64::INFINITY, f64::min);
+pub(crate) fn combined(estimated: &[(f64, f64)]) -> Combined {
+    let smallest = estimated.iter().map(|one| one.1).filter(|half| *half > 0.0).fold(f64::INFINITY, f64::min);
     // A value without an interval counts like the best one; without any, all count alike.
     let floor = if smallest.is_finite() { smallest } else { 1.0 };
     let known: Vec<(f64, f64)> =
-        told.iter().map(|one| (one.0, ((if one.1 > 0.0 { one.1 } else { floor }) / NORMAL_95).powi(2))).collect();
+        estimated.iter().map(|one| (one.0, ((if one.1 > 0.0 { one.1 } else { floor }) / NORMAL_95).powi(2))).collect();
     let between = between(&known);
     let (value, total) = weighted(&known, between);
     let uncertain = smallest.is_finite() || between > 0.0;

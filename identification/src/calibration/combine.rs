@@ -15,12 +15,12 @@ pub fn combine(captures: &[Calibrated]) -> Option<Calibrated> {
         if estimates.iter().any(|known| known.quantity == estimate.quantity) {
             continue;
         }
-        let told: Vec<(f64, f64)> = captures
+        let estimated: Vec<(f64, f64)> = captures
             .iter()
             .filter_map(|capture| capture.get(estimate.quantity))
             .map(|other| (near(estimate, other.value), other.half_width))
             .collect();
-        let Combined { value, half_width } = combined(&told);
+        let Combined { value, half_width } = combined(&estimated);
         estimates.push(Estimate { value: on_circle(estimate, value), half_width, ..*estimate });
     }
     let mut notes = first.notes.clone();

@@ -135,7 +135,7 @@ pub enum CalibrateError {
         "the capture has no commanded torque, from which what the motor takes is told; capture on the rig, to an archive"
     )]
     NoCommand,
-    /// Cogging that the capture cannot tell.
+    /// Cogging that the capture cannot identify.
     #[error(
         "the motor's cogging cannot be told: {reason}; capture with `--knob none --sweep slow-turn --duration-s 15`"
     )]
@@ -143,7 +143,7 @@ pub enum CalibrateError {
         /// Why.
         reason: String,
     },
-    /// A friction that the capture cannot tell.
+    /// A friction that the capture cannot identify.
     #[error("the motor's {quantity} cannot be told: {reason}")]
     NoFriction {
         /// What.
@@ -151,7 +151,7 @@ pub enum CalibrateError {
         /// Why.
         reason: String,
     },
-    /// An inertia that the capture cannot tell.
+    /// An inertia that the capture cannot identify.
     #[error("the gripper's inertia cannot be told: {reason}")]
     NoInertia {
         /// Why.

@@ -25,7 +25,7 @@ pub fn friction(
     }
     let motor = Samples { torque_mnm: &taken_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let fitted = fit(&motor, &FitOptions { without_detents: true, ..FitOptions::default() })?;
-    let told = |name: &'static str| -> Result<(f64, f64), CalibrateError> {
+    let estimated = |name: &'static str| -> Result<(f64, f64), CalibrateError> {
         let parameter = fitted.parameters.get(name);
         let known = parameter.and_then(|Parameter { value, ci95, .. }| value.zip(*ci95));
         known.map(|(value, [low, high])| (value, 0.5 * (high - low))).ok_or_else(|| CalibrateError::NoFriction {
@@ -34,10 +34,10 @@ pub fn friction(
         })
     };
     let mean = |[first, second]: [(f64, f64); 2]| (0.5 * (first.0 + second.0), 0.5 * first.1.hypot(second.1));
-    let (inertia, inertia_half) = told("inertia")?;
-    let coulomb = [told("coulomb_negative")?, told("coulomb_positive")?];
+    let (inertia, inertia_half) = estimated("inertia")?;
+    let coulomb = [estimated("coulomb_negative")?, estimated("coulomb_positive")?];
     let (coulomb_mnm, coulomb_half) = mean(coulomb);
-    let (viscous, viscous_half) = mean([told("viscous_negative")?, told("viscous_positive")?]);
+    let (viscous, viscous_half) = mean([estimated("viscous_negative")?, estimated("viscous_positive")?]);
     let mut notes = Vec::new();
     let apart_mnm = (coulomb[0].0 - coulomb[1].0).abs();
     if apart_mnm > 0.1 * coulomb_mnm {

@@ -14,6 +14,7 @@ use dynamics::Calibration;
 use super::estimate::{CalibrateError, Calibrated, Estimate};
 use super::regression::Band;
 use crate::Samples;
+use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::gradient;
 use crate::preparation::uniform::Uniform;
 use crate::samples::span;
@@ -42,7 +43,7 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     let Some(measured) = &uniform.acceleration_rad_s2 else { return Err(CalibrateError::NoAcceleration) };
     let band = Band { edge_hz: EDGE_HZ.min(0.2 * uniform.rate_hz), rate_hz: uniform.rate_hz };
 
-    let angle_rad = band.smooth(&knob_angle(&uniform, known));
+    let angle_rad = band.smooth(&knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, Some(known)));
     let acceleration = gradient(&gradient(&angle_rad, uniform.rate_hz), uniform.rate_hz);
     let target: Vec<f64> = band.smooth(measured).iter().zip(&acceleration).map(|(seen, own)| seen - own).collect();
     let columns = [
@@ -77,11 +78,4 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
         ],
         notes: Vec::new(),
     })
-}
-
-/// The knob's angle: behind the encoder's by the twist of the torque sensor, rad.
-pub(super) fn knob_angle(uniform: &Uniform, known: &Calibration) -> Vec<f64> {
-    let stiffness = known.torque_sensor_stiffness_mnm_rad;
-    let twist = |torque: f64| if stiffness.is_finite() && stiffness > 0.0 { torque / stiffness } else { 0.0 };
-    uniform.angle_rad.iter().zip(&uniform.torque_mnm).map(|(angle, torque)| angle - twist(*torque)).collect()
 }

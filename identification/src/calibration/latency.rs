@@ -14,9 +14,9 @@
 use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate};
-use super::gravity::knob_angle;
 use super::regression::{Band, Solved};
 use crate::Samples;
+use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::gradient;
 use crate::preparation::spectrum::Spectrum;
 use crate::preparation::uniform::{Uniform, advance};
@@ -35,7 +35,7 @@ const ROUNDS: usize = 3;
 /// Fits the delays to a capture of the gripper alone (or any inertia without friction and detents).
 ///
 /// Takes gravity and the torque sensor's stiffness from `known`. Tells `torque_delay_s` and, where
-/// there is an accelerometer, `acceleration_delay_s`; a channel that cannot be told is a note.
+/// there is an accelerometer, `acceleration_delay_s`; a channel that cannot be estimated is a note.
 ///
 /// # Errors
 /// [`CalibrateError`] for samples that are no motion, or when neither channel follows it.
@@ -43,7 +43,7 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     samples.check()?;
     let uniform = Uniform::of(samples, None);
     let band = band(&uniform);
-    let columns = columns(&band, &knob_angle(&uniform, known));
+    let columns = columns(&band, &knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, Some(known)));
     let torque = band.solve(&columns, &band.smooth(&uniform.torque_mnm));
     let mut found = vec![("torque", "torque_delay_s", torque)];
     if let Some(acceleration) = &uniform.acceleration_rad_s2 {

@@ -2,11 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use crate::preparation::filter::butterworth_low_pass;
-use crate::preparation::motion::ROWS_PER_EDGE;
+use crate::preparation::motion::{ROWS_PER_EDGE, low_pass};
 use crate::preparation::uniform::whole;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
-use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, median, rms, student_95};
+use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, deviation_of_sum, median, rms, student_95};
 
 /// Rows further from the relation than this many standard deviations are left out: a knob that breaks
 /// loose shakes the rig.
@@ -36,21 +35,14 @@ pub(super) struct Solved {
 impl Solved {
     /// Half width of the 95 % interval of a quantity with the given derivatives by the coefficients.
     pub(super) fn half_width(&self, derivatives: &[f64]) -> f64 {
-        let mut variance = 0.0;
-        for (row, left) in derivatives.iter().enumerate() {
-            for (column, right) in derivatives.iter().enumerate() {
-                variance += left * self.covariance[(row, column)] * right;
-            }
-        }
-        self.critical * variance.max(0.0).sqrt()
+        self.critical * deviation_of_sum(&self.covariance, derivatives)
     }
 }
 
 impl Band {
     /// The signal below the band's edge, without phase shift.
     pub(super) fn smooth(&self, signal: &[f64]) -> Vec<f64> {
-        butterworth_low_pass(4, self.edge_hz, self.rate_hz)
-            .map_or_else(|_| signal.to_vec(), |sections| sections.filter_zero_phase(signal))
+        low_pass(4, self.edge_hz, self.rate_hz, signal)
     }
 
     /// Solves for columns and a target that lie in the band already.

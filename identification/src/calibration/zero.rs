@@ -4,7 +4,7 @@ use dynamics::Calibration;
 
 use super::estimate::{CalibrateError, Calibrated, Estimate, check_at_rest};
 use crate::samples::span;
-use crate::uncertainty::statistics::student_95;
+use crate::uncertainty::statistics::{mean, mean_and_error, student_95};
 
 /// Travel up to which the rig counts as at rest, rad.
 const REST_RAD: f64 = 2e-3;
@@ -25,7 +25,7 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
         return Err(CalibrateError::NotAtRest { travel_rad });
     }
     let mut calibrated = Calibrated::default();
-    let (value, half_width) = mean(samples.torque_mnm, known.torque_step_mnm);
+    let (value, half_width) = mean_at_rest(samples.torque_mnm, known.torque_step_mnm);
     calibrated.estimates.push(Estimate { quantity: "torque_zero_mnm", value, half_width, unit: "mNm" });
     if let Some(acceleration) = samples.acceleration_rad_s2 {
         let own: Vec<f64> = acceleration
@@ -33,7 +33,7 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
             .zip(samples.angle_rad)
             .map(|(seen, angle)| seen - known.gravity_rad_s2(*angle))
             .collect();
-        let (value, half_width) = mean(&own, known.acceleration_step_rad_s2);
+        let (value, half_width) = mean_at_rest(&own, known.acceleration_step_rad_s2);
         calibrated
             .estimates
             .push(Estimate { quantity: "acceleration_zero_rad_s2", value, half_width, unit: "rad/s²" });
@@ -51,18 +51,13 @@ pub fn zero(samples: &crate::Samples<'_>, known: &Calibration) -> Result<Calibra
 /// signal with Gaussian noise σ on steps of Δ is off by at most Δ/π·exp(−2π²σ²/Δ²), the first term of
 /// Widrow's series (B. Widrow, I. Kollár, *Quantization Noise*, 2008).
 #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-fn mean(signal: &[f64], step: f64) -> (f64, f64) {
-    let average = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let value = average(signal);
+fn mean_at_rest(signal: &[f64], step: f64) -> (f64, f64) {
+    let (value, own_error) = mean_and_error(signal);
     let stretch = signal.len() / STRETCHES;
-    let means: Vec<f64> = signal.chunks_exact(stretch).take(STRETCHES).map(average).collect();
-    let centre = average(&means);
-    let variance = |values: &[f64], centre: f64| {
-        values.iter().map(|value| (value - centre).powi(2)).sum::<f64>() / (values.len() - 1) as f64
-    };
-    let standard_error = (variance(&means, centre) / means.len() as f64).sqrt();
+    let means: Vec<f64> = signal.chunks_exact(stretch).take(STRETCHES).map(mean).collect();
+    let (_, standard_error) = mean_and_error(&means);
     let hidden = if step > 0.0 {
-        let noise = (variance(signal, value) - step * step / 12.0).max(0.0);
+        let noise = (signal.len() as f64 * own_error * own_error - step * step / 12.0).max(0.0);
         step / std::f64::consts::PI * (-2.0 * std::f64::consts::PI.powi(2) * noise / (step * step)).exp()
     } else {
         0.0

@@ -2,8 +2,10 @@
 
 use dynamics::{Calibration, Direction};
 
+use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples};
+use crate::uncertainty::statistics::mean;
 
 /// Shortest rest before a breakaway, s.
 const REST_S: f64 = 0.020;
@@ -52,7 +54,7 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
     samples.check()?;
     let rate_hz = 1.0 / typical_step(samples.t_s).0;
     let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
-    let knob_rad = knob_angles(samples, known);
+    let knob_rad = knob_angle_rad(samples.angle_rad, samples.torque_mnm, known);
     let away_rad = known.map(|known| AWAY_STEPS * known.angle_step_rad).filter(|away| *away > 0.0).unwrap_or(AWAY_RAD);
     let lasting = |time_s: f64, fewest: usize| ((time_s * rate_hz).round() as usize).max(fewest);
     let (rest, soon) = (lasting(REST_S, FEWEST_AT_REST), lasting(SOON_S, 1));
@@ -73,9 +75,9 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
             // The torque falls once the knob slides: its peak is the breakaway, a short mean keeps noise out of it.
             let peak = samples.torque_mnm[index - read..=index]
                 .windows(average)
-                .map(|part| sign * part.iter().sum::<f64>() / average as f64)
+                .map(|part| sign * mean(part))
                 .fold(f64::NEG_INFINITY, f64::max);
-            let at_first = sign * samples.torque_mnm[start..start + average].iter().sum::<f64>() / average as f64;
+            let at_first = sign * mean(&samples.torque_mnm[start..start + average]);
             if peak - at_first > RISE * (peak - sign * zero_mnm).abs() {
                 found.push(Breakaway {
                     t_s: samples.t_s[index],
@@ -88,11 +90,4 @@ pub fn breakaways(samples: &Samples<'_>, known: Option<&Calibration>) -> Result<
         start = index;
     }
     Ok(found)
-}
-
-/// Angles of the knob itself, which rests while the sensor twists under the rising torque, rad.
-pub(super) fn knob_angles(samples: &Samples<'_>, known: Option<&Calibration>) -> Vec<f64> {
-    let stiffness = known.map_or(f64::INFINITY, |known| known.torque_sensor_stiffness_mnm_rad);
-    let twist = |torque: f64| if stiffness > 0.0 { torque / stiffness } else { 0.0 };
-    samples.angle_rad.iter().zip(samples.torque_mnm).map(|(angle, torque)| angle - twist(*torque)).collect()
 }

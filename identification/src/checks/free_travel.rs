@@ -2,9 +2,10 @@
 
 use dynamics::Calibration;
 
-use super::breakaway::knob_angles;
+use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::uniform::typical_step;
 use crate::samples::{FitError, Samples};
+use crate::uncertainty::statistics::mean;
 
 /// Time over which torque and angle are averaged, s.
 const BIN_S: f64 = 0.005;
@@ -82,10 +83,8 @@ impl Bins {
     fn of(samples: &Samples<'_>, known: Option<&Calibration>) -> Self {
         let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
         let length = ((BIN_S / typical_step(samples.t_s).0).round() as usize).max(1);
-        let means = |values: &[f64]| -> Vec<f64> {
-            values.chunks_exact(length).map(|values| values.iter().sum::<f64>() / length as f64).collect()
-        };
-        let angle_rad = means(&knob_angles(samples, known));
+        let means = |values: &[f64]| -> Vec<f64> { values.chunks_exact(length).map(mean).collect() };
+        let angle_rad = means(&knob_angle_rad(samples.angle_rad, samples.torque_mnm, known));
         let torque_mnm: Vec<f64> = means(samples.torque_mnm).iter().map(|torque| torque - zero_mnm).collect();
         let largest_mnm = torque_mnm.iter().fold(0.0_f64, |largest, torque| largest.max(torque.abs()));
         let steps_rad = angle_rad.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,6 +1,6 @@
 //! Bins in a row: holes bridged, shocks and slopes taken out.
 
-use crate::uncertainty::statistics::median;
+use crate::uncertainty::statistics::{mean, median};
 
 /// Bins over which the torque's median is taken, so that single shocks do not count.
 const MEDIAN_OF: usize = 5;
@@ -55,10 +55,7 @@ pub(super) fn without_shocks(signal: &[f64]) -> Vec<f64> {
 pub(super) fn smoothed(signal: &[f64]) -> Vec<f64> {
     let last = signal.len().saturating_sub(1);
     (0..signal.len())
-        .map(|index| {
-            let part = &signal[index.saturating_sub(SMOOTHED / 2)..=(index + SMOOTHED / 2).min(last)];
-            part.iter().sum::<f64>() / part.iter().map(|_| 1.0).sum::<f64>()
-        })
+        .map(|index| mean(&signal[index.saturating_sub(SMOOTHED / 2)..=(index + SMOOTHED / 2).min(last)]))
         .collect()
 }
 
@@ -67,7 +64,7 @@ pub(super) fn smoothed(signal: &[f64]) -> Vec<f64> {
 pub(super) fn centred(signal: &[f64]) -> Vec<f64> {
     let count = signal.len().max(1) as f64;
     let middle = 0.5 * (count - 1.0);
-    let mean = signal.iter().sum::<f64>() / count;
+    let mean = mean(signal);
     let moment: f64 = signal.iter().enumerate().map(|(at, value)| (at as f64 - middle) * (value - mean)).sum();
     let spread: f64 = (0..signal.len()).map(|at| (at as f64 - middle).powi(2)).sum();
     let slope = moment / spread.max(f64::MIN_POSITIVE);

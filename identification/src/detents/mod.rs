@@ -8,10 +8,11 @@ use dynamics::{Effect, effects};
 use self::bends::bends;
 use self::scan::{FEWEST_PERIODS, Scan};
 use crate::estimate::Harmonic;
-use crate::preparation::frame::Frame;
+use crate::numerics::vector::dot;
 use crate::preparation::motion::{Band, KnobMotion};
+use crate::preparation::row_filter::RowFilter;
 use crate::regression::held_out;
-use crate::regression::least_squares::{LeastSquares, dot};
+use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::{Column, Problem};
 use crate::uncertainty::statistics::rms;
 
@@ -20,19 +21,19 @@ const CANDIDATES: usize = 3;
 /// … if they explain at least this share of what the strongest explains.
 const RIVAL: f64 = 0.5;
 /// A detent must explain this share of the sum of squares that the rest of the model leaves …
-const WORTHWHILE_SHARE: f64 = 0.25;
+pub(crate) const WORTHWHILE_SHARE: f64 = 0.25;
 /// … or have this amplitude relative to the RMS of the torque: less is a ripple, felt by nobody.
-const WORTHWHILE_AMPLITUDE: f64 = 0.1;
+pub(crate) const WORTHWHILE_AMPLITUDE: f64 = 0.1;
 /// How far above the background the evidence for a period must stand beyond what the number of periods tried gives by chance.
 const MARGIN: f64 = 6.0;
 /// Standard errors by which detents must predict stretches of the capture that they were not fitted to.
 const PREDICTS: f64 = 3.0;
-/// A detent must take away this many times what the placebo does: the best other period, one further true
+/// A detent must take away this many times what the null test does: the best other period, one further true
 /// sinusoid being granted, in what the detent leaves …
-const PLACEBO: f64 = 2.0;
+const NULL_TEST: f64 = 2.0;
 /// … and this many times where the travel holds few of its periods: then any bend in the torque looks like it.
-const PLACEBO_OF_FEW: f64 = 20.0;
-/// Beside springs and gravity it must still take away this many times what the placebo does there.
+const NULL_TEST_OF_FEW: f64 = 20.0;
+/// Beside springs and gravity it must still take away this many times what the null test does there.
 const BESIDE_BENDS: f64 = 10.0;
 /// So many periods are few.
 const FEW_PERIODS: f64 = 3.0;
@@ -72,7 +73,7 @@ pub(crate) struct Found<'a> {
 pub(crate) fn search<'a>(
     base: &Problem<'a>,
     base_solution: &LeastSquares,
-    frame: &Frame,
+    row_filter: &RowFilter,
     motion: &KnobMotion,
     band: &Band,
     angle_step_rad: f64,
@@ -81,13 +82,13 @@ pub(crate) fn search<'a>(
     if left.sqrt() <= NOTHING_LEFT * dot(&base.target, &base.target).sqrt() {
         return Detents::None("the knob has no detents: inertia and friction explain the whole torque".to_owned());
     }
-    let Some(scan) = Scan::new(frame, motion, band, angle_step_rad, &base.columns, &base_solution.inverse) else {
+    let Some(scan) = Scan::new(row_filter, motion, band, angle_step_rad, &base.columns, &base_solution.inverse) else {
         return Detents::None(format!(
             "the travel is too small for detents to be told: it must hold at least {FEWEST_PERIODS} periods; sweep wider"
         ));
     };
     let (longest, shortest) = scan.periods_rad();
-    let powers = scan.powers(frame, motion, &base_solution.residual);
+    let powers = scan.powers(row_filter, motion, &base_solution.residual);
     let peaks = scan.peaks(&powers, 12);
     let resolution = scan.resolution();
     let limit = |_, period: f64| (0.25 * resolution * period * period).min(0.1 * period);
@@ -119,27 +120,29 @@ pub(crate) fn search<'a>(
     let after = dot(&solution.residual, &solution.residual);
     let share = 1.0 - after / left;
     // The background is read with the detent taken out, whose side lobes would else stand in it.
-    let rest = scan.powers(frame, motion, &solution.residual);
+    let rest = scan.powers(row_filter, motion, &solution.residual);
     let background = scan.background(&rest, 1.0 / period_rad);
     let clear = left - after > needed * background;
     let predicts = held_out::evidence(&problem.columns, range.start, &problem.target) > PREDICTS;
     let periods = 1.0 / (period_rad * resolution);
     let few = periods < FEW_PERIODS;
-    let placebo = scan.placebo(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
-    if clear && !(predicts && left - after > if few { PLACEBO_OF_FEW } else { PLACEBO } * placebo) {
+    let null_test = scan.null_test(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
+    if clear && !(predicts && left - after > if few { NULL_TEST_OF_FEW } else { NULL_TEST } * null_test) {
         return Detents::None(format!(
             "no detents that can be told from other bends in the torque: the best period (P {period_rad:.4} rad, \
              {periods:.1} of them in the travel) {}takes away {:.1} times what other periods do; sweep wider, so that the \
              travel holds more of them",
             if predicts { "" } else { "does not predict stretches that it was not fitted to, and " },
-            (left - after) / placebo.max(f64::MIN_POSITIVE)
+            (left - after) / null_test.max(f64::MIN_POSITIVE)
         ));
     }
-    let bends = bends(frame, motion);
+    let bends = bends(row_filter, motion);
     let bent = unbounded(&[&base.columns, &bends[..]].concat(), &base.target);
     let both = unbounded(&[&base.columns, &bends, &problem.columns[range]].concat(), &base.target);
     let beside_bends = dot(&bent, &bent) - dot(&both, &both);
-    if clear && beside_bends < BESIDE_BENDS * scan.placebo(&scan.powers(frame, motion, &both), 1.0 / period_rad, 0.0) {
+    if clear
+        && beside_bends < BESIDE_BENDS * scan.null_test(&scan.powers(row_filter, motion, &both), 1.0 / period_rad, 0.0)
+    {
         return Detents::None(format!(
             "no detents that can be told from a spring or from gravity: of the torque that varies with the angle, these leave \
              nothing that the best period (P {period_rad:.4} rad, {periods:.1} of them in the travel) would explain; diagnose \
@@ -204,7 +207,7 @@ fn harmonics(
         }
         let effect = Effect::new(&effects::detent::KIND, &[0.0, period_rad / f64::from(order), 0.0]);
         let own: Vec<Column> =
-            problem.frame.effect_rows(&effect, problem.motion).into_iter().map(Column::from).collect();
+            problem.row_filter.effect_rows(&effect, problem.motion).into_iter().map(Column::from).collect();
         let rows: Vec<Column> = found.iter().flat_map(|(_, rows)| rows).chain(&own).cloned().collect();
         let (columns, with) = problem.solve_with(&rows);
         let [.., sine, cosine] = with.coefficients[..] else { continue };

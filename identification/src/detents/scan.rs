@@ -11,14 +11,13 @@ use nalgebra::DMatrix;
 use realfft::{RealToComplex, num_complex::Complex};
 
 use crate::numerics::fourier;
-use crate::numerics::vector;
-use crate::preparation::frame::Frame;
+use crate::numerics::vector::{self, dot};
 use crate::preparation::motion::{Band, KnobMotion};
-use crate::regression::least_squares::dot;
+use crate::preparation::row_filter::RowFilter;
 use crate::regression::problem::Column;
 use crate::uncertainty::statistics::{median, quantile};
 
-/// Fewest periods that the travel must hold for a period to be told.
+/// Fewest periods that the travel must hold for a period to be estimated.
 pub(crate) const FEWEST_PERIODS: f64 = 1.25;
 /// Wavenumbers tried per width of a peak.
 const OVERSAMPLING: f64 = 4.0;
@@ -31,7 +30,7 @@ const BINS_PER_PERIOD: f64 = 5.2;
 const MOST_BASE: usize = 512;
 /// Wavenumbers at which the filter's gain is summed over the speeds lie this factor apart.
 const GAIN_STEP: f64 = 1.03;
-/// Share of a sinusoid's square that is added to it twice over, so that one that the base columns nearly explain is not told
+/// Share of a sinusoid's square that is added to it twice over, so that one that the base columns nearly explain is not estimated
 /// from rounding.
 const RIDGE: f64 = 3e-3;
 /// Share of the samples that must see a detent slowly enough for the band.
@@ -69,7 +68,7 @@ impl Scan {
         reason = "indices of wavenumbers"
     )]
     pub(crate) fn new(
-        frame: &Frame,
+        row_filter: &RowFilter,
         motion: &KnobMotion,
         band: &Band,
         angle_step_rad: f64,
@@ -77,11 +76,11 @@ impl Scan {
         inverse: &DMatrix<f64>,
     ) -> Option<Self> {
         let (offset_rad, _) = vector::extent(&motion.angle_rad)?;
-        let (lowest, highest) = vector::extent_where(&motion.angle_rad, &frame.mask)?;
+        let (lowest, highest) = vector::extent_where(&motion.angle_rad, &row_filter.mask)?;
         let travel_rad = highest - lowest;
-        let at_rows = || (0..motion.len()).step_by(frame.step);
+        let at_rows = || (0..motion.len()).step_by(row_filter.step);
         let mut speeds: Vec<f64> = at_rows()
-            .filter(|index| frame.mask[*index] > 0.0)
+            .filter(|index| row_filter.mask[*index] > 0.0)
             .map(|index| motion.velocity_rad_s[index].abs())
             .collect();
         let slow_rad_s = quantile(&mut speeds, SLOW_SHARE);
@@ -99,7 +98,7 @@ impl Scan {
         let coarse = Gather::new(coarse_length, offset_rad, spacing, 2 * base_last);
         // A base column varies slowly, and low wavenumbers pass the rows' filter: rows alone will do.
         let angles: Vec<f64> = at_rows().map(|index| motion.angle_rad[index]).collect();
-        let masks: Vec<f64> = at_rows().map(|index| frame.mask[index]).collect();
+        let masks: Vec<f64> = at_rows().map(|index| row_filter.mask[index]).collect();
         let mut columns: Vec<&[f64]> = base_rows.iter().map(|rows| &**rows).collect();
         columns.push(&masks);
         let mut base = coarse.sums_of(&columns, &angles);
@@ -112,7 +111,7 @@ impl Scan {
             fine: Gather::new(length, offset_rad, spacing, last),
             inverses: Vec::new(),
         };
-        let attenuations = scan.attenuations(frame, band, &speeds);
+        let attenuations = scan.attenuations(row_filter, band, &speeds);
         scan.inverses =
             (first..).zip(&attenuations).map(|(k, gain)| gram_inverse(k, *gain, &base, &weights, inverse)).collect();
         Some(scan)
@@ -136,8 +135,8 @@ impl Scan {
     }
 
     /// What a detent at each wavenumber would take off the residual's sum of squares, mNm².
-    pub(crate) fn powers(&self, frame: &Frame, motion: &KnobMotion, residual: &[f64]) -> Vec<f64> {
-        let target = self.fine.sums(&frame.spread(residual), &motion.angle_rad);
+    pub(crate) fn powers(&self, row_filter: &RowFilter, motion: &KnobMotion, residual: &[f64]) -> Vec<f64> {
+        let target = self.fine.sums(&row_filter.spread(residual), &motion.angle_rad);
         let found = target.get(self.first..).unwrap_or_default().iter().zip(&self.inverses);
         found.map(|(sum, [a, b, c])| a * sum.im * sum.im + b * sum.im * sum.re + c * sum.re * sum.re).collect()
     }
@@ -161,15 +160,7 @@ impl Scan {
         order
             .into_iter()
             .map(|index| {
-                // Between two wavenumbers, where the parabola through three has its top.
-                let at = |index: Option<usize>| index.and_then(|index| powers.get(index)).copied();
-                let top = match (at(index.checked_sub(1)), at(Some(index + 1))) {
-                    (Some(left), Some(right)) => {
-                        let bend = 2.0 * powers[index] - left - right;
-                        if bend > 0.0 { 0.5 * (right - left) / bend } else { 0.0 }
-                    }
-                    _ => 0.0,
-                };
+                let top = vertex_of(powers, index);
                 Peak { wavenumber: ((index + self.first) as f64 + top) * self.spacing, power: powers[index] }
             })
             .collect()
@@ -208,7 +199,7 @@ impl Scan {
     /// Power of the second strongest period in what a detent of `wavenumber` left, multiples of it apart, mNm².
     ///
     /// Only periods are counted of which the travel holds at least `fewest`.
-    pub(crate) fn placebo(&self, left: &[f64], wavenumber: f64, fewest: f64) -> f64 {
+    pub(crate) fn null_test(&self, left: &[f64], wavenumber: f64, fewest: f64) -> f64 {
         let resolution = self.resolution();
         let mut others = self.peaks(left, 64).into_iter().filter(|peak| {
             let multiple = (peak.wavenumber / wavenumber).round().clamp(1.0, 3.0);
@@ -225,7 +216,7 @@ impl Scan {
         clippy::cast_sign_loss,
         reason = "indices of histogram bins"
     )]
-    fn attenuations(&self, frame: &Frame, band: &Band, speeds: &[f64]) -> Vec<f64> {
+    fn attenuations(&self, row_filter: &RowFilter, band: &Band, speeds: &[f64]) -> Vec<f64> {
         const BINS: usize = 64;
         let fastest = speeds.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let mut counts = vec![0.0; BINS];
@@ -235,7 +226,7 @@ impl Scan {
         let total: f64 = counts.iter().sum();
         let table_hz = 3.0 * band.edge_hz / 256.0;
         let table: Vec<f64> =
-            (0..=256).map(|i| frame.fir.gain(f64::from(i) * table_hz, frame.rate_hz).powi(2)).collect();
+            (0..=256).map(|i| row_filter.fir.gain(f64::from(i) * table_hz, row_filter.rate_hz).powi(2)).collect();
         let middles: Vec<f64> = (0..BINS).map(|bin| (bin as f64 + 0.5) / BINS as f64 * fastest / TAU).collect();
         let gain = |index: f64| {
             let wavenumber = index * self.spacing;
@@ -259,6 +250,14 @@ impl Scan {
         }
         attenuations
     }
+}
+
+/// Where a parabola through a peak and its neighbours has its top, in steps from the peak.
+pub(crate) fn vertex_of(powers: &[f64], peak: usize) -> f64 {
+    let neighbours = peak.checked_sub(1).and_then(|left| Some((powers[left], *powers.get(peak + 1)?)));
+    let Some((left, right)) = neighbours else { return 0.0 };
+    let bend = 2.0 * powers[peak] - left - right;
+    if bend > 0.0 { (0.5 * (right - left) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
 /// One entry of [`Scan::inverses`]: for the wavenumber of an `index`, at which the rows' filter has the mean square gain

@@ -9,14 +9,14 @@ use rand_xoshiro::rand_core::SeedableRng as _;
 
 use super::periodogram::periodogram;
 use super::structure::Structure;
+use crate::numerics::vector::{dot, smallest_step};
 use crate::options::AccelerationUse;
 use crate::preparation::filter::Fir;
-use crate::preparation::frame::Frame;
 use crate::preparation::motion::{Band, KnobMotion, gradient, scatter};
+use crate::preparation::row_filter::RowFilter;
 use crate::preparation::sensor_noise::SensorNoise;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static::SlowMotion;
-use crate::regression::least_squares::dot;
 use crate::samples::{FitError, Samples, span};
 use crate::uncertainty::statistics::{median, quantile, rms};
 
@@ -75,7 +75,7 @@ pub(crate) struct Capture {
     pub(crate) band: Band,
     pub(crate) motion: KnobMotion,
     motions: Vec<Motion>,
-    pub(crate) frame: Frame,
+    pub(crate) row_filter: RowFilter,
     /// Torque filtered as the motion is, mNm, and its first two derivatives by time.
     torque: [Vec<f64>; 3],
     /// RMS in the rows of the torque channel's noise, mNm.
@@ -87,7 +87,7 @@ pub(crate) struct Capture {
     /// What the rows amount to in fully weighted ones.
     pub(crate) weight: f64,
     angle_step_rad: f64,
-    /// Whether the knob was turned too slowly for its speed to be told: then only effects of the angle can be named.
+    /// Whether the knob was turned too slowly for its speed to be estimated: then only effects of the angle can be named.
     pub(crate) is_map: bool,
     scene: Scene,
 }
@@ -110,22 +110,26 @@ impl Capture {
         let band = Band::of(&uniform, exact.is_some(), calibration);
         let band = Band { edge_hz: edge_hz.min(WIDEST * rate_hz).min(band.clear_hz), ..band };
         let motion = exact.unwrap_or_else(|| KnobMotion::measured(&uniform, &band, calibration, AccelerationUse::Best));
-        let mut frame = Frame::new(&uniform, &motion, &band);
+        let mut row_filter = RowFilter::new(&uniform, &motion, &band);
         let length = (STRETCH_S * rate_hz).round() as usize;
-        frame.mask.iter_mut().enumerate().for_each(|(index, mask)| *mask *= stretches.weight(index / length.max(1)));
-        let sliding = frame.sliding();
+        row_filter
+            .mask
+            .iter_mut()
+            .enumerate()
+            .for_each(|(index, mask)| *mask *= stretches.weight(index / length.max(1)));
+        let sliding = row_filter.sliding();
         if sliding < crate::FEWEST_SAMPLES / 2 {
-            return Err(FitError::HardlyMoving { threshold_rad_s: frame.threshold_rad_s, samples: sliding });
+            return Err(FitError::HardlyMoving { threshold_rad_s: row_filter.threshold_rad_s, samples: sliding });
         }
         let torque = motion.alike(&uniform.torque_mnm, rate_hz).into_owned();
         let rate = gradient(&torque, rate_hz);
         let curvature = gradient(&rate, rate_hz);
-        let passed = frame.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
+        let passed = row_filter.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
         let white_mnm = (uniform.torque_density * 0.5 * rate_hz * passed).sqrt();
-        let resting_mnm = noise_at_rest(&uniform, &motion, &frame, &torque);
-        let weight = frame.weight();
-        let noise = SensorNoise::of(&frame, &motion, &band);
-        let acceleration = frame.rows(&motion.acceleration_rad_s2);
+        let resting_mnm = noise_at_rest(&uniform, &motion, &row_filter, &torque);
+        let weight = row_filter.weight();
+        let noise = SensorNoise::of(&row_filter, &motion, &band);
+        let acceleration = row_filter.rows(&motion.acceleration_rad_s2);
         let mut capture = Self {
             start_s,
             rate_hz,
@@ -133,11 +137,11 @@ impl Capture {
             acceleration_noise_rad_s2: (noise.acceleration_squares / weight).sqrt(),
             acceleration_noise_share: (noise.acceleration_squares / dot(&acceleration, &acceleration)).sqrt(),
             weight,
-            angle_step_rad: crate::numerics::vector::smallest_step(samples.angle_rad),
+            angle_step_rad: smallest_step(samples.angle_rad),
             band,
             motions: (0..motion.len()).map(|index| motion.at(index)).collect(),
             motion,
-            frame,
+            row_filter,
             torque: [torque, rate, curvature],
             is_map: false,
             scene: Scene::default(),
@@ -170,9 +174,9 @@ impl Capture {
             acceleration_noise_rad_s2: 0.0,
             acceleration_noise_share: 0.0,
             weight: mask.iter().sum(),
-            angle_step_rad: crate::numerics::vector::smallest_step(&motion.angle_rad),
+            angle_step_rad: smallest_step(&motion.angle_rad),
             motions: (0..count).map(|index| motion.at(index)).collect(),
-            frame: Frame { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s: 0.0 },
+            row_filter: RowFilter { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s: 0.0 },
             motion,
             torque: [torque_mnm, vec![0.0; count], vec![0.0; count]],
             is_map: true,
@@ -187,16 +191,16 @@ impl Capture {
     pub(crate) fn within(&self, other: &Self) -> Option<Self> {
         let range = other.scene.lowest_rad..=other.scene.highest_rad;
         let mut within = self.clone();
-        within.frame.mask.iter_mut().zip(&self.motion.angle_rad).for_each(|(mask, angle_rad)| {
+        within.row_filter.mask.iter_mut().zip(&self.motion.angle_rad).for_each(|(mask, angle_rad)| {
             if !range.contains(angle_rad) {
                 *mask = 0.0;
             }
         });
-        let (before, after) = (self.frame.sliding(), within.frame.sliding());
+        let (before, after) = (self.row_filter.sliding(), within.row_filter.sliding());
         if after == before || after < crate::FEWEST_SAMPLES / 2 {
             return None;
         }
-        within.weight = within.frame.weight();
+        within.weight = within.row_filter.weight();
         within.scene = within.measured_scene();
         Some(within)
     }
@@ -217,7 +221,7 @@ impl Capture {
     }
 
     /// RMS of the residual that noise alone leaves beside a structure, mNm.
-    pub(crate) fn floor_beside_mnm(&self, structure: &Structure) -> f64 {
+    pub(crate) fn floor_of_mnm(&self, structure: &Structure) -> f64 {
         // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
         let Some(coupling) = structure.model().coupling() else { return self.floor_mnm(structure.inertia()) };
         let of_cap = self.floor_mnm((1.0 - coupling.inner_share) * structure.inertia());
@@ -227,7 +231,8 @@ impl Capture {
     /// RMS of a residual in the quietest tenth of its stretches, mNm: where a model is wrong, it is so by different
     /// amounts in different stretches, and noise is in all.
     pub(crate) fn quiet_rms_mnm(&self, residual: &[f64]) -> f64 {
-        let weights: Vec<f64> = self.frame.mask.iter().step_by(self.frame.step).map(|mask| mask * mask).collect();
+        let weights: Vec<f64> =
+            self.row_filter.mask.iter().step_by(self.row_filter.step).map(|mask| mask * mask).collect();
         let mut squares: Vec<f64> = residual
             .chunks(STRETCH_ROWS)
             .zip(weights.chunks(STRETCH_ROWS))
@@ -262,7 +267,7 @@ impl Capture {
             })
             .collect();
         let model = structure.model();
-        let [here, there] = [&self.motions, &noisy].map(|motions| self.frame.rows(&model.readings_mnm(motions)));
+        let [here, there] = [&self.motions, &noisy].map(|motions| self.row_filter.rows(&model.readings_mnm(motions)));
         let difference: Vec<f64> = here.iter().zip(&there).map(|(here, there)| here - there).collect();
         (dot(&difference, &difference) / self.weight).sqrt()
     }
@@ -273,7 +278,7 @@ impl Capture {
     }
 
     /// The same torque beside another motion.
-    pub(crate) fn beside(&self, motion: KnobMotion) -> Self {
+    pub(crate) fn with_motion(&self, motion: KnobMotion) -> Self {
         Self { motions: (0..motion.len()).map(|index| motion.at(index)).collect(), motion, ..self.clone() }
     }
 
@@ -284,12 +289,12 @@ impl Capture {
 
     /// Rows of the columns of a structure's effect.
     pub(crate) fn rows_of(&self, structure: &Structure, effect: usize) -> Vec<Vec<f64>> {
-        structure.rows(effect, &self.motion, &self.frame)
+        structure.rows(effect, &self.motion, &self.row_filter)
     }
 
     /// Rows of the torque as it would have been read `delay_s` earlier.
     pub(crate) fn target(&self, delay_s: f64) -> Vec<f64> {
-        self.frame.rows(&self.torque_mnm(delay_s))
+        self.row_filter.rows(&self.torque_mnm(delay_s))
     }
 
     /// The torque as it would have been read `delay_s` earlier, mNm.
@@ -316,8 +321,8 @@ impl Capture {
     /// Time of every row, s, with the motion there and the weight of the mask.
     pub(crate) fn row_motions(&self) -> Vec<(Motion, f64)> {
         (0..self.motion.len())
-            .step_by(self.frame.step)
-            .map(|index| (self.motion.at(index), self.frame.mask[index]))
+            .step_by(self.row_filter.step)
+            .map(|index| (self.motion.at(index), self.row_filter.mask[index]))
             .collect()
     }
 
@@ -338,7 +343,7 @@ impl Capture {
 
     /// The same, from the motion where the knob slides.
     fn measured_scene(&self) -> Scene {
-        let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.frame.mask[*index] > 0.0).collect();
+        let sliding: Vec<usize> = (0..self.motion.len()).filter(|index| self.row_filter.mask[*index] > 0.0).collect();
         let angles: Vec<f64> = sliding.iter().map(|index| self.motion.angle_rad[*index]).collect();
         let mut speeds: Vec<f64> = sliding.iter().map(|index| self.motion.velocity_rad_s[*index].abs()).collect();
         let lowest_rad = angles.iter().copied().fold(f64::INFINITY, f64::min);
@@ -367,9 +372,10 @@ impl Capture {
     clippy::cast_precision_loss,
     reason = "numbers of samples"
 )]
-fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_mnm: &[f64]) -> Option<f64> {
-    let shortest = (REST_S * uniform.rate_hz).round() as usize + 2 * frame.fir.half_length();
-    let resting = |index: usize| motion.velocity_rad_s[index].abs() <= frame.threshold_rad_s && uniform.present[index];
+fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, row_filter: &RowFilter, torque_mnm: &[f64]) -> Option<f64> {
+    let shortest = (REST_S * uniform.rate_hz).round() as usize + 2 * row_filter.fir.half_length();
+    let resting =
+        |index: usize| motion.velocity_rad_s[index].abs() <= row_filter.threshold_rad_s && uniform.present[index];
     // Frequency in cycles per row, and density in mean squares per cycle.
     let mut lines: Vec<[f64; 2]> = Vec::new();
     let mut count = 0;
@@ -383,8 +389,8 @@ fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, frame: &Frame, torque_m
         if settled.len() < shortest {
             continue;
         }
-        let rows = frame.fir.decimate(&torque_mnm[settled.clone()], frame.step);
-        let margin = frame.fir.half_length().div_ceil(frame.step);
+        let rows = row_filter.fir.decimate(&torque_mnm[settled.clone()], row_filter.step);
+        let margin = row_filter.fir.half_length().div_ceil(row_filter.step);
         let mut inner = rows.get(margin..rows.len().saturating_sub(margin)).unwrap_or(&[]).to_vec();
         // What holds the knob changes slowly.
         remove_parabola(&mut inner);

@@ -6,14 +6,14 @@ use std::f64::consts::TAU;
 use dynamics::{Coordinate, effects};
 use rayon::prelude::*;
 
+use super::acceptance::{FALSE_DISCOVERIES, takes_its_part};
 use super::capture::Capture;
 use super::findings::Characteristic;
 use super::judged::Judged;
 use super::search::{Found, Search};
 use super::separable::Separable;
 use super::verdict::LEFT;
-use super::worth::{FALSE_DISCOVERIES, takes_its_part};
-use super::{normal, placebo};
+use super::{bounded_least_squares, null_test};
 use crate::regression::characteristic::{CharacteristicPoint, Spline, held};
 use crate::regression::least_squares::LeastSquares;
 use crate::uncertainty::statistics::{false_discovery_rate, student_95};
@@ -62,7 +62,7 @@ fn coordinate(spline: &Spline) -> &'static str {
 /// Rows of the torque of every point alone, 1 mNm high.
 fn rows(spline: &Spline, capture: &Capture) -> Vec<Vec<f64>> {
     let columns = spline.columns(capture.motion.len(), |index| capture.motion.at(index));
-    columns.map(|column| capture.frame.rows(&column)).collect()
+    columns.map(|column| capture.row_filter.rows(&column)).collect()
 }
 
 impl Search<'_> {
@@ -120,7 +120,7 @@ impl Search<'_> {
         best.into_iter().find_map(|((index, judged), false_discovery_rate)| {
             let spline = &splines[*index];
             let [train, heldout] = [self.train, self.heldout].map(|capture| rows(spline, capture));
-            let placebo_rms = placebo::rms_of_columns([&train, &heldout], current, self.heldout);
+            let placebo_rms = null_test::rms_of_columns([&train, &heldout], current, self.heldout);
             if judged.heldout_rms_mnm > placebo_rms {
                 return None;
             }
@@ -149,7 +149,7 @@ fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> V
     let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let mut nonnegative = present.structure.nonnegative();
     nonnegative.resize(slices.len(), false);
-    normal::solve(&slices, &target, &nonnegative)[base.len()..].to_vec()
+    bounded_least_squares::solve(&slices, &target, &nonnegative)[base.len()..].to_vec()
 }
 
 /// The points of a fitted spline with their intervals, the other effects being as they are.

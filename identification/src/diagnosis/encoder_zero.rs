@@ -12,8 +12,8 @@ use super::judged::{Judged, p_value};
 use super::nonlinear::residual;
 use super::separable::Separable;
 use super::structure::Structure;
+use crate::numerics::vector::dot;
 use crate::preparation::motion::KnobMotion;
-use crate::regression::least_squares::dot;
 use crate::uncertainty::statistics::{NORMAL_95, plus_minus};
 
 /// Angles between two zeros that are tried per radian of the finest torque's phase.
@@ -127,7 +127,7 @@ impl EncoderZero {
 fn moved(capture: &Capture, by_rad: f64) -> Capture {
     let motion = &capture.motion;
     let angle_rad = motion.angle_rad.iter().map(|angle| angle + by_rad).collect();
-    capture.beside(KnobMotion { angle_rad, ..motion.clone() })
+    capture.with_motion(KnobMotion { angle_rad, ..motion.clone() })
 }
 
 /// Whether an effect is a torque of the angle. A spring counts as none: another zero of it is an offset.

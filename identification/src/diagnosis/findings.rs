@@ -132,7 +132,7 @@ pub struct Step {
     /// Share of false discoveries among the effects tried in this step that predict stretches of the held-out capture as
     /// well as this one (Benjamini and Hochberg 1995).
     pub false_discovery_rate: f64,
-    /// RMS on the held-out capture with a placebo of as many parameters: the effect's own columns at the wrong time, mNm.
+    /// RMS on the held-out capture with a null test of as many parameters: the effect's own columns at the wrong time, mNm.
     pub placebo_rms: f64,
     /// Other effects in its place, best first.
     pub rivals: Vec<Rival>,

@@ -4,17 +4,17 @@ use dynamics::effects::{self, cogging};
 use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part};
 use rayon::prelude::*;
 
+use super::acceptance::WORTHWHILE;
+use super::bounded_least_squares;
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
-use super::normal;
 use super::separable::Separable;
 use super::sticking;
 use super::structure::Structure;
 use super::twist;
-use super::worth::WORTHWHILE;
-use crate::numerics::vector::subtract;
-use crate::regression::least_squares::dot;
+use crate::numerics::vector::{dot, subtract};
+use crate::regression::least_squares::residual;
 
 /// Starts of a separable hypothesis that are refined.
 const REFINED: usize = 2;
@@ -237,7 +237,7 @@ fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train:
 
 /// Fits of a structure with a coupling and one of the `kinds` more: those that promise most beside the present values'
 /// own derivatives.
-pub(crate) fn beside_coupling(
+pub(crate) fn with_coupling(
     kinds: &[&'static EffectKind],
     base: &Structure,
     train: &Capture,
@@ -345,7 +345,7 @@ impl Coarse {
     /// `columns` are the directions in which the present structure can move.
     fn new(capture: &Capture, structure: &Structure, columns: &[&[f64]], residual: &[f64]) -> Self {
         let thin = |coulomb_only| {
-            let rows = (0..capture.motion.len()).step_by(capture.frame.step);
+            let rows = (0..capture.motion.len()).step_by(capture.row_filter.step);
             rows.map(structure.friction_mnm(&capture.motion, coulomb_only)).collect()
         };
         let mut basis: Vec<Vec<f64>> = Vec::new();
@@ -394,8 +394,8 @@ impl Coarse {
         }
         let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
         let nonnegative: Vec<bool> = (0..columns.len()).map(|c| regressors.nonnegative.contains(&c)).collect();
-        let coefficients = normal::solve(&slices, &self.residual, &nonnegative);
-        let left = normal::residual(&slices, &self.residual, &coefficients);
+        let coefficients = bounded_least_squares::solve(&slices, &self.residual, &nonnegative);
+        let left = residual(&slices, &self.residual, &coefficients);
         let mut all = vec![0.0; regressors.columns];
         all[..coefficients.len()].copy_from_slice(&coefficients);
         (regressors.values)(&all, effect.values_mut());

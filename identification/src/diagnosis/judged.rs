@@ -1,21 +1,22 @@
 //! How well a fitted structure explains the capture that it was fitted to and another one.
 
+use super::bounded_least_squares;
 use super::capture::Capture;
 use super::nonlinear::{self, Nonlinear};
-use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
-use crate::regression::least_squares::dot;
-use crate::uncertainty::statistics::student_above;
+use crate::numerics::vector::dot;
+use crate::regression::least_squares::residual;
+use crate::uncertainty::statistics::{mean_over_error, student_above};
 
 /// Stretches over which a comparison of two structures is repeated.
 const BLOCKS: usize = 60;
 /// How much louder than the quietest tenth of a residual's stretches noise alone may be.
 const QUIET: f64 = 1.25;
 /// Change of the logarithm of a stretch's mean square above which two structures differ there …
-const FELT: f64 = 0.02;
+const DIFFERS: f64 = 0.02;
 /// … and fewest such stretches from which anything is concluded.
-const FEWEST_FELT: usize = 4;
+const FEWEST_DIFFERING: usize = 4;
 
 /// A structure with what it leaves of both captures.
 #[derive(Clone, Debug)]
@@ -54,10 +55,8 @@ impl Judged {
         let cost = 0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln();
         Self {
             // Where a servo pushes against a knob that sticks, rests are louder than the sensors; noise is everywhere.
-            train_floor_mnm: train.floor_beside_mnm(&structure).min(QUIET * train.quiet_rms_mnm(&train_residual)),
-            heldout_floor_mnm: heldout
-                .floor_beside_mnm(&structure)
-                .min(QUIET * heldout.quiet_rms_mnm(&heldout_residual)),
+            train_floor_mnm: train.floor_of_mnm(&structure).min(QUIET * train.quiet_rms_mnm(&train_residual)),
+            heldout_floor_mnm: heldout.floor_of_mnm(&structure).min(QUIET * heldout.quiet_rms_mnm(&heldout_residual)),
             structure,
             train_residual,
             heldout_residual,
@@ -94,7 +93,7 @@ impl Judged {
     }
 
     /// Mean square above the lower of this one's floors and another's, mNm².
-    pub(crate) fn excess_beside(&self, other: &Self) -> f64 {
+    pub(crate) fn excess_above_lower_floor(&self, other: &Self) -> f64 {
         let (own, other) = (self.floors_mnm(), other.floors_mnm());
         self.excess_above([own[0].min(other[0]), own[1].min(other[1])])
     }
@@ -105,18 +104,18 @@ impl Judged {
     }
 
     /// Probability that an effect of nothing predicts the held-out capture, stretch after stretch, as much better than
-    /// `other` as this one does; one where it is felt in too few stretches to say.
+    /// `other` as this one does; one where the two differ in too few stretches to say.
     pub(crate) fn heldout_p_value(&self, other: &Self) -> f64 {
         p_value(&other.heldout_residual, &self.heldout_residual)
     }
 
     /// By how many standard errors this explains stretch after stretch of both captures better than `other`, among the
-    /// stretches in which the two differ at all: an end stop is not felt everywhere.
+    /// stretches in which the two differ at all: an end stop does not act everywhere.
     pub(crate) fn steadily_better_than(&self, other: &Self) -> f64 {
         let mut gains = stretches(&other.train_residual, &self.train_residual);
         gains.extend(stretches(&other.heldout_residual, &self.heldout_residual));
-        gains.retain(|gain| gain.abs() > FELT);
-        if gains.len() < FEWEST_FELT { 0.0 } else { mean_over_error(&gains) }
+        gains.retain(|gain| gain.abs() > DIFFERS);
+        if gains.len() < FEWEST_DIFFERING { 0.0 } else { mean_over_error(&gains) }
     }
 }
 
@@ -124,21 +123,12 @@ impl Judged {
 /// in too few stretches to say.
 pub(crate) fn p_value(before: &[f64], after: &[f64]) -> f64 {
     let mut gains = stretches(before, after);
-    gains.retain(|gain| gain.abs() > FELT);
-    if gains.len() < FEWEST_FELT {
+    gains.retain(|gain| gain.abs() > DIFFERS);
+    if gains.len() < FEWEST_DIFFERING {
         return 1.0;
     }
     #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
     student_above(mean_over_error(&gains), (gains.len() - 1) as f64)
-}
-
-/// Mean in standard errors.
-#[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
-fn mean_over_error(values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
-    mean / variance.sqrt().max(f64::MIN_POSITIVE)
 }
 
 /// By how much the logarithm of the mean square falls in each stretch.
@@ -168,6 +158,6 @@ fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
     let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let rest = own.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
     let left = nonlinear::residual(&rest, capture);
-    let coefficients = normal::solve(&columns, &left, &vec![false; columns.len()]);
-    normal::residual(&columns, &left, &coefficients)
+    let coefficients = bounded_least_squares::solve(&columns, &left, &vec![false; columns.len()]);
+    residual(&columns, &left, &coefficients)
 }

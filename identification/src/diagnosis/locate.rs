@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use super::capture::Capture;
 use super::periodogram::periodogram;
 use super::structure::Structure;
-use crate::regression::least_squares::dot;
-use crate::uncertainty::statistics::{false_discovery_rate, median, student_above};
+use crate::numerics::vector::dot;
+use crate::uncertainty::statistics::{false_discovery_rate, mean_over_error, median, student_above};
 
 /// Bins of a coordinate, each with as many rows.
 const BINS: usize = 24;
@@ -98,16 +98,13 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
         gains[fold] += value * value - (value - predicted).powi(2);
     }
     let total = dot(residual, residual).max(f64::MIN_POSITIVE);
-    let mean = gains.iter().sum::<f64>() / FOLDS as f64;
-    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (FOLDS * (FOLDS - 1)) as f64;
-    let score = mean / variance.sqrt().max(f64::MIN_POSITIVE);
     let mut middles = vec![0.0; BINS];
     at.iter().zip(&bins).for_each(|(value, bin)| middles[*bin] += value);
     Location {
         coordinate,
         unit,
         explained_percent: (100.0 * gains.iter().sum::<f64>() / total).max(0.0),
-        p_value: student_above(score, (FOLDS - 1) as f64),
+        p_value: student_above(mean_over_error(&gains), (FOLDS - 1) as f64),
         significant: false,
         map: all
             .iter()
@@ -121,7 +118,7 @@ fn mapped(coordinate: &'static str, unit: &'static str, at: &[f64], residual: &[
 /// The residual over frequency: whether one line stands out of its neighbours, as a hum or a ringing does.
 #[allow(clippy::cast_precision_loss, reason = "numbers of rows")]
 fn spectrum(residual: &[f64], rows: &[(dynamics::Motion, f64)], capture: &Capture) -> Location {
-    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let rate_hz = capture.rate_hz / capture.row_filter.step as f64;
     let slid: Vec<f64> =
         residual.iter().zip(rows).map(|(value, (_, mask))| if *mask > 0.0 { *value } else { 0.0 }).collect();
     let lines = periodogram(&slid);

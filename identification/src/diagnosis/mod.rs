@@ -1,5 +1,7 @@
 //! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
 
+mod acceptance;
+mod bounded_least_squares;
 mod capture;
 mod characteristic;
 mod commanded;
@@ -12,9 +14,8 @@ mod intervals;
 mod judged;
 mod locate;
 mod nonlinear;
-mod normal;
+mod null_test;
 mod periodogram;
-mod placebo;
 mod rows;
 mod search;
 mod separable;
@@ -24,7 +25,6 @@ mod twist;
 mod unequal;
 mod verdict;
 mod workflow;
-mod worth;
 
 pub use commanded::CommandedTorque;
 pub use error::DiagnosisError;

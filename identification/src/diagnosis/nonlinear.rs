@@ -10,9 +10,9 @@ use rayon::prelude::*;
 
 use super::capture::Capture;
 use super::structure::{Searched, Structure};
+use crate::numerics::vector::dot;
 use crate::preparation::filter::Fir;
 use crate::preparation::uniform::whole;
-use crate::regression::least_squares::dot;
 
 /// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in
 /// each.
@@ -322,7 +322,7 @@ fn residuals(structures: &[&Structure], capture: &Capture) -> Vec<Vec<f64>> {
 
 /// What given readings leave of a target, in rows.
 fn left_by(readings_mnm: &[f64], target: &[f64], capture: &Capture) -> Vec<f64> {
-    let simulated = capture.frame.rows(readings_mnm);
+    let simulated = capture.row_filter.rows(readings_mnm);
     target.iter().zip(&simulated).map(|(target, torque)| target - torque).collect()
 }
 
@@ -337,7 +337,7 @@ fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
     if share >= 1.0 {
         return rows.to_vec();
     }
-    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let rate_hz = capture.rate_hz / capture.row_filter.step as f64;
     let edge_hz = share * capture.band.edge_hz;
     let step = whole(rate_hz / (2.5 * edge_hz));
     Fir::low_pass((1.65 * rate_hz / edge_hz).round() as usize, edge_hz, rate_hz).decimate(rows, step.max(1))

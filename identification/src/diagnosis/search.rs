@@ -6,6 +6,7 @@ use dynamics::effects::{self, cogging};
 use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part};
 use rayon::prelude::*;
 
+use super::acceptance::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, takes_its_part, worthwhile};
 use super::capture::Capture;
 use super::error::DiagnosisError;
 use super::findings::{Characteristic, Partial, Value};
@@ -13,13 +14,12 @@ use super::hypotheses::{self, Effort};
 use super::intervals;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
-use super::placebo;
+use super::null_test;
 use super::separable::{BEND, Separable};
 use super::structure::Structure;
 use super::unequal;
 use super::verdict::LEFT;
 use super::workflow::{DiagnoseOptions, Progress};
-use super::worth::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, takes_its_part, worthwhile};
 use crate::uncertainty::statistics::false_discovery_rate;
 use crate::{FitError, FitOptions, Samples, fit};
 
@@ -125,8 +125,7 @@ impl Search<'_> {
             let cost = 0.5 * freedom as f64 * weight.ln();
             -0.5 * weight * squares.max(f64::MIN_POSITIVE).ln() - cost
         };
-        let squares =
-            |judged: &Judged| crate::regression::least_squares::dot(&judged.train_residual, &judged.train_residual);
+        let squares = |judged: &Judged| crate::numerics::vector::dot(&judged.train_residual, &judged.train_residual);
         let freedom = current.structure.freedom() + BEND;
         (evidence(squares(&unequal), unequal.structure.freedom()) > evidence(squares(&bent), freedom))
             .then_some(unequal)
@@ -150,15 +149,14 @@ impl Search<'_> {
             [("training", self.train, &base.train_residual), ("held-out", self.heldout, &base.heldout_residual)]
         {
             let target = capture.target(base.structure.delay_s());
-            let square = crate::regression::least_squares::dot(&target, &target);
+            let square = crate::numerics::vector::dot(&target, &target);
             let over_floor = (square / capture.weight).sqrt() / capture.floor_mnm(0.0);
             if over_floor < 2.0 {
                 return Err(DiagnosisError::TooQuiet { which, over_floor });
             }
             let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
-            let predicted_square = crate::regression::least_squares::dot(&predicted, &predicted);
-            let factor =
-                crate::regression::least_squares::dot(&target, &predicted) / predicted_square.max(f64::MIN_POSITIVE);
+            let predicted_square = crate::numerics::vector::dot(&predicted, &predicted);
+            let factor = crate::numerics::vector::dot(&target, &predicted) / predicted_square.max(f64::MIN_POSITIVE);
             // A model that lacks gravity may well predict the opposite; only a good prediction shows a wrong unit.
             let predicts = predicted_square * factor.powi(2) > WELL_PREDICTED * square;
             if which == "held-out" && predicts && !(0.1..10.0).contains(&factor) {
@@ -247,7 +245,7 @@ impl Search<'_> {
             false_discovery_rate(p_values[*index], &p_values) <= FALSE_DISCOVERIES
                 && takes_its_part(current, judged)
                 && self.disqualified(judged).is_none()
-                && judged.heldout_rms_mnm < self.placebo_rms_mnm(judged.newest(), current, judged)
+                && judged.heldout_rms_mnm < self.null_test_rms_mnm(judged.newest(), current, judged)
                 && !self.is_nothing(judged)
         };
         (0..tried.len())
@@ -256,8 +254,8 @@ impl Search<'_> {
     }
 
     /// What mere freedom leaves of the held-out capture, mNm.
-    pub(crate) fn placebo_rms_mnm(&self, effect: &str, before: &Judged, after: &Judged) -> f64 {
-        placebo::rms_mnm(effect, before, &after.structure, self.train, self.heldout)
+    pub(crate) fn null_test_rms_mnm(&self, effect: &str, before: &Judged, after: &Judged) -> f64 {
+        null_test::rms_mnm(effect, before, &after.structure, self.train, self.heldout)
     }
 
     fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) {
@@ -325,7 +323,7 @@ impl Search<'_> {
         let first = &found.chain[0];
         let kinds = self.candidates(&current.structure);
         if current.structure.is_coupled() {
-            return hypotheses::beside_coupling(&kinds, &current.structure, self.train, self.heldout);
+            return hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout);
         }
         let (mut coupled, separable): (Vec<&'static EffectKind>, Vec<&'static EffectKind>) =
             kinds.iter().partition(|kind| matches!(kind.part, Part::Coupling(_)));
@@ -452,7 +450,7 @@ impl Search<'_> {
         let gap = current.excess();
         let each = tried.iter().filter(|judged| judged.evidence - current.evidence > EVIDENCE).map(|judged| Partial {
             effect: judged.newest(),
-            explains_percent: 100.0 * (gap - judged.excess_beside(current)) / gap,
+            explains_percent: 100.0 * (gap - judged.excess_above_lower_floor(current)) / gap,
         });
         each.filter(|partial| partial.explains_percent > 5.0).collect()
     }

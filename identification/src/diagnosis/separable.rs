@@ -2,10 +2,12 @@
 
 use dynamics::{Effect, Part};
 
+use super::bounded_least_squares::solve;
 use super::capture::Capture;
-use super::normal::{residual, solve};
 use super::structure::{Searched, Structure};
-use crate::regression::least_squares::dot;
+use crate::numerics::vector::dot;
+use crate::regression::backtracking::longest_improving;
+use crate::regression::least_squares::residual;
 
 /// Relative change of a searched parameter for its column by differences.
 const DIFFERENCE: f64 = 1e-5;
@@ -70,7 +72,7 @@ impl<'a> Separable<'a> {
         let middle_rad = 0.5 * (scene.lowest_rad + scene.highest_rad);
         let half_rad = 0.5 * scene.travel_rad().max(f64::MIN_POSITIVE);
         let share = move |angle_rad: f64| (angle_rad - middle_rad) / half_rad;
-        let bend = self.capture.frame.rows_of(BEND, |range, columns| {
+        let bend = self.capture.row_filter.rows_of(BEND, |range, columns| {
             for (row, angle_rad) in self.capture.motion.angle_rad[range].iter().enumerate() {
                 let share = share(*angle_rad);
                 columns.iter_mut().fold(share, |power, column| {
@@ -193,19 +195,17 @@ impl<'a> Separable<'a> {
     fn step(&mut self, searched: &[Searched], step: &[f64]) -> bool {
         let before = self.squares();
         let start: Vec<f64> = searched.iter().map(|which| self.structure.get(*which)).collect();
-        let mut share = 1.0;
-        while share > 1e-2 {
+        let improved = longest_improving(0.25, |share| {
             let moved = searched.iter().zip(&start).zip(step);
             let values: Vec<f64> =
                 moved.map(|((which, value), step)| self.limited(*which, *value, share * step)).collect();
             self.set(searched, &values);
-            if self.squares() < before {
-                return true;
-            }
-            share *= 0.25;
+            (self.squares() < before).then_some(())
+        });
+        if improved.is_none() {
+            self.set(searched, &start);
         }
-        self.set(searched, &start);
-        false
+        improved.is_some()
     }
 
     /// A value moved by a step, no further than is sensible in one go and within its range.

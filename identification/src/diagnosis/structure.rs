@@ -5,8 +5,8 @@ use std::ops::Range;
 use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
 
 use super::capture::Capture;
-use crate::preparation::frame::Frame;
 use crate::preparation::motion::KnobMotion;
+use crate::preparation::row_filter::RowFilter;
 
 /// A model while it is looked for.
 #[derive(Clone, Debug)]
@@ -230,22 +230,22 @@ impl Structure {
         }
     }
 
-    /// Rows of the columns of the effect at an index, in a frame of a motion.
-    pub(crate) fn rows(&self, index: usize, motion: &KnobMotion, frame: &Frame) -> Vec<Vec<f64>> {
+    /// Rows of the columns of the effect at an index, in a row filter of a motion.
+    pub(crate) fn rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
         if self.depends_on_others(index) {
-            return self.rows_beside_others(index, motion, frame);
+            return self.dependent_rows(index, motion, row_filter);
         }
-        frame.leading_effect_rows(&self.effects[index], self.columns[index], motion)
+        row_filter.leading_effect_rows(&self.effects[index], self.columns[index], motion)
     }
 
     /// The same of an effect that depends on others, or on what was before.
-    fn rows_beside_others(&self, index: usize, motion: &KnobMotion, frame: &Frame) -> Vec<Vec<f64>> {
+    fn dependent_rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
         let effect = &self.effects[index];
         let mut values = vec![0.0; self.widths()[index]];
         let mut each = |row: &dyn Fn(usize, &mut [f64])| {
-            frame.rows_of(values.len(), |range, columns| {
+            row_filter.rows_of(values.len(), |range, columns| {
                 for (place, at) in range.enumerate() {
-                    if frame.mask[at] == 0.0 {
+                    if row_filter.mask[at] == 0.0 {
                         values.fill(0.0);
                     } else {
                         row(at, &mut values);

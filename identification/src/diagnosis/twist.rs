@@ -10,24 +10,27 @@ use std::f64::consts::TAU;
 use dynamics::Coupling;
 use realfft::num_complex::Complex;
 
+use super::bounded_least_squares;
 use super::capture::Capture;
-use super::normal;
 use super::structure::Structure;
 use crate::numerics::fourier;
+use crate::numerics::vector::dot;
 use crate::preparation::motion::KnobMotion;
-use crate::regression::least_squares::dot;
+use crate::regression::least_squares::residual;
 
 /// Sum of squares of what a structure leaves behind a shaft, and the coefficients with which it does, mNm².
 pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> (f64, Vec<f64>) {
     let behind = motion(shaft, capture);
     let target = capture.target(0.0);
     let response = turned_down(target.len(), base.inertia(), shaft, capture);
-    let rows: Vec<Vec<f64>> =
-        (0..base.effects.len()).flat_map(|index| base.rows(index, &behind, &capture.frame)).map(&response).collect();
+    let rows: Vec<Vec<f64>> = (0..base.effects.len())
+        .flat_map(|index| base.rows(index, &behind, &capture.row_filter))
+        .map(&response)
+        .collect();
     let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let target = response(target);
-    let coefficients = normal::solve(&columns, &target, &base.nonnegative());
-    let left = normal::residual(&columns, &target, &coefficients);
+    let coefficients = bounded_least_squares::solve(&columns, &target, &base.nonnegative());
+    let left = residual(&columns, &target, &coefficients);
     (dot(&left, &left), coefficients)
 }
 
@@ -60,7 +63,7 @@ fn turned_down(
     shaft: &Coupling,
     capture: &Capture,
 ) -> impl Fn(Vec<f64>) -> Vec<f64> + use<> {
-    let rate_hz = capture.rate_hz / capture.frame.step as f64;
+    let rate_hz = capture.rate_hz / capture.row_filter.step as f64;
     let response = |cycles: f64| {
         let turning = TAU * cycles * rate_hz;
         let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);

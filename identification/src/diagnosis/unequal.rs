@@ -6,15 +6,16 @@
 use std::f64::consts::{PI, TAU};
 
 use dynamics::{Coordinate, Curve, Effect, TableUse, TorqueTable, effects};
-use nalgebra::DVector;
 
+use super::bounded_least_squares;
 use super::capture::Capture;
 use super::findings::{UnequalDetent, Value};
-use super::normal;
 use super::separable::Separable;
 use super::structure::Structure;
-use crate::regression::least_squares::{LeastSquares, dot};
-use crate::uncertainty::statistics::student_95;
+use crate::numerics::vector::dot;
+use crate::regression::backtracking::longest_improving;
+use crate::regression::least_squares::{LeastSquares, residual};
+use crate::uncertainty::statistics::{deviation_of_sum, mean, student_95};
 
 /// Gauss–Newton steps; each moves a zero by at most this share of the distance between two.
 const STEPS: usize = 12;
@@ -103,7 +104,7 @@ impl Lobes {
     /// Columns of the heights, and of the zeros at the present heights.
     fn columns(&self, capture: &Capture) -> Vec<Vec<f64>> {
         let count = self.count();
-        capture.frame.rows_of(2 * count, |range, columns| {
+        capture.row_filter.rows_of(2 * count, |range, columns| {
             columns.iter_mut().for_each(|column| column.fill(0.0));
             for (row, index) in range.enumerate() {
                 let (lobe, share, width_rad) = self.place(capture.motion.angle_rad[index]);
@@ -177,18 +178,12 @@ fn fitted(mut lobes: Lobes, structure: Structure, capture: &Capture) -> Option<S
     for _ in 0..STEPS {
         let step = solved(&lobes, &columns, &rest_columns, &target, &nonnegative);
         let (heights_mnm, shifts_rad) = step[rest_columns.len()..].split_at(lobes.count());
-        let mut share = 1.0;
-        let better = loop {
-            let tried = lobes.moved(heights_mnm, shifts_rad, share).map(|moved| {
-                let columns = moved.columns(capture);
-                (squares(&moved, &columns, &rest_columns, &target, &nonnegative), moved, columns)
-            });
-            match tried {
-                Some(tried) if tried.0 < left => break Some(tried),
-                _ if share < 0.1 => break None,
-                _ => share *= 0.4,
-            }
-        };
+        let better = longest_improving(0.4, |share| {
+            let moved = lobes.moved(heights_mnm, shifts_rad, share)?;
+            let columns = moved.columns(capture);
+            let now = squares(&moved, &columns, &rest_columns, &target, &nonnegative);
+            (now < left).then_some((now, moved, columns))
+        });
         let Some((now, moved, moved_columns)) = better else { break };
         let settled = left - now < SETTLED * left;
         (left, lobes, columns) = (now, moved, moved_columns);
@@ -219,10 +214,9 @@ pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) ->
     let critical = student_95(covariance.degrees_of_freedom);
     let count = lobes.count();
     let value = |value: f64, unit, parts: &[(usize, f64)]| {
-        let mut derivatives = DVector::zeros(columns.len());
+        let mut derivatives = vec![0.0; columns.len()];
         parts.iter().for_each(|(column, by)| derivatives[*column] = *by);
-        let variance = derivatives.dot(&(&covariance.matrix * &derivatives));
-        let half = critical * variance.sqrt();
+        let half = critical * deviation_of_sum(&covariance.matrix, &derivatives);
         let known = parts.iter().all(|(column, _)| !solved.collinear[*column]) && half.is_finite();
         Value { value, unit, ci95: known.then_some([value - half, value + half]) }
     };
@@ -252,7 +246,7 @@ fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], 
     let count = lobes.count();
     let mean_square =
         |columns: &[Vec<f64>]| columns.iter().map(|column| dot(column, column)).sum::<f64>() / to_f64(count);
-    let mean_mnm = lobes.heights_mnm.iter().sum::<f64>() / to_f64(count);
+    let mean_mnm = mean(&lobes.heights_mnm);
     let held: Vec<f64> = columns
         .chunks(count)
         .flat_map(|of_kind| std::iter::repeat_n((HELD * mean_square(of_kind)).sqrt(), of_kind.len()))
@@ -270,7 +264,7 @@ fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], 
     let mut wanted = target.to_vec();
     wanted.extend((0..columns.len()).map(|row| if row < count { held[row] * mean_mnm } else { 0.0 }));
     let slices: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
-    normal::solve(&slices, &wanted, &nonnegative[..slices.len()])
+    bounded_least_squares::solve(&slices, &wanted, &nonnegative[..slices.len()])
 }
 
 /// Sum of squares that lobes leave, whatever their heights.
@@ -278,7 +272,7 @@ fn squares(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64],
     let heights = &columns[..lobes.count()];
     let coefficients = solved(lobes, heights, rest, target, nonnegative);
     let slices: Vec<&[f64]> = rest.iter().copied().chain(heights.iter().map(Vec::as_slice)).collect();
-    let left = normal::residual(&slices, target, &coefficients);
+    let left = residual(&slices, target, &coefficients);
     dot(&left, &left)
 }
 

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use dynamics::{Model, simulate};
 
+use super::acceptance::{MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
 use super::commanded;
 use super::findings::{Diagnosis, Rival, Step, Value, Verdict};
 use super::judged::Judged;
 use super::locate::locate;
 use super::search::{Found, Search};
 use super::structure::Structure;
-use super::worth::{MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
 use super::{experiment, intervals, rows, unequal};
 use crate::uncertainty::statistics::rank_correlation;
 
@@ -56,7 +56,7 @@ impl Search<'_> {
         // something was, either may contain what the other was too short to teach.
         let each = [last.heldout_over_floor(), last.train_over_floor()];
         let left = if found.added.is_empty() { each[0].max(each[1]) } else { each[0].min(each[1]) };
-        let unexplained = (last.excess().max(0.0) / first.excess_beside(last).max(f64::MIN_POSITIVE)).sqrt();
+        let unexplained = (last.excess().max(0.0) / first.excess_above_lower_floor(last).max(f64::MIN_POSITIVE)).sqrt();
         let locations = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
         let shaped = locations.iter().any(|location| location.significant);
@@ -201,7 +201,7 @@ impl Search<'_> {
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {
         let target = self.heldout.target(judged.structure.delay_s());
-        let square = |values: &[f64]| crate::regression::least_squares::dot(values, values);
+        let square = |values: &[f64]| crate::numerics::vector::dot(values, values);
         100.0 * (square(&judged.heldout_residual) / square(&target)).sqrt()
     }
 
@@ -242,7 +242,7 @@ impl Search<'_> {
             evidence: after.evidence - before.evidence,
             steadiness: after.steadily_better_than(before),
             false_discovery_rate,
-            placebo_rms: self.placebo_rms_mnm(effect, before, after),
+            placebo_rms: self.null_test_rms_mnm(effect, before, after),
             ties: rivals.iter().filter(tied).map(Judged::newest).collect(),
             rivals: rivals.iter().map(rival).collect(),
         }
@@ -260,8 +260,8 @@ impl Search<'_> {
                 let delayed = self.train.target(structure.delay_s()).into_iter().zip(self.train.target(less.delay_s()));
                 let late: f64 = delayed.map(|(with, without)| (with - without).powi(2)).sum();
                 let difference: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
-                let rows = self.train.frame.rows(&difference);
-                Some((crate::regression::least_squares::dot(&rows, &rows) + late, step.effect))
+                let rows = self.train.row_filter.rows(&difference);
+                Some((crate::numerics::vector::dot(&rows, &rows) + late, step.effect))
             })
             .collect();
         sizes.sort_by(|a, b| b.0.total_cmp(&a.0));

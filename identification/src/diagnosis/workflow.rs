@@ -153,7 +153,7 @@ fn prepare(
     }
 }
 
-/// Captures in which the knob was turned too slowly for its speed to be told, as maps of torque against angle.
+/// Captures in which the knob was turned too slowly for its speed to be estimated, as maps of torque against angle.
 fn maps(train: &Samples<'_>, heldout: Option<&Samples<'_>>) -> Option<[Capture; 2]> {
     let of = |samples, stretches| SlowMotion::of(samples).map(|map| Capture::of_map(map, stretches));
     Some(match heldout {

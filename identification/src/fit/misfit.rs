@@ -11,10 +11,10 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::trimmed::{Rows, Trimmed};
 use crate::preparation::filter::Fir;
-use crate::preparation::frame::HALF_LENGTH_PERIODS;
 use crate::preparation::motion::{KnobMotion, ROWS_PER_EDGE};
+use crate::preparation::row_filter::HALF_LENGTH_PERIODS;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
-use crate::uncertainty::statistics::{NORMAL_95, median};
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median};
 
 /// Share of the band that the narrower fit keeps, and every how many of its rows.
 const NARROWER: f64 = 0.5;
@@ -84,7 +84,7 @@ impl Misfit {
         }
         let at_zero = &trimmed.solution.at_zero;
         let is_held = at_zero.contains(&true);
-        let step = trimmed.problem.frame.step;
+        let step = trimmed.problem.row_filter.step;
         let speeds: Vec<f64> =
             (0..trimmed.problem.target.len()).map(|row| motion.velocity_rad_s[row * step].abs()).collect();
         let typical = median(&mut speeds.clone());
@@ -121,7 +121,7 @@ impl Misfit {
     pub(crate) fn without_bounds(&self, derivatives: &RowDVector<f64>, critical: f64) -> Option<[f64; 2]> {
         let Shift { change, other, .. } = self.unbounded.as_ref()?;
         let change = derivatives.transpose().dot(change);
-        let half = critical * (derivatives * other).dot(derivatives).max(0.0).sqrt();
+        let half = critical * deviation_of_sum(other, derivatives.as_slice());
         Some([change - half, change + half])
     }
 }

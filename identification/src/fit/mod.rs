@@ -11,11 +11,11 @@ use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
 use crate::preparation::central_differences::central_differences;
 use crate::preparation::motion::{Band, KnobMotion};
 use crate::preparation::paper_preparation::paper_preparation;
-use crate::preparation::saturation::Rails;
+use crate::preparation::saturation::Saturation;
 use crate::preparation::time_order::sorted;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static;
-use crate::regression::characteristic::{Beside, NO_DETENTS};
+use crate::regression::characteristic::{CurveProjection, NO_DETENTS};
 use crate::samples::{FitError, Samples};
 
 /// Fits inertia, friction and detents (equation 1 of Swindells and MacLean 2007) to a capture.
@@ -55,7 +55,7 @@ use crate::samples::{FitError, Samples};
 /// ```
 ///
 /// # Errors
-/// [`FitError`] where nothing can be told; what only some parameters lack is a reason in [`Fit::parameters`].
+/// [`FitError`] where nothing can be estimated; what only some parameters lack is a reason in [`Fit::parameters`].
 pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     let mut fit = match sorted(samples) {
         Some(sorted) => {
@@ -78,7 +78,7 @@ fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitEr
     }
     match fit_moving(samples, options) {
         Err(hardly @ FitError::HardlyMoving { .. }) if options.preparation == PreparationMethod::Automatic => {
-            let (saturated, total) = (Rails::of(samples.torque_mnm).samples(), samples.t_s.len());
+            let (saturated, total) = (Saturation::of(samples.torque_mnm).samples(), samples.t_s.len());
             if 2 * saturated > total {
                 return Err(FitError::Saturated { samples: saturated, total });
             }
@@ -88,7 +88,7 @@ fn fit_in_time(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitEr
     }
 }
 
-/// Fits a capture in which the knob moves fast enough for its speed to be told.
+/// Fits a capture in which the knob moves fast enough for its speed to be estimated.
 fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
     let calibration = options.calibration.as_ref();
     let mut uniform = Uniform::of(samples, calibration);
@@ -112,7 +112,7 @@ fn fit_moving(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitErr
         let options = FitOptions { further_effects, without_detents: true, ..options.clone() };
         let mut solved = first.solve(samples, &options);
         solved.no_detents = Some(NO_DETENTS.to_owned());
-        solved.beside = solved.problem.both_ways().map(|(_, both)| Beside::new(&measured, &both));
+        solved.curves = solved.problem.both_ways().map(|(_, both)| CurveProjection::new(&measured, &both));
         let fit = first.report(solved, &uniform, samples, &options);
         return Ok(Fit { characteristics: measured.curves, ..fit });
     }

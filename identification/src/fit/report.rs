@@ -6,29 +6,29 @@ use nalgebra::{DMatrix, RowDVector};
 use super::misfit::Misfit;
 use super::trimmed::{Rows, Trimmed};
 use crate::estimate::{Covariance, Parameter, Parameters, Point};
-use crate::numerics::vector;
-use crate::preparation::frame::Frame;
+use crate::numerics::vector::{self, dot};
 use crate::preparation::motion::{Band, KnobMotion};
-use crate::regression::least_squares::{RobustCovariance, dot};
+use crate::preparation::row_filter::RowFilter;
+use crate::regression::least_squares::RobustCovariance;
 use crate::regression::problem::Column;
-use crate::uncertainty::statistics::{NORMAL_95, plus_minus, rms, student_95};
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, plus_minus, rms, student_95};
 
-/// A parameter whose interval spans this share of the torque's RMS, times its column, is not told.
+/// A parameter whose interval spans this share of the torque's RMS, times its column, is not estimated.
 const HOPELESS: f64 = 0.5;
-/// Share of the acceleration's power that may be noise before the inertia is not told.
+/// Share of the acceleration's power that may be noise before the inertia is not estimated.
 const NOISY_ACCELERATION: f64 = 0.2;
 /// Scatter of the speed, relative to it, up to which friction is known for one speed alone.
 const ONE_SPEED: f64 = 1e-3;
 /// Share of the speed's scatter that may be the encoder's noise: it would draw viscous friction towards zero.
 const NOISY_SPEED: f64 = 0.05;
-/// A collinear column's share of another column from which both are untold.
+/// A collinear column's share of another column from which both are not identifiable.
 const ENTANGLED: f64 = 0.01;
 
 /// The settled problem with all that its words need.
 pub(crate) struct Report<'a> {
     pub(crate) trimmed: &'a Trimmed<'a>,
     pub(crate) motion: &'a KnobMotion,
-    pub(crate) frame: &'a Frame,
+    pub(crate) row_filter: &'a RowFilter,
     pub(crate) band: &'a Band,
     pub(crate) calibration: Option<&'a Calibration>,
     /// The rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
@@ -51,8 +51,8 @@ impl Report<'_> {
         let textbook = solution.textbook_covariance();
         let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
         let mut robust = solution.robust(instruments);
-        if let Some(beside) = &self.trimmed.beside {
-            robust.enlarge(beside.count());
+        if let Some(curves) = &self.trimmed.curves {
+            robust.enlarge(curves.count());
         }
         let degrees_of_freedom = robust.degrees_of_freedom;
         let critical = student_95(degrees_of_freedom);
@@ -63,7 +63,7 @@ impl Report<'_> {
         }
         if let Some(reason) = no_detents {
             for parameter in effects::detent::KIND.parameters {
-                parameters.push(Parameter::untold(parameter.name, parameter.unit, reason.clone()));
+                parameters.push(Parameter::not_identifiable(parameter.name, parameter.unit, reason.clone()));
             }
         }
         let covariance = Covariance { critical, degrees_of_freedom, ..self.covariance(&parameters, &robust.matrix) };
@@ -78,7 +78,7 @@ impl Report<'_> {
             let jacobian = self.jacobian(index, effect, coefficients);
             for (position, (kind, _)) in effect.parameters().enumerate() {
                 // The textbook's interval is left out where a parameter is held at zero.
-                if parameters.iter().any(|told| told.name == kind.name && told.ci95_textbook.is_some()) {
+                if parameters.iter().any(|estimated| estimated.name == kind.name && estimated.ci95_textbook.is_some()) {
                     order.push(kind.name);
                     derivatives.push(jacobian.row(position).into_owned());
                 }
@@ -132,10 +132,11 @@ impl Report<'_> {
             let half_textbook = NORMAL_95 * textbook[(position, position)].max(0.0).sqrt();
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
             let reason = linear.and_then(|column| {
-                self.at_one_speed(column, robust, critical, misfit).or_else(|| self.why_untold(column, kind.name, half))
+                self.at_one_speed(column, robust, critical, misfit)
+                    .or_else(|| self.why_not_identifiable(column, kind.name, half))
             });
             if let Some(reason) = reason {
-                parameters.push(Parameter::untold(kind.name, kind.unit, reason));
+                parameters.push(Parameter::not_identifiable(kind.name, kind.unit, reason));
                 continue;
             }
             let value = value - gripper;
@@ -209,8 +210,8 @@ impl Report<'_> {
         let together = solution.coefficients[coulomb] + solution.coefficients[viscous] * speed_rad_s;
         let mut derivatives = RowDVector::zeros(columns.len());
         (derivatives[coulomb], derivatives[viscous]) = (1.0, speed_rad_s);
-        let variance = (&derivatives * &robust.matrix).dot(&derivatives);
-        let half = (critical * variance.max(0.0).sqrt()).hypot(misfit.of_sum(&derivatives));
+        let by_chance = critical * deviation_of_sum(&robust.matrix, derivatives.as_slice());
+        let half = by_chance.hypot(misfit.of_sum(&derivatives));
         let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(
@@ -220,7 +221,7 @@ impl Report<'_> {
         ))
     }
 
-    fn why_untold(&self, column: usize, name: &str, half: f64) -> Option<String> {
+    fn why_not_identifiable(&self, column: usize, name: &str, half: f64) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
         let direction = if name.ends_with("_negative") {
             "negative"
@@ -308,7 +309,7 @@ impl Report<'_> {
         let points = rows
             .iter()
             .map(|row| {
-                let sample = row * self.frame.step;
+                let sample = row * self.row_filter.step;
                 Point {
                     t_s: self.motion.time_s[sample],
                     angle_rad: self.motion.angle_rad[sample],
@@ -333,7 +334,9 @@ impl Report<'_> {
 
     /// Rows whose middle is not masked at all.
     fn sliding_rows(&self) -> Vec<usize> {
-        (0..self.trimmed.problem.target.len()).filter(|row| self.frame.mask[row * self.frame.step] >= 1.0).collect()
+        (0..self.trimmed.problem.target.len())
+            .filter(|row| self.row_filter.mask[row * self.row_filter.step] >= 1.0)
+            .collect()
     }
 }
 

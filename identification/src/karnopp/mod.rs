@@ -46,7 +46,7 @@ pub(crate) struct Stick {
     positive_mnm: Readings,
     /// Speeds at which the knob came to rest, rad/s.
     arrivals_rad_s: Readings,
-    /// Speed below which this capture cannot tell motion from rest, rad/s.
+    /// Speed below which this capture cannot identify motion from rest, rad/s.
     resolved_rad_s: f64,
     rests: usize,
 }
@@ -95,21 +95,21 @@ impl Stick {
         stick
     }
 
-    /// Adds D₋, D₊ and Δv to the parameters, and the effect itself to `effects` if a direction could be told.
+    /// Adds D₋, D₊ and Δv to the parameters, and the effect itself to `effects` if a direction could be estimated.
     pub(crate) fn report(self, parameters: &mut Parameters, fitted: &mut Vec<Effect>) {
         let [negative, positive, speed] = [0, 1, 2].map(|index| &effects::karnopp_stick::KIND.parameters[index]);
-        let told = [
+        let estimated = [
             self.negative_mnm.parameter(negative, || self.too_few("negative", &self.negative_mnm)),
             self.positive_mnm.parameter(positive, || self.too_few("positive", &self.positive_mnm)),
             self.speed(speed),
         ];
-        let [negative_mnm, positive_mnm, speed_rad_s] = [0, 1, 2].map(|index| told[index].value);
+        let [negative_mnm, positive_mnm, speed_rad_s] = [0, 1, 2].map(|index| estimated[index].value);
         if let Some(any) = negative_mnm.or(positive_mnm) {
             let limits =
                 [negative_mnm.unwrap_or(any), positive_mnm.unwrap_or(any), speed_rad_s.unwrap_or(self.resolved_rad_s)];
             fitted.push(Effect::new(&effects::karnopp_stick::KIND, &limits));
         }
-        parameters.0.extend(told);
+        parameters.0.extend(estimated);
     }
 
     fn too_few(&self, direction: &str, seen: &Readings) -> String {
@@ -135,7 +135,7 @@ impl Stick {
             )
         });
         match parameter.ci95 {
-            Some([low, high]) if low <= 0.0 => Parameter::untold(
+            Some([low, high]) if low <= 0.0 => Parameter::not_identifiable(
                 kind.name,
                 kind.unit,
                 format!(

@@ -3,7 +3,7 @@
 use dynamics::{Minimum, ParameterKind};
 
 use crate::estimate::Parameter;
-use crate::uncertainty::statistics::{NORMAL_95, student_95};
+use crate::uncertainty::statistics::{NORMAL_95, mean, mean_and_error, student_95};
 
 use super::slide::to_f64;
 
@@ -36,13 +36,12 @@ impl Readings {
     /// Measurement, 4.3.7). The textbook's interval is the scatter alone.
     pub(super) fn parameter(&self, kind: &ParameterKind, why: impl FnOnce() -> String) -> Parameter {
         if self.count() < FEWEST {
-            return Parameter::untold(kind.name, kind.unit, why());
+            return Parameter::not_identifiable(kind.name, kind.unit, why());
         }
         let count = to_f64(self.count());
-        let value = self.values.iter().sum::<f64>() / count;
-        let squares: f64 = self.values.iter().map(|reading| (reading - value).powi(2)).sum();
-        let scatter = student_95(count - 1.0) * (squares / (count - 1.0) / count).sqrt();
-        let difference = self.others.iter().sum::<f64>() / count - value;
+        let (value, standard_error) = mean_and_error(&self.values);
+        let scatter = student_95(count - 1.0) * standard_error;
+        let difference = mean(&self.others) - value;
         let half = scatter.hypot(NORMAL_95 * difference / 3.0_f64.sqrt());
         let lowest = if kind.minimum == Minimum::None { f64::NEG_INFINITY } else { 0.0 };
         let interval = |half: f64| [(value - half).max(lowest), value + half];

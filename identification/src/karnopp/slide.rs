@@ -9,6 +9,8 @@ use std::ops::Range;
 
 use dynamics::{Direction, Effect, Motion, Part};
 
+use crate::uncertainty::statistics;
+
 /// Rounds of golden section that narrow the instant from two samples to about a thousandth of one.
 const ROUNDS: u32 = 16;
 /// 1 − 1/φ.
@@ -107,17 +109,16 @@ impl Slide<'_> {
     /// Least squares for angle at rest and speed with the instant given.
     fn trial(&self, instant: f64, window: Range<usize>, side: Side, direction: Direction) -> Trial {
         let displacement = self.displacement(instant, &window, side, direction);
-        let count = to_f64(window.len());
         let left: Vec<f64> =
             window.clone().zip(&displacement).map(|(index, moved)| self.angle_rad[index] - moved).collect();
-        let mean = left.iter().sum::<f64>() / count;
+        let mean = statistics::mean(&left);
         let total: f64 = left.iter().map(|value| (value - mean).powi(2)).sum();
         let mut border = Border { instant, direction, speed_rad_s: 0.0, rest_rad: mean, acceleration_rad_s2: 0.0 };
         if side == Side::After {
             return Trial { squares: total, border };
         }
         let since: Vec<f64> = window.map(|index| (to_f64(index) - instant).min(0.0) / self.rate_hz).collect();
-        let since_mean = since.iter().sum::<f64>() / count;
+        let since_mean = statistics::mean(&since);
         let square: f64 = since.iter().map(|value| (value - since_mean).powi(2)).sum();
         let product: f64 = since.iter().zip(&left).map(|(time, value)| (time - since_mean) * (value - mean)).sum();
         if square > 0.0 {

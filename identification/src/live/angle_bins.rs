@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use realfft::{RealFftPlanner, num_complex::Complex};
 
-use crate::detents::scan::FEWEST_PERIODS;
+use crate::detents::scan::{FEWEST_PERIODS, vertex_of};
+use crate::detents::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
 use crate::uncertainty::statistics::median;
 
 /// Most bins; when the travel outgrows them, neighbours merge.
@@ -16,11 +17,8 @@ const FIRST_WIDTH_RAD: f64 = 1e-6;
 const OVERSAMPLING: usize = 4;
 /// Angle bins per period of the finest detent searched.
 const BINS_PER_PERIOD: f64 = 20.0;
-/// As for the fit of a whole capture: what the best period must stand above the background, …
+/// What the best period must stand above the background.
 const MARGIN: f64 = 14.0;
-/// … and the share of the residual that it must explain, or its amplitude relative to the torque's RMS.
-const WORTHWHILE_SHARE: f64 = 0.25;
-const WORTHWHILE_AMPLITUDE: f64 = 0.1;
 
 /// What a transform takes besides its work, kept from scan to scan: its plan, and pages that need not be mapped anew.
 #[derive(Default)]
@@ -202,7 +200,7 @@ impl AngleBins {
             return None;
         }
         let gram = DMatrix::from_fn(columns, columns, |row, column| self.gram[row * self.width + column]);
-        let inverse = told_inverse(&gram);
+        let inverse = ridge_inverse(&gram);
         let spectra = self.spectra(length, 2 * last + 1);
         let (weights, torque) = (&spectra[0], &spectra[self.width]);
         // Room for one wavenumber's products, taken once: there are thousands of them.
@@ -236,7 +234,7 @@ impl AngleBins {
             })
             .collect();
         let best = (0..powers.len()).max_by(|a, b| powers[*a].total_cmp(&powers[*b]))?;
-        let wavenumber = (first + best) as f64 * spacing + spacing * vertex(&powers, best);
+        let wavenumber = (first + best) as f64 * spacing + spacing * vertex_of(&powers, best);
         let peak = TAU / travel_rad / spacing;
         let mut elsewhere: Vec<f64> = powers
             .iter()
@@ -281,7 +279,7 @@ impl AngleBins {
 }
 
 /// Inverse of a Gram matrix, zero for empty columns.
-fn told_inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
+fn ridge_inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
     let count = gram.nrows();
     let scale = |index: usize| gram[(index, index)].sqrt().max(f64::MIN_POSITIVE.sqrt());
     let scaled = DMatrix::from_fn(count, count, |row, column| {
@@ -291,14 +289,4 @@ fn told_inverse(gram: &DMatrix<f64>) -> DMatrix<f64> {
         || DMatrix::zeros(count, count),
         |inverse| DMatrix::from_fn(count, count, |row, column| inverse[(row, column)] / (scale(row) * scale(column))),
     )
-}
-
-/// Where a parabola through a peak and its neighbours has its top, in steps from the peak.
-fn vertex(powers: &[f64], best: usize) -> f64 {
-    if best == 0 || best + 1 >= powers.len() {
-        return 0.0;
-    }
-    let (left, middle, right) = (powers[best - 1], powers[best], powers[best + 1]);
-    let bend = left - 2.0 * middle + right;
-    if bend < 0.0 { (0.5 * (left - right) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 
 use super::blocks::{Blocks, Solution};
 use super::convergence::{Convergence, Criterion, MotionRms};
+use crate::uncertainty::statistics::deviation_of_sum;
 
 /// Blocks that must scatter before intervals mean anything.
 const FEWEST_BLOCKS: usize = 16;
@@ -146,7 +147,7 @@ pub(super) fn estimate(
         .and_then(|detent| joint_solution(columns, &detent).map(|joint| (detent, joint)))
         .filter(|(_, joint)| joint.solution.blocks >= FEWEST_BLOCKS);
     let Some(solution) = joint.as_ref().map(|(_, joint)| joint.solution.clone()).or_else(|| base.solve(columns)) else {
-        estimate.parameters = untold(base_effects);
+        estimate.parameters = not_yet_estimated(base_effects);
         return estimate;
     };
     let mut start = 0;
@@ -192,7 +193,7 @@ pub(super) fn estimate(
     estimate
 }
 
-fn untold(base_effects: &[Effect]) -> Vec<LiveParameter> {
+fn not_yet_estimated(base_effects: &[Effect]) -> Vec<LiveParameter> {
     base_effects
         .iter()
         .map(Effect::kind)
@@ -219,7 +220,7 @@ fn parameter(
 ) -> LiveParameter {
     let ParameterKind { name, unit, .. } = *kind;
     let seen = excitation.of(name);
-    if !solution.told[column] || seen < excitation.enough {
+    if !solution.is_fitted[column] || seen < excitation.enough {
         return LiveParameter {
             name,
             unit,
@@ -256,11 +257,11 @@ fn joint_solution(columns: usize, detent: &Detent<'_>) -> Option<JointSolution> 
     let (sine, cosine) = (plain.coefficients[columns], plain.coefficients[columns + 1]);
     let width = columns + 5;
     let mut map = DMatrix::zeros(columns + 4, width);
-    (0..columns + 2).for_each(|index| map[(index, index)] = 1.0);
+    (0..columns + 2).for_each(|index| map[(index + 1, index)] = 1.0);
     // Stored after sine and cosine: angle·sine, angle·cosine, torque.
-    map[(columns + 2, columns + 2)] = -cosine;
-    map[(columns + 2, columns + 3)] = sine;
-    map[(columns + 3, columns + 4)] = 1.0;
+    map[(columns + 3, columns + 2)] = -cosine;
+    map[(columns + 3, columns + 3)] = sine;
+    map[(0, columns + 4)] = 1.0;
     let solution = detent.blocks.solve_mapped(&map)?;
     let correction = solution.coefficients[columns + 2];
     Some(JointSolution { solution, correction })
@@ -274,20 +275,12 @@ fn detent_parameters(columns: usize, detent: &Detent<'_>, joint: &JointSolution)
     let amplitude = a.hypot(b);
     // The columns' angle counts from the centre: kθ' + s = kθ + (s − k·centre).
     let (_, phase) = effects::detent::canonical(amplitude, b.atan2(a) - wavenumber * detent.centre_rad);
-    let part = covariance.view((columns, columns), (3, 3));
-    let half = |gradient: [f64; 3]| {
-        let mut variance = 0.0;
-        for (row, left) in gradient.iter().enumerate() {
-            for (column, right) in gradient.iter().enumerate() {
-                variance += left * part[(row, column)] * right;
-            }
-        }
-        joint.solution.critical() * variance.max(0.0).sqrt()
-    };
+    let part = covariance.view((columns, columns), (3, 3)).into_owned();
+    let half = |gradient: [f64; 3]| joint.solution.critical() * deviation_of_sum(&part, &gradient);
     let square = amplitude * amplitude;
     let half_amplitude = half([a / amplitude, b / amplitude, 0.0]);
-    let told = half_amplitude < ESTIMATED_SHARE * amplitude;
-    let verdict = if told { Verdict::Estimated } else { Verdict::NotYet };
+    let estimated = half_amplitude < ESTIMATED_SHARE * amplitude;
+    let verdict = if estimated { Verdict::Estimated } else { Verdict::NotYet };
     let [amplitude_kind, period_kind, phase_kind] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
     let of = |kind: &'static ParameterKind, value: f64, half: f64| LiveParameter {
         name: kind.name,

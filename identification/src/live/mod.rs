@@ -21,7 +21,7 @@
 //! let estimate = live.estimate();
 //! let inertia = estimate.parameter("inertia").ok_or("no inertia")?;
 //! assert_eq!(inertia.verdict, Verdict::Estimated);
-//! assert!((inertia.value.ok_or("not told")? - 0.2).abs() < 0.002);
+//! assert!((inertia.value.ok_or("not estimated")? - 0.2).abs() < 0.002);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

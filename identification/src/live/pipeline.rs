@@ -6,8 +6,10 @@ use dynamics::{Calibration, Motion};
 
 use super::LiveSample;
 use super::ring::Ring;
+use crate::preparation::compliance::compliance_rad_mnm;
 use crate::preparation::filter::Fir;
-use crate::uncertainty::statistics::MEDIAN_MAGNITUDE;
+use crate::preparation::uniform::cubic_weights;
+use crate::uncertainty::statistics::MEDIAN_FOURTH_DIFFERENCE;
 
 /// The angle's low-pass reaches this much beyond the band in which torque and motion are compared.
 const ANGLE_BAND: f64 = 2.5;
@@ -71,19 +73,9 @@ impl Pipeline {
             rate_hz,
             fir: Fir::low_pass(half_length, cutoff_hz, rate_hz),
             torque_zero_mnm: calibration.map_or(0.0, |known| known.torque_zero_mnm),
-            // Below zero as the hand sees it on a rig that renders.
-            compliance_rad_mnm: calibration
-                .map(|known| 1.0 / known.torque_sensor_stiffness_mnm_rad)
-                .filter(|compliance| compliance.is_finite())
-                .unwrap_or(0.0),
+            compliance_rad_mnm: compliance_rad_mnm(calibration),
             whole_delay: delay as usize,
-            // Lagrange weights for the nodes −1, 0, 1, 2.
-            weights: [
-                -part * (part - 1.0) * (part - 2.0) / 6.0,
-                (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
-                -(part + 1.0) * part * (part - 2.0) / 2.0,
-                (part + 1.0) * part * (part - 1.0) / 6.0,
-            ],
+            weights: cubic_weights(part),
             guard,
             count: 0,
             time: ring(),
@@ -177,8 +169,7 @@ impl Pipeline {
 
     /// White noise of the encoder, differentiated, up to the cutoff.
     fn velocity_noise_rad_s(&self) -> f64 {
-        // Fourth differences raise the variance of white noise 70-fold.
-        let angle = self.noise / (MEDIAN_MAGNITUDE * 70_f64.sqrt());
+        let angle = self.noise / MEDIAN_FOURTH_DIFFERENCE;
         angle * TAU * (self.cutoff_hz.powi(3) / (1.5 * self.rate_hz)).sqrt()
     }
 

@@ -2,8 +2,8 @@
 
 use super::filter::{Fir, butterworth_low_pass, chebyshev1_low_pass};
 use super::fixed_preparation::FixedPreparation;
-use super::frame::Frame;
 use super::motion::{Band, KnobMotion};
+use super::row_filter::RowFilter;
 use super::uniform::Uniform;
 
 /// Order and edge of the Butterworth low-pass on the angle, run both ways, Hz.
@@ -39,8 +39,8 @@ pub(crate) fn central_differences(uniform: &Uniform) -> FixedPreparation {
     let torque_noise_mnm = (uniform.torque_density * 0.5 * rate_hz).sqrt();
     let band = Band::fixed(CHEBYSHEV.2.min(HIGHEST * rate_hz), torque_noise_mnm);
     let fir = if step == 1 { Fir::identity() } else { before_decimation(band.edge_hz, rate_hz) };
-    let frame = Frame { rate_hz, mask, fir, step, threshold_rad_s: 0.0 };
-    FixedPreparation { motion, torque_mnm: uniform.torque_mnm.clone(), frame, band }
+    let row_filter = RowFilter { rate_hz, mask, fir, step, threshold_rad_s: 0.0 };
+    FixedPreparation { motion, torque_mnm: uniform.torque_mnm.clone(), row_filter, band }
 }
 
 /// Plain central differences, per second; the ends repeat their neighbours.

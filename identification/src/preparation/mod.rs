@@ -3,14 +3,15 @@
 
 pub(crate) mod angle_spectrum;
 pub(crate) mod central_differences;
+pub(crate) mod compliance;
 pub(crate) mod encoder_step;
 pub mod filter;
 pub(crate) mod fixed_preparation;
-pub(crate) mod frame;
 mod fusion;
 pub(crate) mod knob_motion;
 pub(crate) mod motion;
 pub(crate) mod paper_preparation;
+pub(crate) mod row_filter;
 pub(crate) mod sampling;
 pub(crate) mod saturation;
 pub(crate) mod sensor_noise;

@@ -6,13 +6,14 @@ use std::f64::consts::TAU;
 use dynamics::{Calibration, Motion};
 
 use super::angle_spectrum::AngleSpectrum;
+use super::compliance::{compliance_rad_mnm, knob_angle_rad};
 use super::filter::{Fir, Sections, butterworth_low_pass};
 use super::fusion::{Sensors, blend, kalman_smoother};
 use super::spectrum::{Spectrum, white_density};
 use super::uniform::Uniform;
 use crate::numerics::vector::{self, dot};
 use crate::options::AccelerationUse;
-use crate::uncertainty::statistics::{MEDIAN_MAGNITUDE, median, rms};
+use crate::uncertainty::statistics::{MEDIAN_FOURTH_DIFFERENCE, median, rms};
 
 /// Share of the torque's power above its noise that may lie beyond the fit's band.
 const POWER_BEYOND_BAND: f64 = 1e-4;
@@ -156,7 +157,7 @@ impl KnobMotion {
     ///
     /// The columns move out of `uniform`, which is left without motion.
     pub(crate) fn exact(uniform: &mut Uniform, calibration: Option<&Calibration>) -> Option<Self> {
-        if calibration.is_some_and(compliant) { None } else { exact_motion(uniform) }
+        if compliance_rad_mnm(calibration) != 0.0 { None } else { exact_motion(uniform) }
     }
 
     /// The motion as the sensors saw it, every cutoff chosen from the signals' own spectra.
@@ -169,13 +170,7 @@ impl KnobMotion {
         let rate_hz = uniform.rate_hz;
         let mut angle_density = band.angle_density;
         let cutoff_hz = (CUTOFF_PER_EDGE * band.edge_hz).min(0.3 * rate_hz);
-        let mut angle = uniform.angle_rad.clone();
-        if let Some(known) = calibration.filter(|known| compliant(known)) {
-            // The knob is behind the encoder by the twist of the torque sensor.
-            for (angle, torque) in angle.iter_mut().zip(&uniform.torque_mnm) {
-                *angle -= torque / known.torque_sensor_stiffness_mnm_rad;
-            }
-        }
+        let angle = knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, calibration);
         let smoother = smoother(cutoff_hz, rate_hz);
         let mut smooth = smoother.filter(&angle);
         let mut velocity = gradient(&smooth, rate_hz);
@@ -232,9 +227,7 @@ impl KnobMotion {
             reach: effective_reach(&smoother),
             accelerometer,
             angle_density,
-            compliance_rad_mnm: calibration
-                .filter(|known| compliant(known))
-                .map_or(0.0, |known| 1.0 / known.torque_sensor_stiffness_mnm_rad),
+            compliance_rad_mnm: compliance_rad_mnm(calibration),
             accelerometer_density,
             lag_s,
             equal_hz,
@@ -286,10 +279,6 @@ impl KnobMotion {
     pub(crate) fn len(&self) -> usize {
         self.time_s.len()
     }
-}
-
-fn compliant(calibration: &Calibration) -> bool {
-    calibration.torque_sensor_stiffness_mnm_rad.is_finite() && calibration.torque_sensor_stiffness_mnm_rad != 0.0
 }
 
 /// Samples on each side that [`gradient`] looks at.
@@ -413,15 +402,12 @@ fn is_exact_derivative(column: &[f64], of: &[f64], rate_hz: f64) -> bool {
 pub(crate) fn scatter(signal: &[f64]) -> f64 {
     let mut fourth: Vec<f64> =
         signal.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
-    // Fourth differences raise the variance of white noise 70-fold.
-    median(&mut fourth) / MEDIAN_MAGNITUDE / 70_f64.sqrt()
+    median(&mut fourth) / MEDIAN_FOURTH_DIFFERENCE
 }
 
 /// Whether white noise, as the median of the fourth differences shows it, lies below `limit`; motion hardly shows there.
 fn is_smooth(signal: &[f64], limit: f64) -> bool {
-    // Fourth differences raise the variance of white noise 70-fold.
-    let limit = limit * MEDIAN_MAGNITUDE * 70_f64.sqrt();
-    2 * vector::small_fourth_differences(signal, limit) > signal.len().saturating_sub(4)
+    2 * vector::small_fourth_differences(signal, limit * MEDIAN_FOURTH_DIFFERENCE) > signal.len().saturating_sub(4)
 }
 
 /// A signal without its first-order lag, as accelerometers have at their output: lag times rate is added.

@@ -2,8 +2,8 @@
 
 use super::filter::{Fir, butterworth_low_pass, chebyshev2_low_pass};
 use super::fixed_preparation::FixedPreparation;
-use super::frame::Frame;
 use super::motion::{Band, KnobMotion, gradient, prompt};
+use super::row_filter::RowFilter;
 use super::uniform::Uniform;
 use crate::uncertainty::statistics::rms;
 
@@ -49,7 +49,7 @@ pub(crate) fn paper_preparation(uniform: &Uniform) -> FixedPreparation {
     FixedPreparation {
         motion,
         torque_mnm: chebyshev(&uniform.torque_mnm, TORQUE_EDGE_HZ, rate_hz),
-        frame: Frame { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s },
+        row_filter: RowFilter { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s },
         band: Band::fixed(edge_hz, (uniform.torque_density * 0.5 * rate_hz).sqrt()),
     }
 }

@@ -21,14 +21,14 @@ const NEARBY: usize = 10;
 
 /// Where a channel reads its largest or smallest value for longer than its noise makes probable.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Rails {
+pub(crate) struct Saturation {
     runs: Vec<Range<usize>>,
     /// Smallest and largest value, where they are rails.
     low: Option<f64>,
     high: Option<f64>,
 }
 
-impl Rails {
+impl Saturation {
     pub(crate) fn of(values: &[f64]) -> Self {
         let runs = runs_of_equal(values);
         let Some((low, high)) = vector::extent(values).filter(|_| runs.iter().any(|run| run.len() >= SHORTEST)) else {

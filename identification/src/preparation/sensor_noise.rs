@@ -8,8 +8,8 @@
 
 use std::f64::consts::TAU;
 
-use super::frame::Frame;
 use super::motion::{Band, KnobMotion};
+use super::row_filter::RowFilter;
 
 /// Frequencies at which the noise's spectrum is summed.
 const STEPS: u32 = 256;
@@ -28,21 +28,22 @@ pub(crate) struct SensorNoise {
 }
 
 impl SensorNoise {
-    /// What the noise of encoder, torque channel and accelerometer adds in this frame.
+    /// What the noise of encoder, torque channel and accelerometer adds in this row filter.
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
-    pub(crate) fn of(frame: &Frame, motion: &KnobMotion, band: &Band) -> Self {
+    pub(crate) fn of(row_filter: &RowFilter, motion: &KnobMotion, band: &Band) -> Self {
         if motion.exact || motion.angle_density == 0.0 {
             return Self::default();
         }
-        let smoother = motion.smoother(frame.rate_hz);
-        let torque_density = band.torque_noise_mnm.powi(2) / (0.5 * frame.rate_hz);
+        let smoother = motion.smoother(row_filter.rate_hz);
+        let torque_density = band.torque_noise_mnm.powi(2) / (0.5 * row_filter.rate_hz);
         let compliance = motion.compliance_rad_mnm;
-        let width_hz = (BEYOND * band.edge_hz).min(0.5 * frame.rate_hz) / f64::from(STEPS);
+        let width_hz = (BEYOND * band.edge_hz).min(0.5 * row_filter.rate_hz) / f64::from(STEPS);
         let mut density = Self::default();
         for step in 0..STEPS {
             let frequency_hz = (f64::from(step) + 0.5) * width_hz;
-            let passed =
-                (frame.fir.gain(frequency_hz, frame.rate_hz) * smoother.gain(frequency_hz, frame.rate_hz)).powi(2);
+            let passed = (row_filter.fir.gain(frequency_hz, row_filter.rate_hz)
+                * smoother.gain(frequency_hz, row_filter.rate_hz))
+            .powi(2);
             let square = (TAU * frequency_hz).powi(2);
             let encoder = motion.encoder_share(frequency_hz);
             let angle_density = motion.angle_density + torque_density * compliance * compliance;
@@ -51,7 +52,7 @@ impl SensorNoise {
                 width_hz * passed * motion.acceleration_density(frequency_hz, angle_density);
             density.acceleration_torque += width_hz * passed * torque_density * square * compliance * encoder;
         }
-        let rows = frame.mask.iter().map(|mask| mask * mask).sum::<f64>() / frame.step as f64;
+        let rows = row_filter.mask.iter().map(|mask| mask * mask).sum::<f64>() / row_filter.step as f64;
         Self {
             velocity_squares: rows * density.velocity_squares,
             acceleration_squares: rows * density.acceleration_squares,

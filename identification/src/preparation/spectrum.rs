@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::numerics::fourier;
 use crate::numerics::vector::{self, dot};
-use crate::uncertainty::statistics::median;
+use crate::uncertainty::statistics::{mean, median};
 
 /// One-sided power spectral density.
 #[derive(Clone, Debug)]
@@ -93,8 +93,7 @@ impl Spectrum {
         (0..self.density.len())
             .map(|index| {
                 let (from, to) = (index.saturating_sub(2), (index + 2).min(last));
-                let part = &self.density[from..=to];
-                part.iter().sum::<f64>() / part.iter().map(|_| 1.0).sum::<f64>()
+                mean(&self.density[from..=to])
             })
             .collect()
     }

@@ -3,10 +3,10 @@
 use dynamics::Calibration;
 
 use super::sampling::Readings;
-use super::saturation::{Rails, frozen, frozen_note};
+use super::saturation::{Saturation, frozen, frozen_note};
 use super::spectrum::Spectrum;
 use crate::Samples;
-use crate::uncertainty::statistics::median;
+use crate::uncertainty::statistics::{mean, median};
 
 /// Relative scatter of the sample times from which a capture is interpolated onto an even grid.
 const JITTER: f64 = 0.01;
@@ -75,7 +75,7 @@ impl Uniform {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
         let regular: Vec<f64> = steps.iter().copied().filter(|step| *step <= GAP * typical).collect();
-        let step = exact(regular.iter().sum::<f64>() / regular.len().max(1) as f64);
+        let step = exact(mean(&regular));
         let scatter =
             (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
         if gaps == 0 && scatter < JITTER {
@@ -128,7 +128,7 @@ impl Uniform {
     /// accelerometer that is at its rail: the encoder tells the same.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a delay of a few samples")]
     fn leave_out_faults(&mut self, samples: &Samples<'_>, calibration: Option<&Calibration>) {
-        let torque = Rails::of(samples.torque_mnm);
+        let torque = Saturation::of(samples.torque_mnm);
         let frozen = frozen(samples.angle_rad, samples.torque_mnm);
         let delay = calibration.map_or(0.0, |known| known.torque_delay_s.abs()) * self.rate_hz;
         // Interpolation between samples looks at two neighbours besides.
@@ -159,7 +159,7 @@ impl Uniform {
         }
         self.notes.extend(torque.note("torque", "mNm"));
         self.notes.extend(frozen_note(&frozen));
-        let acceleration = samples.acceleration_rad_s2.map(Rails::of).unwrap_or_default();
+        let acceleration = samples.acceleration_rad_s2.map(Saturation::of).unwrap_or_default();
         if acceleration.samples() > 0 {
             self.acceleration_rad_s2 = None;
             self.notes.push(format!(
@@ -263,6 +263,16 @@ fn lagged(signal: &[f64], lag: f64) -> Vec<f64> {
         .collect()
 }
 
+/// Lagrange's weights of the values one sample before, at, one and two samples after a place, for the value `part` of a sample after it.
+pub(crate) fn cubic_weights(part: f64) -> [f64; 4] {
+    [
+        -part * (part - 1.0) * (part - 2.0) / 6.0,
+        (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
+        -(part + 1.0) * part * (part - 2.0) / 2.0,
+        (part + 1.0) * part * (part - 1.0) / 6.0,
+    ]
+}
+
 /// The signal `shift` samples later, interpolated by cubic polynomials; the ends are held.
 #[allow(
     clippy::cast_precision_loss,
@@ -279,13 +289,7 @@ pub(crate) fn advance(signal: &[f64], shift: f64) -> Vec<f64> {
     let part = shift - whole;
     let last = signal.len() as isize - 1;
     let at = |index: isize| signal[index.clamp(0, last) as usize];
-    // Lagrange weights for the nodes −1, 0, 1, 2.
-    let weights = [
-        -part * (part - 1.0) * (part - 2.0) / 6.0,
-        (part + 1.0) * (part - 1.0) * (part - 2.0) / 2.0,
-        -(part + 1.0) * part * (part - 2.0) / 2.0,
-        (part + 1.0) * part * (part - 1.0) / 6.0,
-    ];
+    let weights = cubic_weights(part);
     (0..signal.len() as isize)
         .map(|index| {
             let base = index + whole as isize;

@@ -2,29 +2,25 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::regression::least_squares::dot;
+use crate::numerics::vector::dot;
+use crate::regression::gram::{self, COLLINEAR, Solution};
+use crate::regression::least_squares::residual;
 use crate::uncertainty::statistics::student_95;
 
 /// Stretches of equal length.
 pub(super) const BLOCKS: usize = 32;
 
-/// Products of columns and target, stretch by stretch.
+/// Target and columns with their inner products, stretch by stretch.
 pub(super) struct BlockSums {
     target: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    /// Per stretch: products of a column with those up to itself.
-    products: Vec<Vec<Vec<f64>>>,
-    /// Per stretch: products of the columns with the target.
-    cross: Vec<Vec<f64>>,
-    /// Per stretch: square of the target.
-    squares: Vec<f64>,
+    blocks: Vec<DMatrix<f64>>,
 }
 
 /// Coefficients with their covariances.
 pub(super) struct Estimate {
     pub(super) coefficients: DVector<f64>,
-    /// Allows for residuals that are correlated within a stretch and of varying size: the scatter of the stretches'
-    /// own contributions (a sandwich over clusters; Liang and Zeger, Biometrika 73, 1986, 13–22).
+    /// Allows for residuals that are correlated within a stretch and of varying size.
     pub(super) covariance: DMatrix<f64>,
     /// As textbooks have it.
     pub(super) textbook: DMatrix<f64>,
@@ -38,14 +34,11 @@ pub(super) fn critical() -> f64 {
 
 impl BlockSums {
     pub(super) fn new(target: Vec<f64>) -> Self {
-        let squares = (0..BLOCKS).map(|block| square(&target[range(block, target.len())])).collect();
-        Self {
-            target,
-            columns: Vec::new(),
-            products: vec![Vec::new(); BLOCKS],
-            cross: vec![Vec::new(); BLOCKS],
-            squares,
-        }
+        let square = |block| {
+            let part = &target[range(block, target.len())];
+            DMatrix::from_element(1, 1, dot(part, part))
+        };
+        Self { blocks: (0..BLOCKS).map(square).collect(), target, columns: Vec::new() }
     }
 
     pub(super) fn width(&self) -> usize {
@@ -55,85 +48,61 @@ impl BlockSums {
     pub(super) fn push(&mut self, column: Vec<f64>) {
         self.columns.push(column);
         let Some(last) = self.columns.last() else { return };
-        for block in 0..BLOCKS {
+        let size = self.columns.len() + 1;
+        for (block, products) in self.blocks.iter_mut().enumerate() {
             let range = range(block, self.target.len());
             let part = &last[range.clone()];
-            self.products[block].push(self.columns.iter().map(|other| dot(part, &other[range.clone()])).collect());
-            self.cross[block].push(dot(part, &self.target[range.clone()]));
+            let mut grown = std::mem::replace(products, DMatrix::zeros(0, 0)).resize(size, size, 0.0);
+            for (place, other) in [&self.target].into_iter().chain(&self.columns).enumerate() {
+                let product = dot(part, &other[range.clone()]);
+                (grown[(size - 1, place)], grown[(place, size - 1)]) = (product, product);
+            }
+            *products = grown;
         }
     }
 
     pub(super) fn truncate(&mut self, width: usize) {
         self.columns.truncate(width);
-        for block in 0..BLOCKS {
-            self.products[block].truncate(width);
-            self.cross[block].truncate(width);
-        }
+        self.blocks.iter_mut().for_each(|products| products.resize_mut(width + 1, width + 1, 0.0));
     }
 
-    /// Coefficients of the chosen columns; `None` if they cannot be told apart.
-    pub(super) fn solve(&self, chosen: &[usize]) -> Option<DVector<f64>> {
-        self.solve_in(chosen, |_| true)
+    /// All columns' coefficients; `None` if they cannot be told apart.
+    pub(super) fn solve(&self) -> Option<Solution> {
+        self.solve_for(&self.all())
     }
 
     /// Sum of squares that the chosen columns leave.
     pub(super) fn left(&self, chosen: &[usize]) -> Option<f64> {
-        let coefficients = self.solve(chosen)?;
-        Some((0..BLOCKS).map(|block| self.left_in(block, chosen, &coefficients)).sum::<f64>().max(0.0))
+        Some(self.solve_for(chosen)?.squares(&self.total()).max(0.0))
     }
 
     /// Sum of squares of the target.
-    pub(super) fn total(&self) -> f64 {
-        self.squares.iter().sum()
+    pub(super) fn target_squares(&self) -> f64 {
+        self.blocks.iter().map(|products| products[(0, 0)]).sum()
     }
 
     /// Target minus columns times coefficients.
     pub(super) fn residual(&self, coefficients: &DVector<f64>) -> Vec<f64> {
-        let mut residual = self.target.clone();
-        for (column, coefficient) in self.columns.iter().zip(coefficients.iter()) {
-            residual.iter_mut().zip(column).for_each(|(rest, value)| *rest -= coefficient * value);
-        }
-        residual
+        residual(&self.columns, &self.target, coefficients.as_slice())
     }
 
-    /// By how much the columns from `base` on lower the squared error of stretches that were left out of the fit (every
-    /// other stretch, then the rest): mean of signed roots over its standard error, from the stretches' own scatter.
-    #[allow(clippy::cast_precision_loss, reason = "a number of stretches")]
+    /// [`gram::evidence`] for the columns from `base` on.
     pub(super) fn evidence(&self, base: usize) -> f64 {
-        let all: Vec<usize> = (0..self.width()).collect();
-        let mut gains = [0.0; BLOCKS];
-        for parity in 0..2 {
-            let kept = |block: usize| block % 2 == parity;
-            let (Some(with), Some(without)) = (self.solve_in(&all, kept), self.solve_in(&all[..base], kept)) else {
-                return 0.0;
-            };
-            for (block, slot) in gains.iter_mut().enumerate().filter(|(block, _)| !kept(*block)) {
-                let gain = self.left_in(block, &all[..base], &without) - self.left_in(block, &all, &with);
-                *slot = gain.abs().sqrt().copysign(gain);
-            }
-        }
-        let count = BLOCKS as f64;
-        let mean = gains.iter().sum::<f64>() / count;
-        let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
-        mean / variance.sqrt().max(f64::MIN_POSITIVE)
+        gram::evidence(&self.blocks, base)
     }
 
     /// All columns' coefficients with covariances.
     #[allow(clippy::cast_precision_loss, reason = "numbers of rows and stretches")]
     pub(super) fn estimate(&self) -> Option<Estimate> {
-        let all: Vec<usize> = (0..self.width()).collect();
-        let coefficients = self.solve(&all)?;
-        let inverse = self.gram(&all, |_| true).cholesky()?.inverse();
-        let mut spread = DMatrix::zeros(all.len(), all.len());
-        for block in 0..BLOCKS {
-            let score =
-                self.cross_of(&all, |other| other == block) - self.gram(&all, |other| other == block) * &coefficients;
-            spread += &score * score.transpose();
-        }
+        let solution = self.solve()?;
         let (blocks, rows) = (BLOCKS as f64, self.target.len() as f64);
-        let covariance = &inverse * spread * &inverse * (blocks / (blocks - 1.0));
-        let variance = square(&self.residual(&coefficients)) / (rows - all.len() as f64).max(1.0);
-        Some(Estimate { coefficients, covariance, textbook: inverse * variance })
+        let left = self.residual(&solution.coefficients);
+        let variance = dot(&left, &left) / (rows - self.width() as f64).max(1.0);
+        Some(Estimate {
+            covariance: solution.covariance_over(&self.blocks) * (blocks / (blocks - 1.0)),
+            textbook: solution.inverse() * variance,
+            coefficients: solution.coefficients,
+        })
     }
 
     /// The columns' values in a row.
@@ -141,38 +110,19 @@ impl BlockSums {
         row.iter_mut().zip(&self.columns).for_each(|(slot, column)| *slot = column[index]);
     }
 
-    fn solve_in(&self, chosen: &[usize], kept: impl Fn(usize) -> bool + Copy) -> Option<DVector<f64>> {
-        Some(self.gram(chosen, kept).cholesky()?.solve(&self.cross_of(chosen, kept)))
+    fn all(&self) -> Vec<usize> {
+        (0..self.width()).collect()
     }
 
-    fn gram(&self, chosen: &[usize], kept: impl Fn(usize) -> bool) -> DMatrix<f64> {
-        let mut gram = DMatrix::zeros(chosen.len(), chosen.len());
-        for products in (0..BLOCKS).filter(|block| kept(*block)).map(|block| &self.products[block]) {
-            for (row, a) in chosen.iter().enumerate() {
-                for (column, b) in chosen.iter().enumerate() {
-                    gram[(row, column)] += products[*a.max(b)][*a.min(b)];
-                }
-            }
-        }
-        gram
+    fn total(&self) -> DMatrix<f64> {
+        gram::sum(self.blocks.iter(), self.width() + 1)
     }
 
-    fn cross_of(&self, chosen: &[usize], kept: impl Fn(usize) -> bool) -> DVector<f64> {
-        let sum = |column: &usize| (0..BLOCKS).filter(|block| kept(*block)).map(|b| self.cross[b][*column]).sum();
-        DVector::from_iterator(chosen.len(), chosen.iter().map(sum))
-    }
-
-    fn left_in(&self, block: usize, chosen: &[usize], coefficients: &DVector<f64>) -> f64 {
-        let cross = self.cross_of(chosen, |other| other == block);
-        let gram = self.gram(chosen, |other| other == block);
-        self.squares[block] - 2.0 * coefficients.dot(&cross) + coefficients.dot(&(gram * coefficients))
+    fn solve_for(&self, chosen: &[usize]) -> Option<Solution> {
+        gram::solve(&self.total(), chosen, COLLINEAR).filter(|solution| solution.fitted.len() == chosen.len())
     }
 }
 
 fn range(block: usize, rows: usize) -> std::ops::Range<usize> {
     block * rows / BLOCKS..(block + 1) * rows / BLOCKS
-}
-
-fn square(values: &[f64]) -> f64 {
-    dot(values, values)
 }

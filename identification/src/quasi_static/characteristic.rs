@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use super::block_sums::BlockSums;
 use super::{Fitted, Map};
 use crate::estimate::Fit;
-use crate::preparation::saturation::Rails;
+use crate::preparation::saturation::Saturation;
 use crate::regression::characteristic::{Measured, NO_DETENTS, Places, measure};
 use crate::samples::Samples;
 
@@ -14,7 +14,7 @@ use crate::samples::Samples;
 ///
 /// Of friction a curve tells one number, half the mean distance between its branches: what differs between the directions besides
 /// cannot be told from a torque that does not change with them.
-pub(super) fn fit(samples: &Samples<'_>, map: &Map, rails: &Rails) -> Option<Fit> {
+pub(super) fn fit(samples: &Samples<'_>, map: &Map, saturation: &Saturation) -> Option<Fit> {
     let frictions = map.frictions();
     let columns: Vec<Vec<f64>> = frictions.iter().map(|friction| map.friction_column(*friction)).collect();
     let both_ways = frictions.len() == 2;
@@ -57,7 +57,7 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, rails: &Rails) -> Option<Fit
         harmonics: Vec::new(),
         period_half_widths_rad: [0.0; 2],
     };
-    let mut fit = fitted.told(samples, map, known, NO_DETENTS, map.notes(rails));
+    let mut fit = fitted.fit(samples, map, known, NO_DETENTS, map.notes(saturation));
     fit.effects.extend(effects);
     fit.characteristics = curves;
     Some(fit)

@@ -1,4 +1,4 @@
-//! A knob that was turned too slowly for its speed to be told: torque against angle and direction alone.
+//! A knob that was turned too slowly for its speed to be estimated: torque against angle and direction alone.
 //!
 //! Stepped or creeping captures map the torque along the angle. Inertia and viscous friction have no part in them; Coulomb
 //! friction shows as the distance between passes in the two directions, and detents as sinusoids of the angle,
@@ -6,7 +6,7 @@
 
 mod block_sums;
 mod characteristic;
-mod ladder;
+mod matching_pursuit;
 mod passes;
 mod sinusoids;
 
@@ -17,11 +17,11 @@ use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, P
 use crate::numerics::vector::smallest_step;
 use crate::options::FitOptions;
 use crate::preparation::motion::scatter;
-use crate::preparation::saturation::Rails;
+use crate::preparation::saturation::Saturation;
 use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::uncertainty::statistics::{NORMAL_95, median, rms};
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median, rms};
 use block_sums::{BlockSums, critical};
-use ladder::Grid;
+use matching_pursuit::Grid;
 pub(crate) use sinusoids::of_turns;
 
 /// Fewest rows of a direction from which its friction is told.
@@ -35,12 +35,12 @@ struct Map {
     torque_mnm: Vec<f64>,
 }
 
-/// Fits friction and the ladder of sinusoids to checked samples; `None` if the knob did not wander slowly through its travel.
+/// Fits friction and the sinusoids of the angle to checked samples; `None` if the knob did not wander slowly through its travel.
 pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
-    let rails = Rails::of(samples.torque_mnm);
-    let map = Map::of(samples, &rails, options.is_quasi_static)?;
+    let saturation = Saturation::of(samples.torque_mnm);
+    let map = Map::of(samples, &saturation, options.is_quasi_static)?;
     if options.characteristic {
-        return characteristic::fit(samples, &map, &rails);
+        return characteristic::fit(samples, &map, &saturation);
     }
     let look_for_detents = !options.without_detents;
     let mut sums = BlockSums::new(map.torque_mnm.clone());
@@ -49,18 +49,19 @@ pub(crate) fn fit(samples: &Samples<'_>, options: &FitOptions) -> Option<Fit> {
         sums.push(map.friction_column(*friction));
     }
     let grid = Grid::of(&map.angle_rad);
-    let wavenumbers = if look_for_detents { ladder::climb(&mut sums, &map.angle_rad, &grid) } else { Vec::new() };
+    let wavenumbers =
+        if look_for_detents { matching_pursuit::sinusoids(&mut sums, &map.angle_rad, &grid) } else { Vec::new() };
     let fitted = Fitted::of(sums, &map, frictions.len(), &wavenumbers)?;
 
     let none = if look_for_detents { fitted.no_detents(&grid) } else { "detents were not asked for".to_owned() };
-    let mut notes = map.notes(&rails);
+    let mut notes = map.notes(&saturation);
     if !wavenumbers.is_empty() && !grid.whole_turn {
         notes.push("less than a whole turn was covered: counts per turn are not whole numbers by rule".to_owned());
     }
-    Some(fitted.told(samples, &map, &frictions, &none, notes))
+    Some(fitted.fit(samples, &map, &frictions, &none, notes))
 }
 
-/// A map's rows as a motion: of the speed only its direction and its mean can be told, of the acceleration nothing.
+/// A map's rows as a motion: of the speed only its direction and its mean can be estimated, of the acceleration nothing.
 pub(crate) struct SlowMotion {
     pub(crate) time_s: Vec<f64>,
     pub(crate) angle_rad: Vec<f64>,
@@ -71,7 +72,7 @@ pub(crate) struct SlowMotion {
 impl SlowMotion {
     /// Of checked samples; `None` if the knob did not wander slowly through its travel.
     pub(crate) fn of(samples: &Samples<'_>) -> Option<Self> {
-        let map = Map::of(samples, &Rails::of(samples.torque_mnm), false)?;
+        let map = Map::of(samples, &Saturation::of(samples.torque_mnm), false)?;
         let speed_rad_s = map.mean_speed_rad_s(samples);
         Some(Self {
             time_s: map.index.iter().map(|at| samples.t_s[*at]).collect(),
@@ -96,11 +97,12 @@ impl Map {
     }
 
     /// Of checked samples; those of a curve have no duration that would make them too fast.
-    fn of(samples: &Samples<'_>, rails: &Rails, is_curve: bool) -> Option<Self> {
+    fn of(samples: &Samples<'_>, saturation: &Saturation, is_curve: bool) -> Option<Self> {
         let step = smallest_step(samples.angle_rad);
         let duration_s = if is_curve { f64::INFINITY } else { samples.t_s.last()? - samples.t_s.first()? };
         let directions = passes::directions(samples.angle_rad, duration_s, step)?;
-        let index: Vec<usize> = (0..directions.len()).filter(|at| directions[*at] != 0 && !rails.holds(*at)).collect();
+        let index: Vec<usize> =
+            (0..directions.len()).filter(|at| directions[*at] != 0 && !saturation.holds(*at)).collect();
         (index.len() >= FEWEST_SAMPLES).then(|| Self {
             angle_rad: index.iter().map(|at| samples.angle_rad[*at]).collect(),
             directions: index.iter().map(|at| directions[*at]).collect(),
@@ -121,12 +123,12 @@ impl Map {
         self.directions.iter().map(|d| if *d == direction { f64::from(*d) } else { 0.0 }).collect()
     }
 
-    fn notes(&self, rails: &Rails) -> Vec<String> {
+    fn notes(&self, saturation: &Saturation) -> Vec<String> {
         let mut notes = vec![format!(
             "the knob turned too slowly for its speed to be told: torque against angle and direction was fitted, from {} passes",
             self.passes()
         )];
-        notes.extend(rails.note("torque", "mNm"));
+        notes.extend(saturation.note("torque", "mNm"));
         notes
     }
 
@@ -160,7 +162,7 @@ impl Fitted {
         if let Some(strongest) = order.first() {
             let base = sums.width();
             let wavenumber = wavenumbers[*strongest];
-            sums.push(ladder::tangent(&map.angle_rad, wavenumber, pair(*strongest)));
+            sums.push(matching_pursuit::tangent(&map.angle_rad, wavenumber, pair(*strongest)));
             if let Some(wider) = sums.estimate() {
                 let half = |covariance: &DMatrix<f64>| covariance[(base, base)].max(0.0).sqrt() / wavenumber.powi(2);
                 period_half_widths_rad = [critical() * half(&wider.covariance), NORMAL_95 * half(&wider.textbook)];
@@ -179,7 +181,7 @@ impl Fitted {
     }
 
     /// The fit as it is told.
-    fn told(
+    fn fit(
         &self,
         samples: &Samples<'_>,
         map: &Map,
@@ -234,7 +236,7 @@ impl Fitted {
                     )),
                     reason: None,
                 },
-                Some(at) => Parameter::untold(
+                Some(at) => Parameter::not_identifiable(
                     kind.name,
                     kind.unit,
                     format!(
@@ -243,17 +245,17 @@ impl Fitted {
                         self.coefficients[at].abs()
                     ),
                 ),
-                None if kind.name.starts_with("coulomb") => Parameter::untold(
+                None if kind.name.starts_with("coulomb") => Parameter::not_identifiable(
                     kind.name,
                     kind.unit,
                     format!("the knob never turned in the {direction} direction for long enough; sweep both ways"),
                 ),
-                None => Parameter::untold(kind.name, kind.unit, slow.clone()),
+                None => Parameter::not_identifiable(kind.name, kind.unit, slow.clone()),
             });
         }
         let [amplitude, period, phase] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
         if let Some(strongest) = self.harmonics.first() {
-            let told = |kind: &dynamics::ParameterKind, value: f64, ci95: Option<[f64; 2]>| Parameter {
+            let estimated = |kind: &dynamics::ParameterKind, value: f64, ci95: Option<[f64; 2]>| Parameter {
                 name: kind.name,
                 value: Some(value),
                 unit: kind.unit,
@@ -262,21 +264,22 @@ impl Fitted {
                 reason: None,
             };
             let period_rad = 1.0 / strongest.per_turn;
-            parameters.push(told(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
-            parameters.push(told(period, period_rad, Some(interval(period_rad, self.period_half_widths_rad[0]))));
-            parameters.push(told(phase, strongest.phase_rad, strongest.phase_ci95_rad));
+            parameters.push(estimated(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
+            parameters.push(estimated(period, period_rad, Some(interval(period_rad, self.period_half_widths_rad[0]))));
+            parameters.push(estimated(phase, strongest.phase_rad, strongest.phase_ci95_rad));
         } else {
-            let untold =
-                |kind: &dynamics::ParameterKind| Parameter::untold(kind.name, kind.unit, no_detents.to_owned());
-            parameters.extend([amplitude, period, phase].map(untold));
+            let absent = |kind: &dynamics::ParameterKind| {
+                Parameter::not_identifiable(kind.name, kind.unit, no_detents.to_owned())
+            };
+            parameters.extend([amplitude, period, phase].map(absent));
         }
         for kind in effects::karnopp_stick::KIND.parameters {
-            parameters.push(Parameter::untold(kind.name, kind.unit, slow.clone()));
+            parameters.push(Parameter::not_identifiable(kind.name, kind.unit, slow.clone()));
         }
         Parameters(parameters)
     }
 
-    /// Inertia (not told), friction and one detent for each sinusoid.
+    /// Inertia (not estimated), friction and one detent for each sinusoid.
     fn effects(&self, frictions: &[(&'static str, i8)]) -> Vec<Effect> {
         let coulomb = |name: &str| {
             frictions.iter().position(|(known, _)| *known == name).map_or(0.0, |at| self.coefficients[at].max(0.0))
@@ -291,7 +294,7 @@ impl Fitted {
         effects
     }
 
-    /// The rows; of the speed only its direction and its mean over the passes can be told.
+    /// The rows; of the speed only its direction and its mean over the passes can be estimated.
     fn points(&self, samples: &Samples<'_>, map: &Map) -> Vec<Point> {
         let mut row = DVector::zeros(self.sums.width());
         let speed_rad_s = map.mean_speed_rad_s(samples);
@@ -305,7 +308,7 @@ impl Fitted {
                     acceleration_rad_s2: 0.0,
                     torque_mnm: map.torque_mnm[at],
                     torque_model_mnm: map.torque_mnm[at] - self.residual[at],
-                    torque_model_ci95_mnm: critical() * sd(&row, &self.covariance),
+                    torque_model_ci95_mnm: critical() * deviation_of_sum(&self.covariance, row.as_slice()),
                     residual_mnm: self.residual[at],
                 }
             })
@@ -319,7 +322,7 @@ impl Fitted {
         let sum: f64 = (0..rows)
             .map(|at| {
                 self.sums.row(at, &mut row);
-                sd(&row, covariance)
+                deviation_of_sum(covariance, row.as_slice())
             })
             .sum();
         sum / rows as f64
@@ -328,19 +331,6 @@ impl Fitted {
 
 fn interval(value: f64, half: f64) -> [f64; 2] {
     [value - half, value + half]
-}
-
-/// Standard deviation of a row's prediction.
-fn sd(row: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
-    row.dot(&(covariance * row)).max(0.0).sqrt()
-}
-
-/// Standard deviation of the combination of two neighbouring coefficients with the weights given.
-fn along(covariance: &DMatrix<f64>, at: usize, [first, second]: [f64; 2]) -> f64 {
-    let variance = first * first * covariance[(at, at)]
-        + 2.0 * first * second * covariance[(at, at + 1)]
-        + second * second * covariance[(at + 1, at + 1)];
-    variance.max(0.0).sqrt()
 }
 
 /// Which multiple of the strongest a wavenumber is, if it is one.

@@ -1,9 +1,10 @@
-//! What the sinusoids of a ladder are, each with its intervals.
+//! What the sinusoids of the angle are, each with its intervals.
 
 use super::block_sums::{BlockSums, Estimate, critical};
-use super::ladder::{self, Grid};
-use super::{along, interval, overtone};
+use super::matching_pursuit::{self, Grid};
+use super::{interval, overtone};
 use crate::estimate::Harmonic;
+use crate::uncertainty::statistics::deviation_of_sum;
 
 /// The sinusoids of whole turns, strongest first, that a torque over the angle holds beside `base`, the columns of what else
 /// acts; up to `finest` periods a turn. All columns have one row length.
@@ -23,7 +24,7 @@ pub(crate) fn of_turns(
     if !grid.whole_turn {
         return None;
     }
-    let wavenumbers = ladder::climb(&mut sums, angle_rad, &grid);
+    let wavenumbers = matching_pursuit::sinusoids(&mut sums, angle_rad, &grid);
     let estimate = sums.estimate()?;
     ranked(&sums, &estimate, columns, &wavenumbers).map(|(_, harmonics)| harmonics)
 }
@@ -41,7 +42,7 @@ pub(super) fn ranked(
     let size = |position: &usize| pair(*position)[0].hypot(pair(*position)[1]);
     order.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let mut chosen: Vec<usize> = (0..base).collect();
-    let total = sums.total();
+    let total = sums.target_squares();
     let mut before = sums.left(&chosen)?;
     let mut harmonics = Vec::new();
     for position in &order {
@@ -50,8 +51,9 @@ pub(super) fn ranked(
         let after = sums.left(&chosen)?;
         let [sine, cosine] = pair(*position);
         let amplitude = sine.hypot(cosine);
-        let half = critical() * along(&estimate.covariance, at, [sine / amplitude, cosine / amplitude]);
-        let turn = critical() * along(&estimate.covariance, at, [-cosine / amplitude, sine / amplitude]) / amplitude;
+        let own = estimate.covariance.view((at, at), (2, 2)).into_owned();
+        let half = critical() * deviation_of_sum(&own, &[sine / amplitude, cosine / amplitude]);
+        let turn = critical() * deviation_of_sum(&own, &[-cosine / amplitude, sine / amplitude]) / amplitude;
         let phase = cosine.atan2(sine);
         harmonics.push(Harmonic {
             order: overtone(wavenumbers[*position], wavenumbers[order[0]]),

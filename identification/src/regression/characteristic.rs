@@ -4,9 +4,9 @@
 use dynamics::{Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
 use nalgebra::DMatrix;
 
-use super::least_squares::{ColumnNoise, LeastSquares, dot};
-use crate::numerics::vector;
-use crate::uncertainty::statistics::NORMAL_95;
+use super::least_squares::{ColumnNoise, LeastSquares};
+use crate::numerics::vector::{self, dot};
+use crate::uncertainty::statistics::{NORMAL_95, mean};
 
 /// Numbers of points that are tried.
 const POINTS: [u16; 5] = [8, 16, 32, 64, 128];
@@ -195,15 +195,15 @@ pub(crate) struct Measured {
     pub(crate) covariance: DMatrix<f64>,
 }
 
-/// What the points of measured curves can do by themselves, to be left out of columns: the coefficients beside the curves, and how well they are
-/// known, then come out as from a fit of all together (R. Frisch and F. V. Waugh, Econometrica 1, 1933, 387–401).
-pub(crate) struct Beside {
+/// The projection of columns on those of measured curves. What it leaves of the other columns gives their coefficients, and how well they
+/// are known, as a fit of all together does (R. Frisch and F. V. Waugh, Econometrica 1, 1933, 387–401).
+pub(crate) struct CurveProjection {
     points: Vec<Vec<f64>>,
     products: DMatrix<f64>,
 }
 
-impl Beside {
-    /// Beside the points of what was measured, over its rows without those that held the points; `both` is the column of a Coulomb friction alike
+impl CurveProjection {
+    /// On the points of what was measured, over its rows without those that held the points; `both` is the column of a Coulomb friction alike
     /// in both directions, of which a measured friction has no part.
     pub(crate) fn new(measured: &Measured, both: &[f64]) -> Self {
         let count: usize = measured.curves.iter().map(|curve| curve.points.len()).sum();
@@ -229,7 +229,7 @@ impl Beside {
     }
 
     /// What the points cannot do of a column; nothing where only rounding is left.
-    pub(crate) fn left_of(&self, column: &[f64]) -> Vec<f64> {
+    pub(crate) fn remainder(&self, column: &[f64]) -> Vec<f64> {
         let free = vec![false; self.points.len()];
         let left = LeastSquares::solve_noisy(&self.points, &self.products, column, &free, &[]).residual;
         if dot(&left, &left) > ROUNDING * dot(column, column) { left } else { vec![0.0; column.len()] }
@@ -286,8 +286,7 @@ pub(crate) fn measure(
         first = range.end;
         let torques_mnm = &solution.coefficients[range.clone()];
         let squares: Vec<f64> = range.clone().map(|at| dot(&columns[at], &columns[at])).collect();
-        #[allow(clippy::cast_precision_loss, reason = "a number of points")]
-        let shown = SHOWN * squares.iter().sum::<f64>() / squares.len() as f64;
+        let shown = SHOWN * mean(&squares);
         let point = |(place, at): (usize, &f64)| {
             let (column, torque_mnm) = (range.start + place, torques_mnm[place]);
             let half = NORMAL_95 * covariance[(column, column)].max(0.0).sqrt();

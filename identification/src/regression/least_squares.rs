@@ -4,13 +4,10 @@ use std::ops::Deref;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::numerics::vector;
-pub(crate) use crate::numerics::vector::dot;
+use super::gram::{COLLINEAR, find_collinear, most_negative, unscaled_inverse};
+use crate::numerics::vector::{self, dot};
 use crate::uncertainty::leverage::Leverage;
 use crate::uncertainty::long_run::{kernel_scale, smooth_scores};
-
-/// A column of which less than this share of the square remains beside the others counts as collinear.
-const COLLINEAR: f64 = 1e-9;
 
 /// A correction that would move the prediction by less than this share of the target is rounding, …
 const SETTLED: f64 = 1e-15;
@@ -102,7 +99,7 @@ impl LeastSquares {
         let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
         let mut gram =
             DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
-        let collinear = find_collinear(&gram, &scales);
+        let collinear = find_collinear(&gram, &scales, COLLINEAR);
         let noise: Vec<ColumnNoise> =
             noise.iter().copied().filter(|noise| noise.square < MOST_NOISE * scales[noise.column].powi(2)).collect();
         for noise in &noise {
@@ -112,15 +109,9 @@ impl LeastSquares {
         loop {
             let active: Vec<usize> = (0..count).filter(|index| !collinear[*index] && !at_zero[*index]).collect();
             let mut solution = Self::solve_active(columns, target, &gram, &scales, &active, &noise);
-            let worst = active
-                .iter()
-                .copied()
-                .filter(|index| nonnegative[*index] && solution.coefficients[*index] < 0.0)
-                .min_by(|a, b| {
-                    (solution.coefficients[*a] * scales[*a]).total_cmp(&(solution.coefficients[*b] * scales[*b]))
-                });
-            match worst {
-                Some(index) => at_zero[index] = true,
+            let scaled = active.iter().map(|index| solution.coefficients[*index] * scales[*index]);
+            match most_negative(&active, scaled, nonnegative) {
+                Some(place) => at_zero[active[place]] = true,
                 None => {
                     solution.collinear = collinear;
                     solution.at_zero = at_zero;
@@ -139,7 +130,6 @@ impl LeastSquares {
         noise: &[ColumnNoise],
     ) -> Self {
         let count = columns.len();
-        let part = DMatrix::from_fn(active.len(), active.len(), |row, column| gram[(active[row], active[column])]);
         let mut solution = Self {
             coefficients: vec![0.0; count],
             residual: target.to_vec(),
@@ -147,7 +137,7 @@ impl LeastSquares {
             collinear: Vec::new(),
             at_zero: Vec::new(),
         };
-        let Some(factor) = Cholesky::new(part) else {
+        let Some(factor) = Cholesky::new(gram.select_rows(active).select_columns(active)) else {
             return solution;
         };
         let size = dot(target, target).sqrt();
@@ -174,12 +164,8 @@ impl LeastSquares {
                 solution.coefficients[*index] += step / scales[*index];
             }
         }
-        let inverse = factor.inverse();
-        for (row, at) in active.iter().enumerate() {
-            for (column, other) in active.iter().enumerate() {
-                solution.inverse[(*at, *other)] = inverse[(row, column)] / (scales[*at] * scales[*other]);
-            }
-        }
+        let lengths: Vec<f64> = active.iter().map(|index| scales[*index]).collect();
+        solution.inverse = unscaled_inverse(&factor, active, &lengths, count);
         solution
     }
 
@@ -286,56 +272,13 @@ impl LeastSquares {
     }
 }
 
-/// Target minus the columns' sum.
-fn residual<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
+/// Target minus Σ coefficient · column.
+pub(crate) fn residual<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
     let mut residual = target.to_vec();
     for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0) {
-        residual.iter_mut().zip(column.iter()).for_each(|(left, value)| *left -= coefficient * value);
+        vector::subtract(&mut residual, *coefficient, column);
     }
     residual
-}
-
-/// Coefficients of the first `count` columns from inner products, the target's last; zero for collinear columns.
-pub(crate) fn solve_products(products: &DMatrix<f64>, count: usize) -> Vec<f64> {
-    let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
-    let gram = DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
-    let collinear = find_collinear(&gram, &scales);
-    let active: Vec<usize> = (0..count).filter(|index| !collinear[*index]).collect();
-    let part = DMatrix::from_fn(active.len(), active.len(), |row, column| gram[(active[row], active[column])]);
-    let target = products.nrows() - 1;
-    let right =
-        DVector::from_iterator(active.len(), active.iter().map(|index| products[(*index, target)] / scales[*index]));
-    let mut coefficients = vec![0.0; count];
-    if let Some(factor) = Cholesky::new(part) {
-        for (index, value) in active.iter().zip(factor.solve(&right).iter()) {
-            coefficients[*index] = value / scales[*index];
-        }
-    }
-    coefficients
-}
-
-/// Cholesky's pivots tell how much of each column is new beside the earlier ones.
-fn find_collinear(gram: &DMatrix<f64>, scales: &[f64]) -> Vec<bool> {
-    let count = scales.len();
-    let mut collinear: Vec<bool> = scales.iter().map(|scale| !(*scale > 0.0 && scale.is_finite())).collect();
-    let mut factor = DMatrix::<f64>::zeros(count, count);
-    for row in 0..count {
-        if collinear[row] {
-            continue;
-        }
-        for column in (0..row).filter(|column| !collinear[*column]).collect::<Vec<_>>() {
-            let sum: f64 = (0..column).map(|k| factor[(row, k)] * factor[(column, k)]).sum();
-            factor[(row, column)] = (gram[(row, column)] - sum) / factor[(column, column)];
-        }
-        let left = gram[(row, row)] - (0..row).map(|k| factor[(row, k)].powi(2)).sum::<f64>();
-        if left > COLLINEAR {
-            factor[(row, row)] = left.sqrt();
-        } else {
-            collinear[row] = true;
-            (0..row).for_each(|k| factor[(row, k)] = 0.0);
-        }
-    }
-    collinear
 }
 
 #[cfg(test)]

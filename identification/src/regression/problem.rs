@@ -5,10 +5,11 @@ use std::sync::Arc;
 use dynamics::{Effect, Minimum, Part, effects};
 use nalgebra::{DMatrix, DVector};
 
-use super::least_squares::{ColumnNoise, LeastSquares, dot};
-use crate::numerics::vector;
-use crate::preparation::frame::{self, Frame};
+use super::backtracking::longest_improving;
+use super::least_squares::{ColumnNoise, LeastSquares};
+use crate::numerics::vector::{self, dot};
 use crate::preparation::motion::{Band, GRADIENT_REACH, KnobMotion, gradient};
+use crate::preparation::row_filter::{self, RowFilter};
 use crate::preparation::sensor_noise::SensorNoise;
 
 /// Relative change of a searched parameter for its column by differences.
@@ -23,7 +24,7 @@ pub(crate) type Column = Arc<[f64]>;
 /// Rows of torque and of every effect's columns.
 #[derive(Clone)]
 pub(crate) struct Problem<'a> {
-    pub(crate) frame: &'a Frame,
+    pub(crate) row_filter: &'a RowFilter,
     pub(crate) motion: &'a KnobMotion,
     pub(crate) target: Column,
     pub(crate) effects: Vec<Effect>,
@@ -48,22 +49,22 @@ pub(crate) struct Searched {
 
 impl<'a> Problem<'a> {
     pub(crate) fn new(
-        frame: &'a Frame,
+        row_filter: &'a RowFilter,
         motion: &'a KnobMotion,
         band: &Band,
         torque_mnm: &[f64],
         effects: &[Effect],
     ) -> Self {
         let mut problem = Self {
-            frame,
+            row_filter,
             motion,
-            target: frame.rows(torque_mnm).into(),
+            target: row_filter.rows(torque_mnm).into(),
             effects: Vec::new(),
             columns: Vec::new(),
             products: DMatrix::zeros(0, 0),
             detent_slopes: None,
             nonnegative: Vec::new(),
-            noise: SensorNoise::of(frame, motion, band),
+            noise: SensorNoise::of(row_filter, motion, band),
             inertial: Vec::new(),
         };
         effects.iter().for_each(|effect| problem.add(*effect));
@@ -96,11 +97,11 @@ impl<'a> Problem<'a> {
     /// Rows of the columns of the effect that is, or will be, at `index`.
     fn effect_rows(&mut self, index: usize, effect: &Effect) -> Vec<Column> {
         if effect.kind().name != effects::detent::KIND.name {
-            return self.frame.effect_rows(effect, self.motion).into_iter().map(Column::from).collect();
+            return self.row_filter.effect_rows(effect, self.motion).into_iter().map(Column::from).collect();
         }
-        let rows = self.frame.rows_of(4, |range, columns| {
+        let rows = self.row_filter.rows_of(4, |range, columns| {
             let (sines, slopes) = columns.split_at_mut(2);
-            frame::fill(effect, self.motion, |_| true, range.clone(), sines);
+            row_filter::fill(effect, self.motion, |_| true, range.clone(), sines);
             for (slope, sine) in slopes.iter_mut().zip(sines) {
                 let angles = &self.motion.angle_rad[range.clone()];
                 slope.iter_mut().zip(sine).zip(angles).for_each(|((slope, sine), angle)| *slope = *sine * angle);
@@ -177,7 +178,7 @@ impl<'a> Problem<'a> {
         let moved = |shift: f64| {
             let mut effect = self.effects[searched.effect];
             effect.values_mut()[searched.parameter] += shift;
-            self.frame.effect_rows(&effect, self.motion)
+            self.row_filter.effect_rows(&effect, self.motion)
         };
         let mut tangent = vec![0.0; self.target.len()];
         for ((above, below), coefficient) in moved(step).iter().zip(&moved(-step)).zip(coefficients) {
@@ -234,20 +235,13 @@ impl<'a> Problem<'a> {
             if gain * rows <= SETTLED * before {
                 break;
             }
-            let mut share = 1.0;
-            let better = loop {
+            let better = longest_improving(0.25, |share| {
                 for ((which, step), value) in searched.iter().zip(&steps).zip(&start) {
                     self.set(*which, value + share * step);
                 }
                 let trial = self.solve();
-                if dot(&trial.residual, &trial.residual) < before {
-                    break Some(trial);
-                }
-                share *= 0.25;
-                if share < 1e-2 {
-                    break None;
-                }
-            };
+                (dot(&trial.residual, &trial.residual) < before).then_some(trial)
+            });
             let Some(better) = better else {
                 searched.iter().zip(&start).for_each(|(which, value)| self.set(*which, *value));
                 break;
@@ -296,19 +290,19 @@ impl<'a> Problem<'a> {
     pub(crate) fn delay_column(&self, coefficients: &[f64]) -> Column {
         let velocity = &self.motion.velocity_rad_s;
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        let mut rows = self.frame.rows_of(1, |range, rates| {
+        let mut rows = self.row_filter.rows_of(1, |range, rates| {
             let around = range.start.saturating_sub(GRADIENT_REACH)..(range.end + GRADIENT_REACH).min(velocity.len());
             let mut model = vec![0.0; around.len()];
             for (index, effect) in self.effects.iter().enumerate() {
                 let coefficients = &coefficients[self.range(index)];
                 columns.resize_with(coefficients.len(), Vec::new);
                 columns.iter_mut().for_each(|column| column.resize(around.len(), 0.0));
-                frame::fill(effect, self.motion, |_| true, around.clone(), &mut columns);
+                row_filter::fill(effect, self.motion, |_| true, around.clone(), &mut columns);
                 for (column, coefficient) in columns.iter().zip(coefficients) {
                     model.iter_mut().zip(column).for_each(|(sum, value)| *sum += coefficient * value);
                 }
             }
-            let rate = gradient(&model, -self.frame.rate_hz);
+            let rate = gradient(&model, -self.row_filter.rate_hz);
             rates[0].copy_from_slice(&rate[range.start - around.start..][..range.len()]);
             // Friction jumps where the velocity changes sign; no delay is to be read from that.
             for (slot, index) in rates[0].iter_mut().zip(range) {

@@ -1,5 +1,8 @@
 //! Quantiles, and the factors between a standard deviation and a 95 % interval.
 
+use std::borrow::Borrow;
+
+use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::numerics::vector::dot;
@@ -10,6 +13,8 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 const UPPER_95: f64 = 0.975;
 /// Median of the magnitudes of normal values, in standard deviations.
 pub const MEDIAN_MAGNITUDE: f64 = 0.674_489_750_196_081_7;
+/// Median of the magnitudes of white noise's fourth differences, of which the variance is 70-fold, in its standard deviations.
+pub(crate) const MEDIAN_FOURTH_DIFFERENCE: f64 = MEDIAN_MAGNITUDE * 8.366_600_265_340_756;
 
 /// Two-sided 95 % of Student's distribution with `degrees_of_freedom`, in standard deviations; infinite where there are
 /// none.
@@ -58,6 +63,36 @@ pub(crate) fn false_discovery_rate(p_value: f64, p_values: &[f64]) -> f64 {
 pub fn plus_minus(value: f64, half_width: f64) -> String {
     let decimals = (1.0 - half_width.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{value:.decimals$} ± {half_width:.decimals$}")
+}
+
+/// Standard deviation of Σ `derivatives`ⱼ·valueⱼ for values with this covariance.
+pub(crate) fn deviation_of_sum(covariance: &DMatrix<f64>, derivatives: &[f64]) -> f64 {
+    let columns = covariance.column_iter().zip(derivatives);
+    let variance: f64 = columns
+        .map(|(column, factor)| factor * column.iter().zip(derivatives).map(|(product, by)| product * by).sum::<f64>())
+        .sum();
+    variance.max(0.0).sqrt()
+}
+
+/// Mean; 0 for no values.
+pub(crate) fn mean<V: Borrow<f64>>(values: impl IntoIterator<Item = V>) -> f64 {
+    let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value.borrow(), count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// Mean, and its standard error as the values' scatter gives it.
+#[allow(clippy::cast_precision_loss, reason = "a number of values")]
+pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = mean(values);
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count * (count - 1.0));
+    (mean, variance.sqrt())
+}
+
+/// Mean in standard errors.
+pub(crate) fn mean_over_error(values: &[f64]) -> f64 {
+    let (mean, error) = mean_and_error(values);
+    mean / error.max(f64::MIN_POSITIVE)
 }
 
 /// Median of the values, which are reordered; 0 for none.

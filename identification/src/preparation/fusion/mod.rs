@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 
 use crate::preparation::motion::{gradient, low_pass, prompt};
 use crate::preparation::spectrum::{Spectrum, white_density};
-use crate::uncertainty::statistics::{median, rms};
+use crate::uncertainty::statistics::{mean, median, rms};
 
 pub(crate) use blend::blend;
 pub(crate) use kalman_smoother::kalman_smoother;
@@ -111,7 +111,6 @@ impl<'a> Sensors<'a> {
     fn agree(&self) -> bool {
         let slow = |signal: &[f64]| low_pass(4, self.equal_hz, self.rate_hz, signal);
         let (encoder, sensor) = (slow(&self.second_derivative_rad_s2), slow(&self.prompt_rad_s2));
-        let mean = |signal: &[f64]| signal.iter().sum::<f64>() / signal.iter().map(|_| 1.0).sum::<f64>();
         let (encoder_mean, sensor_mean) = (mean(&encoder), mean(&sensor));
         let (mut product, mut square) = (0.0, 0.0);
         for (a, b) in encoder.iter().zip(&sensor) {

@@ -5,9 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realfft::RealFftPlanner;
-
 use super::block_sums::BlockSums;
+use crate::numerics::fourier;
 use crate::samples::span;
 use crate::uncertainty::statistics::median;
 
@@ -28,7 +27,7 @@ const PREDICTS: f64 = 3.0;
 /// A sinusoid that explains less than this share of what the others leave is not worth a line of the table: of the
 /// thousands tried, the best one explains a little of anything.
 const WORTHWHILE: f64 = 0.01;
-/// The climb ends with so many sinusoids in a row that do not.
+/// The pursuit ends with so many sinusoids in a row that do not.
 const REFUSALS: usize = 4;
 /// No more sinusoids than this.
 const MOST: usize = 64;
@@ -79,7 +78,7 @@ impl Grid {
         reason = "a place between 0 and their number"
     )]
     fn strongest(&self, angle_rad: &[f64], residual: &[f64], taken: &[f64]) -> Option<Peak> {
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(PLACES);
+        let transform = fourier::forward(PLACES);
         let (mut sums, mut lines) = (transform.make_input_vec(), transform.make_output_vec());
         for (angle, rest) in angle_rad.iter().zip(residual) {
             let turns = (angle - self.start_rad) * self.unit / TAU;
@@ -113,14 +112,14 @@ struct Peak {
 /// Adds the sinusoids that stand out and predict what they were not fitted to; returns their wavenumbers, 1/rad.
 ///
 /// The columns of each are sine and cosine, behind those that the sums hold already.
-pub(super) fn climb(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
+pub(super) fn sinusoids(sums: &mut BlockSums, angle_rad: &[f64], grid: &Grid) -> Vec<f64> {
     let mut wavenumbers: Vec<f64> = Vec::new();
     let mut tried: Vec<f64> = Vec::new();
     let mut refusals = 0;
     while wavenumbers.len() < MOST && refusals < REFUSALS {
-        let all: Vec<usize> = (0..sums.width()).collect();
-        let Some(solution) = sums.solve(&all) else { break };
-        let Some(peak) = grid.strongest(angle_rad, &sums.residual(&solution), &tried) else { break };
+        let Some(solution) = sums.solve() else { break };
+        let residual = sums.residual(&solution.coefficients);
+        let Some(peak) = grid.strongest(angle_rad, &residual, &tried) else { break };
         if !peak.clear {
             break;
         }
@@ -165,11 +164,10 @@ fn refined(sums: &mut BlockSums, angle_rad: &[f64], start: f64, unit: f64) -> f6
     let mut wavenumber = start;
     for _ in 0..STEPS {
         push(sums, angle_rad, wavenumber);
-        let chosen: Vec<usize> = (0..base + 2).collect();
-        let step = sums.solve(&chosen).and_then(|solution| {
-            sums.push(tangent(angle_rad, wavenumber, [solution[base], solution[base + 1]]));
-            let chosen: Vec<usize> = (0..base + 3).collect();
-            sums.solve(&chosen).map(|extended| extended[base + 2])
+        let step = sums.solve().and_then(|solution| {
+            let [sine, cosine] = [base, base + 1].map(|column| solution.coefficients[column]);
+            sums.push(tangent(angle_rad, wavenumber, [sine, cosine]));
+            sums.solve().map(|extended| extended.coefficients[base + 2])
         });
         sums.truncate(base);
         wavenumber += step.unwrap_or(0.0).clamp(-0.5 * unit, 0.5 * unit);

@@ -23,10 +23,10 @@ const LOWER_FLOOR: f64 = 0.8;
 /// Whether an effect more explains enough, surely enough.
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
-    let gap = before.excess_beside(after);
+    let gap = before.excess_above_lower_floor(after);
     // A coupling that the angle's noise drives raises the floor, and what it left is less than it seems.
-    let closed = gap - after.excess_beside(before).min(after.excess());
-    // An end stop may be felt in a few stretches only; then what was never fitted must speak for it.
+    let closed = gap - after.excess_above_lower_floor(before).min(after.excess());
+    // An end stop may act in a few stretches only; then what was never fitted must speak for it.
     let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
     // Whether a simulated body breaks away at one moment may hang on anything: then one stretch proves nothing. Nor does it
     // where much of the residual is no noise, which the likelihood takes it for.
@@ -39,13 +39,13 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
         && after.heldout_rms_mnm < before.heldout_rms_mnm
         && closed > WORTHWHILE * gap
         && closed > SMALLEST * floor * floor
-        && closed > UNEXPLAINED * UNEXPLAINED * first.excess_beside(after)
+        && closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
 }
 
 /// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor
 /// were lower than it is thought to be.
 pub(crate) fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
-    let gap = first.excess_beside(judged);
+    let gap = first.excess_above_lower_floor(judged);
     let lower = judged.floors_mnm().map(|floor| LOWER_FLOOR * floor);
     gap > 0.0 && judged.excess_above(lower) < UNEXPLAINED * UNEXPLAINED * gap
 }

@@ -1,9 +1,9 @@
-//! Normal equations that grow column by column.
+//! Least squares of columns that may be sums of each other, some of them with coefficients that cannot be negative.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::numerics::vector::subtract;
-use crate::regression::least_squares::dot;
+use crate::numerics::vector::dot;
+use crate::regression::gram::most_negative;
 
 /// What holds a coefficient of either sign near zero, as a share of its column's square: too little to be felt unless
 /// other columns can do the same.
@@ -32,18 +32,13 @@ pub(crate) fn solve(columns: &[&[f64]], target: &[f64], nonnegative: &[bool]) ->
     }
     let mut free: Vec<usize> = (0..count).filter(|index| gram[(*index, *index)] > 0.5).collect();
     loop {
-        let part = DMatrix::from_fn(free.len(), free.len(), |row, column| gram[(free[row], free[column])]);
         let side = DVector::from_iterator(free.len(), free.iter().map(|index| right[*index]));
-        let Some(solved) = Cholesky::new(part).map(|factor| factor.solve(&side)) else {
+        let Some(solved) =
+            Cholesky::new(gram.select_rows(&free).select_columns(&free)).map(|factor| factor.solve(&side))
+        else {
             return vec![0.0; count];
         };
-        let worst = free
-            .iter()
-            .zip(solved.iter())
-            .enumerate()
-            .filter(|(_, (index, value))| nonnegative[**index] && **value < 0.0)
-            .min_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b));
-        if let Some((place, _)) = worst {
+        if let Some(place) = most_negative(&free, solved.iter().copied(), nonnegative) {
             free.remove(place);
             continue;
         }
@@ -53,13 +48,4 @@ pub(crate) fn solve(columns: &[&[f64]], target: &[f64], nonnegative: &[bool]) ->
         }
         return coefficients;
     }
-}
-
-/// Target minus Σ coefficient · column.
-pub(crate) fn residual(columns: &[&[f64]], target: &[f64], coefficients: &[f64]) -> Vec<f64> {
-    let mut left = target.to_vec();
-    for (column, coefficient) in columns.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0) {
-        subtract(&mut left, *coefficient, column);
-    }
-    left
 }

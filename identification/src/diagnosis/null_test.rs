@@ -1,11 +1,12 @@
 //! What mere freedom buys: an effect's own columns, but at the wrong time.
 
+use super::bounded_least_squares;
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
-use super::normal;
 use super::structure::Structure;
-use crate::regression::least_squares::dot;
+use crate::numerics::vector::dot;
+use crate::regression::least_squares;
 use crate::uncertainty::statistics::median;
 
 /// Shifts of the columns, as shares of the capture.
@@ -30,10 +31,11 @@ pub(crate) fn rms_of_columns(
         .map(|shift| {
             let turned = turned(train_columns, *shift);
             let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
-            let coefficients = normal::solve(&slices, &before.train_residual, &vec![false; slices.len()]);
+            let coefficients =
+                bounded_least_squares::solve(&slices, &before.train_residual, &vec![false; slices.len()]);
             let turned = self::turned(heldout_columns, *shift);
             let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
-            let residual = normal::residual(&slices, &before.heldout_residual, &coefficients);
+            let residual = least_squares::residual(&slices, &before.heldout_residual, &coefficients);
             (dot(&residual, &residual) / heldout.weight).sqrt()
         })
         .collect();

@@ -25,7 +25,7 @@ const BLOCK: usize = 2048;
 
 /// The mask, the common filter and the decimation through which torque and every column pass.
 #[derive(Clone, Debug)]
-pub(crate) struct Frame {
+pub(crate) struct RowFilter {
     pub(crate) rate_hz: f64,
     /// 1 where the knob surely slides, 0 where it may stick, fading from one to the other.
     pub(crate) mask: Vec<f64>,
@@ -36,7 +36,7 @@ pub(crate) struct Frame {
     pub(crate) threshold_rad_s: f64,
 }
 
-impl Frame {
+impl RowFilter {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths of a few samples")]
     pub(crate) fn new(uniform: &Uniform, motion: &KnobMotion, band: &Band) -> Self {
         let rate_hz = uniform.rate_hz;
@@ -56,7 +56,7 @@ impl Frame {
         Self { rate_hz, mask, fir: Fir::low_pass(half_length, band.edge_hz, rate_hz), step, threshold_rad_s }
     }
 
-    /// The frame of the samples that the mask leaves out for nothing but the filters' reach to where the knob turns round without
+    /// The row filter of the samples that the mask leaves out for nothing but the filters' reach to where the knob turns round without
     /// a rest; `None` if there are none.
     pub(crate) fn next_to_standstill(&self, uniform: &Uniform, motion: &KnobMotion) -> Option<Self> {
         let guard = samples(GUARD_S, self.rate_hz);
@@ -110,7 +110,7 @@ impl Frame {
         self.rows_of(count, |range, columns| fill(effect, motion, is_unmasked, range, columns))
     }
 
-    /// The adjoint of [`Frame::rows`].
+    /// The adjoint of [`RowFilter::rows`].
     pub(crate) fn spread(&self, rows: &[f64]) -> Vec<f64> {
         let mut spread = self.fir.spread(rows, self.step, self.mask.len());
         spread.iter_mut().zip(&self.mask).for_each(|(value, mask)| *value *= mask);

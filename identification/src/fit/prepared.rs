@@ -1,0 +1,234 @@
+//! Motion, mask and filter for one band, and what is fitted there.
+
+use std::borrow::Cow;
+
+use dynamics::{Calibration, Effect, Part, effects};
+
+use super::report::Report;
+use super::trimmed::{trim, untrimmed};
+use crate::detents::{self, Detents, Found};
+use crate::estimate::{Fit, Harmonic, Preparation};
+use crate::karnopp::Stick;
+use crate::numerics::vector;
+use crate::options::{AccelerationUse, FitOptions, PreparationMethod};
+use crate::preparation::encoder_step::encoder_step;
+use crate::preparation::fixed_preparation::FixedPreparation;
+use crate::preparation::motion::{Band, KnobMotion};
+use crate::preparation::row_filter::RowFilter;
+use crate::preparation::uniform::Uniform;
+use crate::regression::characteristic::{CurveProjection, Measured, Places, measure};
+use crate::regression::least_squares::LeastSquares;
+use crate::regression::problem::Problem;
+use crate::samples::{FEWEST_SAMPLES, FitError, Samples};
+use crate::uncertainty::statistics::quantile;
+
+/// Step of an encoder that is coarse for a servo, rad: 17 bits in a turn.
+const COARSE_STEP_RAD: f64 = 5e-5;
+
+/// Motion, mask and filter for one band.
+pub(super) struct Prepared<'a> {
+    band: Band,
+    pub(super) motion: KnobMotion,
+    torque_mnm: Cow<'a, [f64]>,
+    row_filter: RowFilter,
+}
+
+/// The problem with detents, if there are any, not yet trimmed.
+pub(super) struct Solved<'a> {
+    pub(super) problem: Problem<'a>,
+    solution: LeastSquares,
+    aliases_rad: Vec<f64>,
+    harmonics: Vec<Harmonic>,
+    pub(super) no_detents: Option<String>,
+    /// Measured curves among the effects.
+    pub(super) curves: Option<CurveProjection>,
+}
+
+impl<'a> Prepared<'a> {
+    pub(super) fn new(
+        uniform: &'a Uniform,
+        exact: Option<KnobMotion>,
+        band: Band,
+        options: &FitOptions,
+    ) -> Result<Self, FitError> {
+        let calibration = options.calibration.as_ref();
+        let motion = exact.unwrap_or_else(|| KnobMotion::measured(uniform, &band, calibration, options.acceleration));
+        let row_filter = RowFilter::new(uniform, &motion, &band);
+        let torque_mnm = motion.alike(&uniform.torque_mnm, uniform.rate_hz);
+        Self { band, motion, torque_mnm, row_filter }.checked()
+    }
+
+    pub(super) fn fixed(fixed: FixedPreparation) -> Result<Self, FitError> {
+        let FixedPreparation { motion, torque_mnm, row_filter, band } = fixed;
+        Self { band, motion, torque_mnm: torque_mnm.into(), row_filter }.checked()
+    }
+
+    fn checked(self) -> Result<Self, FitError> {
+        let samples = self.row_filter.sliding();
+        if samples < FEWEST_SAMPLES / 2 {
+            return Err(FitError::HardlyMoving { threshold_rad_s: self.row_filter.threshold_rad_s, samples });
+        }
+        Ok(self)
+    }
+
+    pub(super) fn solve(&self, samples: &Samples<'_>, options: &FitOptions) -> Solved<'_> {
+        let Self { band, motion, torque_mnm, row_filter } = self;
+        let mut base = Problem::new(row_filter, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        let solution = base.refine(20, |_, value| 0.1 * value.abs());
+        let known_step = options.calibration.as_ref().map(|known| known.angle_step_rad).filter(|step| *step > 0.0);
+        let step = known_step.unwrap_or_else(|| vector::smallest_step(samples.angle_rad));
+        let found = if options.without_detents {
+            Detents::None("detents were not asked for".to_owned())
+        } else {
+            detents::search(&base, &solution, row_filter, motion, band, step)
+        };
+        match found {
+            Detents::Found(found) => {
+                let Found { problem, solution, aliases_rad, harmonics } = *found;
+                Solved { problem, solution, aliases_rad, harmonics, no_detents: None, curves: None }
+            }
+            Detents::None(reason) => Solved {
+                problem: base,
+                solution,
+                aliases_rad: Vec::new(),
+                harmonics: Vec::new(),
+                no_detents: Some(reason),
+                curves: None,
+            },
+        }
+    }
+
+    /// The torque over the angle, measured beside all that the fit has anyway.
+    pub(super) fn measure(&self, options: &FitOptions) -> Option<Measured> {
+        let Self { band, motion, torque_mnm, row_filter } = self;
+        let base = Problem::new(row_filter, motion, band, torque_mnm, &base_effects(&options.further_effects));
+        // One Coulomb friction for both directions: half of what differs between them is a torque that does not change with them.
+        let ([negative, positive], both) = base.both_ways()?;
+        let mut columns = base.columns.clone();
+        columns[negative] = both;
+        columns.remove(positive);
+        let mut nonnegative = base.nonnegative().to_vec();
+        nonnegative.remove(positive);
+        let mut noise = base.column_noise();
+        noise.iter_mut().for_each(|noise| noise.column -= usize::from(noise.column > positive));
+        let sliding = |index: &usize| row_filter.mask[*index] > 0.0;
+        let places =
+            Places::of(&(0..motion.len()).filter(sliding).map(|index| (motion.angle_rad[index], torque_mnm[index])))?;
+        let [back, forth] = [negative, positive].map(|column| base.columns[column].iter().any(|value| *value != 0.0));
+        measure(&columns, &nonnegative, &noise, &base.target, &places, back && forth, |spline| {
+            spline.columns(motion.len(), |index| motion.at(index)).map(|column| row_filter.rows(&column)).collect()
+        })
+    }
+
+    /// A wider band, if the detents found need it.
+    pub(super) fn band_for(&self, solved: &Solved<'_>) -> Option<Band> {
+        if solved.no_detents.is_some() {
+            return None;
+        }
+        let wavenumber = 1.0 / solved.problem.effects.last()?.values()[1];
+        let at_rows = self.motion.velocity_rad_s.iter().step_by(self.row_filter.step);
+        let mut speeds: Vec<f64> = at_rows.map(|velocity| velocity.abs()).collect();
+        self.band.widened(wavenumber, quantile(&mut speeds, 0.95), self.row_filter.rate_hz)
+    }
+
+    pub(super) fn report(
+        &self,
+        solved: Solved<'_>,
+        uniform: &Uniform,
+        samples: &Samples<'_>,
+        options: &FitOptions,
+    ) -> Fit {
+        let calibration = options.calibration.as_ref();
+        let Self { band, motion, torque_mnm, row_filter } = self;
+        let Solved { problem, solution, aliases_rad, harmonics, no_detents, curves } = solved;
+        let mut trimmed = if options.preparation == PreparationMethod::CentralDifferences {
+            untrimmed(problem)
+        } else {
+            trim(problem, &solution)
+        };
+        if let Some(curves) = curves {
+            trimmed.project_curves_out(curves);
+        }
+        let instrumented = options.acceleration == AccelerationUse::ColumnInstrumented && motion.accelerometer;
+        if instrumented {
+            let encoder = KnobMotion::measured(uniform, band, calibration, AccelerationUse::Encoder);
+            trimmed.instrument(&encoder.acceleration_rad_s2);
+        }
+        let near = match options.preparation {
+            PreparationMethod::Automatic => row_filter.next_to_standstill(uniform, motion),
+            PreparationMethod::Paper | PreparationMethod::CentralDifferences => None,
+        };
+        // Rows beside measured curves are freed of what the curves do at their own samples.
+        let near = near.filter(|_| trimmed.curves.is_none());
+        let near = near.map(|near| trimmed.with_rows_of(&near, band, torque_mnm));
+        let report = Report { trimmed: &trimmed, motion, row_filter, band, calibration, near };
+        let (mut parameters, covariance, comparison) = report.parameters(no_detents);
+        let mut effects = trimmed.effects();
+        Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
+        let mut notes = report.notes(&parameters);
+        if uniform.lost > 0 {
+            notes.push(format!("samples missing from the capture: {}; the fit leaves the gaps out", uniform.lost));
+        }
+        notes.extend(uniform.notes.iter().cloned());
+        notes.extend(unknown_step(samples, calibration));
+        Fit {
+            parameters,
+            covariance,
+            residual_rms_mnm: comparison.residual_rms_mnm,
+            relative_error_percent: comparison.relative_error_percent,
+            mean_ci95_mnm: comparison.mean_ci95_mnm,
+            mean_ci95_textbook_mnm: comparison.mean_ci95_textbook_mnm,
+            samples: samples.t_s.len(),
+            rows: comparison.points.len(),
+            torque_delay_s: trimmed.delay_s,
+            detent_harmonics: harmonics,
+            detent_aliases_rad: aliases_rad,
+            preparation: Preparation {
+                method: options.preparation.name(),
+                ..preparation(uniform, motion, row_filter, band)
+            },
+            notes,
+            points: comparison.points,
+            characteristics: Vec::new(),
+            axis: options.axis,
+            effects,
+        }
+    }
+}
+
+fn base_effects(further: &[Effect]) -> Vec<Effect> {
+    let base = [Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
+    base.into_iter()
+        .chain(further.iter().copied().filter(|effect| !matches!(effect.kind().part, Part::Stick(_))))
+        .collect()
+}
+
+/// A note on an encoder whose steps are coarse and unknown to the rig's calibration: a servo that does not know of them makes noise.
+fn unknown_step(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Option<String> {
+    let step_rad = calibration
+        .filter(|known| known.angle_step_rad == 0.0)
+        .and_then(|_| encoder_step(samples.angle_rad))
+        .filter(|step_rad| *step_rad > COARSE_STEP_RAD)?;
+    Some(format!(
+        "the encoder's step is {step_rad:.2e} rad, of which the rig's calibration says nothing; with `angle_step_rad = {step_rad:.2e}` \
+         in it the servo makes less noise"
+    ))
+}
+
+fn preparation(uniform: &Uniform, motion: &KnobMotion, row_filter: &RowFilter, band: &Band) -> Preparation {
+    #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
+    let share = row_filter.sliding() as f64 / motion.len() as f64;
+    Preparation {
+        method: PreparationMethod::default().name(),
+        rate_hz: uniform.rate_hz,
+        lost_samples: uniform.lost,
+        exact_motion: motion.exact,
+        accelerometer: motion.accelerometer,
+        angle_cutoff_hz: motion.cutoff_hz,
+        band_hz: band.edge_hz,
+        stick_threshold_rad_s: row_filter.threshold_rad_s,
+        sliding_percent: 100.0 * share,
+        angle_noise_rad: (motion.angle_density * 0.5 * uniform.rate_hz).sqrt(),
+        torque_noise_mnm: band.torque_noise_mnm,
+    }
+}

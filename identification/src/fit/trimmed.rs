@@ -1,0 +1,183 @@
+//! The settled problem: effects, searched parameters and a small delay of the torque channel, fitted together.
+
+use dynamics::{Effect, Part};
+
+use crate::numerics::vector::dot;
+use crate::preparation::motion::Band;
+use crate::preparation::row_filter::RowFilter;
+use crate::regression::characteristic::CurveProjection;
+use crate::regression::least_squares::{ColumnNoise, LeastSquares};
+use crate::regression::problem::{Column, Problem};
+
+/// A delay between torque and motion is believed only up to this many samples; more is an effect of its own.
+const LARGEST_DELAY_SAMPLES: f64 = 0.5;
+/// Standard errors by which a delay must differ from zero to be allowed for.
+const DELAY_SIGNIFICANCE: f64 = 4.5;
+
+/// A delay too long for a trim is told if it explains this share of the residual's sum of squares.
+const WORTH_A_NOTE: f64 = 0.25;
+
+/// A problem with everything settled: effects, searched parameters and the delay.
+pub(crate) struct Trimmed<'a> {
+    pub(crate) problem: Problem<'a>,
+    /// All columns: the effects' linear ones, then those of searched parameters, then that of the delay if it is fitted.
+    pub(crate) columns: Vec<Column>,
+    /// What they were fitted to: the problem's target, without what measured curves do.
+    pub(crate) target: Column,
+    pub(crate) solution: LeastSquares,
+    /// What the residual was made orthogonal to, if not the columns themselves.
+    pub(crate) instruments: Option<Vec<Column>>,
+    /// Measured curves of which the columns have been freed.
+    pub(crate) curves: Option<CurveProjection>,
+    /// Delay of the torque behind the motion that was allowed for, s.
+    pub(crate) delay_s: f64,
+    /// Delay that the data ask for although it is too long for a trim, s.
+    pub(crate) refused_delay_s: Option<f64>,
+}
+
+/// Rows of torque and of every column.
+pub(crate) struct Rows {
+    pub(crate) columns: Vec<Column>,
+    pub(crate) target: Column,
+}
+
+impl<'a> Trimmed<'a> {
+    /// The problem solved together with further columns, without a delay.
+    fn with(problem: Problem<'a>, further: &[Column]) -> Self {
+        let (columns, solution) = problem.solve_with(further);
+        Self {
+            target: problem.target.clone(),
+            problem,
+            columns,
+            solution,
+            instruments: None,
+            curves: None,
+            delay_s: 0.0,
+            refused_delay_s: None,
+        }
+    }
+
+    /// The rows, together with those of samples that only another row filter has.
+    pub(super) fn with_rows_of(&self, other: &RowFilter, band: &Band, torque_mnm: &[f64]) -> Rows {
+        let coefficients = &self.solution.coefficients;
+        let problem = Problem::new(other, self.problem.motion, band, torque_mnm, &self.problem.effects);
+        let mut columns = problem.columns.clone();
+        columns.extend(problem.searched().iter().map(|which| problem.tangent(*which, coefficients)));
+        let mut target = problem.target.to_vec();
+        if columns.len() < self.columns.len() {
+            let delay = problem.delay_column(coefficients);
+            target.iter_mut().zip(&*delay).for_each(|(torque, value)| *torque -= self.delay_s * value);
+            columns.push(delay);
+        }
+        let sum = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(one, other)| one + other).collect();
+        Rows {
+            columns: self.columns.iter().zip(&columns).map(|(one, other)| sum(one, other)).collect(),
+            target: sum(&self.problem.target, &target),
+        }
+    }
+
+    /// Solves again with another sensor's acceleration as the instrument for the inertia.
+    pub(super) fn instrument(&mut self, acceleration_rad_s2: &[f64]) {
+        let acceleration = self.problem.row_filter.rows(acceleration_rad_s2);
+        let acceleration = self.curves.as_ref().map_or(acceleration.clone(), |curves| curves.remainder(&acceleration));
+        let instruments = self.problem.instruments(&self.columns, &acceleration.into());
+        self.solution = self.solution.clone().instrumented(&self.columns, &instruments, &self.target);
+        self.instruments = Some(instruments);
+    }
+
+    /// Solves again with what the points of measured curves can do left out of the other columns: the curves stay as they are, and how little
+    /// is known of them joins what is known of the rest.
+    #[allow(clippy::cast_precision_loss, reason = "numbers of rows and points")]
+    pub(super) fn project_curves_out(&mut self, curves: CurveProjection) {
+        let Self { problem, columns, target, .. } = self;
+        let less = |column: &[f64], part: &[f64]| -> Vec<f64> {
+            column.iter().zip(part).map(|(value, part)| value - part).collect()
+        };
+        let done = |column: &[f64]| less(column, &curves.remainder(column));
+        let is_curve = |effect: &Effect| matches!(effect.kind().part, Part::TorqueTable(_) | Part::FrictionTable(_));
+        let effects = (0..problem.effects.len()).filter(|effect| is_curve(&problem.effects[*effect]));
+        let of_curves: Vec<usize> = effects.flat_map(|effect| problem.range(effect)).collect();
+        // The mean of both directions is the curves', so that only half of the two Coulomb frictions' sum is told beside them.
+        let coulomb = problem.both_ways().map(|(places, both)| {
+            let half: Vec<f64> = done(&both).into_iter().map(|value| 0.5 * value).collect();
+            (places, half)
+        });
+        let mut beyond = problem.target.to_vec();
+        for (index, place) in columns.iter_mut().enumerate() {
+            let column = place.clone();
+            let part = match &coulomb {
+                _ if of_curves.contains(&index) => {
+                    beyond = less(&beyond, &column);
+                    curves.remainder(&column)
+                }
+                Some((places, half)) if places.contains(&index) => half.clone(),
+                _ => done(&column),
+            };
+            *place = less(&column, &part).into();
+        }
+        beyond = curves.remainder(&beyond);
+        for index in of_curves {
+            beyond.iter_mut().zip(&*columns[index]).for_each(|(sum, value)| *sum += value);
+        }
+        *target = beyond.into();
+        let mut nonnegative = problem.nonnegative().to_vec();
+        nonnegative.resize(columns.len(), false);
+        let share = 1.0 - curves.count() as f64 / target.len() as f64;
+        let noise = problem.column_noise().into_iter();
+        let noise: Vec<ColumnNoise> = noise
+            .map(|noise| ColumnNoise { square: share * noise.square, product: share * noise.product, ..noise })
+            .collect();
+        self.solution = LeastSquares::solve_within(columns, target, &nonnegative, &noise);
+        self.curves = Some(curves);
+    }
+
+    /// The effects with all their values filled in.
+    pub(crate) fn effects(&self) -> Vec<Effect> {
+        let mut effects = self.problem.effects.clone();
+        for (index, effect) in effects.iter_mut().enumerate() {
+            if let Some(regressors) = effect.kind().regressors {
+                (regressors.values)(&self.solution.coefficients[self.problem.range(index)], effect.values_mut());
+            }
+        }
+        effects
+    }
+}
+
+/// The derivatives of the model's torque by the searched parameters, in rows.
+fn tangents(problem: &Problem<'_>, solution: &LeastSquares) -> Vec<Column> {
+    problem.searched().iter().map(|which| problem.tangent(*which, &solution.coefficients)).collect()
+}
+
+/// Fits a small delay of the torque channel, if the data show one, together with everything else.
+pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed<'a> {
+    let tangents_alone = tangents(&problem, solution);
+    let mut with_delay = tangents_alone.clone();
+    with_delay.push(problem.delay_column(&solution.coefficients));
+    let (columns, extended) = problem.solve_with(&with_delay);
+    let delay_index = columns.len() - 1;
+    let delay_s = extended.coefficients[delay_index];
+    let significant = delay_s.abs() > DELAY_SIGNIFICANCE * extended.robust_deviation(&columns, delay_index)
+        && extended.improves(solution);
+    let left = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
+    let worthwhile = left(&extended) < (1.0 - WORTH_A_NOTE) * left(solution);
+    let small = delay_s.abs() <= LARGEST_DELAY_SAMPLES / problem.row_filter.rate_hz;
+    if significant && small {
+        // The delay shifts the searched parameters too: the column takes it out, then they settle again.
+        let mut problem = problem;
+        let delay_rows = columns[delay_index].clone();
+        problem.target =
+            problem.target.iter().zip(&*delay_rows).map(|(torque, value)| torque - delay_s * value).collect();
+        let settled = problem.refine(4, |_, value| 0.01 * value.abs());
+        let mut further = tangents(&problem, &settled);
+        further.push(delay_rows);
+        return Trimmed { delay_s, ..Trimmed::with(problem, &further) };
+    }
+    let refused_delay_s = (significant && worthwhile).then_some(delay_s);
+    Trimmed { refused_delay_s, ..Trimmed::with(problem, &tangents_alone) }
+}
+
+/// The problem as it is, without a delay.
+pub(super) fn untrimmed(problem: Problem<'_>) -> Trimmed<'_> {
+    let tangents = tangents(&problem, &problem.solve());
+    Trimmed::with(problem, &tangents)
+}
