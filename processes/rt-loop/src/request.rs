@@ -38,7 +38,7 @@ pub struct RunRequest {
     /// Command a torque instead of an angle
     #[arg(long)]
     pub torque: bool,
-    /// Largest commanded angle in rad, or torque in mNm [default: as the sweep has it]
+    /// Largest commanded angle in rad or travel in mm, or torque in mNm or force in N [default: as the sweep has it]
     #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Length of the run, s
@@ -115,7 +115,7 @@ pub struct HandRequest {
     /// What the hand on the simulated rig wants: a sweep's name, the angles recorded in a CSV file, or none to let go
     #[arg(long, default_value = "none", requires = "model", value_name = "SWEEP|FILE.csv|none")]
     pub hand: String,
-    /// Torque that the hand on the simulated rig applies instead, mNm
+    /// Torque that the hand on the simulated rig applies instead, mNm, or force, N
     #[arg(long, requires = "model", allow_negative_numbers = true, value_name = "MNM")]
     pub hand_torque: Option<f64>,
     /// Times by which the hand on the simulated rig is stiffer and more damped than a usual pinch grip

@@ -43,7 +43,7 @@ pub struct CaptureOptions {
     /// captures count, and are always made
     #[arg(long, requires = "diagnose", default_value = "5", value_name = "CAPTURES|SECONDSs")]
     pub budget: Budget,
-    /// How far from its start the knob may be turned to tell rivals apart, rad [default: as far as the first two captures]
+    /// How far from its start the knob may be moved to tell rivals apart, rad or mm [default: as far as the first two captures]
     #[arg(long, requires = "diagnose", value_name = "RAD", allow_negative_numbers = true)]
     pub reach: Option<f64>,
     /// Write the diagnosis as JSON; `-` for standard output

@@ -26,7 +26,7 @@ pub struct ReplayOptions {
     /// The hand on the simulated rig
     #[command(flatten)]
     pub hand: HandRequest,
-    /// Largest angle to which the hand's sweep goes, rad [default: as the sweep has it]
+    /// Largest angle to which the hand's sweep goes, rad or mm [default: as the sweep has it]
     #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Length, s [default: until Ctrl-C, a day at most; offline 10]
