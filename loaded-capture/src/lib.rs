@@ -141,9 +141,9 @@ impl LoadedCapture {
             t_s: Some(t_s.clone()),
             position: earlier(t_s, angle_rad, delay_s),
             load: torque_mnm.iter().map(|torque_mnm| torque_mnm - zero_mnm).collect(),
-            closed: contact.as_ref().map(|contact| {
-                earlier(t_s, contact, delay_s).into_iter().map(|closed| closed > 0.5).collect()
-            }),
+            closed: contact
+                .as_ref()
+                .map(|contact| earlier(t_s, contact, delay_s).into_iter().map(|closed| closed > 0.5).collect()),
         }
     }
 

@@ -166,9 +166,8 @@ fn read(curve: &Curve) -> Result<Vec<Run>, SheetError> {
         branches: pressed.branches,
     };
     let runs = match curve.axis {
-        Axis::Rotary => rotary::read(curve).map(|turned| {
-            vec![Run { figures: turned.figures, detents: turned.detents, branches: turned.branches }]
-        }),
+        Axis::Rotary => rotary::read(curve)
+            .map(|turned| vec![Run { figures: turned.figures, detents: turned.detents, branches: turned.branches }]),
         Axis::Linear => pressed::read(curve).map(|presses| presses.into_iter().map(of_press).collect()),
     };
     runs.map_err(|error| SheetError::Curve { path: curve.source.clone(), error })
@@ -224,7 +223,8 @@ fn spread(detents: &[Detent], name: &str) -> Option<Spread> {
     Some(Spread { spread, worst, number: values.len() })
 }
 
-/// The mean of several runs, with the standard error of one more run about it, and from how many differences it is known.
+/// The mean of several runs, with the standard error of one more run about it, and from how many differences it is known. Runs that
+/// are alike by chance, or as a step of the rows has it, do not tell it better than each of them by itself.
 #[allow(clippy::cast_precision_loss, reason = "a number of runs")]
 pub(crate) fn combined(runs: &[Estimate]) -> (Estimate, f64) {
     let values: Vec<f64> = runs.iter().map(|run| run.value).collect();
@@ -232,7 +232,9 @@ pub(crate) fn combined(runs: &[Estimate]) -> (Estimate, f64) {
         return (runs[0], f64::INFINITY);
     };
     let count = runs.len() as f64;
-    (Estimate { value, standard_error: deviation * (1.0 + 1.0 / count).sqrt() }, count - 1.0)
+    let own = runs.iter().map(|run| run.standard_error.powi(2)).sum::<f64>() / count;
+    let standard_error = (deviation * (1.0 + 1.0 / count).sqrt()).max(own.sqrt());
+    (Estimate { value, standard_error }, count - 1.0)
 }
 
 /// The branches of one run, or the mean of several where all of them have been.

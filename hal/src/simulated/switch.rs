@@ -22,7 +22,7 @@ pub struct Switch {
 
 /// When a bouncing contact changes after its first change, as shares of the bounce: each flight is shorter than the one before, as
 /// a ball's are.
-const CHANGES: [f64; 6] = [0.10, 0.50, 0.58, 0.80, 0.85, 1.0];
+const CHANGES: [f64; 6] = [0.15, 0.45, 0.55, 0.75, 0.85, 1.0];
 
 impl Switch {
     /// Checks that the numbers describe a switch.
@@ -40,9 +40,8 @@ impl Switch {
             ("switch's opening_bounce_s", opening_bounce_s, (0.0..1.0).contains(&opening_bounce_s), "from 0 to 1 s"),
         ];
         let refused = checks.into_iter().find(|(_, _, permitted, _)| !permitted);
-        refused.map_or(Ok(()), |(parameter, value, _, requirement)| {
-            Err(ParameterError { parameter, value, requirement })
-        })
+        refused
+            .map_or(Ok(()), |(parameter, value, _, requirement)| Err(ParameterError { parameter, value, requirement }))
     }
 }
 
@@ -78,5 +77,38 @@ impl Switching {
         let since_s = time_s - self.changed_s;
         let changes = CHANGES.iter().filter(|share| since_s >= *share * bounce_s).count();
         self.settles_closed == changes.is_multiple_of(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Switch, Switching};
+
+    #[test]
+    fn it_closes_and_opens_where_it_is_told_and_bounces_as_long() {
+        let switch = Switch {
+            closing_angle_rad: 3.1,
+            opening_angle_rad: 2.9,
+            closing_bounce_s: 1.2e-3,
+            opening_bounce_s: 0.6e-3,
+        };
+        let mut switching = Switching::new(switch);
+        // There and back between 0 and 3.4 within 2 s.
+        let (mut changes, mut before) = (Vec::new(), false);
+        for step in 0..200_000 {
+            let time_s = f64::from(step) * 1e-5;
+            let angle_rad = 3.4 * (1.0 - (time_s - 1.0).abs());
+            switching.step(time_s, angle_rad);
+            if switching.is_closed(time_s) != before {
+                before = !before;
+                changes.push((time_s, angle_rad));
+            }
+        }
+        // Three flights each time, so seven changes.
+        assert_eq!((changes.len(), before), (14, false));
+        for (first, last, angle_rad, bounce_s) in [(0, 6, 3.1, 1.2e-3), (7, 13, 2.9, 0.6e-3)] {
+            assert!((changes[first].1 - angle_rad).abs() < 1e-4);
+            assert!((changes[last].0 - changes[first].0 - bounce_s).abs() < 1.5e-5);
+        }
     }
 }

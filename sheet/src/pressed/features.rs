@@ -40,8 +40,8 @@ pub(super) fn features(stroke: &Stroke) -> Vec<(&'static FigureKind, Value)> {
     let at = |index: Option<usize>, reason| index.map(|index| press.position(index)).ok_or(reason);
     let force = |index: Option<usize>, reason| index.map(|index| smooth[index]).ok_or(reason);
 
-    let [closes_mm, opens_mm] =
-        [&stroke.closing, &stroke.opening].map(|change| change.as_ref().map(|change| change.travel_mm).map_err(|reason| *reason));
+    let [closes_mm, opens_mm] = [&stroke.closing, &stroke.opening]
+        .map(|change| change.as_ref().map(|change| change.travel_mm).map_err(|reason| *reason));
     let closes = closes_mm.ok().and_then(|travel| index_of(press, travel));
     let actuation = closes.or(collapse);
     let release = actuation.and_then(|actuation| lowest(&smooth, collapse.unwrap_or(actuation), bottom?));

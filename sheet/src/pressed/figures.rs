@@ -39,7 +39,9 @@ define_figures! {
     CONTACT_HYSTERESIS "contact_hysteresis" "mm" SWITCH_MAKERS
         "Differential travel: travel at which the contact closes less that at which it opens."
     CONTACT_CLOSING_BOUNCE "contact_closing_bounce" "ms" EIA_448
-        "Time from the first closing of the contact on the press to the last, after which it stays closed."
+        "Time from the first closing of the contact on the press to the last, after which it stays closed; what is shorter than the \
+         time between two rows goes unseen."
     CONTACT_OPENING_BOUNCE "contact_opening_bounce" "ms" EIA_448
-        "Time from the first opening of the contact on the way back to the last, after which it stays open."
+        "Time from the first opening of the contact on the way back to the last, after which it stays open; what is shorter \
+         than the time between two rows goes unseen."
 }

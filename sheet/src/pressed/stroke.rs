@@ -63,7 +63,8 @@ impl Stroke {
 
 /// The rows of each press with its return, which reach from where the travel is least to where it is least again.
 fn presses(travel: &[f64]) -> Vec<Range<usize>> {
-    let (low, high) = travel.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(*at), high.max(*at)));
+    let (low, high) =
+        travel.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(*at), high.max(*at)));
     let swing = TURNED * (high - low);
     let mut found: Vec<(Range<usize>, f64)> = Vec::new();
     let (mut start, mut least, mut most) = (0, 0, None::<usize>);

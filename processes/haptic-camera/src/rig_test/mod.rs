@@ -83,7 +83,9 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     if !to_output(options.json.as_deref()) {
         say("");
         let scaled = if axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
-        say(format!("original minus measured; filtered: its SD behind the low-passes that the paper fits with{scaled}"));
+        say(format!(
+            "original minus measured; filtered: its SD behind the low-passes that the paper fits with{scaled}"
+        ));
         say(table::differences(&test.differences));
         say("");
         say(table::lags(&test.lag_at_30_hz));

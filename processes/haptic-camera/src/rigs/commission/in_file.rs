@@ -74,7 +74,9 @@ mod tests {
         let changed =
             "# mine\nname = \"a\"\n\n[calibration]\nmotor_inertia = 0.02002   # a guess\nangle_step_rad = 0.001\n";
         assert_eq!(with(text, Axis::Rotary, &known).unwrap(), changed);
-        assert!(with("name = \"a\"\n", Axis::Rotary, &known).unwrap().contains("[calibration]\nmotor_inertia = 0.02002\n"));
+        assert!(
+            with("name = \"a\"\n", Axis::Rotary, &known).unwrap().contains("[calibration]\nmotor_inertia = 0.02002\n")
+        );
         assert!(with("name = \"a\"\n", Axis::Linear, &known).unwrap().contains("\ntravel_step_mm = 0.001\n"));
         assert!(with("calibration_file = \"b.toml\"\n", Axis::Rotary, &known).is_err());
     }
