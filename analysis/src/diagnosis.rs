@@ -29,7 +29,7 @@ pub fn diagnose(
         heldout_t_s: &judge.capture.t_s,
     });
     let calibration = train.calibration.clone();
-    let asked = DiagnoseOptions { calibration, model, commanded, progress, reach_rad: None };
+    let asked = DiagnoseOptions { calibration, axis: train.capture.axis, model, commanded, progress, reach_rad: None };
     let samples = heldout.map(LoadedCapture::samples);
     Ok(diagnosis::diagnose(&train.samples(), samples.as_ref(), &asked)?)
 }

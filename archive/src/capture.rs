@@ -44,6 +44,8 @@ pub struct Capture {
     pub acceleration_rad_s2: Option<Vec<f64>>,
     /// Torque that the knob takes from the rig, mNm.
     pub torque_mnm: Vec<f64>,
+    /// Whether the control's contact was closed: 1, or 0; `None` where nobody watched one.
+    pub contact: Option<Vec<f64>>,
     /// Angle that the excitation asked for, rad; NaN where it asked for none.
     pub commanded_angle_rad: Option<Vec<f64>>,
     /// Torque commanded from the motor, mNm; NaN where it is unknown.

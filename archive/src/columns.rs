@@ -81,12 +81,13 @@ macro_rules! column {
 
 static COUNTED: [Column; 2] = [column!(seq, Counts), column!(tick, Counts)];
 /// What a CSV table has: finite numbers throughout.
-pub(crate) static MEASURED: [Column; 5] = [
+pub(crate) static MEASURED: [Column; 6] = [
     column!(t_s, Reals, no field),
     column!(angle_rad, Reals),
     column!(velocity_rad_s, Reals, or f64::NAN),
     column!(acceleration_rad_s2, Reals, or f64::NAN),
     column!(torque_mnm, Reals),
+    column!(contact, Reals, or f64::NAN),
 ];
 static OTHER: [Column; 6] = [
     column!(commanded_angle_rad, Reals, or f64::NAN),

@@ -119,6 +119,7 @@ fn a_capture_made_in_memory_reads_back_from_mcap_and_from_csv() {
     let torque: Vec<f64> = (0..500).map(|row| sample(row).torque_mnm).collect();
     let made = Capture {
         velocity_rad_s: Some((0..500).map(|row| sample(row).velocity_rad_s).collect()),
+        contact: Some((0..500).map(|row| f64::from(u8::from(row > 300))).collect()),
         ..Capture::from_columns(7_000.0, angle, torque)
     };
     for name in ["made.mcap", "made.csv"] {
@@ -131,6 +132,7 @@ fn a_capture_made_in_memory_reads_back_from_mcap_and_from_csv() {
         assert_eq!(read.angle_rad, made.angle_rad, "{name}");
         assert_eq!(read.torque_mnm, made.torque_mnm, "{name}");
         assert_eq!(read.velocity_rad_s, made.velocity_rad_s, "{name}");
+        assert_eq!(read.contact, made.contact, "{name}");
         assert_eq!(read.acceleration_rad_s2, None, "{name}");
         assert_eq!(read.commanded_angle_rad, None, "{name}");
     }

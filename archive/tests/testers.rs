@@ -149,3 +149,16 @@ fn every_measured_force_curve_is_read() {
     }
     assert!(read >= 33, "{read} files");
 }
+
+#[test]
+fn a_contact_is_read_from_a_flag_whatever_its_column_is_called() {
+    let rows = |header: &str| table(header, |n| format!("{},{n},{}", 0.1 * n, u8::from((5.0..12.0).contains(&n))));
+    let closed: Vec<bool> = (0..20).map(|row| (5..12).contains(&row)).collect();
+    let ours = read("ours.csv", &rows("travel_mm,force_n,contact\n"), None).unwrap();
+    assert_eq!(ours.closed.as_ref(), Some(&closed));
+    let chosen =
+        ColumnChoice::new("travel=x,force=F,contact=switch".parse().unwrap(), "force=gf".parse().unwrap()).unwrap();
+    assert_eq!(read("any.csv", &rows("x,F,switch\n"), Some(&chosen)).unwrap().closed, Some(closed.clone()));
+    let contact = ours.into_capture().unwrap().contact.unwrap();
+    assert!(contact.iter().zip(closed).all(|(value, closed)| *value == f64::from(u8::from(closed))));
+}

@@ -62,8 +62,9 @@ pub struct Hypothesis {
     /// How many times the law may occur in one effect, each time with its own share of the columns and of the parameters; what
     /// is zero does not occur.
     pub lines: usize,
-    /// Least travel that distinguishes it from a spring, an offset or friction that rises with the angle, rad.
-    pub least_travel_rad: f64,
+    /// Least part of a turn that distinguishes it from a spring, an offset or friction that rises with the angle, rad; `None` for
+    /// an effect that does not repeat with each turn. One that does applies to a rotary axis only.
+    pub least_turn_rad: Option<f64>,
     /// Whether the coefficients belong to the capture and not to the knob, like the phase of mains hum.
     pub per_capture: bool,
 }

@@ -35,3 +35,12 @@ fn what_is_pressed_is_never_pulled() {
         assert!(least >= 0.0, "{name}: {least}");
     }
 }
+
+#[test]
+fn what_is_pressed_fast_goes_as_far_as_a_fingertip_and_a_tone_keeps_its_frequency() {
+    let press = |name| Excitation::named(name, Drive::Position).unwrap().on(Axis::Linear);
+    assert!((press("fast-multisine").amplitude - 1.0).abs() < 1e-12 && (press("paper").amplitude - 3.4).abs() < 1e-12);
+    let tone = press("tone");
+    let [now, later, between] = [2.004, 2.004 + 1.0 / 30.0, 2.004 + 0.5 / 30.0].map(|time_s| tone.at(time_s).value);
+    assert!((now - later).abs() < 1e-9 && (now - between).abs() > 1e-3, "{now} {later} {between}");
+}

@@ -12,6 +12,8 @@ pub struct Measurement {
     pub acceleration_rad_s2: Option<f64>,
     /// Torque that knob and gripper take from the rig, mNm; see [`TorqueSource`] for rigs without a torque sensor.
     pub torque_mnm: f64,
+    /// Whether the contact in what is turned or pressed is closed; `None` on a rig that watches none.
+    pub contact: Option<bool>,
     /// How long after the tick was due the encoder was read, s; below zero for before. A rig with a clock of its own dates by
     /// that: then this grows as the clocks drift apart.
     pub after_s: f64,

@@ -20,6 +20,8 @@ pub struct Channels {
     pub torque: TorqueChannel,
     /// The accelerometer, rad/s²; a rig may have none.
     pub acceleration: Option<Channel>,
+    /// The contact in what is turned or pressed; a rig may watch none.
+    pub contact: Option<ContactChannel>,
     /// The motor: its torque is scale · sign · what the device is given, plus the offset.
     pub motor: Scaling,
 }
@@ -67,6 +69,20 @@ pub struct TorqueChannel {
     pub delay_s: f64,
 }
 
+/// A digital input or a voltage that tells whether a contact is closed.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactChannel {
+    /// The channel's name, as the device has it.
+    pub source: String,
+    /// Value of the device above which the contact is closed.
+    #[serde(default = "half")]
+    pub threshold: f64,
+    /// 1, or -1 for a contact that is closed below the threshold, as behind a pull-up resistor.
+    #[serde(default = "plus")]
+    pub sign: i8,
+}
+
 /// How a quantity is turned into what the device takes.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -84,6 +100,10 @@ pub struct Scaling {
 
 fn one() -> f64 {
     1.0
+}
+
+fn half() -> f64 {
+    0.5
 }
 
 fn plus() -> i8 {
@@ -138,6 +158,8 @@ pub struct Wiring {
     /// `None` for the torque that was commanded.
     torque: Option<Wire>,
     acceleration: Option<Wire>,
+    /// The contact is closed where this is above zero.
+    contact: Option<Wire>,
     motor: Scaling,
     angle_delay_s: f64,
     /// What of the torque's delay the driver knows by itself, s.
@@ -173,7 +195,7 @@ impl Channels {
     /// # Errors
     /// [`ChannelError::OutOfRange`].
     pub fn check(&self) -> Result<(), ChannelError> {
-        let Self { angle, torque, acceleration, motor } = self;
+        let Self { angle, torque, acceleration, contact, motor } = self;
         let of_torque = Channel {
             source: String::new(),
             scale: torque.scale,
@@ -183,13 +205,18 @@ impl Channels {
         };
         let of_motor =
             Channel { source: String::new(), scale: motor.scale, sign: motor.sign, offset: motor.offset, delay_s: 0.0 };
+        let checked = |channel, key, value, permitted, requirement| match permitted {
+            true => Ok(()),
+            false => Err(ChannelError::OutOfRange { channel, key, value, requirement }),
+        };
+        if let Some(ContactChannel { threshold, sign, source: _ }) = contact {
+            checked("contact", "threshold", *threshold, threshold.is_finite(), "finite")?;
+            checked("contact", "sign", f64::from(*sign), sign.abs() == 1, "1 or -1")?;
+        }
         let channels = [("angle", Some(angle)), ("torque", Some(&of_torque)), ("acceleration", acceleration.as_ref())];
         for (channel, found) in channels.into_iter().chain([("motor", Some(&of_motor))]) {
             let Some(Channel { scale, sign, offset, delay_s, .. }) = found else { continue };
-            let check = |key, value, permitted, requirement| match permitted {
-                true => Ok(()),
-                false => Err(ChannelError::OutOfRange { channel, key, value, requirement }),
-            };
+            let check = |key, value, permitted, requirement| checked(channel, key, value, permitted, requirement);
             check("scale", *scale, scale.is_finite() && *scale > 0.0, "above zero, and finite; `sign` turns it round")?;
             check("sign", f64::from(*sign), sign.abs() == 1, "1 or -1")?;
             check("offset", *offset, offset.is_finite(), "finite")?;
@@ -202,7 +229,8 @@ impl Channels {
     pub fn sources(&self) -> impl Iterator<Item = &String> {
         let torque = (self.torque.source != COMMAND).then_some(&self.torque.source);
         let acceleration = self.acceleration.as_ref().map(|channel| &channel.source);
-        std::iter::once(&self.angle.source).chain(torque).chain(acceleration)
+        let contact = self.contact.as_ref().map(|channel| &channel.source);
+        std::iter::once(&self.angle.source).chain(torque).chain(acceleration).chain(contact)
     }
 
     /// Finds the channels among those of a device, by name.
@@ -220,7 +248,11 @@ impl Channels {
         };
         let of =
             |channel, given: &Channel| find(channel, &given.source, given.scale * f64::from(given.sign), given.offset);
-        let Self { angle, torque, acceleration, motor } = self;
+        let Self { angle, torque, acceleration, contact, motor } = self;
+        let of_contact = |given: &ContactChannel| {
+            let sign = f64::from(given.sign);
+            find("contact", &given.source, sign, -sign * given.threshold)
+        };
         let is_commanded = torque.source == COMMAND;
         let torque_wire = match is_commanded {
             true => None,
@@ -230,6 +262,7 @@ impl Channels {
             angle: of("angle", angle)?,
             torque: torque_wire,
             acceleration: acceleration.as_ref().map(|given| of("acceleration", given)).transpose()?,
+            contact: contact.as_ref().map(of_contact).transpose()?,
             motor: *motor,
             angle_delay_s: angle.delay_s,
             known_delay_s: 0.0,
@@ -250,6 +283,7 @@ impl Wiring {
             angle_rad: self.angle.of(raw),
             acceleration_rad_s2: self.acceleration.map(|wire| wire.of(raw)),
             torque_mnm: self.torque.map_or(torque_mnm, |wire| wire.of(raw)),
+            contact: self.contact.map(|wire| wire.of(raw) > 0.0),
             after_s: raw.after_s - self.angle_delay_s,
             is_stale: !is_new,
             stale_code: 0,

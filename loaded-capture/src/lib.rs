@@ -132,7 +132,7 @@ impl LoadedCapture {
     /// Torque over angle, without the torque sensor's zero and delay.
     #[must_use]
     pub fn curve(&self) -> Curve {
-        let Capture { t_s, angle_rad, torque_mnm, source, .. } = &self.capture;
+        let Capture { t_s, angle_rad, torque_mnm, contact, source, .. } = &self.capture;
         let zero_mnm = self.calibration.as_ref().map_or(0.0, |known| known.torque_zero_mnm);
         let delay_s = self.calibration.as_ref().map_or(0.0, |known| known.torque_delay_s);
         Curve {
@@ -141,7 +141,9 @@ impl LoadedCapture {
             t_s: Some(t_s.clone()),
             position: earlier(t_s, angle_rad, delay_s),
             load: torque_mnm.iter().map(|torque_mnm| torque_mnm - zero_mnm).collect(),
-            closed: None,
+            closed: contact
+                .as_ref()
+                .map(|contact| earlier(t_s, contact, delay_s).into_iter().map(|closed| closed > 0.5).collect()),
         }
     }
 

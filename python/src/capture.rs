@@ -35,7 +35,7 @@ pub(crate) struct Capture {
 /// ----------
 /// path : str or os.PathLike
 ///     An archive (MCAP) of this instrument, or a CSV file with the header
-///     ``t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm``. A table's calibration is taken from
+///     ``t_s,angle_rad[,velocity_rad_s][,acceleration_rad_s2],torque_mnm[,contact]``. A table's calibration is taken from
 ///     ``NAME.calibration.toml`` beside it, if there is one. An ASAM MDF 4 measurement, whose channels of angle and torque, or
 ///     of travel and force, are known by their names or units. Or a table of another layout, with ``columns``.
 /// columns : dict of str to str or int, optional
@@ -171,6 +171,12 @@ impl Capture {
     #[getter]
     fn torque_mnm<'py>(slf: &Bound<'py, Self>) -> PyResult<Reals<'py>> {
         column!(slf, torque_mnm)
+    }
+
+    /// Whether the control's contact was closed, 1 or 0, if somebody watched one.
+    #[getter]
+    fn contact<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Reals<'py>>> {
+        column!(slf, contact, optional)
     }
 
     /// Angle that the excitation asked for, rad; NaN where it asked for none. None from a table.

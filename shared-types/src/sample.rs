@@ -28,6 +28,8 @@ wire_message! {
         pub acceleration_rad_s2: f64,
         /// Torque sensor as read: what the knob and its gripper take from the rig, mNm.
         pub torque_mnm: f64,
+        /// Whether the contact in what is turned or pressed is closed: 1, or 0; NaN on a rig that watches none.
+        pub contact: f64,
         /// Angle that the excitation asks for; NaN in torque mode, rad.
         pub commanded_angle_rad: f64,
         /// Torque commanded from the motor in this tick, mNm.

@@ -19,12 +19,15 @@ use crate::{pressed, rotary};
 pub struct Sheet {
     /// Turned or pressed.
     pub axis: Axis,
-    /// Curves that it was made of.
+    /// Curves that it was made of, or presses where a curve has several.
     pub runs: usize,
     /// Its figures by name.
     pub figures: BTreeMap<&'static str, Figure>,
     /// Each detent in each direction, in the order of the angle; empty for what has none.
     pub detents: Vec<Detent>,
+    /// What each press by itself tells, by the names of the figures; empty for what is turned.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub presses: Vec<BTreeMap<&'static str, DetentFigure>>,
     /// Load over position, one branch a direction.
     pub curve: BTreeMap<&'static str, Branch>,
 }
@@ -43,7 +46,7 @@ pub struct Detent {
     pub figures: BTreeMap<&'static str, DetentFigure>,
 }
 
-/// A figure of one detent in one direction.
+/// A figure of one detent in one direction, or of one press.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DetentFigure {
     /// Its value.
@@ -99,8 +102,21 @@ pub(crate) struct Run {
     pub(crate) branches: Vec<(&'static str, Branch)>,
 }
 
+impl Run {
+    /// What a press by itself tells.
+    fn by_itself(&self) -> BTreeMap<&'static str, DetentFigure> {
+        let told = |kind: &&'static FigureKind| {
+            let estimate = *self.figures.get(kind.name)?.as_ref().ok()?;
+            let Figure { value, ci95, .. } = Figure::told(kind, estimate, f64::INFINITY);
+            Some((kind.name, DetentFigure { value: value?, unit: kind.unit, ci95: ci95? }))
+        };
+        pressed::KINDS.iter().filter_map(told).collect()
+    }
+}
+
 impl Sheet {
-    /// Of one curve, or of several of one part: each is read by itself, and the figures are their means, as testers do.
+    /// Of one curve, or of several of one part: each, and each press of it, is read by itself, and the figures are their means, as
+    /// testers do.
     ///
     /// # Errors
     /// [`SheetError`] for curves that make no sheet.
@@ -109,7 +125,7 @@ impl Sheet {
         if curves.iter().any(|curve| curve.axis != axis) {
             return Err(SheetError::TwoAxes);
         }
-        let runs: Vec<Run> = curves.iter().map(read).collect::<Result<_, _>>()?;
+        let runs: Vec<Run> = curves.iter().map(read).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
         let detents = common_detents(&runs);
         let mut figures = BTreeMap::new();
         for kind in kinds_of(axis) {
@@ -123,7 +139,8 @@ impl Sheet {
             };
             figures.insert(kind.name, figure);
         }
-        Ok(Self { axis, runs: runs.len(), figures, detents, curve: mean_branches(&runs) })
+        let presses = if axis.is_rotary() { Vec::new() } else { runs.iter().map(Run::by_itself).collect() };
+        Ok(Self { axis, runs: runs.len(), figures, detents, presses, curve: mean_branches(&runs) })
     }
 
     /// The figure of that kind; `None` for one of the other axis.
@@ -142,24 +159,18 @@ pub fn kinds_of(axis: Axis) -> &'static [&'static FigureKind] {
     }
 }
 
-fn read(curve: &Curve) -> Result<Run, SheetError> {
-    let run = match curve.axis {
-        Axis::Rotary => rotary::read(curve).map(|turned| Run {
-            figures: turned.figures,
-            detents: turned.detents,
-            branches: turned.branches,
-        }),
-        Axis::Linear => pressed::read(curve).map(|pressed| Run {
-            figures: pressed
-                .figures
-                .into_iter()
-                .map(|(name, estimate)| (name, estimate.map_err(str::to_owned)))
-                .collect(),
-            detents: Vec::new(),
-            branches: pressed.branches,
-        }),
+fn read(curve: &Curve) -> Result<Vec<Run>, SheetError> {
+    let of_press = |pressed: pressed::Pressed| Run {
+        figures: pressed.figures.into_iter().map(|(name, told)| (name, told.map_err(str::to_owned))).collect(),
+        detents: Vec::new(),
+        branches: pressed.branches,
     };
-    run.map_err(|error| SheetError::Curve { path: curve.source.clone(), error })
+    let runs = match curve.axis {
+        Axis::Rotary => rotary::read(curve)
+            .map(|turned| vec![Run { figures: turned.figures, detents: turned.detents, branches: turned.branches }]),
+        Axis::Linear => pressed::read(curve).map(|presses| presses.into_iter().map(of_press).collect()),
+    };
+    runs.map_err(|error| SheetError::Curve { path: curve.source.clone(), error })
 }
 
 /// Detents that every run shows, each the mean of them.
@@ -212,7 +223,8 @@ fn spread(detents: &[Detent], name: &str) -> Option<Spread> {
     Some(Spread { spread, worst, number: values.len() })
 }
 
-/// The mean of several runs, with the standard error of one more run about it, and from how many differences it is known.
+/// The mean of several runs, with the standard error of one more run about it, and from how many differences it is known. Runs that
+/// are alike by chance, or as a step of the rows has it, do not tell it better than each of them by itself.
 #[allow(clippy::cast_precision_loss, reason = "a number of runs")]
 pub(crate) fn combined(runs: &[Estimate]) -> (Estimate, f64) {
     let values: Vec<f64> = runs.iter().map(|run| run.value).collect();
@@ -220,7 +232,9 @@ pub(crate) fn combined(runs: &[Estimate]) -> (Estimate, f64) {
         return (runs[0], f64::INFINITY);
     };
     let count = runs.len() as f64;
-    (Estimate { value, standard_error: deviation * (1.0 + 1.0 / count).sqrt() }, count - 1.0)
+    let own = runs.iter().map(|run| run.standard_error.powi(2)).sum::<f64>() / count;
+    let standard_error = (deviation * (1.0 + 1.0 / count).sqrt()).max(own.sqrt());
+    (Estimate { value, standard_error }, count - 1.0)
 }
 
 /// The branches of one run, or the mean of several where all of them have been.

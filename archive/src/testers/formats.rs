@@ -86,5 +86,6 @@ fn ours(table: &RawTable) -> Option<Layout> {
         None => (Axis::Linear, pair("travel_mm", "force_n")?),
     };
     let plain = |column| Source { column, factor: 1.0 };
-    Some(Layout { axis, position: plain(position), load: plain(load), time, contact: None })
+    let contact = table.place("contact").map(Contact::Flag);
+    Some(Layout { axis, position: plain(position), load: plain(load), time, contact })
 }

@@ -33,7 +33,7 @@ pub(super) enum Time {
 /// How a table tells whether the contact is closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Contact {
-    /// By a voltage over it, which falls as it closes.
+    /// By a voltage over it, which falls as it closes; by a flag where there is nothing but 0 and 1.
     Voltage(usize),
     /// By a flag.
     Flag(usize),
@@ -67,11 +67,8 @@ impl Layout {
         };
         refuse_falling(t_s.as_deref())?;
         let closed = match self.contact {
-            Some(Contact::Voltage(column)) => below_middle(&table.column(column, 1.0)?),
-            Some(Contact::Flag(column)) => {
-                let closed = table.column(column, 1.0)?.into_iter().map(|flag| flag != 0.0).collect::<Vec<_>>();
-                closed.contains(&true).then_some(closed)
-            }
+            Some(Contact::Voltage(column)) => closed(&table.column(column, 1.0)?),
+            Some(Contact::Flag(column)) => flagged(&table.column(column, 1.0)?),
             None => None,
         };
         Ok(Curve {
@@ -117,8 +114,20 @@ fn unwrapped(clock_s: Vec<f64>) -> Vec<f64> {
     onwards.collect()
 }
 
+/// Where a flag says that the contact is closed; `None` where it never does.
+fn flagged(flag: &[f64]) -> Option<Vec<bool>> {
+    let closed: Vec<bool> = flag.iter().map(|flag| *flag != 0.0).collect();
+    closed.contains(&true).then_some(closed)
+}
+
+/// Where a voltage, or a flag of 0 and 1, says that the contact is closed; `None` where it tells nothing.
+pub(super) fn closed(values: &[f64]) -> Option<Vec<bool>> {
+    let is_flag = values.iter().all(|value| *value == 0.0 || *value == 1.0);
+    if is_flag { flagged(values) } else { below_middle(values) }
+}
+
 /// Where a voltage with two levels is at the lower one; `None` where it has no two levels.
-pub(super) fn below_middle(voltage: &[f64]) -> Option<Vec<bool>> {
+fn below_middle(voltage: &[f64]) -> Option<Vec<bool>> {
     let (low, high) =
         voltage.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)));
     let middle = 0.5 * (low + high);

@@ -85,6 +85,7 @@ impl Curve {
             t_s: self.t_s.unwrap_or_else(counted),
             angle_rad: self.position,
             torque_mnm: self.load,
+            contact: self.closed.map(|closed| closed.into_iter().map(|closed| f64::from(u8::from(closed))).collect()),
             ..Capture::default()
         })
     }

@@ -71,7 +71,7 @@ pub static KIND: EffectKind = EffectKind {
         }],
         nested: &[],
         lines: 1,
-        least_travel_rad: 0.0,
+        least_turn_rad: Some(0.0),
         per_capture: false,
     }),
 };

@@ -78,7 +78,7 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[per_turn(1), per_turn(1 + EACH), per_turn(1 + 2 * EACH)],
         nested: &[],
         lines: LINES,
-        least_travel_rad: 0.0,
+        least_turn_rad: Some(0.0),
         per_capture: false,
     }),
 };

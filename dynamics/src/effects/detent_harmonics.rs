@@ -83,7 +83,7 @@ pub static KIND: EffectKind = EffectKind {
         }],
         nested: &[2, 4, 6, 10, 14, COLUMNS],
         lines: 1,
-        least_travel_rad: 0.0,
+        least_turn_rad: None,
         per_capture: false,
     }),
 };

@@ -37,5 +37,11 @@ pub static KIND: EffectKind = EffectKind {
         },
         nonnegative: &[],
     }),
-    hypothesis: Some(Hypothesis { searched: &[], nested: &[], lines: 1, least_travel_rad: 0.5, per_capture: false }),
+    hypothesis: Some(Hypothesis {
+        searched: &[],
+        nested: &[],
+        lines: 1,
+        least_turn_rad: Some(0.5),
+        per_capture: false,
+    }),
 };

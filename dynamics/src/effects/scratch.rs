@@ -47,7 +47,7 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[edge(1), edge(2)],
         nested: &[],
         lines: 1,
-        least_travel_rad: 0.0,
+        least_turn_rad: None,
         per_capture: false,
     }),
 };

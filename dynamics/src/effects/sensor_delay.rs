@@ -32,7 +32,7 @@ pub static KIND: EffectKind = EffectKind {
         }],
         nested: &[],
         lines: 1,
-        least_travel_rad: 0.0,
+        least_turn_rad: None,
         per_capture: false,
     }),
 };

@@ -152,17 +152,25 @@ impl Excitation {
         Ok(Self { drive, amplitude, is_one_sided: false, shape })
     }
 
-    /// The same on another axis: what is pressed is pressed and let go, as far as a dome goes or by a finger's force.
+    /// The same on another axis: what is pressed is pressed and let go, as far as a fingertip would move, but no farther than a dome
+    /// goes, or by a finger's force.
     #[must_use]
     pub fn on(self, axis: Axis) -> Self {
         if axis.is_rotary() {
             return self;
         }
         let amplitude = match self.drive {
-            Drive::Position => PRESSED_MM,
+            Drive::Position => PRESSED_MM.min(self.amplitude * axis.fingertip_way()),
             Drive::Torque => self.amplitude / axis.fingertip_way(),
         };
-        Self { amplitude, is_one_sided: true, ..self }
+        let shape = match self.shape {
+            // The square of a sine has twice its frequency.
+            Shape::Multisine(tone) if tone.tones == 1 => {
+                Shape::Multisine(Multisine { base_hz: 0.5 * tone.base_hz, ..tone })
+            }
+            shape => shape,
+        };
+        Self { amplitude, is_one_sided: true, shape, ..self }
     }
 
     /// The same excitation with another amplitude, in rad or mNm.

@@ -67,7 +67,7 @@ typedef struct haptic_rig_measurement {
     int64_t shift_ns;                /* by how much later the ticks from the next one on should come; 0 to keep the schedule */
     uint32_t valid;                  /* bit i: value[i] is new; a tick whose angle or torque is not new counts as stale */
     uint32_t reserved;
-    double value[HAPTIC_RIG_CHANNELS]; /* in the device's own units: the rig file scales them */
+    double value[HAPTIC_RIG_CHANNELS]; /* in the device's own units: the rig file scales them; of a digital input 0 or 1 */
 } haptic_rig_measurement;
 
 /* HAPTIC_RIG_ABI of the header that the library was built with. */

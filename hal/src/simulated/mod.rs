@@ -46,6 +46,7 @@ mod plant;
 mod rig;
 mod sensors;
 mod shaft;
+mod switch;
 mod watchdog;
 
 pub use cogging::{Cogging, CoggingError};
@@ -54,6 +55,7 @@ pub use parameters::{ParameterError, RigParameters};
 pub use plant::Truth;
 pub use rig::SimulatedRig;
 pub use sensors::Readings;
+pub use switch::Switch;
 
 /// The rig file of the simulated rig, which ships.
 pub const RIG_FILE: &str = include_str!("rig.toml");

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Switch;
 use super::cogging::{self, Cogging};
 
 /// Every number of the simulated rig; units mNm, rad, s unless the name says otherwise.
@@ -66,6 +67,8 @@ pub struct RigParameters {
     pub torque_step_mnm: f64,
     /// Torque sensor's reading with nothing attached, mNm.
     pub torque_zero_mnm: f64,
+    /// The switch in the control, if the rig watches one.
+    pub switch: Option<Switch>,
     /// Factor on all sensor noise; zero for a rig without noise.
     pub noise_scale: f64,
     /// Relative error, RMS, of each calibrated value as the rig's description states it.
@@ -135,6 +138,7 @@ impl Default for RigParameters {
             torque_noise_rms_mnm: 0.25,
             torque_step_mnm: 0.18,
             torque_zero_mnm: 0.6,
+            switch: None,
             noise_scale: 1.0,
             calibration_error: 0.0,
 
@@ -242,6 +246,7 @@ impl RigParameters {
             check(entry, true, "finite")?;
         }
         cogging::validate(&self.motor_cogging)?;
+        self.switch.as_ref().map_or(Ok(()), Switch::validate)?;
         let substep = ("substep_ns", self.substep_s() * 1e9);
         check(substep, (1..=MAX_SUBSTEP_NS).contains(&self.substep_ns), "from 1 to 20000")
     }

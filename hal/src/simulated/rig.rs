@@ -113,7 +113,7 @@ impl SimulatedRig {
         }
         #[allow(clippy::cast_precision_loss, reason = "less than a substep")]
         let readings = self.sensors.read(&self.plant.truth(), beyond_ns as f64 * 1e-9);
-        let Readings { angle_rad, acceleration_rad_s2, torque_mnm } = readings;
+        let Readings { angle_rad, acceleration_rad_s2, torque_mnm, contact: _ } = readings;
         if angle_rad.is_finite() && acceleration_rad_s2.is_finite() && torque_mnm.is_finite() {
             Ok(readings)
         } else {

@@ -1,9 +1,10 @@
-//! Encoder, accelerometer and torque channel: bandwidth, offset, noise and steps.
+//! Encoder, accelerometer, torque channel and contact: bandwidth, offset, noise and steps.
 
 use dynamics::{Model, Motion};
 
 use super::artefacts::Artefacts;
 use super::noise::{Noise, quantised};
+use super::switch::Switching;
 use super::{ParameterError, RigParameters, Truth};
 use crate::Measurement;
 
@@ -16,12 +17,14 @@ pub struct Readings {
     pub acceleration_rad_s2: f64,
     /// Torque sensor: what knob and gripper take from the rig, mNm.
     pub torque_mnm: f64,
+    /// Whether the control's switch is closed; `None` if none is watched.
+    pub contact: Option<bool>,
 }
 
 impl From<Readings> for Measurement {
     fn from(readings: Readings) -> Self {
-        let Readings { angle_rad, acceleration_rad_s2, torque_mnm } = readings;
-        Self { angle_rad, acceleration_rad_s2: Some(acceleration_rad_s2), torque_mnm, ..Self::default() }
+        let Readings { angle_rad, acceleration_rad_s2, torque_mnm, contact } = readings;
+        Self { angle_rad, acceleration_rad_s2: Some(acceleration_rad_s2), torque_mnm, contact, ..Self::default() }
     }
 }
 
@@ -37,6 +40,7 @@ pub(super) struct Sensors {
     acceleration: FirstOrder,
     torque: SecondOrder,
     artefacts: Artefacts,
+    switching: Option<Switching>,
 }
 
 impl Sensors {
@@ -54,6 +58,7 @@ impl Sensors {
             acceleration: FirstOrder::new(parameters.acceleration_bandwidth_hz, substep_s, at_rest_rad_s2),
             torque: SecondOrder::new(parameters.torque_bandwidth_hz, substep_s),
             artefacts: Artefacts::new(parameters, model)?,
+            switching: parameters.switch.map(Switching::new),
         })
     }
 
@@ -64,11 +69,14 @@ impl Sensors {
         self.acceleration.step(truth.knob_acceleration_rad_s2 + gravity_rad_s2);
         self.torque.step(truth.sensor_torque_mnm);
         self.artefacts.step(self.torque.value);
+        if let Some(switching) = &mut self.switching {
+            switching.step(truth.time_s, truth.knob_angle_rad);
+        }
     }
 
     /// A reading `beyond_s` after the last substep.
     pub(super) fn read(&mut self, truth: &Truth, beyond_s: f64) -> Readings {
-        let Self { parameters, noise, acceleration, torque, artefacts, half_substep_s: _ } = self;
+        let Self { parameters, noise, acceleration, torque, artefacts, switching, half_substep_s: _ } = self;
         let angle_rad = truth.motor_angle_rad + beyond_s * truth.motor_velocity_rad_s;
         let acceleration_rad_s2 = acceleration.value
             + beyond_s * acceleration.rate
@@ -87,6 +95,7 @@ impl Sensors {
             angle_rad: quantised(angle_rad, parameters.angle_step_rad),
             acceleration_rad_s2: quantised(acceleration_rad_s2, parameters.acceleration_step_rad_s2),
             torque_mnm: quantised(torque_mnm, parameters.torque_step_mnm),
+            contact: switching.as_ref().map(|switching| switching.is_closed(motion.time_s)),
         }
     }
 }

@@ -73,7 +73,8 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
 /// Fits the delay of the motor's torque behind its command to the same capture: what is commanded comes before the motion.
 ///
 /// `commanded_mnm` is the torque commanded at each sample, which acts `late_ticks` later and is held for a tick. The motor's friction
-/// is fitted with it. Tells `command_delay_s`.
+/// is fitted with it. Tells `command_delay_s`: that of the motor in motion, whose back-EMF acts against its current, and so a little less
+/// than its current loop's by itself.
 ///
 /// # Errors
 /// [`CalibrateError`] for samples that are no motion, and when the motion does not follow the command.

@@ -86,7 +86,12 @@ impl Search<'_> {
         let effects: Vec<Effect> = match &self.options.model {
             Some(model) => model.effects.clone(),
             None => {
-                let options = FitOptions { calibration: self.options.calibration.clone(), ..FitOptions::default() };
+                let options = FitOptions {
+                    calibration: self.options.calibration.clone(),
+                    // What is pressed has none.
+                    without_detents: !self.options.axis.is_rotary(),
+                    ..FitOptions::default()
+                };
                 match fit(samples, &options) {
                     // A map's fit has a detent for each sinusoid; here the others are what may be missing.
                     Ok(fit) if self.train.is_map => fit.effects().iter().take(3).copied().collect(),
@@ -441,7 +446,8 @@ impl Search<'_> {
         };
         let travel_rad = self.train.scene().travel_rad();
         kinds.retain(|kind| !self.train.is_map || is_of_angle(kind));
-        kinds.retain(|kind| kind.hypothesis.is_some_and(|hypothesis| hypothesis.least_travel_rad <= travel_rad));
+        let shows = |least_rad| self.options.axis.is_rotary() && least_rad <= travel_rad;
+        kinds.retain(|kind| kind.hypothesis.is_some_and(|hypothesis| hypothesis.least_turn_rad.is_none_or(shows)));
         kinds
     }
 

@@ -1,6 +1,6 @@
 //! The way from a capture and a model to a verdict.
 
-use dynamics::{Calibration, Model};
+use dynamics::{Axis, Calibration, Model};
 
 use super::capture::{Capture, Stretches};
 use super::commanded::CommandedTorque;
@@ -25,6 +25,8 @@ const MOST_ROUNDS: usize = 3;
 pub struct DiagnoseOptions<'a> {
     /// What is known of the rig.
     pub calibration: Option<Calibration>,
+    /// Whether the knob turns.
+    pub axis: Axis,
     /// The model to start from; without one, inertia, friction and detents as they are fitted to the training capture.
     pub model: Option<Model>,
     /// How far from its start the knob may be turned to tell rivals apart, rad; without it as far as it was.

@@ -111,6 +111,7 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
             angle_rad: capture.angle_rad[row],
             acceleration_rad_s2: acceleration.map(|column| column[row]),
             torque_mnm: capture.torque_mnm[row],
+            contact: None,
             after_s: capture.measured_after_s.as_ref().map_or(0.0, |column| column[row]),
             is_stale: flags[row] & Sample::STALE != 0,
             stale_code: 0,

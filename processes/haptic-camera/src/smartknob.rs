@@ -109,7 +109,7 @@ impl SmartKnob {
             load,
         };
         let curve = BTreeMap::from([("positive", branch(there)), ("negative", branch(back))]);
-        Sheet { axis: Axis::Rotary, runs: 1, figures: BTreeMap::new(), detents: Vec::new(), curve }
+        Sheet { axis: Axis::Rotary, runs: 1, figures: BTreeMap::new(), detents: Vec::new(), presses: Vec::new(), curve }
     }
 }
 

@@ -38,7 +38,7 @@ pub struct RunRequest {
     /// Command a torque instead of an angle
     #[arg(long)]
     pub torque: bool,
-    /// Largest commanded angle in rad, or torque in mNm [default: that of the sweep]
+    /// Largest commanded angle in rad or travel in mm, or torque in mNm or force in N [default: that of the sweep]
     #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Length of the run, s
@@ -115,7 +115,7 @@ pub struct HandRequest {
     /// Motion that the simulated hand follows: a sweep's name, a CSV file of angles, or none to let go
     #[arg(long, default_value = "none", requires = "model", value_name = "SWEEP|FILE.csv|none")]
     pub hand: String,
-    /// Torque that the simulated hand applies instead, mNm
+    /// Torque in mNm, or force in N, that the simulated hand applies instead
     #[arg(long, requires = "model", allow_negative_numbers = true, value_name = "MNM")]
     pub hand_torque: Option<f64>,
     /// Stiffness and damping of the simulated hand, relative to a usual pinch grip

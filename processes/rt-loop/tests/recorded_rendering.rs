@@ -116,6 +116,7 @@ fn measured(sample: &Sample) -> Measurement {
         angle_rad: sample.angle_rad,
         torque_mnm: sample.torque_mnm,
         acceleration_rad_s2: Some(sample.acceleration_rad_s2),
+        contact: None,
         after_s: sample.measured_after_s,
         is_stale: sample.flags & Sample::STALE != 0,
         stale_code: 0,

@@ -3,7 +3,8 @@
 use shared_types::Quantity;
 
 use super::figures::{
-    ACTUATION_FORCE, ACTUATION_TRAVEL, BOTTOM_OUT_STIFFNESS, COLLAPSE_FORCE, COLLAPSE_TRAVEL, FORCE_DROP,
+    ACTUATION_FORCE, ACTUATION_TRAVEL, BOTTOM_OUT_STIFFNESS, COLLAPSE_FORCE, COLLAPSE_TRAVEL, CONTACT_CLOSING_FORCE,
+    CONTACT_CLOSING_TRAVEL, CONTACT_HYSTERESIS, CONTACT_OPENING_FORCE, CONTACT_OPENING_TRAVEL, FORCE_DROP,
     FORCE_DROP_RATIO, HYSTERESIS_ENERGY, RELEASE_FORCE, RETURN_ENERGY, RETURN_FORCE, SNAP, TOTAL_ENERGY, TRAVEL,
     VALLEY_FORCE, VALLEY_TRAVEL,
 };
@@ -29,7 +30,7 @@ const NO_RETURN: &str = "the control was not released";
 
 type Value = Result<f64, &'static str>;
 
-/// Every figure of a stroke.
+/// Every figure of a stroke but the contact's bounce.
 pub(super) fn features(stroke: &Stroke) -> Vec<(&'static FigureKind, Value)> {
     let press = &stroke.press;
     let smooth = smoothed(&press.load);
@@ -39,7 +40,9 @@ pub(super) fn features(stroke: &Stroke) -> Vec<(&'static FigureKind, Value)> {
     let at = |index: Option<usize>, reason| index.map(|index| press.position(index)).ok_or(reason);
     let force = |index: Option<usize>, reason| index.map(|index| smooth[index]).ok_or(reason);
 
-    let closes = stroke.closes_mm.and_then(|travel| index_of(press, travel));
+    let [closes_mm, opens_mm] = [&stroke.closing, &stroke.opening]
+        .map(|change| change.as_ref().map(|change| change.travel_mm).map_err(|reason| *reason));
+    let closes = closes_mm.ok().and_then(|travel| index_of(press, travel));
     let actuation = closes.or(collapse);
     let release = actuation.and_then(|actuation| lowest(&smooth, collapse.unwrap_or(actuation), bottom?));
     let actuation_force = force(actuation, NO_ACTUATION);
@@ -48,6 +51,10 @@ pub(super) fn features(stroke: &Stroke) -> Vec<(&'static FigureKind, Value)> {
     let back = stroke.back.as_ref().map(|back| back_figures(back, press, actuation, bottom));
     let [return_force, return_energy] = back.unwrap_or([Err(NO_RETURN), Err(NO_RETURN)]);
     let energy = bottom.map(|bottom| area(&press.load[..=bottom])).ok_or(NO_BOTTOM);
+    let opening_force = opens_mm.and_then(|travel| {
+        let back = stroke.back.as_ref().ok_or(NO_RETURN)?;
+        Ok(smoothed(&back.load)[index_of(back, travel).ok_or(NO_RETURN)?])
+    });
     let collapse_force = force(collapse, NO_COLLAPSE);
     let valley_force = force(valley, NO_COLLAPSE);
     vec![
@@ -67,6 +74,11 @@ pub(super) fn features(stroke: &Stroke) -> Vec<(&'static FigureKind, Value)> {
         (&RETURN_ENERGY, return_energy),
         (&HYSTERESIS_ENERGY, energy.and_then(|press| Ok(press - return_energy?))),
         (&BOTTOM_OUT_STIFFNESS, bottom.map_or(Err(NO_BOTTOM), |bottom| end_stiffness(press, &smooth, bottom))),
+        (&CONTACT_CLOSING_TRAVEL, closes_mm),
+        (&CONTACT_CLOSING_FORCE, closes_mm.and_then(|_| force(closes, NO_ACTUATION))),
+        (&CONTACT_OPENING_TRAVEL, opens_mm),
+        (&CONTACT_OPENING_FORCE, opening_force),
+        (&CONTACT_HYSTERESIS, closes_mm.and_then(|closes| Ok(closes - opens_mm?))),
     ]
 }
 

@@ -3,6 +3,7 @@
 use crate::figure::{FigureKind, OURS, define_figures};
 
 const DOME_LAB: &str = "Dome Lab (github BuddyOG/topre-force-curves)";
+const EIA_448: &str = "EIA-448-1, method 15 (test for contact bounce)";
 const SWITCH_MAKERS: &str = "C&K and other switch makers' data sheets";
 
 define_figures! {
@@ -31,4 +32,16 @@ define_figures! {
     HYSTERESIS_ENERGY "hysteresis_energy" "N mm" OURS "Total energy less return energy: what a press and its return cost."
     BOTTOM_OUT_STIFFNESS "bottom_out_stiffness" "N/mm" OURS
         "Rise of the force from the bottom-out to the largest travel, over the way between them."
+    CONTACT_CLOSING_TRAVEL "contact_closing_travel" "mm" SWITCH_MAKERS "Travel on the press at which the contact first closes."
+    CONTACT_CLOSING_FORCE "contact_closing_force" "N" SWITCH_MAKERS "Smoothed force on the press where the contact first closes."
+    CONTACT_OPENING_TRAVEL "contact_opening_travel" "mm" SWITCH_MAKERS "Travel on the way back at which the contact first opens."
+    CONTACT_OPENING_FORCE "contact_opening_force" "N" SWITCH_MAKERS "Smoothed force on the way back where the contact first opens."
+    CONTACT_HYSTERESIS "contact_hysteresis" "mm" SWITCH_MAKERS
+        "Differential travel: travel at which the contact closes less that at which it opens."
+    CONTACT_CLOSING_BOUNCE "contact_closing_bounce" "ms" EIA_448
+        "Time from the first closing of the contact on the press to the last, after which it stays closed; what is shorter than the \
+         time between two rows goes unseen."
+    CONTACT_OPENING_BOUNCE "contact_opening_bounce" "ms" EIA_448
+        "Time from the first opening of the contact on the way back to the last, after which it stays open; what is shorter \
+         than the time between two rows goes unseen."
 }

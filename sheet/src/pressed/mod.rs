@@ -1,5 +1,6 @@
 //! Pressed controls: domes, switches, buttons.
 
+mod contact;
 mod features;
 mod figures;
 mod stroke;
@@ -16,7 +17,9 @@ use crate::branch::Branch;
 use crate::figure::{Estimate, FigureKind};
 use crate::noise::{DRAWS, Signs, mean_and_deviation};
 use crate::repeats::CurveError;
+use contact::Change;
 use features::features;
+use figures::{CONTACT_CLOSING_BOUNCE, CONTACT_HYSTERESIS, CONTACT_OPENING_BOUNCE};
 use stroke::{STEP_MM, smoothed};
 
 /// A mean over seven rows takes a seventh of the noise's square along: √(7/6) gives it back.
@@ -30,33 +33,40 @@ pub(crate) struct Pressed {
     pub(crate) branches: Vec<(&'static str, Branch)>,
 }
 
-/// Reads the figures off a press, with the errors that the curve's noise makes.
+/// Reads the figures off each press of a curve, with the errors that the curve's noise makes.
 ///
 /// # Errors
 /// [`CurveError::NoPress`] where there is next to no travel to press over.
-pub(crate) fn read(curve: &Curve) -> Result<Pressed, CurveError> {
-    let mut stroke = Stroke::of(curve);
-    if stroke.press.len() < FEWEST_STEPS {
+pub(crate) fn read(curve: &Curve) -> Result<Vec<Pressed>, CurveError> {
+    let strokes = Stroke::all(curve);
+    if strokes.iter().any(|stroke| stroke.press.len() < FEWEST_STEPS) {
         return Err(CurveError::NoPress);
     }
+    Ok(strokes.into_iter().map(of_stroke).collect())
+}
+
+fn of_stroke(mut stroke: Stroke) -> Pressed {
     let values = features(&stroke);
     let deviations = deviations(&stroke, &values);
     let figures = values.iter().map(|(kind, value)| {
         let estimate = value.map(|value| {
             // A place along the travel is known to a step at best.
-            let step = if kind.unit == "mm" { STEP_MM / 12_f64.sqrt() } else { 0.0 };
+            let places = if *kind == &CONTACT_HYSTERESIS { 2.0 } else { f64::from(u8::from(kind.unit == "mm")) };
+            let step = STEP_MM * (places / 12.0).sqrt();
             Estimate { value, standard_error: deviations.get(kind.name).copied().unwrap_or(0.0).hypot(step) }
         });
         (kind.name, estimate)
     });
-    let figures = figures.collect();
+    let bounce = |change: &Result<Change, &'static str>| change.as_ref().map_err(|reason| *reason)?.bounce_ms;
+    let bounces = [(&CONTACT_CLOSING_BOUNCE, &stroke.closing), (&CONTACT_OPENING_BOUNCE, &stroke.opening)];
+    let figures = figures.chain(bounces.map(|(kind, change)| (kind.name, bounce(change)))).collect();
     for branch in [Some(&mut stroke.press), stroke.back.as_mut()].into_iter().flatten() {
         let left = rms(&smooth_and_left(branch).1);
         branch.load_ci95_half_width.fill(NORMAL_95 * left);
     }
     let branches = [("press", Some(stroke.press)), ("return", stroke.back)];
     let branches = branches.into_iter().filter_map(|(name, branch)| Some((name, branch?))).collect();
-    Ok(Pressed { figures, branches })
+    Pressed { figures, branches }
 }
 
 /// The smoothed branch, and what it leaves.

@@ -1,8 +1,11 @@
 //! A press and its return at even steps of the travel.
 
+use std::ops::Range;
+
 use archive::testers::Curve;
 use shared_types::Axis;
 
+use super::contact::Change;
 use crate::branch::Branch;
 
 /// Steps of the travel, mm: those of Dome Lab's rows.
@@ -11,6 +14,10 @@ pub(crate) const STEP_MM: f64 = 0.005;
 const SMOOTHED: usize = 7;
 /// Least part of the press that a return must cover.
 const RETURNED: f64 = 0.5;
+/// Part of the whole travel by which it turns round between one press and the next.
+const TURNED: f64 = 0.25;
+/// Part of the whole travel that a press must cover beside deeper ones.
+const DEEP: f64 = 0.95;
 
 /// A press and its return.
 #[derive(Clone, Debug)]
@@ -19,27 +26,71 @@ pub(crate) struct Stroke {
     pub(crate) press: Branch,
     /// Rows from there on; `None` where the control was not let back.
     pub(crate) back: Option<Branch>,
-    /// Travel at which the contact closes on the press, mm; `None` where that was not seen.
-    pub(crate) closes_mm: Option<f64>,
+    /// Where the contact closes on the press, and when.
+    pub(crate) closing: Result<Change, &'static str>,
+    /// Where it opens on the way back, and when.
+    pub(crate) opening: Result<Change, &'static str>,
 }
 
 impl Stroke {
-    pub(crate) fn of(curve: &Curve) -> Self {
-        let deepest = curve.position.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let turn = curve.position.iter().position(|travel| *travel >= deepest).unwrap_or_default();
-        let rows =
-            |from: usize, to: usize| curve.position[from..to].iter().copied().zip(curve.load[from..to].iter().copied());
-        let branch = |from: usize, to: usize| Branch::of_rows(Axis::Linear, STEP_MM, rows(from, to));
-        let press = branch(0, turn + 1);
-        let back = branch(turn, curve.len());
-        let closes_mm = curve.closed.as_ref().and_then(|closed| {
-            let first = closed[..=turn].iter().position(|closed| *closed)?;
-            (first > 0).then(|| curve.position[first])
-        });
+    /// Every press of a curve with its return. One that is cut off counts only where there is no whole one.
+    pub(crate) fn all(curve: &Curve) -> Vec<Self> {
+        let strokes: Vec<Self> = presses(&curve.position).into_iter().map(|rows| Self::of(curve, rows)).collect();
+        let returned = strokes.iter().any(|stroke| stroke.back.is_some());
+        strokes.into_iter().filter(|stroke| stroke.back.is_some() || !returned).collect()
+    }
+
+    fn of(curve: &Curve, rows: Range<usize>) -> Self {
+        let travel = &curve.position[rows.clone()];
+        let deepest = travel.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let turn = rows.start + travel.iter().position(|travel| *travel >= deepest).unwrap_or_default();
+        let branch = |rows: Range<usize>| {
+            let loads = curve.load[rows.clone()].iter().copied();
+            Branch::of_rows(Axis::Linear, STEP_MM, curve.position[rows].iter().copied().zip(loads))
+        };
+        let press = branch(rows.start..turn + 1);
+        let back = branch(turn..rows.end);
         #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
         let returned = back.len() as f64 > RETURNED * press.len() as f64;
-        Self { press, back: returned.then_some(back), closes_mm }
+        Self {
+            press,
+            back: returned.then_some(back),
+            closing: Change::to(true, curve, rows.start..turn + 1),
+            opening: Change::to(false, curve, turn..rows.end),
+        }
     }
+}
+
+/// The rows of each press with its return, which reach from where the travel is least to where it is least again.
+fn presses(travel: &[f64]) -> Vec<Range<usize>> {
+    let (low, high) =
+        travel.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(*at), high.max(*at)));
+    let swing = TURNED * (high - low);
+    let mut found: Vec<(Range<usize>, f64)> = Vec::new();
+    let (mut start, mut least, mut most) = (0, 0, None::<usize>);
+    for (row, at) in travel.iter().enumerate() {
+        match most {
+            // Pressed on, until it has come back a good way.
+            Some(deepest) if *at < travel[deepest] - swing => {
+                found.push((start..travel.len(), travel[deepest]));
+                (least, most) = (row, None);
+            }
+            Some(deepest) if *at > travel[deepest] => most = Some(row),
+            Some(_) => {}
+            None if *at > travel[least] + swing => {
+                // What comes before the first press belongs to it.
+                if let Some((rows, _)) = found.last_mut() {
+                    rows.end = least;
+                    start = least;
+                }
+                most = Some(row);
+            }
+            None if *at <= travel[least] => least = row,
+            None => {}
+        }
+    }
+    found.extend(most.map(|deepest| (start..travel.len(), travel[deepest])));
+    found.into_iter().filter(|(_, deepest)| *deepest >= low + DEEP * (high - low)).map(|(rows, _)| rows).collect()
 }
 
 /// Means over seven rows about each, over fewer at the ends.

@@ -167,7 +167,7 @@ pub fn comparison_page(compared: &Comparison) -> String {
 /// paper's, and the signals themselves.
 #[must_use]
 pub fn rig_test_page(test: &RigTest) -> String {
-    rig_test::rig_test_page(test).into_string()
+    test.axis.words(&rig_test::rig_test_page(test).into_string()).into_owned()
 }
 
 /// The page of a data sheet as HTML, complete from doctype to end: the curve, its figures with their definitions, and each detent.

@@ -120,8 +120,21 @@ impl Source for CaptureSource {
 /// The model for the curves over angle and velocity.
 fn curves(fit: &Fit, calibration: Option<&Calibration>) -> Option<KnobModel> {
     let half_width = |name: &str| fit.parameters.get(name)?.ci95.map(|[low, high]| (high - low) / 2.0);
-    let knob = KnobModel::from_values(|name| fit.parameters.get(name)?.value)?.with_half_widths(half_width);
+    let knob = KnobModel::from_values(|name| fit.parameters.get(name)?.value)?
+        .with_half_widths(half_width)
+        .with_characteristic(fit.effects(), characteristic_half_width_mnm(fit));
     Some(calibration.map_or(knob, |known| knob.on_rig(known)))
+}
+
+/// RMS half width of the interval of the torque measured over the angle, both directions alike, mNm; zero without one.
+fn characteristic_half_width_mnm(fit: &Fit) -> f64 {
+    let squares = fit.characteristics.iter().map(|curve| {
+        let squares =
+            curve.points.iter().filter_map(|point| point.ci95).map(|[low, high]| (0.5 * (high - low)).powi(2));
+        let (sum, count) = squares.fold((0.0, 0.0_f64), |(sum, count), square| (sum + square, count + 1.0));
+        sum / count.max(1.0)
+    });
+    squares.sum::<f64>().sqrt()
 }
 
 /// The torque of the effects as fitted, at the motion that the fit made out; nothing where the knob may stick.

@@ -55,7 +55,11 @@ fn rate(rate_hz: f64) -> String {
 
 fn parameters(text: &mut String, fit: &Fit) {
     let _ = writeln!(text, "| parameter | value ± 95 % | unit |\n|---|---:|---|");
-    for parameter in &fit.parameters.0 {
+    // Where the torque was measured over the angle, nobody looked for detents.
+    let is_looked_for = |parameter: &&Parameter| {
+        fit.characteristics.is_empty() || !(parameter.value.is_none() && parameter.name.starts_with("detent_"))
+    };
+    for parameter in fit.parameters.0.iter().filter(is_looked_for) {
         let name = parameter.name.replace('_', " ");
         let _ = writeln!(text, "| {name} | {} | {} |", value_and_interval(parameter), parameter.unit);
     }

@@ -14,6 +14,7 @@ pub struct HalfWidths {
     detent_amplitude: f64,
     detent_period: f64,
     detent_phase: f64,
+    characteristic_mnm: f64,
 }
 
 impl HalfWidths {
@@ -28,7 +29,18 @@ impl HalfWidths {
             detent_amplitude: or_zero("detent_amplitude"),
             detent_period: or_zero("detent_period"),
             detent_phase: or_zero("detent_phase"),
+            characteristic_mnm: 0.0,
         }
+    }
+
+    /// With that of a torque measured over the angle, mNm.
+    pub fn with_characteristic(self, half_width_mnm: f64) -> Self {
+        Self { characteristic_mnm: half_width_mnm, ..self }
+    }
+
+    /// Of the torque measured over the angle, mNm.
+    pub fn characteristic_mnm(&self) -> f64 {
+        self.characteristic_mnm
     }
 
     /// Of the friction torque, mNm.

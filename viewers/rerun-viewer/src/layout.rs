@@ -151,7 +151,7 @@ fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
         Vertical::new(plots).into(),
         summary.into(),
     ])
-    .with_column_shares([4.2, 3.6, 2.4])
+    .with_column_shares([3.7, 3.3, 3.2])
     .with_name(tab)
     .into()
 }

@@ -4,13 +4,15 @@
 //! τ = M·θ̈ + [θ̇<0]·(−C₋ + B₋·θ̇) + [θ̇>0]·(C₊ + B₊·θ̇) + A·sin(θ/P + S)
 //! ```
 //!
+//! Where the torque was measured point by point instead of detents, that is in their place.
+//!
 //! A term whose parameters the data cannot tell is left out; where that is Coulomb friction there is
 //! no torque for turning in its direction. On a rig the torque sensor also bears the gripper and has
 //! a zero of its own, see [`KnobModel::on_rig`].
 
 use std::f64::consts::{PI, TAU};
 
-use dynamics::Calibration;
+use dynamics::{Calibration, Direction, Effect, Motion};
 use shared_types::{Estimate, FitUpdate, Verdict};
 
 use crate::entities::PARAMETERS;
@@ -24,6 +26,8 @@ pub struct KnobModel {
     negative: Option<Friction>,
     positive: Option<Friction>,
     detent: Option<Detent>,
+    /// What was measured over the angle: the mean of both directions, and friction.
+    characteristic: [Option<Effect>; 2],
     /// What the torque sensor reads with nothing attached, mNm.
     zero_mnm: f64,
     half_widths: HalfWidths,
@@ -72,6 +76,7 @@ impl KnobModel {
             negative: friction("coulomb_negative", "viscous_negative"),
             positive: friction("coulomb_positive", "viscous_positive"),
             detent,
+            characteristic: [None; 2],
             zero_mnm: 0.0,
             half_widths: HalfWidths::default(),
         })
@@ -81,6 +86,14 @@ impl KnobModel {
     #[must_use]
     pub fn with_half_widths(self, half_width_of: impl Fn(&str) -> Option<f64>) -> Self {
         Self { half_widths: HalfWidths::from_values(half_width_of), ..self }
+    }
+
+    /// The model with what a fit measured over the angle, and the half width of its 95 % interval, mNm.
+    #[must_use]
+    pub fn with_characteristic(self, effects: &[Effect], half_width_mnm: f64) -> Self {
+        let mut measured = effects.iter().filter(|effect| effect.table().is_some()).copied();
+        let characteristic = [measured.next(), measured.next()];
+        Self { characteristic, half_widths: self.half_widths.with_characteristic(half_width_mnm), ..self }
     }
 
     /// The model as the rig's torque sensor reads it: with the gripper and the sensor's zero.
@@ -99,6 +112,31 @@ impl KnobModel {
             + self.inertia * acceleration_rad_s2
             + self.friction_mnm(velocity_rad_s)
             + self.detent_mnm(angle_rad)
+            + self.characteristic_mnm(angle_rad, velocity_rad_s)
+    }
+
+    /// Torque measured over the angle, mNm.
+    fn characteristic_mnm(&self, angle_rad: f64, velocity_rad_s: f64) -> f64 {
+        let motion = Motion { angle_rad, velocity_rad_s, ..Motion::default() };
+        let torque_mnm = |effect: &Effect| {
+            let slides = if velocity_rad_s == 0.0 { 0.0 } else { 1.0 };
+            effect.free_torque_mnm(&motion) + slides * effect.friction_mnm(&motion, Direction::of(velocity_rad_s))
+        };
+        self.characteristic.iter().flatten().map(torque_mnm).sum()
+    }
+
+    /// Least and largest torque while turning at that velocity, whatever the angle, beside zero and friction, mNm; none where the
+    /// torque does not depend on the angle.
+    pub fn range_over_angle_mnm(&self, velocity_rad_s: f64) -> Option<[f64; 2]> {
+        let table = self.characteristic.iter().flatten().find_map(Effect::table);
+        match (table, self.detent) {
+            (Some(table), _) => {
+                let torques = || table.points().iter().map(|angle| self.characteristic_mnm(*angle, velocity_rad_s));
+                Some([torques().fold(f64::INFINITY, f64::min), torques().fold(f64::NEG_INFINITY, f64::max)])
+            }
+            (None, Some(detent)) => Some([-detent.amplitude.abs(), detent.amplitude.abs()]),
+            (None, None) => None,
+        }
     }
 
     /// The torque without any motion or detent, mNm.
@@ -137,7 +175,7 @@ impl KnobModel {
         let detent = self.detent.map_or(0.0, |Detent { amplitude, period, phase }| {
             self.half_widths.detent_mnm([amplitude, period, phase], angle_rad)
         });
-        self.friction_half_width_mnm(velocity_rad_s).hypot(detent)
+        self.friction_half_width_mnm(velocity_rad_s).hypot(detent).hypot(self.half_widths.characteristic_mnm())
     }
 
     /// How deep in a detent an angle is: 1 where the knob rests by itself, −1 between two detents, 0 without detents.

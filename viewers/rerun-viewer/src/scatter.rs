@@ -144,21 +144,16 @@ fn torque_over_angle(model: &KnobModel, (low, high): (f64, f64)) -> ModelCurves 
     drawn
 }
 
-/// Friction in either direction, and above and below it the detents' amplitude.
+/// Friction in either direction, and the least and the largest torque that the angle adds to it.
 fn torque_over_velocity(model: &KnobModel, (low, high): (f64, f64)) -> ModelCurves {
-    let amplitude = model.detent_amplitude_mnm();
-    let bands = if amplitude > 0.0 { vec![0.0, amplitude, -amplitude] } else { vec![0.0] };
     let mut drawn = ModelCurves::default();
-    for band in bands {
-        for (from, to) in [(low, -f64::MIN_POSITIVE), (f64::MIN_POSITIVE, high)] {
-            if from < to {
-                let friction = curve(from, to, 2, |velocity| model.zero_mnm() + model.friction_mnm(velocity) + band);
-                if band == 0.0 {
-                    drawn.add(friction, |velocity| model.friction_half_width_mnm(velocity));
-                } else {
-                    drawn.curves.push(friction);
-                }
-            }
+    for (from, to) in [(low, -f64::MIN_POSITIVE), (f64::MIN_POSITIVE, high)] {
+        if from < to {
+            let friction =
+                |band: f64| curve(from, to, 2, |velocity| model.zero_mnm() + model.friction_mnm(velocity) + band);
+            drawn.add(friction(0.0), |velocity| model.friction_half_width_mnm(velocity));
+            let range = model.range_over_angle_mnm(if from < 0.0 { from } else { to });
+            drawn.curves.extend(range.into_iter().flatten().map(friction));
         }
     }
     drawn

@@ -174,8 +174,17 @@ pub fn value_and_interval(estimate: &Estimate) -> String {
     with_half_width(value, (estimate.ci95_high - estimate.ci95_low) / 2.0)
 }
 
-/// `2.301 ± 0.012`, with two digits of the half width.
+/// Power of ten below which a number is written with it.
+const SMALL_POWER: i32 = -3;
+
+/// `2.301 ± 0.012`, with two digits of the half width; `(3.99 ± 0.03)e−6` of what is small.
 pub fn with_half_width(value: f64, half_width: f64) -> String {
+    #[allow(clippy::cast_possible_truncation, reason = "a power of ten of a number")]
+    let power = value.abs().max(half_width).log10().floor() as i32;
+    if (-30..SMALL_POWER).contains(&power) {
+        let scale = 10_f64.powi(power);
+        return format!("({})e\u{2212}{}", with_half_width(value / scale, half_width / scale), -power);
+    }
     let sign = |number: String| number.replace('-', "\u{2212}");
     if !half_width.is_finite() || half_width <= 0.0 {
         return sign(format!("{value:.4}"));
@@ -292,6 +301,12 @@ mod tests {
     fn a_range_has_three_digits() {
         assert_eq!(three_digits(-1e-5), "0.000");
         assert_eq!([0.299_9, -3.456, 98.76, 12_345.6].map(three_digits), ["0.300", "\u{2212}3.46", "98.8", "12346"]);
+    }
+
+    #[test]
+    fn a_small_parameter_is_told_with_its_power_of_ten() {
+        assert_eq!(with_half_width(3.986e-6, 3e-8), "(3.986 \u{b1} 0.030)e\u{2212}6");
+        assert_eq!(with_half_width(-2.301, 0.012), "\u{2212}2.301 \u{b1} 0.012");
     }
 
     #[test]

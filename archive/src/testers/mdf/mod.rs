@@ -11,7 +11,7 @@ use falcon_mdf::{Mf4Error, Mf4File};
 use shared_types::Quantity;
 
 use super::choice::{self, ColumnChoice};
-use super::layout::{below_middle, refuse_falling};
+use super::layout::{closed, refuse_falling};
 use super::{Curve, wrong};
 use crate::capture::first_bytes;
 use crate::error::ArchiveError;
@@ -87,7 +87,7 @@ fn curve(
         }
     }
     refuse_falling(t_s.as_deref())?;
-    let closed = volts.and_then(|volts| below_middle(&volts));
+    let closed = volts.and_then(|volts| closed(&volts));
     Ok(Curve { axis, t_s, position: positions, load: loads, closed, ..Curve::default() })
 }
 

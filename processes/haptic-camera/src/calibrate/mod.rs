@@ -17,7 +17,7 @@ use crate::outcome::{Outcome, say};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 
-/// Amplitude of the fast sines with nothing on the gripper, rad.
+/// Amplitude of the fast sines with nothing on the gripper, rad; on a linear axis the way of a fingertip at that angle.
 const FAST_AMPLITUDE_RAD: f64 = 0.1;
 
 /// Calibrates from the captures given, or makes one.
@@ -129,11 +129,12 @@ impl CalibrationKind {
             rig: rig.request.clone(),
             ..RunRequest::default()
         };
+        let way = rt_loop::rigs::file(&rig.request)?.axis.fingertip_way();
         let request = match self {
             Self::Friction => fast("linear-chirp", None, 10.0),
             Self::Gravity | Self::Cogging => fast("slow-turn", None, 15.0),
             Self::Zero => RunRequest { torque: true, ..fast("hold", None, 5.0) },
-            Self::Gripper | Self::Latency => fast("fast-multisine", Some(FAST_AMPLITUDE_RAD), 10.0),
+            Self::Gripper | Self::Latency => fast("fast-multisine", Some(FAST_AMPLITUDE_RAD * way), 10.0),
         };
         let interrupted = listen_for_interrupt()?;
         rig_run::archive(request, rig, &format!("calibrate-{}", self.subject()), &interrupted)

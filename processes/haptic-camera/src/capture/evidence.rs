@@ -34,6 +34,7 @@ pub(super) fn diagnosed(
     let progress = |progress| show_progress(&bar, progress);
     let asked = DiagnoseOptions {
         calibration: fitted[0].calibration.clone(),
+        axis: fitted[0].capture.axis,
         commanded: train.commanded_torque_mnm.as_deref().zip(heldout.commanded_torque_mnm.as_deref()).map(
             |(of_train, of_heldout)| CommandedTorque {
                 train: of_train,

@@ -43,7 +43,7 @@ pub struct CaptureOptions {
     /// which are always made
     #[arg(long, requires = "diagnose", default_value = "5", value_name = "CAPTURES|SECONDSs")]
     pub budget: Budget,
-    /// Largest distance from the start to turn the knob in experiments, rad [default: that of the first two captures]
+    /// Largest distance from the start to move the control in experiments, rad or mm [default: that of the first two captures]
     #[arg(long, requires = "diagnose", value_name = "RAD", allow_negative_numbers = true)]
     pub reach: Option<f64>,
     /// Write the diagnosis as JSON; `-` for standard output

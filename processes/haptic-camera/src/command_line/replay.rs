@@ -25,7 +25,7 @@ pub struct ReplayOptions {
     /// The hand on the simulated rig
     #[command(flatten)]
     pub hand: HandRequest,
-    /// Amplitude of the hand's sweep, rad [default: that of the sweep]
+    /// Amplitude of the hand's sweep, rad or mm [default: that of the sweep]
     #[arg(long, allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Length, s [default: until Ctrl-C, a day at most; offline 10]

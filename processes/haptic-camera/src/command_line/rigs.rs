@@ -67,7 +67,7 @@ pub struct RigCommissionOptions {
     /// Samples per second [default: the fastest that the file permits]
     #[arg(long, allow_negative_numbers = true)]
     pub rate_hz: Option<f64>,
-    /// Largest torque to try, mNm [default: a third of the limit]
+    /// Largest torque to try, mNm, or force, N [default: a third of the limit]
     #[arg(long, value_name = "MNM", allow_negative_numbers = true)]
     pub most_torque: Option<f64>,
     /// Write the rig file with the results here [default: FILE.toml itself]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use dynamics::Excitation;
+use dynamics::{Axis, Excitation};
 use identification::filter::chebyshev2_low_pass;
 use loaded_capture::LoadedCapture;
 use report::{ChannelDifference, ChannelLag, ChannelTrace};
@@ -11,6 +11,8 @@ use report::{ChannelDifference, ChannelLag, ChannelTrace};
 pub const LAG_HZ: f64 = 30.0;
 /// Lag there below which the paper's rig stays, rad.
 const PAPER_LAG_RAD: f64 = 0.5;
+/// Nm in a mNm, the unit of a capture.
+const NM_PER_MNM: f64 = 1e-3;
 /// Time for which a tone is faded in and the rig settles, s.
 const SETTLED_S: f64 = 1.0;
 
@@ -26,29 +28,37 @@ pub enum Channel {
 impl Channel {
     pub const ALL: [Self; 4] = [Self::Position, Self::Velocity, Self::Acceleration, Self::Torque];
 
-    fn name(self) -> &'static str {
+    fn name(self, axis: Axis) -> &'static str {
         match self {
             Self::Position => "position",
             Self::Velocity => "velocity",
             Self::Acceleration => "acceleration",
-            Self::Torque => "torque",
+            Self::Torque => axis.load().name(),
         }
     }
 
-    /// Unit, mean and standard deviation of Table 3.
-    fn paper(self) -> (&'static str, f64, f64) {
-        match self {
-            Self::Position => ("rad", 0.0012, 0.0032),
-            Self::Velocity => ("rad/s", 0.0016, 0.0244),
-            Self::Acceleration => ("rad/s²", 0.664, 0.4148),
-            Self::Torque => ("Nm", 0.0010, 0.0018),
+    /// Unit, mean and standard deviation of Table 3; on a linear axis those of the paper's rig at a fingertip's distance from its
+    /// axis.
+    fn paper(self, axis: Axis) -> (&'static str, f64, f64) {
+        let (rotary, linear, mean, sd) = match self {
+            Self::Position => ("rad", "mm", 0.0012, 0.0032),
+            Self::Velocity => ("rad/s", "mm/s", 0.0016, 0.0244),
+            Self::Acceleration => ("rad/s²", "mm/s²", 0.664, 0.4148),
+            Self::Torque => ("Nm", "N", 0.0010, 0.0018),
+        };
+        let way = axis.fingertip_way();
+        match (axis, self) {
+            (Axis::Rotary, _) => (rotary, mean, sd),
+            (Axis::Linear, Self::Torque) => (linear, mean / (NM_PER_MNM * way), sd / (NM_PER_MNM * way)),
+            (Axis::Linear, _) => (linear, mean * way, sd * way),
         }
     }
 
-    /// Time, original and measured signal, sample by sample, in Table 3's units.
+    /// Time, original and measured signal, sample by sample, in Table 3's units, or mm and N.
     fn signals(self, loaded: &LoadedCapture, excitation: &Excitation) -> Vec<[f64; 3]> {
         let capture = &loaded.capture;
         let known = loaded.calibration.as_ref();
+        let load = if capture.axis.is_rotary() { NM_PER_MNM } else { 1.0 };
         let start_rad = capture.commanded_angle_rad.as_ref().map_or(0.0, |commanded| {
             commanded.first().map_or(0.0, |first| first - excitation.at(capture.t_s[0]).value)
         });
@@ -69,7 +79,7 @@ impl Channel {
                     }
                     Self::Torque => {
                         let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
-                        (1e-3 * set.value, 1e-3 * (capture.torque_mnm[row] - zero_mnm))
+                        (load * set.value, load * (capture.torque_mnm[row] - zero_mnm))
                     }
                 };
                 [time_s, original, measured]
@@ -87,9 +97,10 @@ impl Channel {
 
     /// Original and measured signal under the sweep and at one frequency, for the figures of a page.
     pub fn trace(self, sweep: (&LoadedCapture, &Excitation), tone: (&LoadedCapture, &Excitation)) -> ChannelTrace {
+        let axis = sweep.0.capture.axis;
         ChannelTrace {
-            channel: self.name(),
-            unit: self.paper().0,
+            channel: self.name(axis),
+            unit: self.paper(axis).0,
             sweep: self.signals(sweep.0, sweep.1),
             tone: self.signals(tone.0, tone.1),
         }
@@ -102,10 +113,11 @@ impl Channel {
         // Third-order Chebyshev II, 20 dB, forwards and backwards (section 4.2).
         let filtered = chebyshev2_low_pass(3, 20.0, self.filter_edge_hz(), loaded.capture.rate_hz)
             .map_or_else(|_| differences.clone(), |filter| filter.filter_zero_phase(&differences));
-        let (unit, paper_mean, paper_sd) = self.paper();
+        let axis = loaded.capture.axis;
+        let (unit, paper_mean, paper_sd) = self.paper(axis);
         let (mean, sd) = mean_and_sd(&differences);
         ChannelDifference {
-            channel: self.name(),
+            channel: self.name(axis),
             unit,
             mean,
             sd,
@@ -132,7 +144,7 @@ impl Channel {
         let difference = measured[1].atan2(measured[0]) - original[1].atan2(original[0]);
         let phase_rad = difference - TAU * (difference / TAU).round();
         ChannelLag {
-            channel: self.name(),
+            channel: self.name(loaded.capture.axis),
             phase_rad,
             delay_ms: 1e3 * phase_rad / (TAU * LAG_HZ),
             gain: measured[0].hypot(measured[1]) / original[0].hypot(original[1]),

@@ -25,8 +25,6 @@ use channel::{Channel, LAG_HZ};
 const SWEEP_S: f64 = 6.0;
 /// Length of the run at one frequency, s.
 const TONE_S: f64 = 3.0;
-/// The paper's amplitude of the torque sweep, 0.02 Nm.
-const TORQUE_AMPLITUDE_MNM: f64 = 20.0;
 
 /// Turns the rig and compares.
 ///
@@ -44,7 +42,6 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     let locked = |sweep: &str, duration_s| RunRequest {
         knob: Some("locked".to_owned()),
         torque: true,
-        amplitude: Some(TORQUE_AMPLITUDE_MNM),
         ..free(sweep, duration_s)
     };
     let interrupted = listen_for_interrupt()?;
@@ -59,7 +56,9 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     let held =
         [made(locked(sweep, SWEEP_S), "rig-test-locked")?, made(locked("tone", TONE_S), "rig-test-locked-30-hz")?];
 
+    let axis = spun[0].capture.axis;
     let mut test = RigTest {
+        axis,
         sweep: sweep.to_owned(),
         rate_hz: options.rate_hz,
         differences: Vec::new(),
@@ -83,7 +82,8 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     }
     if !to_output(options.json.as_deref()) {
         say("");
-        say("original minus measured; filtered: its SD after the paper's low-pass filters");
+        let scaled = if axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
+        say(format!("original minus measured; filtered: its SD after the paper's low-pass filters{scaled}"));
         say(table::differences(&test.differences));
         say("");
         say(table::lags(&test.lag_at_30_hz));

@@ -10,7 +10,7 @@ use super::torque_run;
 use crate::command_line::{RigCheckOptions, RigOptions};
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{to_output, write_json};
+use crate::outputs::{to_output, write_json_on};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 
@@ -61,13 +61,15 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let request = torque_run(&options.file, options.rate_hz, options.duration_s)?;
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: folder.path().to_owned() };
     let (archive, _) = rig_run::archive(request, &rig, "rig-check", &interrupted)?;
-    let mut found = check(&load::load(&archive)?.capture);
+    let capture = load::load(&archive)?.capture;
+    let axis = capture.axis;
+    let mut found = check(&capture);
     found.doubts.extend(doubts(&RigFile::load(&options.file)?)?);
     if !to_output(options.json.as_deref()) {
-        tell(&found);
+        tell(&found, axis);
     }
-    write_json(options.json.as_deref(), &found)?;
-    found.doubts.iter().chain(&found.amiss).for_each(remark);
+    write_json_on(axis, options.json.as_deref(), &found)?;
+    found.doubts.iter().chain(&found.amiss).for_each(|told| remark(axis.words(told)));
     Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
 }
 
@@ -77,6 +79,7 @@ fn check(capture: &Capture) -> Checked {
     let angle = reading("angle", "rad", &capture.angle_rad);
     let torque = reading("torque", "mNm", &capture.torque_mnm);
     let acceleration = capture.acceleration_rad_s2.as_ref().map(|column| reading("acceleration", "rad/s²", column));
+    let contact = capture.contact.as_ref().map(|column| reading("contact", "1 if closed", column));
     let after_us = capture.measured_after_s.as_ref().map(|after_s| (1e6 * mean(after_s), 1e6 * deviation(after_s)));
     let missed_ticks = capture.ticks_without_sample().saturating_sub(capture.unmeasured_samples);
     let ticks = capture.len() as f64 + capture.unmeasured_samples as f64 + missed_ticks as f64;
@@ -117,7 +120,7 @@ fn check(capture: &Capture) -> Checked {
         read_after_sd_us: after_us.map(|(_, deviation_us)| deviation_us),
         watchdog,
         doubts: note("delay").into_iter().collect(),
-        channels: [angle, torque].into_iter().chain(acceleration).collect(),
+        channels: [angle, torque].into_iter().chain(acceleration).chain(contact).collect(),
         amiss,
     }
 }
@@ -165,7 +168,7 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-fn tell(found: &Checked) {
+fn tell(found: &Checked, axis: Axis) {
     say(format!("rig      {}", found.rig));
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_header(["channel", "mean", "span", "noise RMS", "unit"]);
@@ -177,7 +180,7 @@ fn tell(found: &Checked) {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    say(table);
+    say(axis.words(&table.to_string()));
     let Checked { rate_hz, samples, missed_ticks, stale_ticks, .. } = found;
     say(format!("rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without new data"));
     if let (Some(mean_us), Some(deviation_us)) = (found.read_after_us, found.read_after_sd_us) {

@@ -6,8 +6,10 @@
 
 mod in_file;
 
+use std::fmt;
 use std::path::Path;
 
+use dynamics::Axis;
 use identification::{AccelerationUse, FitOptions, Samples, encoder_step};
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
@@ -17,6 +19,7 @@ use super::torque_run;
 use crate::command_line::{RigCommissionOptions, RigOptions};
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
+use crate::repeatability::digits;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 
@@ -28,7 +31,7 @@ const MOST_SHARE: f64 = 1.0 / 3.0;
 const RISE: f64 = 1.5;
 /// Length of a try, s.
 const TRY_S: f64 = 4.0;
-/// Travel from which on the angle tells something, rad: beyond what a knob yields within its stick.
+/// Travel from which on the angle tells something, rad, or a fingertip's way at that angle: beyond what a knob yields within its stick.
 const ENOUGH_RAD: f64 = 0.05;
 /// Tries that are held against each other.
 const COMPARED: usize = 2;
@@ -49,26 +52,28 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
         anyhow::bail!("the largest permitted torque is unknown; give --most-torque, or [limits] in the rig file");
     };
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: options.captures_in.clone() };
+    let axis = file.axis;
     let mut amplitude_mnm = FIRST_SHARE * most_mnm;
     let mut tries = Vec::new();
     loop {
-        say(format!("trying   {amplitude_mnm:.3} mNm"));
+        say(axis.words(&format!("trying   {amplitude_mnm:.3} mNm")));
         let tried = RunRequest { sweep: "multisine".to_owned(), amplitude: Some(amplitude_mnm), ..request.clone() };
         let (archive, _) = rig_run::archive(tried, &rig, "rig-commission", &interrupted)?;
         if let Some(found) = find(&load::load(&archive)?) {
             if let Some(amiss) = found.amiss() {
-                remark(amiss);
+                remark(axis.words(&amiss));
                 return Ok(Outcome::Failed);
             }
             tries.push(found);
         }
         if tries.len() == COMPARED || !tries.is_empty() && amplitude_mnm >= most_mnm {
-            return conclude(&tries, options);
+            return conclude(&tries, axis, options);
         }
         anyhow::ensure!(
             amplitude_mnm < most_mnm,
-            "the knob does not move at {most_mnm} mNm: check that the amplifier is on and [channels.motor] scale, or try more with \
-             --most-torque"
+            "the knob does not move at {most_mnm} {}: check that the amplifier is on and [channels.motor] scale, or try more with \
+             --most-torque",
+            axis.load_unit()
         );
         amplitude_mnm = (RISE * amplitude_mnm).min(most_mnm);
     }
@@ -80,6 +85,15 @@ struct Inertia {
     value: f64,
     low: f64,
     high: f64,
+}
+
+/// With the digits that its interval supports.
+impl fmt::Display for Inertia {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { value, low, high } = self;
+        let digits = digits(high - low);
+        write!(f, "{value:.digits$} mNm·s²/rad ({low:.digits$} to {high:.digits$})")
+    }
 }
 
 /// What a try tells.
@@ -109,9 +123,8 @@ impl Found {
                 "the torque sensor has the wrong sign: invert [channels.torque] sign, then commission again".to_owned(),
             ),
             Some(behind) if behind.value >= self.driven.value => Some(format!(
-                "the inertia behind the torque sensor is {:.5} mNm·s²/rad, more than the total: check the scales of \
-                 [channels.torque] and [channels.motor]",
-                behind.value
+                "the inertia behind the torque sensor is {behind}, more than the total: check the scales of \
+                 [channels.torque] and [channels.motor]"
             )),
             Some(_) => None,
         }
@@ -137,39 +150,37 @@ fn of_all(tries: &[Found], inertia: impl Fn(&Found) -> Inertia) -> Option<Inerti
 }
 
 /// Tells what the tries have in common, and writes it into the rig's file: the motor's inertia where a sensor parts it from the knob's.
-fn conclude(tries: &[Found], options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
+fn conclude(tries: &[Found], axis: Axis, options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
+    let say = |text: String| say(axis.words(&text));
     let Some(((last, driven), motor)) =
         tries.last().zip(of_all(tries, |found| found.driven)).zip(of_all(tries, Found::motor))
     else {
         anyhow::bail!("no try moved the knob");
     };
-    let text = |Inertia { value, low, high }: Inertia| format!("{value:.5} mNm·s²/rad ({low:.5} to {high:.5})");
     say(format!("moved    {:.3} rad", last.moved_rad));
-    say(format!("inertia  {} in total, driven by the motor", text(driven)));
+    say(format!("inertia  {driven} in total, driven by the motor"));
     if let Some(Some(behind)) = last.behind {
-        say(format!("behind   the torque sensor {:.5} mNm·s²/rad", behind.value));
+        say(format!("behind   the torque sensor {behind}"));
     }
     if let Some(step_rad) = last.angle_step_rad {
         say(format!("step     of the encoder: {step_rad:.3e} rad"));
     }
     if 0.5 * (motor.high - motor.low) > VAGUE_SHARE * motor.value {
-        remark(format!(
-            "the motor's inertia is {}: too uncertain to be written; commission again with more torque (--most-torque)",
-            text(motor)
-        ));
+        remark(axis.words(&format!(
+            "the motor's inertia is {motor}: too uncertain to be written; commission again with more torque (--most-torque)"
+        )));
         return Ok(Outcome::Failed);
     }
     let path: &Path = options.out.as_deref().unwrap_or(&options.file);
     let has_sensor = last.behind.is_some();
     let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
-    in_file::write(&options.file, path, &known)?;
+    in_file::write(&options.file, path, axis, &known)?;
     if has_sensor {
-        say(format!("written  motor_inertia = {} under [calibration] of {}", text(motor), path.display()));
+        say(format!("written  motor_inertia = {motor} under [calibration] of {}", path.display()));
     } else {
         // What was on the gripper nothing tells here.
         say(format!(
-            "write    motor_inertia = {:.5} under [calibration] of {}, if nothing was on the gripper",
-            motor.value,
+            "write    motor_inertia = {motor} under [calibration] of {}, if nothing was on the gripper",
             path.display()
         ));
     }
@@ -184,7 +195,7 @@ fn find(loaded: &LoadedCapture) -> Option<Found> {
         .iter()
         .fold((f64::MAX, f64::MIN), |(least, most), angle| (least.min(*angle), most.max(*angle)));
     let moved_rad = most - least;
-    if moved_rad < ENOUGH_RAD {
+    if moved_rad < ENOUGH_RAD * capture.axis.fingertip_way() {
         return None;
     }
     let run = capture.description.as_ref();

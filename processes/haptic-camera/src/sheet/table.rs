@@ -11,6 +11,10 @@ use crate::repeatability::digits;
 pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
     let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match files {
+        [only] if sheet.runs > 1 => {
+            let name = operator::one_line(&name(only));
+            format!("{name}, mean of {} presses, 95 % intervals of one more of them", sheet.runs)
+        }
         [only] => format!("{}, 95 % intervals from the noise of a single curve", operator::one_line(&name(only))),
         several => {
             let folder = several[0].parent().and_then(|folder| folder.file_name());

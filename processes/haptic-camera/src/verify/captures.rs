@@ -127,6 +127,7 @@ fn added(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyho
     );
     let options = DiagnoseOptions {
         calibration: train.calibration.clone(),
+        axis: train.capture.axis,
         model: Some(model.clone()),
         ..DiagnoseOptions::default()
     };

@@ -27,6 +27,7 @@ pub(super) fn verification(
     let from = |model: &Model| -> anyhow::Result<Diagnosis> {
         let options = DiagnoseOptions {
             calibration: train.calibration.clone(),
+            axis: train.capture.axis,
             model: Some(model.clone()),
             ..DiagnoseOptions::default()
         };

@@ -32,6 +32,7 @@ const UNMEASURED: Measurement = Measurement {
     angle_rad: f64::NAN,
     acceleration_rad_s2: None,
     torque_mnm: f64::NAN,
+    contact: None,
     after_s: 0.0,
     is_stale: true,
     stale_code: 0,
@@ -435,7 +436,7 @@ impl ControlState {
         commanded_angle_rad: f64,
         flags: u32,
     ) -> Sample {
-        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, after_s, is_stale: _, stale_code: _ } =
+        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, contact, after_s, is_stale: _, stale_code: _ } =
             *measurement;
         Sample {
             seq: self.next_seq,
@@ -444,6 +445,7 @@ impl ControlState {
             velocity_rad_s: self.velocity_rad_s,
             acceleration_rad_s2: acceleration_rad_s2.unwrap_or(f64::NAN),
             torque_mnm,
+            contact: contact.map_or(f64::NAN, |closed| f64::from(u8::from(closed))),
             measured_after_s: after_s,
             commanded_angle_rad,
             commanded_torque_mnm,
@@ -462,7 +464,8 @@ impl ControlState {
     ///
     /// New is what is said to be, and was read later than the one before: a clock that stands still brings nothing new.
     fn taken(&mut self, measurement: &Measurement, elapsed_ticks: u64) -> Result<Option<Measurement>, Fault> {
-        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, after_s, is_stale, stale_code } = *measurement;
+        let Measurement { angle_rad, acceleration_rad_s2, torque_mnm, contact: _, after_s, is_stale, stale_code } =
+            *measurement;
         let numbers = [angle_rad, acceleration_rad_s2.unwrap_or(0.0), torque_mnm, after_s];
         if !is_stale && !numbers.iter().all(|number| number.is_finite()) {
             return Err(Fault::Sensor);

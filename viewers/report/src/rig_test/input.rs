@@ -1,5 +1,6 @@
 //! What the page of a rig test is made of; it serialises to what `rig-test --json` gives.
 
+use dynamics::Axis;
 use serde::Serialize;
 
 use crate::CaptureFacts;
@@ -7,6 +8,8 @@ use crate::CaptureFacts;
 /// How far a rig's measurement is from its command, compared with the paper's rig.
 #[derive(Clone, Debug, Serialize)]
 pub struct RigTest {
+    /// Whether the rig turns.
+    pub axis: Axis,
     /// Name of the sweep.
     pub sweep: String,
     /// Sample rate, Hz.
@@ -26,10 +29,10 @@ pub struct RigTest {
     pub traces: Vec<ChannelTrace>,
 }
 
-/// Original minus measured, in the units of the paper's Table 3.
+/// Original minus measured, in the units of the paper's Table 3, or in mm and N.
 #[derive(Clone, Debug, Serialize)]
 pub struct ChannelDifference {
-    /// `position`, `velocity`, `acceleration` or `torque`.
+    /// `position`, `velocity`, `acceleration`, and `torque` or `force`.
     pub channel: &'static str,
     /// Unit of all that follows.
     pub unit: &'static str,
@@ -39,9 +42,9 @@ pub struct ChannelDifference {
     pub sd: f64,
     /// Standard deviation behind the paper's filters for a fit, which take out what no fit sees.
     pub sd_filtered: f64,
-    /// Mean in Table 3.
+    /// Mean in Table 3; on a linear axis at a fingertip's 20 mm from the paper's.
     pub paper_mean: f64,
-    /// Standard deviation in Table 3.
+    /// Standard deviation in Table 3, likewise.
     pub paper_sd: f64,
 }
 

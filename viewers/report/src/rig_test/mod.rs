@@ -53,7 +53,7 @@ pub(crate) fn rig_test_page(test: &RigTest) -> Markup {
                  servo’s error, the sensors’ noise and their delays together."
             }
             p {
-                "The paper speaks of a lag below " (paper_lag) " rad at " (two(test.lag_hz)) " Hz, a frequency that its printed \
+                "The paper speaks of a phase lag below " (paper_lag) " rad at " (two(test.lag_hz)) " Hz, a frequency that its printed \
                  constants do not reach; hence a run of its own at that frequency."
             }
         }
@@ -79,7 +79,7 @@ fn verdict(test: &RigTest) -> String {
     let Some(latest) = latest else { return spread };
     let beside = if latest.phase_rad.abs() < latest.paper_phase_rad_below { "below" } else { "beyond" };
     format!(
-        "{spread} The largest lag at {}\u{a0}Hz is that of {}, {}\u{a0}rad: {beside} the paper’s {}.",
+        "{spread} The largest phase lag at {}\u{a0}Hz is that of {}, {}\u{a0}rad: {beside} the paper’s {}.",
         two(test.lag_hz),
         latest.channel,
         three(latest.phase_rad),

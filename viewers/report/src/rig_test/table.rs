@@ -42,6 +42,7 @@ pub(super) fn differences(test: &RigTest) -> Markup {
             @for (index, edge) in test.filter_edges_hz.iter().enumerate() { @if index > 0 { ", " } (three(*edge)) }
             " Hz in the order of the rows: what is left there is what a fit sees. Table 3 of the paper gives its own rig’s; whether \
              those were filtered it does not say."
+            @if !test.axis.is_rotary() { " Its numbers stand here as at a fingertip, 20 mm from its axis." }
         }
     }
 }

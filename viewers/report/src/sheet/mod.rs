@@ -78,8 +78,9 @@ fn method(sheet: &Sheet) -> Markup {
     html! {
         p {
             @if sheet.runs > 1 {
-                "Each of the " (sheet.runs) " curves was read by itself, and a figure is the mean of what they gave. Its 95 % interval holds the \
-                 figure of one more such curve: Student’s distribution times the deviation between the curves, times √(1 + 1/n)."
+                "Each of the " (sheet.runs) " curves" @if !sheet.presses.is_empty() { ", or presses of one," } " was read by itself, and a figure is the mean of what they gave. Its 95 % interval holds the \
+                 figure of one more such curve: Student’s distribution times the deviation between the curves, times √(1 + 1/n), or times what \
+                 each by itself leaves open where that is more."
             } @else {
                 "The 95 % intervals come from the noise about the smoothed curve, drawn anew 200 times with the sign of each residual left to \
                  chance; they say how well this curve tells the figure, not how well another would repeat it."

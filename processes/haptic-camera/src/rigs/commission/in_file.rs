@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use archive::whole_file::Replace;
+use dynamics::Axis;
 use toml_edit::{DocumentMut, Item, Value};
 
 use crate::outputs::replace;
@@ -18,16 +19,16 @@ pub(super) struct Known {
 ///
 /// # Errors
 /// When the file has its calibration elsewhere, or cannot be written.
-pub(super) fn write(file: &Path, path: &Path, known: &Known) -> anyhow::Result<()> {
+pub(super) fn write(file: &Path, path: &Path, axis: Axis, known: &Known) -> anyhow::Result<()> {
     let text = std::fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
-    let changed = with(&text, known).with_context(|| format!("{} is not changed", file.display()))?;
+    let changed = with(&text, axis, known).with_context(|| format!("{} is not changed", file.display()))?;
     // In its place it is the file that was read; elsewhere nothing may lie there.
     let may_replace = if path == file { Replace::Anything } else { Replace::Nothing };
     replace(path, may_replace, &changed)
 }
 
 /// The text of a rig file with what is known in it.
-fn with(text: &str, known: &Known) -> anyhow::Result<String> {
+fn with(text: &str, axis: Axis, known: &Known) -> anyhow::Result<String> {
     let mut document: DocumentMut = text.parse().context("it is no TOML")?;
     anyhow::ensure!(
         !document.contains_key("calibration_file"),
@@ -35,7 +36,8 @@ fn with(text: &str, known: &Known) -> anyhow::Result<String> {
     );
     let table = document.entry("calibration").or_insert(toml_edit::table());
     let found = [("motor_inertia", known.motor_inertia), ("angle_step_rad", known.angle_step_rad)];
-    for (key, number) in found.into_iter().filter_map(|(key, number)| Some((key, rounded(number?)))) {
+    for (key, number) in found.into_iter().filter_map(|(key, number)| Some((axis.words(key), rounded(number?)))) {
+        let key = key.as_ref();
         match table.get_mut(key).and_then(Item::as_value_mut) {
             // What a maker says of an encoder is exacter than what was seen.
             Some(before) if before.as_float().is_some_and(|before| (before / number - 1.0).abs() < SAME_SHARE) => {}
@@ -61,6 +63,8 @@ fn rounded(number: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+    use dynamics::Axis;
+
     use super::{Known, with};
 
     #[test]
@@ -69,8 +73,11 @@ mod tests {
         let text = "# mine\nname = \"a\"\n\n[calibration]\nmotor_inertia = 0.5   # a guess\n";
         let changed =
             "# mine\nname = \"a\"\n\n[calibration]\nmotor_inertia = 0.02002   # a guess\nangle_step_rad = 0.001\n";
-        assert_eq!(with(text, &known).unwrap(), changed);
-        assert!(with("name = \"a\"\n", &known).unwrap().contains("[calibration]\nmotor_inertia = 0.02002\n"));
-        assert!(with("calibration_file = \"b.toml\"\n", &known).is_err());
+        assert_eq!(with(text, Axis::Rotary, &known).unwrap(), changed);
+        assert!(
+            with("name = \"a\"\n", Axis::Rotary, &known).unwrap().contains("[calibration]\nmotor_inertia = 0.02002\n")
+        );
+        assert!(with("name = \"a\"\n", Axis::Linear, &known).unwrap().contains("\ntravel_step_mm = 0.001\n"));
+        assert!(with("calibration_file = \"b.toml\"\n", Axis::Rotary, &known).is_err());
     }
 }
