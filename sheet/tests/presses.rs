@@ -96,8 +96,11 @@ fn bounce_is_told_by_rows_that_are_dense_in_time_only() {
     assert!(reason(untimed, "contact_closing_bounce").contains("the file has none"));
     let t_s = whole.t_s.iter().flatten().map(|time_s| 100.0 * time_s).collect();
     assert!(reason(Curve { t_s: Some(t_s), ..whole.clone() }, "contact_opening_bounce").contains("more than 1 ms"));
+    let unwatched_rows = whole.len();
     let unwatched = Sheet::of(&[Curve { closed: None, ..whole }]).unwrap();
     assert!(unwatched.figures["contact_hysteresis"].reason.as_ref().unwrap().contains("no contact"));
+    let still = Curve { position: vec![1.0; unwatched_rows], ..curve(0..1) };
+    assert!(Sheet::of(&[still]).unwrap_err().to_string().contains("hardly any press"));
     assert!(unwatched.figures["actuation_travel"].value.unwrap() < 1.5, "without a contact where it collapses");
 }
 
