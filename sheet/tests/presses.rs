@@ -72,7 +72,9 @@ fn each_press_of_a_curve_is_read_by_itself_and_their_mean_holds_what_is_true() {
         let figure = &sheet.figures[name];
         let [low, high] = figure.ci95.unwrap();
         assert!((low..=high).contains(&truth), "{name}: {truth} is not within {low} to {high}");
-        assert!((figure.value.unwrap() - truth).abs() < 0.03 * truth, "{name}: {:?} instead of {truth}", figure.value);
+        // A bounce is known to the time between two rows.
+        let most = if name.ends_with("bounce") { 1e3 * STEP_S } else { 0.03 * truth };
+        assert!((figure.value.unwrap() - truth).abs() < most, "{name}: {:?} instead of {truth}", figure.value);
     }
     for (press, closing) in sheet.presses.iter().zip(CLOSING_MM) {
         assert!((press["contact_closing_travel"].value - closing).abs() < 5e-3);
@@ -101,7 +103,7 @@ fn bounce_is_told_by_rows_that_are_dense_in_time_only() {
     assert!(unwatched.figures["contact_hysteresis"].reason.as_ref().unwrap().contains("no contact"));
     let still = Curve { position: vec![1.0; unwatched_rows], ..curve(0..1) };
     assert!(Sheet::of(&[still]).unwrap_err().to_string().contains("hardly any press"));
-    assert!(unwatched.figures["actuation_travel"].value.unwrap() < 1.5, "without a contact where it collapses");
+    assert!(unwatched.figures["actuation_travel"].value.unwrap() < 2.0, "without a contact where it collapses");
 }
 
 #[test]
