@@ -44,6 +44,7 @@ fn every_field_of_a_sample_decodes_through_the_schema_text() {
         velocity_rad_s,
         acceleration_rad_s2,
         torque_mnm,
+        contact,
         commanded_angle_rad,
         commanded_torque_mnm,
         measured_after_s,
@@ -66,6 +67,7 @@ fn every_field_of_a_sample_decodes_through_the_schema_text() {
     assert_eq!(real("velocity_rad_s"), velocity_rad_s.to_bits());
     assert_eq!(real("acceleration_rad_s2"), acceleration_rad_s2.to_bits());
     assert_eq!(real("torque_mnm"), torque_mnm.to_bits());
+    assert_eq!(real("contact"), contact.to_bits());
     assert_eq!(real("commanded_angle_rad"), commanded_angle_rad.to_bits());
     assert_eq!(real("commanded_torque_mnm"), commanded_torque_mnm.to_bits());
     assert_eq!(count("sensor_read_ns"), u64::from(sensor_read_ns));

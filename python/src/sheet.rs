@@ -153,7 +153,7 @@ impl Sheet {
         }
     }
 
-    /// Curves that it was made of.
+    /// Curves that it was made of, or presses where a curve has several.
     #[getter]
     fn runs(&self) -> usize {
         self.sheet.runs
@@ -175,7 +175,7 @@ impl Sheet {
     }
 
     /// Everything that ``haptic-camera sheet --json`` writes, under its keys: besides the figures each detent in each
-    /// direction (``detents``) and load over position, a branch each (``curve``).
+    /// direction (``detents``), each press by itself (``presses``) and load over position, a branch each (``curve``).
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         to_dict(py, self.to_json()?)
     }

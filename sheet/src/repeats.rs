@@ -105,12 +105,12 @@ pub(crate) struct Run {
 impl Run {
     /// What a press by itself tells.
     fn by_itself(&self) -> BTreeMap<&'static str, DetentFigure> {
-        let told = |kind: &&'static FigureKind| {
+        let estimated = |kind: &&'static FigureKind| {
             let estimate = *self.figures.get(kind.name)?.as_ref().ok()?;
-            let Figure { value, ci95, .. } = Figure::told(kind, estimate, f64::INFINITY);
+            let Figure { value, ci95, .. } = Figure::estimated(kind, estimate, f64::INFINITY);
             Some((kind.name, DetentFigure { value: value?, unit: kind.unit, ci95: ci95? }))
         };
-        pressed::KINDS.iter().filter_map(told).collect()
+        pressed::KINDS.iter().filter_map(estimated).collect()
     }
 }
 
@@ -161,7 +161,7 @@ pub fn kinds_of(axis: Axis) -> &'static [&'static FigureKind] {
 
 fn read(curve: &Curve) -> Result<Vec<Run>, SheetError> {
     let of_press = |pressed: pressed::Pressed| Run {
-        figures: pressed.figures.into_iter().map(|(name, told)| (name, told.map_err(str::to_owned))).collect(),
+        figures: pressed.figures.into_iter().map(|(name, figure)| (name, figure.map_err(str::to_owned))).collect(),
         detents: Vec::new(),
         branches: pressed.branches,
     };

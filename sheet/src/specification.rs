@@ -200,12 +200,13 @@ fn axis_of(branch: &str) -> Option<Axis> {
 
 /// The size of a unit in a figure's own.
 fn factor(own: &str, unit: &str) -> Option<f64> {
-    use Quantity::{Angle, Energy, Force, Number, Torque, Travel};
+    use Quantity::{Angle, Energy, Force, Number, Time, Torque, Travel};
     if own == unit {
         return Some(1.0);
     }
-    let of =
-        [Angle, Torque, Travel, Force, Energy, Number].into_iter().find(|quantity| quantity.factor(own).is_some())?;
+    let of = [Angle, Torque, Travel, Force, Energy, Time, Number]
+        .into_iter()
+        .find(|quantity| quantity.factor(own).is_some())?;
     Some(of.factor(unit)? / of.factor(own)?)
 }
 

@@ -28,6 +28,7 @@ pub fn sample(seq: u64, random: &mut u64) -> Sample {
         velocity_rad_s: velocity + noise() * 1e-3,
         acceleration_rad_s2: quantised(noise() * 6.0, 2.8),
         torque_mnm: quantised((angle * 20.0).sin() * 8.0 + noise() * 0.5, 0.18),
+        contact: f64::NAN,
         commanded_angle_rad: angle,
         commanded_torque_mnm: velocity * 3.0 + noise(),
         sensor_read_ns: 800 + (noise() * 100.0 + 50.0) as u32,

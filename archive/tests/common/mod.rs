@@ -55,6 +55,7 @@ pub fn sample(seq: u64) -> Sample {
         velocity_rad_s: 3.0 * (time * 3.0).cos() + noise(2) * 1e-2,
         acceleration_rad_s2: noise(3) * 2.8,
         torque_mnm: 12.0 * (time * 25.0).sin() + noise(4) * 0.18,
+        contact: f64::NAN,
         commanded_angle_rad: (time * 3.0).sin(),
         commanded_torque_mnm: noise(5) * 40.0,
         measured_after_s: 0.0,

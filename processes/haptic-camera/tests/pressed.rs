@@ -89,7 +89,7 @@ fn a_dome_is_captured_on_the_linear_rig_and_reported_in_its_own_units() {
     let output = haptic_camera(folder, &format!("export {} --out table.csv", archive.display()));
     assert!(output.status.success(), "{}", words(&output));
     let table = std::fs::read_to_string(folder.join("table.csv")).unwrap();
-    assert!(table.starts_with("t_s,travel_mm,velocity_mm_s,acceleration_mm_s2,force_n\n"), "{}", &table[..80]);
+    assert!(table.starts_with("t_s,travel_mm,velocity_mm_s,acceleration_mm_s2,force_n,contact\n"), "{}", &table[..80]);
     let again = haptic_camera(folder, "fit table.csv --json again.json");
     assert!(again.status.success(), "{}", words(&again));
     let again: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("again.json")).unwrap()).unwrap();
@@ -193,6 +193,8 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
         "export slider.toml --out slider.xml".to_owned(),
         "export dome --out dome.h".to_owned(),
         "calibrate friction --apparatus sim-linear --offline --out friction.toml".to_owned(),
+        "calibrate latency --apparatus sim-linear --offline --out latency.toml".to_owned(),
+        "rig-test --apparatus sim-linear --offline --json rig-test.json --report rig-test.html".to_owned(),
     ];
     for arguments in &said {
         let output = haptic_camera(folder, arguments);
@@ -201,9 +203,16 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
         let foreign = ["mNm", "torque", "angle", "rad/s", "°"].into_iter().find(|word| printed.contains(word));
         assert_eq!(foreign, None, "{arguments}: {printed}");
     }
-    for file in
-        ["check.json", "diagnosis.json", "diagnosis.html", "composed.toml", "diagnosed.toml", "dome.h", "friction.toml"]
-    {
+    for file in [
+        "check.json",
+        "diagnosis.json",
+        "diagnosis.html",
+        "composed.toml",
+        "diagnosed.toml",
+        "dome.h",
+        "friction.toml",
+        "rig-test.html",
+    ] {
         let text = std::fs::read_to_string(folder.join(file)).unwrap();
         assert!(!text.to_lowercase().contains("mnm"), "{file}: {text}");
     }
@@ -212,10 +221,49 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
         header.contains("DOME_BOTTOM_TRAVEL_MM 3.3f") && header.contains("dome_force_at_n(float travel_mm)"),
         "{header}"
     );
+    let number = |text: &str, key: &str| -> f64 {
+        let line = text.lines().find(|line| line.starts_with(key)).unwrap();
+        line.rsplit("= ").next().unwrap().parse().unwrap()
+    };
+    let calibration = std::fs::read_to_string(folder.join("latency.toml")).unwrap();
+    assert!((number(&calibration, "command_delay_s") - 53e-6).abs() < 8e-6, "{calibration}");
+    let rig_test: Value = serde_json::from_slice(&std::fs::read(folder.join("rig-test.json")).unwrap()).unwrap();
+    for lag in rig_test["lag_at_30_hz"].as_array().unwrap() {
+        assert!(lag["phase_rad"].as_f64().unwrap().abs() < 0.5, "{lag}");
+        assert!((lag["gain"].as_f64().unwrap() - 1.0).abs() < 0.1, "{lag}");
+    }
     let list = words(&haptic_camera(folder, "list sweep"));
     assert!(list.contains("mNm or N") && !list.lines().nth(1).unwrap().contains(" - "), "{list}");
     let output = haptic_camera(folder, "calibrate gravity --apparatus sim-linear --offline --out gravity.toml");
     assert!(words(&output).contains("presses or slides"), "{}", words(&output));
+}
+
+#[test]
+fn the_contact_of_a_dome_is_in_the_archive_and_in_its_sheet_and_may_fail_a_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let capture = "capture --apparatus sim-linear --sweep slow-turn --duration-s 45 --offline --no-viewer --out cap";
+    assert!(haptic_camera(folder, capture).status.success());
+    let archive = only(&folder.join("cap"), "mcap").display().to_string();
+    let sheet = haptic_camera(folder, &format!("sheet {archive} --json sheet.json"));
+    assert!(sheet.status.success(), "{}", words(&sheet));
+    let told: Value = serde_json::from_slice(&std::fs::read(folder.join("sheet.json")).unwrap()).unwrap();
+    // As the rig's file has it.
+    let truths = [
+        ("contact_closing_travel", 3.1),
+        ("contact_opening_travel", 2.9),
+        ("contact_hysteresis", 0.2),
+        ("contact_closing_bounce", 1.2),
+        ("contact_opening_bounce", 0.8),
+    ];
+    for (name, truth) in truths {
+        let [low, high] = [0, 1].map(|end| told["figures"][name]["ci95"][end].as_f64().unwrap());
+        assert!((low..=high).contains(&truth) && high - low < 0.5 * truth, "{name}: {low} to {high}");
+    }
+    assert_eq!(told["presses"].as_array().unwrap().len(), 3);
+    std::fs::write(folder.join("spec.toml"), "[figures.contact_closing_bounce]\nmax = 0.5\nunit = \"ms\"\n").unwrap();
+    let judged = haptic_camera(folder, &format!("judge {archive} --spec spec.toml"));
+    assert_eq!(judged.status.code(), Some(4), "{}", words(&judged));
 }
 
 #[test]

@@ -39,7 +39,7 @@ pub(crate) struct Pressed {
 /// [`CurveError::NoPress`] where there is next to no travel to press over.
 pub(crate) fn read(curve: &Curve) -> Result<Vec<Pressed>, CurveError> {
     let strokes = Stroke::all(curve);
-    if strokes.iter().any(|stroke| stroke.press.len() < FEWEST_STEPS) {
+    if strokes.is_empty() || strokes.iter().any(|stroke| stroke.press.len() < FEWEST_STEPS) {
         return Err(CurveError::NoPress);
     }
     Ok(strokes.into_iter().map(of_stroke).collect())

@@ -67,6 +67,7 @@ fn sample(seq: u64, start_ns: u64, noise: &mut Noise) -> Sample {
         velocity_rad_s: velocity_rad_s + 0.01 * noise.next(),
         acceleration_rad_s2: acceleration_rad_s2 + 2.8 * noise.next(),
         torque_mnm: torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2) + 0.18 * noise.next(),
+        contact: f64::NAN,
         commanded_angle_rad: angle_rad,
         state: LoopState::Running.code(),
         ..Sample::default()

@@ -104,7 +104,7 @@ impl Source for CaptureSource {
         if end == self.capture.len() {
             if let Ok(fit) = &self.fit {
                 let calibration = self.calibration.as_ref();
-                take_in(Event::Model { model: curves(fit, calibration), torque: &torque(fit, calibration) });
+                take_in(Event::Model { model: curves(fit, calibration).as_ref(), torque: &torque(fit, calibration) });
             }
             take_in(Event::End);
             self.ended = true;

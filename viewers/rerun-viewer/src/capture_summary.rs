@@ -55,9 +55,10 @@ fn rate(rate_hz: f64) -> String {
 
 fn parameters(text: &mut String, fit: &Fit) {
     let _ = writeln!(text, "| parameter | value ± 95 % | unit |\n|---|---:|---|");
-    // Where the torque was measured over the angle, nobody looked for detents.
+    // Where the torque was measured over the angle, nobody looked for detents, and the scale of what was measured is 1.
     let is_looked_for = |parameter: &&Parameter| {
-        fit.characteristics.is_empty() || !(parameter.value.is_none() && parameter.name.starts_with("detent_"))
+        fit.characteristics.is_empty()
+            || !(parameter.name.starts_with("detent_") || parameter.name.ends_with("_characteristic_scale"))
     };
     for parameter in fit.parameters.0.iter().filter(is_looked_for) {
         let name = parameter.name.replace('_', " ");

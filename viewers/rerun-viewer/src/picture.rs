@@ -189,7 +189,7 @@ impl Picture {
                 }
             }
             Event::Model { model, torque } => {
-                self.model = model;
+                self.model = model.copied();
                 self.fit_is_new = true;
                 torque.iter().for_each(|moment| self.signals.push_model_torque(moment.time_ns, moment.torque_mnm));
             }
@@ -510,7 +510,7 @@ mod tests {
             .collect();
         let mut picture = Picture::of_capture(readings.len());
         picture.take_in(Event::Readings(&readings));
-        picture.take_in(Event::Model { model: KnobModel::from_values(|_| Some(1.0)), torque: &[] });
+        picture.take_in(Event::Model { model: KnobModel::from_values(|_| Some(1.0)).as_ref(), torque: &[] });
         picture.take_in(Event::Text("# a capture"));
         picture.take_in(Event::End);
         let frame = picture.next_frame(0).unwrap();

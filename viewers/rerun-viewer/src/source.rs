@@ -62,7 +62,7 @@ pub enum Event<'a> {
     /// The model fitted to a finished capture.
     Model {
         /// For the curves over angle and velocity; `None` if no parameter is identified.
-        model: Option<KnobModel>,
+        model: Option<&'a KnobModel>,
         /// In the order of time.
         torque: &'a [ModelTorque],
     },
