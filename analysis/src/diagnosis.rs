@@ -12,7 +12,7 @@ use crate::{AnalysisError, title};
 /// Finds what a model lacks, with all that is known of the rig; without a model that of inertia, friction and detents.
 ///
 /// # Errors
-/// [`AnalysisError`], one sentence on why no verdict would be worth anything.
+/// [`AnalysisError`], why there can be no meaningful verdict, in one sentence.
 pub fn diagnose(
     train: &LoadedCapture,
     heldout: Option<&LoadedCapture>,

@@ -78,7 +78,7 @@ impl Capture {
         Self::load_chosen(path, None)
     }
 
-    /// The same of a table or a measurement whose columns somebody chose.
+    /// The same of a table or a measurement whose columns were chosen.
     ///
     /// # Errors
     /// As [`load`](Self::load), and [`ArchiveError::NoTime`] for one without a time.

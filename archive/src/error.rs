@@ -101,7 +101,7 @@ pub enum ArchiveError {
         /// What is wrong with it, and in which line.
         error: TableError,
     },
-    /// The table of somebody's tester, which is none that is known.
+    /// The table of a tester, which is none that is known.
     #[error(
         "{} is not a known table: it has {columns}; name them, as in --columns travel=NAME,force=NAME --units \
          travel=mm,force=gf",
@@ -113,7 +113,7 @@ pub enum ArchiveError {
         /// The columns that it has, in words.
         columns: String,
     },
-    /// The file of somebody's tester cannot be read.
+    /// The file of a tester cannot be read.
     #[error("{}: {reason}", path.display())]
     Tester {
         /// The file.
@@ -121,7 +121,7 @@ pub enum ArchiveError {
         /// What is wrong with it.
         reason: String,
     },
-    /// The file of somebody's tester has no time, which a capture must have.
+    /// The file of a tester has no time, which a capture must have.
     #[error(
         "{} has no time, so it is a curve and not a capture: only `fit`, `compare`, `sheet` and `judge` accept it; \
          if it has a time, name its column, as in --columns angle=NAME,torque=NAME,time=NAME",

@@ -65,7 +65,7 @@ impl LoadedCapture {
         Self::load_chosen(path, None)
     }
 
-    /// The same of a table or a measurement whose columns somebody chose.
+    /// The same of a table or a measurement whose columns were chosen.
     ///
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.
@@ -108,7 +108,7 @@ impl LoadedCapture {
         }
     }
 
-    /// A capture, or the curve in a file of somebody's tester as one: then time has no part in it, unless somebody chose its column.
+    /// A capture, or the curve in a file of a tester as one: then time has no part in it, unless somebody chose its column.
     ///
     /// # Errors
     /// [`LoadError`], one sentence on what is wrong with a file.
@@ -172,7 +172,7 @@ impl LoadedCapture {
     }
 }
 
-/// Load over position: of a capture of ours, or of a file of somebody's tester with its columns as chosen or as its format has
+/// Load over position: of a capture of ours, or of a file of a tester with its columns as chosen or as its format has
 /// them.
 ///
 /// # Errors

@@ -84,7 +84,7 @@ pub(crate) struct Diagnosis {
 /// Raises
 /// ------
 /// Error
-///     If no verdict would be worth anything.
+///     If there can be no meaningful verdict.
 /// KeyboardInterrupt
 ///     At Ctrl-C, as soon as the effects that are being tried are done.
 #[pyfunction]
@@ -110,7 +110,7 @@ pub(crate) fn diagnose(
 /// What ends a diagnosis from within its progress.
 struct Interrupted;
 
-/// Diagnoses on a thread of its own, while this one passes progress on and looks at Ctrl-C, which Python tells its main thread alone.
+/// Diagnoses on a thread of its own, while this one passes progress on and looks at Ctrl-C, of which Python notifies only its main thread.
 fn watched(
     train: &LoadedCapture,
     heldout: Option<&LoadedCapture>,

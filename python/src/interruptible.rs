@@ -10,7 +10,7 @@ use pyo3::{PyResult, Python};
 /// Longest time without a look at Ctrl-C.
 pub(crate) const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
-/// Works on a thread of its own, without the interpreter's lock, while this one looks at Ctrl-C, which Python tells its main thread alone.
+/// Works on a thread of its own, without the interpreter's lock, while this one looks at Ctrl-C, of which Python notifies only its main thread.
 ///
 /// After Ctrl-C the work goes on to its end and its result is dropped: nothing of it is seen by anyone.
 pub(crate) fn interruptible<Output: Send + 'static>(

@@ -12,13 +12,13 @@ use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not_pickle
 use crate::error::{Error, raised};
 use crate::interruptible::interruptible;
 
-/// A figure of a data sheet, or the reason why the curve does not tell it.
+/// A figure of a data sheet, or the reason why the curve does not determine it.
 #[pyclass(frozen, eq, get_all, new = "from_fields", module = "haptic_camera")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Figure {
     /// Its name, as in specifications.
     name: String,
-    /// Its value; None if the curve does not tell it.
+    /// Its value; None if the curve does not determine it.
     value: Option<f64>,
     /// Unit of value and interval; "share" for a ratio, empty for a number.
     unit: String,

@@ -152,7 +152,7 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
     /// A port that sends this topic's messages.
     ///
     /// # Errors
-    /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
+    /// [`ServiceError`] when the layout differs, the service is full or shared memory is not available.
     pub fn publisher(&self, node: &RigNode) -> Result<MessagePublisher<Payload>, ServiceError> {
         port(self.name, self.service(node)?.publisher_builder().create())
     }
@@ -160,7 +160,7 @@ impl<Payload: WireMessage + ZeroCopySend + Debug + Copy + 'static> Topic<Payload
     /// A port that receives this topic's messages, those in the history first.
     ///
     /// # Errors
-    /// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
+    /// [`ServiceError`] when the layout differs, the service is full or shared memory is not available.
     pub fn subscriber(&self, node: &RigNode) -> Result<MessageSubscriber<Payload>, ServiceError> {
         port(self.name, self.service(node)?.subscriber_builder().create())
     }
@@ -214,7 +214,7 @@ fn config() -> Result<Config, ServiceError> {
 /// The port that sends blocks of up to [`SAMPLES_PER_BLOCK`] samples.
 ///
 /// # Errors
-/// [`ServiceError`] when the layout differs, another loop publishes, or shared memory is not to be had.
+/// [`ServiceError`] when the layout differs, another loop publishes, or shared memory is not available.
 pub fn sample_publisher(node: &RigNode) -> Result<SamplePublisher, ServiceError> {
     port(SAMPLES, sample_service(node)?.publisher_builder().initial_max_slice_len(SAMPLES_PER_BLOCK).create())
 }
@@ -222,7 +222,7 @@ pub fn sample_publisher(node: &RigNode) -> Result<SamplePublisher, ServiceError>
 /// A port that receives blocks of samples, up to [`SAMPLE_HISTORY_BLOCKS`] past ones first.
 ///
 /// # Errors
-/// [`ServiceError`] when the layout differs, the service is full or shared memory is not to be had.
+/// [`ServiceError`] when the layout differs, the service is full or shared memory is not available.
 pub fn sample_subscriber(node: &RigNode) -> Result<SampleSubscriber, ServiceError> {
     port(SAMPLES, sample_service(node)?.subscriber_builder().create())
 }
@@ -249,7 +249,7 @@ fn sample_service(
 /// The port that sends the run's description as JSON.
 ///
 /// # Errors
-/// [`ServiceError`] when shared memory is not to be had.
+/// [`ServiceError`] when shared memory is not available.
 pub fn description_publisher(node: &RigNode) -> Result<TextPublisher, ServiceError> {
     DESCRIPTIONS.publisher(node)
 }
@@ -257,7 +257,7 @@ pub fn description_publisher(node: &RigNode) -> Result<TextPublisher, ServiceErr
 /// A port that receives the run's description as JSON.
 ///
 /// # Errors
-/// [`ServiceError`] when shared memory is not to be had.
+/// [`ServiceError`] when shared memory is not available.
 pub fn description_subscriber(node: &RigNode) -> Result<TextSubscriber, ServiceError> {
     DESCRIPTIONS.subscriber(node)
 }
@@ -265,7 +265,7 @@ pub fn description_subscriber(node: &RigNode) -> Result<TextSubscriber, ServiceE
 /// The port that sends each model that begins to be felt, a [`ModelChange`](crate::ModelChange) as JSON.
 ///
 /// # Errors
-/// [`ServiceError`] when shared memory is not to be had.
+/// [`ServiceError`] when shared memory is not available.
 pub fn model_publisher(node: &RigNode) -> Result<TextPublisher, ServiceError> {
     MODEL_CHANGES.publisher(node)
 }
@@ -273,7 +273,7 @@ pub fn model_publisher(node: &RigNode) -> Result<TextPublisher, ServiceError> {
 /// A port that receives each model that begins to be felt, those in the history first.
 ///
 /// # Errors
-/// [`ServiceError`] when shared memory is not to be had.
+/// [`ServiceError`] when shared memory is not available.
 pub fn model_subscriber(node: &RigNode) -> Result<TextSubscriber, ServiceError> {
     MODEL_CHANGES.subscriber(node)
 }
@@ -321,7 +321,7 @@ impl TextTopic {
 /// most [`MODEL_MAX_BYTES`].
 ///
 /// # Errors
-/// [`ServiceError`] when shared memory is not to be had.
+/// [`ServiceError`] when shared memory is not available.
 pub fn model_client(node: &RigNode) -> Result<ModelClient, ServiceError> {
     let exchange = model_exchange(node)?;
     port(MODEL_EXCHANGE, exchange.client_builder().initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES).create())
@@ -331,7 +331,7 @@ pub fn model_client(node: &RigNode) -> Result<ModelClient, ServiceError> {
 /// [`ModelAnswer`](crate::ModelAnswer) as JSON.
 ///
 /// # Errors
-/// [`ServiceError`] when shared memory is not to be had.
+/// [`ServiceError`] when shared memory is not available.
 pub fn model_server(node: &RigNode) -> Result<ModelServer, ServiceError> {
     let exchange = model_exchange(node)?;
     port(MODEL_EXCHANGE, exchange.server_builder().initial_max_slice_len(MODEL_MESSAGE_MAX_BYTES).create())
@@ -352,7 +352,7 @@ fn model_exchange(node: &RigNode) -> Result<ModelExchange, ServiceError> {
 /// The port through which the control loop is asked.
 ///
 /// # Errors
-/// [`ServiceError`] when the layout differs or shared memory is not to be had.
+/// [`ServiceError`] when the layout differs or shared memory is not available.
 pub fn control_client(node: &RigNode) -> Result<ControlClient, ServiceError> {
     port(CONTROL, control_service(node)?.client_builder().create())
 }
@@ -360,7 +360,7 @@ pub fn control_client(node: &RigNode) -> Result<ControlClient, ServiceError> {
 /// The port through which the control loop answers.
 ///
 /// # Errors
-/// [`ServiceError`] when the layout differs or shared memory is not to be had.
+/// [`ServiceError`] when the layout differs or shared memory is not available.
 pub fn control_server(node: &RigNode) -> Result<ControlServer, ServiceError> {
     port(CONTROL, control_service(node)?.server_builder().create())
 }

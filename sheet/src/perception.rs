@@ -46,7 +46,7 @@ const MOMENTS: u32 = 2000;
 
 /// A difference in thresholds of perception.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Felt {
+pub struct PerceivedDifference {
     /// How many thresholds it is; from one on a hand would feel it.
     pub thresholds: f64,
     /// The threshold.
@@ -54,7 +54,7 @@ pub struct Felt {
     pub threshold: Threshold,
 }
 
-impl Felt {
+impl PerceivedDifference {
     fn of(difference: f64, whole: f64, threshold: Threshold) -> Self {
         Self { thresholds: difference.abs() / (threshold.fraction * whole.max(f64::MIN_POSITIVE)), threshold }
     }
@@ -64,7 +64,7 @@ impl Felt {
 /// motion, ±1 rad once a second, or a press and return in that time. Parameters that are no torque, those of a period or a phase,
 /// and those that only one of them has, are left out.
 #[must_use]
-pub fn felt_differences(reference: &Model, other: &Model) -> Vec<(&'static str, Felt)> {
+pub fn perceived_differences(reference: &Model, other: &Model) -> Vec<(&'static str, PerceivedDifference)> {
     let motion = usual_motion(reference.axis);
     let torque = |model: &Model| motion.iter().map(|motion| model.torque_mnm(motion)).collect::<Vec<f64>>();
     let before = torque(reference);
@@ -78,13 +78,13 @@ pub fn felt_differences(reference: &Model, other: &Model) -> Vec<(&'static str, 
             let threshold = threshold_of(effect, reference.axis);
             let value = if matches!(effect.kind().part, Part::Stick(_)) {
                 // What holds a control shows in no torque while it moves.
-                Felt::of(theirs - value, whole.max(value), threshold)
+                PerceivedDifference::of(theirs - value, whole.max(value), threshold)
             } else {
                 let mut changed = reference.clone();
                 changed.effects[place].values_mut()[index] = theirs;
                 let difference: Vec<f64> =
                     torque(&changed).iter().zip(&before).map(|(after, before)| after - before).collect();
-                Felt::of(rms(&difference), whole, threshold)
+                PerceivedDifference::of(rms(&difference), whole, threshold)
             };
             felt.push((parameter.name, value));
         }
@@ -95,14 +95,19 @@ pub fn felt_differences(reference: &Model, other: &Model) -> Vec<(&'static str, 
 /// A difference between a figure of a sheet and its limit, beside the largest load of the same control; `None` for a figure that is
 /// no load.
 #[must_use]
-pub(crate) fn felt_figure(name: &str, axis: Axis, difference: f64, largest_load: f64) -> Option<Felt> {
+pub(crate) fn perceived_figure(
+    name: &str,
+    axis: Axis,
+    difference: f64,
+    largest_load: f64,
+) -> Option<PerceivedDifference> {
     let threshold = match axis {
         _ if name == "running_friction" => FRICTION_AND_INERTIA,
         Axis::Rotary if name.ends_with("_torque") => TORQUE,
         Axis::Linear if name.ends_with("_force") || name == "force_drop" => FORCE,
         _ => return None,
     };
-    Some(Felt::of(difference, largest_load, threshold))
+    Some(PerceivedDifference::of(difference, largest_load, threshold))
 }
 
 fn threshold_of(effect: &Effect, axis: Axis) -> Threshold {
@@ -139,9 +144,9 @@ mod tests {
 
     use dynamics::{Effect, Model, effects, knobs};
 
-    use super::felt_differences;
+    use super::perceived_differences;
 
-    fn of<'a>(felt: &'a [(&'static str, super::Felt)], name: &str) -> &'a super::Felt {
+    fn of<'a>(felt: &'a [(&'static str, super::PerceivedDifference)], name: &str) -> &'a super::PerceivedDifference {
         &felt.iter().find(|(known, _)| *known == name).unwrap().1
     }
 
@@ -151,7 +156,7 @@ mod tests {
             effects: vec![Effect::new(&effects::friction::KIND, &[coulomb, coulomb, 0.0, 0.0])],
             ..Model::default()
         };
-        let felt = felt_differences(&friction(10.0), &friction(11.5));
+        let felt = perceived_differences(&friction(10.0), &friction(11.5));
         // Each direction has half of the motion.
         assert!((of(&felt, "coulomb_positive").thresholds - 0.5_f64.sqrt()).abs() < 0.01, "{felt:?}");
     }
@@ -162,10 +167,10 @@ mod tests {
         let mut more = knob.clone();
         let friction = more.effects.iter_mut().find(|effect| effect.kind().name == "friction").unwrap();
         friction.values_mut()[1] *= 1.5;
-        let open = of(&felt_differences(&knob, &more), "coulomb_positive").thresholds;
+        let open = of(&perceived_differences(&knob, &more), "coulomb_positive").thresholds;
         let mut masked = knob;
         let detent = masked.effects.iter_mut().find(|effect| effect.kind().name == "detent").unwrap();
         detent.values_mut()[0] *= 20.0;
-        assert!(of(&felt_differences(&masked, &more), "coulomb_positive").thresholds < 0.5 * open);
+        assert!(of(&perceived_differences(&masked, &more), "coulomb_positive").thresholds < 0.5 * open);
     }
 }

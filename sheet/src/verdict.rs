@@ -4,7 +4,7 @@ use serde::Serialize;
 use shared_types::Axis;
 
 use crate::figure::{Figure, FigureKind};
-use crate::perception::{Felt, felt_figure};
+use crate::perception::{PerceivedDifference, perceived_figure};
 use crate::quantiles::student_quantile;
 use crate::repeats::Sheet;
 use crate::specification::{Envelope, Limits, Specification};
@@ -51,7 +51,7 @@ pub struct Judgement {
 pub struct FigureVerdict {
     /// Its name.
     pub figure: &'static str,
-    /// Its value; `None` where the curve does not tell it.
+    /// Its value; `None` where the curve does not determine it.
     pub value: Option<f64>,
     /// Its 95 % interval.
     pub ci95: Option<[f64; 2]>,
@@ -64,7 +64,7 @@ pub struct FigureVerdict {
     pub verdict: Verdict,
     /// By how much it lies beyond a limit, in thresholds of perception; `None` within its limits, and of a figure that is no load.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub beyond_limit: Option<Felt>,
+    pub beyond_limit: Option<PerceivedDifference>,
 }
 
 /// The verdict on a branch of the curve.
@@ -153,7 +153,7 @@ impl Specification {
 }
 
 /// By how much a figure lies beyond its limits, beside the largest load of the control.
-fn beyond(sheet: &Sheet, figure: Option<&Figure>, limits: Limits) -> Option<Felt> {
+fn beyond(sheet: &Sheet, figure: Option<&Figure>, limits: Limits) -> Option<PerceivedDifference> {
     let figure = figure?;
     let value = figure.value?;
     let beyond = limits.min.map_or(0.0, |min| min - value).max(limits.max.map_or(0.0, |max| value - max));
@@ -164,10 +164,10 @@ fn beyond(sheet: &Sheet, figure: Option<&Figure>, limits: Limits) -> Option<Felt
         Axis::Rotary => None,
     };
     let largest = largest.unwrap_or_else(|| loads.fold(0.0, |most, load| load.abs().max(most)));
-    (beyond > 0.0).then(|| felt_figure(figure.kind.name, sheet.axis, beyond, largest)).flatten()
+    (beyond > 0.0).then(|| perceived_figure(figure.kind.name, sheet.axis, beyond, largest)).flatten()
 }
 
-fn in_words(felt: &Felt) -> String {
+fn in_words(felt: &PerceivedDifference) -> String {
     let sense = if felt.thresholds < 1.0 { "which is imperceptible" } else { "a hand would feel that" };
     format!("{:.1} perception thresholds beyond it: {sense}", felt.thresholds)
 }

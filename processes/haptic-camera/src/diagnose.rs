@@ -18,7 +18,7 @@ use crate::recording;
 /// Diagnoses a capture and writes what was asked for.
 ///
 /// # Errors
-/// One sentence on why no verdict would be worth anything, or what is wrong with a file.
+/// Why there can be no meaningful verdict, in one sentence, or what is wrong with a file.
 pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
     let load = |path: &Path| load::load_chosen(path, &options.columns);
     let train = load(&options.train)?;

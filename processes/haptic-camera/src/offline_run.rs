@@ -15,7 +15,7 @@ use shared_types::{Fault, LoopState, LoopStatus, RunDescription, Sample};
 
 use crate::large_job;
 use crate::outcome::remark;
-use crate::supervision::{FeltModel, RigWords, RunEnd};
+use crate::supervision::{ModelStart, RigWords, RunEnd};
 use crate::until_ci::{Knowledge, Share, StopRule};
 
 /// Time for which the rig is armed before the run begins, s.
@@ -35,7 +35,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
     anyhow::ensure!(plan.simulated_knob.is_some(), "the {} only runs in real time; omit --offline", plan.rig.name);
     let mut description = plan.description()?;
     description.notes.push(("time".to_owned(), "offline: simulated time".to_owned()));
-    let felt = plan.rendering.iter().map(|rendering| FeltModel { tick: 0, name: rendering.model.name.clone() });
+    let felt = plan.rendering.iter().map(|rendering| ModelStart { tick: 0, name: rendering.model.name.clone() });
     let models = felt.collect();
     plan.rendering.iter().flat_map(Rendering::remarks_to_print).for_each(remark);
     let mut watch = until.map(|share| Watch::new(share, &plan));

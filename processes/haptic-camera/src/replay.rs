@@ -7,7 +7,7 @@ use rt_loop::request::{HandRequest, LONGEST_DURATION_S, RunRequest};
 
 use crate::command_line::ReplayOptions;
 use crate::outcome::{Outcome, say};
-use crate::supervision::{Archived, FeltModel, RunEnd, Shown, SupervisedRun, claim_archive, listen_for_interrupt};
+use crate::supervision::{Archived, ModelStart, RunEnd, Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::verify;
 
 /// Most models that are listed at the end.
@@ -61,7 +61,7 @@ fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String
 /// Tells what was rendered, how it went and where the archive lies.
 fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
     end.tell();
-    end.models.iter().enumerate().take(LISTED_MODELS).for_each(|(index, FeltModel { tick, name })| {
+    end.models.iter().enumerate().take(LISTED_MODELS).for_each(|(index, ModelStart { tick, name })| {
         #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
         let from_s = *tick as f64 / end.status.rate_hz.max(1.0);
         say(format!("{} {name} from {from_s:.2} s on", if index == 0 { "rendered" } else { "        " }));

@@ -37,7 +37,7 @@ impl Streams {
     /// Attaches to the rig.
     ///
     /// # Errors
-    /// When shared memory is not to be had.
+    /// When shared memory is not available.
     pub fn attach(restarts: u32) -> anyhow::Result<Self> {
         let node = services::attach("live-fitter")?;
         Ok(Self {

@@ -55,7 +55,7 @@ impl ModelExchange {
     pub(crate) fn serve(&mut self, state: LoopState) {
         while let Ok(event) = self.port.events.pop() {
             match event {
-                ModelEvent::Felt { tick, monotonic_time_ns } => {
+                ModelEvent::Rendered { tick, monotonic_time_ns } => {
                     self.newest_waits = false;
                     self.publish(tick, monotonic_time_ns);
                 }

@@ -36,7 +36,7 @@ pub struct HungRig;
 /// Why the stream cannot be published.
 #[derive(Debug, thiserror::Error)]
 pub enum PublisherError {
-    /// A service is not to be had.
+    /// A service is not available.
     #[error(transparent)]
     Service(#[from] ServiceError),
     /// The run's description did not go out.
@@ -69,7 +69,7 @@ impl StreamPublisher {
     /// is rendered.
     ///
     /// # Errors
-    /// [`PublisherError`] when shared memory is not to be had.
+    /// [`PublisherError`] when shared memory is not available.
     pub fn new(
         port: LoopPort,
         description: &RunDescription,

@@ -1,4 +1,4 @@
-//! The report page of a fit, of several captures and their mean, of several knobs beside each other, of a diagnosis, of a
+//! The report page of a fit, of several captures and their mean, of several knobs side by side, of a diagnosis, of a
 //! rendering beside its model, of a rig without a knob, of a data sheet, or of units against a specification: one HTML file that a person reads, prints and keeps.
 //!
 //! The page carries its plots as inline SVG and its style in its head: it needs no script, fetches
@@ -59,17 +59,17 @@ pub struct CaptureFacts {
     pub duration_s: f64,
     /// Samples in the capture.
     pub samples: u64,
-    /// Ticks that the control loop missed; `None` if the capture does not tell.
+    /// Ticks that the control loop missed; `None` if the capture does not record it.
     pub missed_ticks: Option<u64>,
-    /// Gaps in the recording; `None` if the capture does not tell.
+    /// Gaps in the recording; `None` if the capture does not record it.
     pub gaps: Option<u64>,
-    /// Whether the loop ran with real-time permissions; `None` if the capture does not tell.
+    /// Whether the loop ran with real-time permissions; `None` if the capture does not record it.
     pub real_time: Option<bool>,
     /// Version of the program that made the page.
     pub software_version: String,
 }
 
-/// A fit with everything that its page tells.
+/// A fit with everything shown on its page.
 #[derive(Clone, Debug)]
 pub struct FitPage<'a> {
     /// The fit.
@@ -96,7 +96,7 @@ pub fn fit_page_with_numbers(page: &FitPage<'_>) -> (String, FigureNumbers) {
     (markup.into_string(), numbers)
 }
 
-/// Several captures of a knob and their mean with everything that their page tells.
+/// Several captures of a knob and their mean with everything shown on their page.
 #[derive(Clone, Debug)]
 pub struct AveragePage<'a> {
     /// The mean.
@@ -118,7 +118,7 @@ pub fn average_page(page: &AveragePage<'_>) -> String {
     average::average_page(page).into_string()
 }
 
-/// A diagnosis with everything that its page tells.
+/// A diagnosis with everything shown on its page.
 #[derive(Clone, Debug)]
 pub struct DiagnosisPage<'a> {
     /// The diagnosis.
@@ -154,7 +154,7 @@ pub fn rendering_page(page: &RenderingPage<'_>) -> String {
     rendering::rendering_page(page).into_string()
 }
 
-/// The page of several knobs beside each other as HTML, complete from doctype to end: the paper's tables, the parameters side by
+/// The page of several knobs side by side as HTML, complete from doctype to end: the paper's tables, the parameters side by
 /// side, the models as curves, each parameter over all captures, and how the captures of a knob repeat.
 ///
 /// Numbers are written as on [`fit_page`].
@@ -190,7 +190,7 @@ pub fn wall_page(page: &WallPage) -> String {
     sheet::wall_page(page).into_string()
 }
 
-/// The page of a trend as HTML, complete from doctype to end: each parameter over time, group beside group, and how it drifts.
+/// The page of a trend as HTML, complete from doctype to end: each parameter over time, by group, and how it drifts.
 ///
 /// Numbers are written as on [`fit_page`].
 #[must_use]

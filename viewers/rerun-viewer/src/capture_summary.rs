@@ -1,4 +1,4 @@
-//! The text beside the plots of a finished capture: what it is, and what the fit tells.
+//! The text next to the plots of a finished capture: what it is, and what the fit tells.
 
 use std::fmt::Write as _;
 

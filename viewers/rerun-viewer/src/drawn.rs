@@ -26,7 +26,7 @@ const ANSWER_FRAMES: usize = 40;
 
 /// The frames that a page lacks, by their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wanted {
+pub struct FrameRange {
     /// The first.
     pub from: u64,
     /// The first that it does not lack; `None` for all that are new, and what belongs to no time besides.
@@ -114,7 +114,7 @@ impl Drawn {
     ///
     /// # Errors
     /// When rerun cannot merge or encode them.
-    pub fn answer(&self, wanted: Wanted) -> anyhow::Result<Answer> {
+    pub fn answer(&self, wanted: FrameRange) -> anyhow::Result<Answer> {
         let (contents, lasting, chunks) = self.with(|kept| kept.pick(wanted));
         let mut messages = lasting;
         let mut chunks = merged(chunks)?;
@@ -163,7 +163,7 @@ impl Kept {
     }
 
     /// What an answer tells, what belongs to no time in it, and the rows of the run in the order in which they were drawn.
-    fn pick(&self, Wanted { from, to }: Wanted) -> (Contents, Vec<LogMsg>, Vec<(StoreId, Chunk)>) {
+    fn pick(&self, FrameRange { from, to }: FrameRange) -> (Contents, Vec<LogMsg>, Vec<(StoreId, Chunk)>) {
         let end = to.unwrap_or(self.next).min(self.next);
         let begin = self.pieces.partition_point(|piece| piece.number < from);
         let after = self.pieces.partition_point(|piece| piece.number < end);
@@ -322,7 +322,7 @@ mod tests {
     }
 
     fn new(drawn: &Drawn, from: u64) -> Answer {
-        drawn.answer(Wanted { from, to: None }).unwrap()
+        drawn.answer(FrameRange { from, to: None }).unwrap()
     }
 
     #[test]
@@ -360,7 +360,7 @@ mod tests {
         let mut found = rows(&given, "/value");
         while given.contents.first > 0 {
             let to = given.contents.first;
-            given = drawn.answer(Wanted { from: 0, to: Some(to) }).unwrap();
+            given = drawn.answer(FrameRange { from: 0, to: Some(to) }).unwrap();
             assert!(given.contents.first < to, "it goes back");
             found += rows(&given, "/value");
         }
@@ -387,7 +387,7 @@ mod tests {
         assert_eq!(rows(&given, "/text"), 1);
         assert!((1..20).contains(&rows(&given, "/value")), "the newest of the run: {:?}", chunks(&given));
         let to = Some(given.contents.first);
-        assert!(drawn.answer(Wanted { from: 0, to }).unwrap().file.is_empty(), "nothing else is kept");
+        assert!(drawn.answer(FrameRange { from: 0, to }).unwrap().file.is_empty(), "nothing else is kept");
         assert_eq!(rows(&new(&drawn, next), "/text"), 1, "a page that is there is given the new one");
     }
 }

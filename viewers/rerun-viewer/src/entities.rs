@@ -12,7 +12,7 @@ pub const LATENESS: &str = "timing/log10_max_lateness_ns";
 pub const TICK_PERIOD: &str = "timing/log10_tick_period_ns";
 /// Ticks by lateness.
 pub const LATENESS_HISTOGRAM: &str = "lateness_histogram";
-/// The text beside the plots: run and loop.
+/// The text next to the plots: run and loop.
 pub const SUMMARY: &str = "summary";
 /// The parameters as text.
 pub const PARAMETERS_TEXT: &str = "parameters";

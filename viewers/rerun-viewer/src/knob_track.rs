@@ -59,7 +59,7 @@ pub struct DetentRing {
     /// Angles of the ring, rad, with the depth there as a share of the amplitude: 1 at the bottom of a detent, −1
     /// between two of them.
     pub depths: Vec<[f64; 2]>,
-    /// Angles at which the knob rests by itself, rad.
+    /// Angles at which the knob rests, rad.
     pub stable_rad: Vec<f64>,
     /// Largest detent torque, mNm.
     pub amplitude_mnm: f64,

@@ -178,7 +178,7 @@ impl KnobModel {
         self.friction_half_width_mnm(velocity_rad_s).hypot(detent).hypot(self.half_widths.characteristic_mnm())
     }
 
-    /// How deep in a detent an angle is: 1 where the knob rests by itself, −1 between two detents, 0 without detents.
+    /// How deep in a detent an angle is: 1 where the knob rests, −1 between two detents, 0 without detents.
     pub fn detent_depth(&self, angle_rad: f64) -> f64 {
         self.detent.map_or(0.0, |Detent { amplitude, period, phase }| {
             // The torque turns positive where its integral, the energy, is least.
@@ -186,7 +186,7 @@ impl KnobModel {
         })
     }
 
-    /// Angles from `low_rad` to `high_rad` at which the knob rests by itself.
+    /// Angles from `low_rad` to `high_rad` at which the knob rests.
     #[allow(clippy::cast_possible_truncation, reason = "angles are a few turns")]
     pub fn stable_angles_rad(&self, low_rad: f64, high_rad: f64) -> Vec<f64> {
         let Some(Detent { amplitude, period, phase }) = self.detent else { return Vec::new() };

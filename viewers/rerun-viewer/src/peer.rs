@@ -1,7 +1,7 @@
 //! Who is at the other end of a connection within this machine.
 //!
 //! A port at the loopback address is open to every user of the machine. The kernel's tables of connections say whose
-//! socket is at the other end, so that nobody else is shown what is captured here.
+//! socket is at the other end, so that only that user sees the capture.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 

@@ -1,4 +1,4 @@
-//! The model that a replay renders, as the text beside the plots shows it.
+//! The model that a replay renders, as The text next to the plots shows it.
 
 use std::fmt::Write as _;
 

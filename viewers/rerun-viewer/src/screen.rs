@@ -111,7 +111,7 @@ impl Screen {
     /// Opens the destination; nothing is shown yet but the layout.
     ///
     /// # Errors
-    /// When a port, the `rerun` program or the file is not to be had.
+    /// When a port, the `rerun` program or the file is not available.
     pub fn open(mut destination: Destination, subject: Subject, glance: SharedGlance) -> anyhow::Result<Self> {
         if let Destination::Native { grpc_port, memory_limit } = &destination {
             open_window(*grpc_port, *memory_limit)?;

@@ -66,7 +66,7 @@ pub enum Event<'a> {
         /// In the order of time.
         torque: &'a [ModelTorque],
     },
-    /// The text beside the plots of a finished capture, as Markdown.
+    /// The text next to the plots of a finished capture, as Markdown.
     Text(&'a str),
     /// All of a finished capture has been sent.
     End,

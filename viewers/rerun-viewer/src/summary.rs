@@ -1,4 +1,4 @@
-//! The text beside the plots: the run, its loop and its parameters.
+//! The text next to the plots: the run, its loop and its parameters.
 
 use std::fmt::Write as _;
 

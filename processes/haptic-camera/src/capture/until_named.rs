@@ -39,7 +39,7 @@ pub(super) struct Taken {
 /// Turns the knob until its missing effects have names that nothing rivals, or the budget is spent.
 ///
 /// # Errors
-/// Whatever keeps a run from being made, and one sentence on why no diagnosis would be worth anything.
+/// Whatever keeps a run from being made, and why there can be no meaningful diagnosis, in one sentence.
 pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
     if let Some(reach) = options.reach {
         anyhow::ensure!(reach.is_finite() && reach > 0.0, "--reach is {reach} rad, but it must be greater than zero");

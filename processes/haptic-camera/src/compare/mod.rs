@@ -1,4 +1,4 @@
-//! `compare`: several captures or knobs beside each other, as the paper's Tables 4 to 6 have them.
+//! `compare`: several captures or knobs side by side, as the paper's Tables 4 to 6 have them.
 
 mod paper;
 mod table;
@@ -11,7 +11,7 @@ use dynamics::{Model, knobs};
 use identification::{Fit, Parameters};
 use loaded_capture::LoadedCapture;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
-use sheet::perception::felt_differences;
+use sheet::perception::perceived_differences;
 
 use crate::command_line::{ColumnOptions, CompareOptions};
 use crate::fit::fit_capture;
@@ -76,7 +76,7 @@ impl Group {
     }
 }
 
-/// Everything beside each other, in the order given; captures of one knob stand together.
+/// Everything side by side, in the order given; captures of one knob stand together.
 fn compare(given: &[String], columns: &ColumnOptions) -> anyhow::Result<Comparison> {
     let mut subjects: Vec<Subject> = Vec::new();
     for name in given {
@@ -118,7 +118,8 @@ fn feel(compared: &mut Comparison) {
     };
     for knob in others {
         let model = knob.model.as_ref().filter(|model| model.axis == reference.axis);
-        knob.felt = model.map(|model| felt_differences(reference, model).into_iter().collect()).unwrap_or_default();
+        knob.felt =
+            model.map(|model| perceived_differences(reference, model).into_iter().collect()).unwrap_or_default();
     }
 }
 

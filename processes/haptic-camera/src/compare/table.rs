@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
-use sheet::perception::Felt;
+use sheet::perception::PerceivedDifference;
 
 use crate::repeatability::digits;
 
@@ -45,7 +45,7 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
     let mut felt: Vec<_> = knob.felt.iter().collect();
     felt.sort_by(|one, other| other.1.thresholds.total_cmp(&one.1.thresholds));
     let (felt, hardly): (Vec<_>, Vec<_>) = felt.into_iter().partition(|(_, felt)| felt.thresholds >= 1.0);
-    let named = |of: Vec<(&&str, &Felt)>| {
+    let named = |of: Vec<(&&str, &PerceivedDifference)>| {
         of.iter().map(|(name, felt)| format!("{name} {:.1}", felt.thresholds)).collect::<Vec<_>>().join(", ")
     };
     let list = match (felt.is_empty(), hardly.is_empty()) {

@@ -11,7 +11,7 @@ use shared_types::{
 };
 
 use super::heard::Heard;
-use super::{FeltModel, RigWords};
+use super::{ModelStart, RigWords};
 
 /// Longest wait for the loop's answer to a request.
 const ANSWER: Duration = Duration::from_secs(2);
@@ -34,7 +34,7 @@ pub(crate) struct LoopLink {
     longest_absence: Duration,
     torque_zero_mnm: f64,
     rig: RigWords,
-    models: Vec<FeltModel>,
+    models: Vec<ModelStart>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
 }
@@ -93,7 +93,7 @@ impl LoopLink {
             // A message that cannot be read is reported by the recorder, which needs it.
             let change = serde_json::from_slice::<ModelChange>(json.payload()).ok();
             if let Some((tick, Ok(model))) = change.map(|change| (change.tick, change.model())) {
-                self.models.push(FeltModel { tick, name: model.name });
+                self.models.push(ModelStart { tick, name: model.name });
             }
         }
     }
@@ -104,7 +104,7 @@ impl LoopLink {
     }
 
     /// The models that began to be felt so far.
-    pub(crate) fn models(&self) -> &[FeltModel] {
+    pub(crate) fn models(&self) -> &[ModelStart] {
         &self.models
     }
 

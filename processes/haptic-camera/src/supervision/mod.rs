@@ -37,7 +37,7 @@ use consumers::Consumers;
 use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;
-pub(crate) use run_end::{FeltModel, RigWords, RunEnd};
+pub(crate) use run_end::{ModelStart, RigWords, RunEnd};
 pub(crate) use signals::{ending_signals, listen_for_interrupt};
 
 /// Longest wait for the loop to be ready, beside the time that its rig may take to come up.

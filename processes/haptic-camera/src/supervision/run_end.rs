@@ -22,7 +22,7 @@ pub(crate) struct RunEnd {
     /// What the rig's own codes mean, and its name.
     pub(crate) rig: RigWords,
     /// The models that were rendered, in the order in which they began to be felt.
-    pub(crate) models: Vec<FeltModel>,
+    pub(crate) models: Vec<ModelStart>,
     /// Whether the operator ended it early.
     pub(crate) interrupted: bool,
     /// What became known, if the run was to end once enough is.
@@ -57,9 +57,9 @@ impl RigWords {
     }
 }
 
-/// A model and when it began to be felt.
+/// A model and the tick from which it was rendered.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct FeltModel {
+pub(crate) struct ModelStart {
     /// Tick of the run.
     pub(crate) tick: u64,
     /// The model's name.

@@ -6,7 +6,7 @@ use shared_types::{Fault, LoopState, Sample};
 
 use super::cogging::CoggingCompensation;
 use super::lowpass::ButterworthLowPass;
-use super::rendering::{Felt, RenderedModel, Renderer};
+use super::rendering::{RenderedModel, Renderer, StepInput};
 use super::servo::{Servo, ServoGains};
 
 /// Jump forward of a rig's own clock against the ticks that no stall of a host makes, s; one that does not rise brings nothing new.
@@ -323,7 +323,7 @@ impl ControlState {
             if self.tick == 0 {
                 renderer.begin(measurement.angle_rad);
             }
-            let rendered = renderer.step(&Felt {
+            let rendered = renderer.step(&StepInput {
                 measurement,
                 velocity_rad_s: self.difference_rad_s,
                 elapsed_ticks,

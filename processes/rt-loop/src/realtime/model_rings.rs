@@ -13,8 +13,8 @@ const EVENTS: usize = 64;
 /// What becomes of a model in the loop.
 #[derive(Debug)]
 pub enum ModelEvent {
-    /// The model that was sent first, of those not felt so far, begins to be felt.
-    Felt {
+    /// The oldest model not yet rendered begins to be rendered.
+    Rendered {
         /// Scheduled tick of the run.
         tick: u64,
         /// CLOCK_MONOTONIC at which it was due, ns.
@@ -60,10 +60,10 @@ impl ModelEnds {
         }
     }
 
-    /// Says that a model begins to be felt.
-    pub(super) fn tell_felt(&mut self, tick: u64, monotonic_time_ns: u64) {
+    /// Announces that a model begins to be rendered.
+    pub(super) fn announce_rendered(&mut self, tick: u64, monotonic_time_ns: u64) {
         // The publisher sends no model while another is not felt: there is always room.
-        let _ = self.events.push(ModelEvent::Felt { tick, monotonic_time_ns });
+        let _ = self.events.push(ModelEvent::Rendered { tick, monotonic_time_ns });
     }
 
     /// Gives a model that is no longer rendered away, to be freed elsewhere; without room it stays with the renderer.

@@ -243,7 +243,7 @@ impl TickLoop {
                     ..sample
                 };
                 if sample.flags & Sample::MODEL_TAKEN != 0 {
-                    self.ends.models.tell_felt(sample.tick, tick.due_ns);
+                    self.ends.models.announce_rendered(sample.tick, tick.due_ns);
                 }
                 let is_dropped = self.ends.samples.push(sample).is_err();
                 dropped_samples = if is_dropped { dropped_samples + 1 } else { 0 };

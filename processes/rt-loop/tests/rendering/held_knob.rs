@@ -5,7 +5,7 @@ use hal::Apparatus as _;
 use hal::Measurement;
 use hal::simulated::{Cogging, Hand, RigParameters, SimulatedRig};
 use rt_loop::control::CoggingCompensation;
-use rt_loop::control::rendering::{Felt, RenderGains, Rendered, RenderedModel, Renderer};
+use rt_loop::control::rendering::{RenderGains, Rendered, RenderedModel, Renderer, StepInput};
 
 /// Torque of the simulated motor, mNm: commands are clipped to it, as the loop does.
 const MOTOR_MNM: f64 = 360.8;
@@ -83,7 +83,7 @@ impl HeldKnob {
         self.work_of_hand += self.rig.applied_by_hand_mnm() * truth.knob_velocity_rad_s / self.rate_hz;
         let previous_rad = self.previous_rad.replace(measurement.angle_rad).unwrap_or(measurement.angle_rad);
         let velocity_rad_s = (measurement.angle_rad - previous_rad) * self.rate_hz;
-        let rendered = self.renderer.step(&Felt {
+        let rendered = self.renderer.step(&StepInput {
             measurement: &measurement,
             velocity_rad_s,
             elapsed_ticks: 1,

@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 use dynamics::Model;
 use identification::{Agreement, Repeatability};
 use serde::Serialize;
-use sheet::perception::Felt;
+use sheet::perception::PerceivedDifference;
 
 use crate::CaptureFacts;
 
-/// Several knobs beside each other.
+/// Several knobs side by side.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     /// The knobs, in the order in which they were first named.
@@ -55,7 +55,7 @@ pub struct ComparedKnob {
     pub paper: Option<PaperKnob>,
     /// How much each parameter differs from the first knob's, in thresholds of perception; empty of the first.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub felt: BTreeMap<&'static str, Felt>,
+    pub felt: BTreeMap<&'static str, PerceivedDifference>,
     /// What a reader should know besides.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -67,7 +67,7 @@ pub struct ComparedKnob {
 /// A value with its interval, or why there is none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparedValue {
-    /// The value; `None` where the captures cannot tell it.
+    /// The value; `None` where the captures do not determine it.
     pub value: Option<f64>,
     /// Its unit.
     pub unit: &'static str,

@@ -1,4 +1,4 @@
-//! The page of several knobs beside each other: the paper's Tables 4 to 6 with the captures of today.
+//! The page of several knobs side by side: the paper's Tables 4 to 6 with the captures of today.
 
 mod captures;
 mod curves;

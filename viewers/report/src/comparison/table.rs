@@ -1,4 +1,4 @@
-//! The parameters of the knobs beside each other, as the paper's Tables 5 and 6 have them.
+//! The parameters of the knobs side by side, as the paper's Tables 5 and 6 have them.
 
 use maud::{Markup, html};
 
@@ -6,7 +6,7 @@ use super::input::{ComparedKnob, ComparedQuality, ComparedValue, Comparison, Pap
 use crate::numbers::{Digits, count, printed, two};
 use crate::parameter_table::name_cells;
 
-/// Most columns of values beside each other on a page of A4.
+/// Most columns of values side by side on a page of A4.
 pub(super) const MOST_COLUMNS: usize = 5;
 /// Digits of a value without an interval.
 const DIGITS: i32 = 4;

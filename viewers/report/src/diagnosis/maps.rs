@@ -39,7 +39,7 @@ pub(super) fn section(locations: &[Location], numbers: &mut Numbering) -> Markup
     }
 }
 
-/// The maps that are worth a look: the significant ones, or the first few if there are none.
+/// The maps worth showing: the significant ones, or the first few if there are none.
 fn shown(locations: &[Location]) -> Vec<&Location> {
     let drawn = || locations.iter().filter(|location| !location.map.is_empty());
     let significant: Vec<&Location> = drawn().filter(|location| location.significant).collect();
@@ -50,7 +50,7 @@ fn shown(locations: &[Location]) -> Vec<&Location> {
     }
 }
 
-/// The maps that are worth a look, all on one scale.
+/// The maps worth showing, all on one scale.
 pub(super) fn maps(locations: &[Location], ink: Ink, title: &str, numbers: &mut Numbering) -> Markup {
     let shown = shown(locations);
     let panels =
@@ -63,7 +63,7 @@ pub(super) fn maps(locations: &[Location], ink: Ink, title: &str, numbers: &mut 
     figure(&panels.collect::<Vec<_>>(), title, &[], &caption, numbers)
 }
 
-/// The maps of the first model that are worth a look, and what the final model makes of them.
+/// The maps of the first model worth showing, and what the final model makes of them.
 pub(super) fn before_and_after<'a>(before: &'a [Location], after: &'a [Location], numbers: &mut Numbering) -> Markup {
     let panel = |location: &'a Location| {
         let later = after.iter().find(|later: &&Location| later.coordinate == location.coordinate)?;

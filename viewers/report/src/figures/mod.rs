@@ -32,9 +32,9 @@ pub(crate) const RESIDUAL: &str = "residual (mNm)";
 
 /// Size of a plot across the page, SVG units.
 pub(crate) const WIDE: (u32, u32) = (880, 340);
-/// Size of two plots beside each other.
+/// Size of two plots side by side.
 pub(crate) const HALF: (u32, u32) = (428, 260);
-/// Size of three plots beside each other.
+/// Size of three plots side by side.
 pub(crate) const THIRD: (u32, u32) = (280, 250);
 
 /// How a mark looks in the legend.

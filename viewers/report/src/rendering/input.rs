@@ -6,7 +6,7 @@ use identification::diagnosis::Verdict;
 
 use crate::CaptureFacts;
 
-/// A rendered knob beside its model with everything that the page tells.
+/// A rendered knob beside its model with everything shown on the page.
 #[derive(Clone, Debug)]
 pub struct RenderingPage<'a> {
     /// The model that was to be felt; its name is the page's title.
@@ -52,7 +52,7 @@ pub struct RenderedParameter {
     pub unit: &'static str,
     /// Its value in the model.
     pub intended: f64,
-    /// Its value in the rendered knob; `None` where the captures cannot tell it.
+    /// Its value in the rendered knob; `None` where the captures do not determine it.
     pub rendered: Option<f64>,
     /// The 95 % interval of the rendered value.
     pub ci95: Option<[f64; 2]>,

@@ -15,7 +15,7 @@ pub use verdicts::{JudgedUnit, VerdictsPage};
 pub(crate) use wall::wall_page;
 pub use wall::{WallKnob, WallPage};
 
-/// A data sheet with everything that its page tells.
+/// A data sheet with everything shown on its page.
 #[derive(Clone, Debug)]
 pub struct SheetPage<'a> {
     /// The sheet.

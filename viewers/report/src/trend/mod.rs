@@ -1,4 +1,4 @@
-//! The page of a trend: each parameter over time, group beside group.
+//! The page of a trend: each parameter over time, by group.
 
 mod input;
 
@@ -13,7 +13,7 @@ use crate::page::{document, footer};
 use crate::parameter_table::name_cells;
 use crate::plot::{Axis, Layer, Plot};
 
-/// Most groups that are drawn beside each other; the table has all.
+/// Most groups that are drawn side by side; the table has all.
 const MOST_DRAWN: usize = 6;
 /// Half the width of a capture's interval in a plot, and its least half height, as shares of the axes: it is seen however small.
 const BAR: f64 = 0.006;

@@ -18,7 +18,7 @@ use re_web_viewer_server::WebViewerData;
 use serde::Serialize;
 
 use crate::drawing::TIMELINE;
-use crate::drawn::{Answer, Contents, Drawn, Wanted};
+use crate::drawn::{Answer, Contents, Drawn, FrameRange};
 use crate::glance::{Glance, SharedGlance};
 
 /// The state that the page fetches twice a second.
@@ -56,7 +56,7 @@ const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; 
 /// Serves the page as long as the process lives; a client that takes nothing for `patience` loses its connection.
 ///
 /// # Errors
-/// When rerun's program for browsers or a thread is not to be had.
+/// When rerun's program for browsers or a thread is not available.
 pub fn serve(listener: TcpListener, patience: Duration, glance: SharedGlance, drawn: Drawn) -> anyhow::Result<()> {
     let open_to_network = !listener.local_addr()?.ip().is_loopback();
     let instance = format!("{}-{}", std::process::id(), shared_types::rig::monotonic_time_ns());
@@ -118,7 +118,7 @@ impl Pages {
 
     /// What `instance=I&from=N` or `instance=I&from=N&to=M` asks for. Numbers of another process mean nothing here: who has
     /// them is given all that is new, and nothing of that process's past.
-    fn wanted(&self, query: &str) -> Wanted {
+    fn wanted(&self, query: &str) -> FrameRange {
         let value = |name: &str| {
             query
                 .split('&')
@@ -127,9 +127,9 @@ impl Pages {
         };
         let number = |name: &str| value(name).and_then(|number| number.parse().ok());
         if value("instance") != Some(self.instance.as_str()) {
-            return Wanted { from: 0, to: value("to").map(|_| 0) };
+            return FrameRange { from: 0, to: value("to").map(|_| 0) };
         }
-        Wanted { from: number("from").unwrap_or(0), to: number("to") }
+        FrameRange { from: number("from").unwrap_or(0), to: number("to") }
     }
 
     fn with_head(&self, Answer { contents, file }: &Answer) -> Vec<u8> {

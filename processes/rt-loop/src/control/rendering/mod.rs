@@ -36,5 +36,5 @@ mod virtual_knob;
 
 pub use gains::RenderGains;
 pub use rendered_model::{RenderedModel, Unrenderable};
-pub use renderer::{Felt, Rendered, Renderer};
+pub use renderer::{Rendered, Renderer, StepInput};
 pub(crate) use slow_part::{slow_part, taken_in};

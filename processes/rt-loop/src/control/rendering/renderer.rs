@@ -13,9 +13,9 @@ use super::rendered_model::RenderedModel;
 use super::slow_part::{slow_part, taken_in};
 use super::virtual_knob::VirtualKnob;
 
-/// What a tick begins with.
+/// The input of a rendering step.
 #[derive(Clone, Copy, Debug)]
-pub struct Felt<'a> {
+pub struct StepInput<'a> {
     /// The sensors.
     pub measurement: &'a Measurement,
     /// Way of the encoder since the last tick over the time since then, rad/s.
@@ -39,7 +39,7 @@ pub struct Rendered {
     pub inner_angle_rad: f64,
     /// Whether that is at rest.
     pub stuck: bool,
-    /// Whether another model begins to be felt.
+    /// Whether another model begins to be rendered.
     pub begins_another: bool,
     /// Whether the guard took energy back.
     pub guarded: bool,
@@ -130,8 +130,8 @@ impl Renderer {
     }
 
     /// One tick.
-    pub fn step(&mut self, felt: &Felt<'_>) -> Rendered {
-        let Felt { measurement, velocity_rad_s, elapsed_ticks, time_s, step_s } = *felt;
+    pub fn step(&mut self, input: &StepInput<'_>) -> Rendered {
+        let StepInput { measurement, velocity_rad_s, elapsed_ticks, time_s, step_s } = *input;
         self.catch_up(elapsed_ticks, velocity_rad_s, step_s);
         let inner_start_rad = self.knob.inner_angle_rad();
         let begins_another = self.fade.advance(step_s);

@@ -16,7 +16,7 @@ pub fn print(family: &str, judged: &[Judged]) {
     mistakes(judged);
 }
 
-/// The families beside each other, one line each.
+/// The families side by side, one line each.
 pub fn print_families(families: &[(&str, Vec<Judged>)]) {
     println!("\n=== families: first name and exact set right, of all with something to name ===");
     println!(
