@@ -41,13 +41,12 @@ mod samples;
 mod uncertainty;
 
 pub use average::{Agreement, Average, Repeatability, Told, average};
-pub use regression::characteristic::{CharacteristicPoint, MeasuredCurve};
-
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
 pub use options::{AccelerationUse, FitOptions, PreparationMethod};
 pub use preparation::encoder_step::encoder_step;
 pub use preparation::filter;
 pub use preparation::knob_motion::knob_motion;
+pub use regression::characteristic::{CharacteristicPoint, MeasuredCurve};
 pub use samples::{FEWEST_SAMPLES, FitError, Samples};
 pub use uncertainty::statistics;

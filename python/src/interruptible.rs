@@ -17,7 +17,7 @@ pub(crate) fn interruptible<Output: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> Output + Send + 'static,
 ) -> PyResult<Output> {
-    py.detach(|| {
+    let output = py.detach(|| {
         let (sender, receiver) = sync_channel(1);
         let worker = thread::spawn(move || {
             // Nobody listens after Ctrl-C.
@@ -25,7 +25,7 @@ pub(crate) fn interruptible<Output: Send + 'static>(
         });
         loop {
             match receiver.recv_timeout(BETWEEN_LOOKS) {
-                Ok(output) => return Ok(output),
+                Ok(output) => return PyResult::Ok(output),
                 Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals())?,
                 Err(RecvTimeoutError::Disconnected) => {
                     // A worker that sent nothing panicked.
@@ -34,5 +34,8 @@ pub(crate) fn interruptible<Output: Send + 'static>(
                 }
             }
         }
-    })
+    })?;
+    // Work that is done before the first look must not put Ctrl-C off, however often it is called.
+    py.check_signals()?;
+    Ok(output)
 }

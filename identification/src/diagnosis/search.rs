@@ -20,6 +20,7 @@ use super::structure::Structure;
 use super::unequal;
 use super::verdict::LEFT;
 use super::workflow::{DiagnoseOptions, Progress};
+use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::false_discovery_rate;
 use crate::{FitError, FitOptions, Samples, fit};
 
@@ -130,7 +131,7 @@ impl Search<'_> {
             let cost = 0.5 * freedom as f64 * weight.ln();
             -0.5 * weight * squares.max(f64::MIN_POSITIVE).ln() - cost
         };
-        let squares = |judged: &Judged| crate::numerics::vector::dot(&judged.train_residual, &judged.train_residual);
+        let squares = |judged: &Judged| dot(&judged.train_residual, &judged.train_residual);
         let freedom = current.structure.freedom() + BEND;
         (evidence(squares(&unequal), unequal.structure.freedom()) > evidence(squares(&bent), freedom))
             .then_some(unequal)
@@ -154,14 +155,14 @@ impl Search<'_> {
             [("training", self.train, &base.train_residual), ("held-out", self.heldout, &base.heldout_residual)]
         {
             let target = capture.target(base.structure.delay_s());
-            let square = crate::numerics::vector::dot(&target, &target);
+            let square = dot(&target, &target);
             let over_floor = (square / capture.weight).sqrt() / capture.floor_mnm(0.0);
             if over_floor < 2.0 {
                 return Err(DiagnosisError::TooQuiet { which, over_floor });
             }
             let predicted: Vec<f64> = target.iter().zip(residual).map(|(target, left)| target - left).collect();
-            let predicted_square = crate::numerics::vector::dot(&predicted, &predicted);
-            let factor = crate::numerics::vector::dot(&target, &predicted) / predicted_square.max(f64::MIN_POSITIVE);
+            let predicted_square = dot(&predicted, &predicted);
+            let factor = dot(&target, &predicted) / predicted_square.max(f64::MIN_POSITIVE);
             // A model that lacks gravity may well predict the opposite; only a good prediction shows a wrong unit.
             let predicts = predicted_square * factor.powi(2) > WELL_PREDICTED * square;
             if which == "held-out" && predicts && !(0.1..10.0).contains(&factor) {

@@ -12,6 +12,7 @@ use super::locate::locate;
 use super::search::{Found, Search};
 use super::structure::Structure;
 use super::{experiment, intervals, rows, unequal};
+use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::rank_correlation;
 
 /// RMS in floors above which something is left, if it goes with something …
@@ -201,7 +202,7 @@ impl Search<'_> {
 
     fn relative_error_percent(&self, judged: &Judged) -> f64 {
         let target = self.heldout.target(judged.structure.delay_s());
-        let square = |values: &[f64]| crate::numerics::vector::dot(values, values);
+        let square = |values: &[f64]| dot(values, values);
         100.0 * (square(&judged.heldout_residual) / square(&target)).sqrt()
     }
 
@@ -261,7 +262,7 @@ impl Search<'_> {
                 let late: f64 = delayed.map(|(with, without)| (with - without).powi(2)).sum();
                 let difference: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
                 let rows = self.train.row_filter.rows(&difference);
-                Some((crate::numerics::vector::dot(&rows, &rows) + late, step.effect))
+                Some((dot(&rows, &rows) + late, step.effect))
             })
             .collect();
         sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
