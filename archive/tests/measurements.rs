@@ -201,7 +201,7 @@ fn an_ambiguous_channel_is_refused_with_a_list_of_the_channels() {
     let both = load(folder.path(), &file, Some(&choice("angle=Winkel,torque=Drehmoment", ""))).unwrap();
     assert_eq!(both.len(), 300);
     let several = refused(&file, None);
-    assert!(several.contains("several of its channels may be meant, `2/M`, `3/Drehmoment`: say which"), "{several}");
+    assert!(several.contains("several of its channels match, `2/M`, `3/Drehmoment`: name one"), "{several}");
 
     let mut file = Mf4Writer::new();
     let group = file.add_group(&times).unwrap();
@@ -211,8 +211,8 @@ fn an_ambiguous_channel_is_refused_with_a_list_of_the_channels() {
     let unit = refused(&file, Some(&choice("angle=Winkel,torque=M", "")));
     assert_eq!(
         unit,
-        "FILE: the unit of `Winkel` is not understood (`Grad` is no unit of angle; known are rad, mrad, deg, °, turn); say it, as \
-         with --columns angle=NAME,… --units angle=rad"
+        "FILE: the unit of `Winkel` is unknown (`Grad` is not a unit of angle; known are rad, mrad, deg, °, turn); give it, as \
+         in --columns angle=NAME,… --units angle=rad"
     );
     let chosen = choice("angle=Winkel,torque=M", "angle=deg,torque=Nm");
     assert_eq!(load(folder.path(), &file, Some(&chosen)).unwrap().len(), 300);

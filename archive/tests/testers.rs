@@ -104,7 +104,7 @@ fn any_other_table_is_read_by_the_columns_that_its_owner_names() {
     assert_eq!(error, "FILE: it has no column `Angle`; it has the columns Zeit, Winkel, M");
     assert_eq!(
         choice("angle=W,torque=M", "torque=mm").unwrap_err().to_string(),
-        "`mm` is no unit of torque; known are mNm, Nm, cNm, Ncm, Nmm, gfcm, gcm, ozin"
+        "`mm` is not a unit of torque; known are mNm, Nm, cNm, Ncm, Nmm, gfcm, gcm, ozin"
     );
     assert_eq!(
         choice("angle=W", "").unwrap_err().to_string(),
@@ -117,14 +117,14 @@ fn a_table_of_none_of_these_says_which_columns_it_has_and_what_to_do() {
     let error = read("other.csv", &table("Weg,Kraft\n", |n| format!("{n},{n}")), None).unwrap_err();
     assert_eq!(
         error,
-        "FILE is no table that is known: it has the columns `Weg`, `Kraft`; say what they are, as with \
+        "FILE is not a known table: it has the columns `Weg`, `Kraft`; name them, as in \
          --columns travel=NAME,force=NAME --units travel=mm,force=gf"
     );
     let text = table("force,displacement\n", |n| if n == 7.0 { "x,1".to_owned() } else { format!("{n},{n}") });
     assert_eq!(read("switch.csv", &text, None).unwrap_err(), "FILE: line 9: `x` in the column force is not a number");
     assert_eq!(
         read("still.csv", &table("force,displacement\n", |n| format!("{n},1")), None).unwrap_err(),
-        "FILE: its travel never changes, so there is no curve over it"
+        "FILE: its travel never changes, so there is no curve"
     );
     assert!(read("key.json", "{\"down_x\": [1]", None).unwrap_err().contains("down_x, down_y, up_x and up_y"));
     assert!(read("words.txt", "some words\nand more\n", None).unwrap_err().contains("no columns of numbers"));

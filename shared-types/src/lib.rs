@@ -21,7 +21,7 @@
 //! use shared_types::{Sample, wire::WireMessage};
 //!
 //! let sample = Sample { seq: 7, torque_mnm: -1.5, ..Sample::default() };
-//! assert_eq!(sample.wire_bytes().len(), 128);
+//! assert_eq!(sample.wire_bytes().len(), 136);
 //! assert!(Sample::schema_text().starts_with("uint64 seq"));
 //! ```
 

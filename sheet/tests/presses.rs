@@ -102,7 +102,7 @@ fn bounce_is_told_by_rows_that_are_dense_in_time_only() {
     let unwatched = Sheet::of(&[Curve { closed: None, ..whole }]).unwrap();
     assert!(unwatched.figures["contact_hysteresis"].reason.as_ref().unwrap().contains("no contact"));
     let still = Curve { position: vec![1.0; unwatched_rows], ..curve(0..1) };
-    assert!(Sheet::of(&[still]).unwrap_err().to_string().contains("hardly any press"));
+    assert!(Sheet::of(&[still]).unwrap_err().to_string().contains("almost no press"));
     assert!(unwatched.figures["actuation_travel"].value.unwrap() < 2.0, "without a contact where it collapses");
 }
 

@@ -133,7 +133,8 @@ fn a_knob_passes_fails_or_is_undecided_by_its_interval() {
     let (verdict, reasons) = judge(&format!("{pitch}[figures.peak_torque]\nmax = 1.1\nunit = \"Ncm\"\n"));
     assert_eq!(verdict, Verdict::Fail);
     assert!(
-        reasons.starts_with("peak_torque 12.") && reasons.contains("is outside at most 11 mNm; 0.9 thresholds"),
+        reasons.starts_with("peak_torque 12.")
+            && reasons.contains("is outside at most 11 mNm; 0.9 perception thresholds"),
         "{reasons}"
     );
     let peak = sheet.figures["peak_torque"].value.unwrap();
@@ -146,8 +147,8 @@ fn a_knob_passes_fails_or_is_undecided_by_its_interval() {
     assert_eq!(judge(&envelope(12.0)).0, Verdict::Fail);
 
     let wrong = |text: &str| Specification::from_toml(text).unwrap_err().to_string();
-    assert!(wrong("[figures.peak]\nmin = 1").starts_with("`peak` is no figure; there are collapse_force, "));
-    assert_eq!(wrong("[figures.snap]\nmin = 1\nunit = \"N\""), "snap: `N` is no unit of it; its unit is `share`");
+    assert!(wrong("[figures.peak]\nmin = 1").starts_with("`peak` is not a figure; known are collapse_force, "));
+    assert_eq!(wrong("[figures.snap]\nmin = 1\nunit = \"N\""), "snap: `N` is not a unit of it; its unit is `share`");
     assert_eq!(wrong("[figures.snap]\nmin = 2\nmax = 1"), "snap: it needs min, max or both, and min below max");
     assert_eq!(wrong("risk = 0.7\n[figures.snap]\nmin = 1"), "risk = 0.7, but it must lie between 0 and 0.5");
     assert!(wrong("name = \"x\"").contains("nothing could fail"));

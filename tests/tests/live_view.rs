@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
 use std::process::Child;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use archive::Capture;
@@ -89,17 +90,23 @@ impl Shows {
 const TABS_HEIGHT: f64 = 25.0;
 const TIME_BAR_HEIGHT: f64 = 30.0;
 
+/// One capture at a time: a viewer that starts may take the port of one that was killed a moment before, and a browser
+/// without a graphics card takes all of the processor.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
 /// A capture that goes on until it is ended, also by a test that fails.
 struct Running {
     child: Option<Child>,
+    _alone: MutexGuard<'static, ()>,
 }
 
 impl Running {
     /// Starts it with its view.
     fn start(bench: &Bench) -> (Self, LiveView) {
+        let alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         // The slower the loop, the more of the processor is left to a browser that has no graphics card.
         let child = bench.start(&["capture", "--duration-s", "1200", "--rate-hz", "5000", "--out", "out"]).unwrap();
-        let running = Self { child: Some(child) };
+        let running = Self { child: Some(child), _alone: alone };
         let view = LiveView::of_rig(&bench.path("rig")).unwrap();
         (running, view)
     }
@@ -118,9 +125,10 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        if let Some(mut child) = self.child.take() {
+        if let Some(child) = self.child.take() {
             let _ = kill(pid(&child), Signal::SIGTERM);
-            let _ = child.wait();
+            // Of a test that fails: what the run had to say.
+            println!("{}", child.wait_with_output().map_or_else(|error| error.to_string(), |output| printed(&output)));
         }
     }
 }

@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn a_fault_says_its_cause() {
         let status = LoopStatus { state: LoopState::Fault.code(), fault: Fault::Speed.code(), ..LoopStatus::default() };
-        assert_eq!(state(Some(&status), false), "FAULT: the speed passed the rig's limit");
+        assert_eq!(state(Some(&status), false), "FAULT: the speed exceeded the rig's limit");
     }
 
     #[test]
