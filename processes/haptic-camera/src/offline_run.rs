@@ -67,7 +67,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
         models,
         interrupted: stop.load(Ordering::Acquire),
         achieved: watch.map(|watch| watch.rule.achieved()),
-        loop_died: false,
+        loop_failed: false,
     })
 }
 

@@ -30,6 +30,8 @@ use crate::rigs::Registry;
 
 /// Longest time that a rig may take to come up, s.
 pub const LONGEST_PREPARATION_S: f64 = 60.0;
+/// Time after which the operator learns that a rig is still coming up.
+const TAKES_LONG: Duration = Duration::from_secs(2);
 /// Longest time for a rig to abort its preparation, and to switch off.
 const GIVES_UP: Duration = Duration::from_secs(2);
 
@@ -194,7 +196,15 @@ fn prepare(
     })?;
     let begun = Instant::now();
     let mut stopped_at: Option<Instant> = None;
+    let mut is_announced = false;
     while !preparing.is_finished() {
+        if !is_announced && begun.elapsed() > TAKES_LONG {
+            is_announced = true;
+            remark(format!(
+                "waiting for the rig '{}' to come up, {LONGEST_PREPARATION_S} s at most; Ctrl-C stops it",
+                rig.name
+            ));
+        }
         let is_late = begun.elapsed().as_secs_f64() > LONGEST_PREPARATION_S;
         if stopped_at.is_none() && (must_end() || is_late) {
             stop.store(true, Ordering::Release);

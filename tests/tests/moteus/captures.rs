@@ -37,7 +37,7 @@ fn captured(bench: &Bench, file: &str) -> (Capture, Value) {
     (Capture::load(&archive).unwrap(), fit["parameters"].clone())
 }
 
-fn is_the_plants(parameters: &Value) {
+pub fn is_the_plants(parameters: &Value) {
     for (name, truth) in TRUTH {
         let told = &parameters[name];
         let [value, low, high] =

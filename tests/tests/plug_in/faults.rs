@@ -117,11 +117,9 @@ fn a_library_that_goes_wrong_is_reported_once_and_costs_no_sample() {
 fn a_rig_that_does_not_come_back_from_switching_off_is_reported_and_the_capture_kept() {
     let bench = Bench::new().unwrap();
     compile(&bench, &repository().join("tests/tests/plug_in/ill_plant.c"), "rotary_plant.so");
-    let file = rig(&bench, "ill = \"blocks-in-disable\"", |text| text);
-    let output = bench.run(&["capture", "--rig", &file, "--duration-s", "3", "--no-viewer", "--out", "out"]).unwrap();
-    reported_once(&String::from_utf8_lossy(&output.stderr), "the rig 'rotary plant' does not return from a call");
-    assert!(Capture::load(&bench.only_archive("out").unwrap()).unwrap().gaps.is_empty());
-    assert_eq!(bench.leftovers(), Vec::<String>::new());
+    let (said, archive) = captured(&bench, "ill = \"blocks-in-disable\"");
+    reported_once(&said, "the rig 'rotary plant' does not return from a call");
+    is_whole(archive, &said);
 }
 
 #[test]
@@ -131,11 +129,13 @@ fn a_preparation_that_never_ends_is_given_up_when_the_run_is_stopped() {
     let file = rig(&bench, "ill = \"blocks-in-prepare\"", |text| text);
     let child = bench.start(&["capture", "--rig", &file, "--duration-s", "3", "--no-viewer"]).unwrap();
     bench.wait_for_process("rt-loop").unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    std::thread::sleep(std::time::Duration::from_millis(2500));
     kill(Pid::from_raw(child.id().cast_signed()), Signal::SIGINT).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1));
-    reported_once(&String::from_utf8_lossy(&output.stderr), "does not return from its preparation");
+    let said = String::from_utf8_lossy(&output.stderr);
+    reported_once(&said, "waiting for the rig 'rotary plant' to come up");
+    reported_once(&said, "does not return from its preparation");
     assert_eq!(bench.leftovers(), Vec::<String>::new());
 }
 

@@ -110,10 +110,19 @@ impl SupervisedRun {
         }
         let request = toml::to_string(&self.request).context("the request for this run cannot be encoded")?;
         let mut control_loop = Child::start(program("rt-loop")?.arg(format!("--request={request}")))?;
-        let end = self.supervise(&mut control_loop, interrupted);
+        let mut end = self.supervise(&mut control_loop, interrupted);
         // However the run went: the torque is ramped down, the loop ends, nothing stays behind.
         control_loop.end(LOOP_ENDS);
         clear_shared_memory();
+        if let Ok(Some(end)) = &mut end
+            && !end.loop_failed
+            && control_loop.exit_code() != Some(0)
+        {
+            end.loop_failed = true;
+            if control_loop.exit_code().is_none_or(|code| !SAID_WHY.contains(&code)) {
+                remark(format!("the control loop ended with an error ({})", control_loop.end_in_words()));
+            }
+        }
         end
     }
 
@@ -160,7 +169,7 @@ impl SupervisedRun {
         }
         let mut rule = self.until.map(StopRule::new);
         let mut progress = Progress::new(self);
-        let (mut stopped_by_operator, mut loop_died) = (false, false);
+        let (mut stopped_by_operator, mut loop_failed) = (false, false);
         let fault = FaultInjection::listen(fault_injection::SERVING_THREAD)?;
         loop {
             std::thread::sleep(CYCLE);
@@ -179,7 +188,7 @@ impl SupervisedRun {
                     control_loop.end_in_words(),
                     link.rig().name
                 ));
-                loop_died = true;
+                loop_failed = true;
                 break;
             }
             consumers.revive(&link);
@@ -214,7 +223,7 @@ impl SupervisedRun {
             models,
             interrupted,
             achieved,
-            loop_died,
+            loop_failed,
         }))
     }
 

@@ -27,8 +27,8 @@ pub(crate) struct RunEnd {
     pub(crate) interrupted: bool,
     /// What became known, if the run was to end once enough is.
     pub(crate) achieved: Option<Achieved>,
-    /// Whether the control loop died before the run had ended.
-    pub(crate) loop_died: bool,
+    /// Whether the control loop died before the run had ended, or did not end well after it.
+    pub(crate) loop_failed: bool,
 }
 
 /// What a run's description says of its rig.
@@ -112,7 +112,7 @@ impl RunEnd {
     pub(crate) fn settle(&self, archived: &Archived) -> Outcome {
         let account = archived.rig_in_words(self.status.device_code.cast_signed());
         account.iter().for_each(|line| say(format!("rig      {line}")));
-        let is_cut = self.is_ended_on_purpose() || self.loop_died || self.fault_words().is_some();
+        let is_cut = self.is_ended_on_purpose() || self.loop_failed || self.fault_words().is_some();
         let losses = account::losses(&self.status, archived, is_cut);
         losses.iter().for_each(remark);
         self.outcome(!losses.is_empty() || self.recorder_exit == Some(3))
@@ -123,7 +123,7 @@ impl RunEnd {
     }
 
     fn outcome(&self, is_data_lost: bool) -> Outcome {
-        if self.loop_died || self.fault_words().is_some() {
+        if self.loop_failed || self.fault_words().is_some() {
             Outcome::Failed
         } else if is_data_lost {
             Outcome::DataLost
