@@ -60,7 +60,7 @@ const MEANINGS: [(i32, &str); 32] = [
         NOT_OPENED,
         "its port cannot be opened; check [settings] port, the cable, and that this user may use it (group dialout)",
     ),
-    (PORT_GONE, "its port is gone; check the cable of the adapter"),
+    (PORT_GONE, "its port is gone, or its CAN interface is down; check the cable of the adapter, and `ip link`"),
     (SILENCE, "the controller does not answer; check its supply, its cable and [settings] id"),
     (GARBAGE, "what came from the port is no answer; check that [settings] port is a moteus adapter, and the baud"),
     (CHECKSUM, "answers came with wrong checksums; check the UART's wiring, ground and baud"),

@@ -14,20 +14,31 @@ const SCRIPT: &str = r#"
 ip link add vcan0 type vcan && ip link set vcan0 mtu 72 up
 cat {programs}/haptic-camera {programs}/rt-loop {programs}/recorder {programs}/live-fitter {server} >/dev/null
 export HAPTIC_CAMERA_RUNTIME_DIR=/run/rig
-# Like a controller it waits for no other task.
-chrt -f 60 {server} --can vcan0 &
+# Like a controller it waits for no other task; it ends with the interface and starts with it again.
+while :; do chrt -f 60 {server} --can vcan0; sleep 0.1; done &
 sleep 1
 {programs}/haptic-camera rig scan vcan0 --out rig.toml
 {programs}/haptic-camera rig check rig.toml --rate-hz 1000 --duration-s 1 --json {bench}/check.json
 {programs}/haptic-camera capture --rig rig.toml --rate-hz 1000 --duration-s 5 --no-viewer --out out
 mv out/*.mcap {bench}/capture.mcap; mv out/*.json {bench}/fit.json
+{programs}/haptic-camera capture --rig rig.toml --rate-hz 1000 --duration-s 60 --no-viewer --out cut >cut.log &
+capture=$!
+until grep -q capturing cut.log; do sleep 0.1; done
+sleep 1
+ip link set vcan0 down
+wait $capture; echo "with the link down: status $?"
+mv cut/*.mcap {bench}/cut.mcap
+ip link set vcan0 up
+sleep 1
+{programs}/haptic-camera capture --rig rig.toml --rate-hz 1000 --duration-s 1 --no-viewer --out again >/dev/null
+echo "with the link up: status $?"
 "#;
 
 /// The exit status of `scripts/in-guest` where there is no QEMU or no kernel for it.
 const NO_GUEST: i32 = 77;
 
 #[test]
-fn a_plant_behind_a_controller_on_a_can_bus_is_captured_as_it_is() {
+fn a_plant_behind_a_controller_on_a_can_bus_is_captured_as_it_is_and_a_link_that_goes_down_is_reported() {
     let bench = Bench::new().unwrap();
     let programs = program("haptic-camera").unwrap();
     let script = SCRIPT
@@ -52,4 +63,8 @@ fn a_plant_behind_a_controller_on_a_can_bus_is_captured_as_it_is() {
     is_the_plants(&json("fit.json")["parameters"]);
     let capture = Capture::load(&bench.path("capture.mcap")).unwrap();
     assert!(capture.len() == 5_000 && capture.gaps.is_empty(), "{} samples: {said}", capture.len());
+    assert!(said.contains("its port is gone, or its CAN interface is down"), "{said}");
+    assert!(said.contains("with the link down: status 1") && said.contains("with the link up: status 0"), "{said}");
+    let cut = Capture::load(&bench.path("cut.mcap")).unwrap();
+    assert!(cut.len() > 500 && cut.gaps.is_empty(), "{} samples: {said}", cut.len());
 }
