@@ -79,7 +79,7 @@ fn a_motor_or_an_encoder_that_counts_the_wrong_way_round_is_distinguished_from_a
 fn a_library_that_crashes_takes_the_control_loop_along_and_nothing_else() {
     let bench = Bench::new().unwrap();
     let (errors, archive) = captured(&bench, "fault = \"crashes\"\nfault_s = 1.0");
-    reported_once(&errors, "it was ended by SIGSEGV), driving the rig 'rotary plant'");
+    reported_once(&errors, "it was killed by SIGSEGV), driving the rig 'rotary plant'");
     is_whole(archive, &errors);
 }
 
@@ -97,10 +97,10 @@ fn a_library_that_goes_wrong_is_reported_once_and_costs_no_sample() {
     let source = repository().join("tests/tests/plug_in/ill_plant.c");
     compile(&bench, &source, "rotary_plant.so");
     let cases = [
-        ("aborts", "it was ended by SIGABRT), driving the rig 'rotary plant'"),
-        ("overflows", "it was ended by SIGSEGV), driving the rig 'rotary plant'"),
+        ("aborts", "it was killed by SIGABRT), driving the rig 'rotary plant'"),
+        ("overflows", "it was killed by SIGSEGV), driving the rig 'rotary plant'"),
         ("exits", "its exit status is 0), driving the rig 'rotary plant'"),
-        ("thread-aborts", "it was ended by SIGABRT), driving the rig 'rotary plant'"),
+        ("thread-aborts", "it was killed by SIGABRT), driving the rig 'rotary plant'"),
         ("infinite", "the rig 'rotary plant': a sensor gave a value that is not a number"),
         ("clock-back", "the rig 'rotary plant': the sensors delivered no new data"),
         ("clock-jumps", "the rig 'rotary plant': its own clock jumped by half a second or more"),
