@@ -123,7 +123,7 @@ fn the_documentation_says_of_every_effect_what_it_belongs_to() {
             Role::Inertia => "| inertia",
             Role::Friction => "| friction",
             Role::Detents => "| detents",
-            Role::Other => "| all else",
+            Role::Other => "| every other effect",
         };
         let mentioned = format!("`{}`", kind.name);
         let rows: Vec<_> = rows.iter().filter(|row| row.contains(&mentioned)).collect();

@@ -212,5 +212,5 @@ fn a_control_loop_that_dies_before_it_is_ready_is_reported() {
     let output = programs.start(&bench, "2").wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
     let said = printed(&output);
-    assert!(said.contains("the control loop ended before it was ready (it was ended by SIGBUS)"), "{said}");
+    assert!(said.contains("the control loop ended before it was ready (it was killed by SIGBUS)"), "{said}");
 }

@@ -152,7 +152,7 @@ fn a_knob_that_runs_away_ends_in_a_recorded_fault_and_exit_status_1() {
     let arguments = ["capture", "--torque", "--amplitude", "60", "--duration-s", "5", "--no-viewer", "--out", "out"];
     let output = bench.run(&arguments).unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("the speed passed the rig's limit"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the speed exceeded the rig's limit"));
     let capture = Capture::load(&bench.only_archive("out").unwrap()).unwrap();
     let states = capture.state.unwrap();
     let (last, before) = states.split_last().unwrap();

@@ -59,5 +59,5 @@ fn a_table_with_named_columns_is_fitted_diagnosed_and_exported_as_a_capture() {
     let refused = self::run(&[&["diagnose", "bench.csv"][..], &timeless].concat(), folder.path());
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(1));
-    assert!(said.contains("bench.csv has no time, so it is no capture but a curve"), "{said}");
+    assert!(said.contains("bench.csv has no time, so it is a curve and not a capture"), "{said}");
 }

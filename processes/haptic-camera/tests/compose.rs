@@ -92,8 +92,8 @@ fn nothing_but_a_composed_model_is_written_over() {
     composed(folder.path(), "--inertia 1 --out mix.toml");
     let mix = std::fs::read_to_string(path("mix.toml")).unwrap();
     for (arguments, expected) in [
-        ("--inertia 1 --out fitted.toml", "fitted.toml is there and was not composed"),
-        ("--inertia 1 --out drawn.csv", "drawn.csv is there and is no model"),
+        ("--inertia 1 --out fitted.toml", "fitted.toml exists and was not composed"),
+        ("--inertia 1 --out drawn.csv", "drawn.csv exists and is not a model"),
         ("--inertia mix.toml --detents 3 --out ./mix.toml", "./mix.toml is itself a source of the model"),
         ("--inertia 1 --out nowhere/mix.toml", "nowhere/mix.toml cannot be written"),
         ("--inertia 7 --out new.toml", "there is no shipped knob 7; choose 1 to 5 or give a model file"),
@@ -139,7 +139,7 @@ fn wrong_usage_is_reported_in_one_line_that_says_what_would_do() {
         ("--out new.toml", "required"),
         ("--inertia 1 --inertia 2 --out new.toml", "cannot be used multiple times"),
         ("--inertia 1 --set inertia --out new.toml", "it must be a parameter and a number, as in detent_amplitude=1.5"),
-        ("--inertia 1 --set inertia=heavy --out new.toml", "'heavy' is no number"),
+        ("--inertia 1 --set inertia=heavy --out new.toml", "'heavy' is not a number"),
         ("--extra 5 --out new.toml", "as in 5:backlash"),
     ] {
         let (error, status) = refused(folder.path(), arguments);

@@ -186,8 +186,8 @@ fn an_exported_torque_table_is_a_detent_that_compose_takes() {
 fn what_cannot_be_exported_so_is_reported_with_what_can() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    refused(folder, &["export", "3", "--out", "knob.xyz"], 2, "name the file .csv, .h, .xml, .urdf, .fmu or .json");
-    refused(folder, &["export", "capture.mcap", "--out", "capture.h"], 2, "name the file .csv or .parquet");
+    refused(folder, &["export", "3", "--out", "knob.xyz"], 2, "exported as .csv, .h, .xml, .urdf, .fmu or .json");
+    refused(folder, &["export", "capture.mcap", "--out", "capture.h"], 2, "exported as .csv or .parquet");
     refused(folder, &["export", "3", "--out", "knob.h", "--points", "1"], 2, "4..=65536");
     refused(folder, &["export", "nowhere.mcap", "--out", "capture.csv"], 1, "does not exist");
     refused(folder, &["export", "1", "--out", "knob.csv"], 1, "no torque of the angle");

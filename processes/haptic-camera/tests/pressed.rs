@@ -235,7 +235,7 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
     let list = words(&haptic_camera(folder, "list sweep"));
     assert!(list.contains("mNm or N") && !list.lines().nth(1).unwrap().contains(" - "), "{list}");
     let output = haptic_camera(folder, "calibrate gravity --apparatus sim-linear --offline --out gravity.toml");
-    assert!(words(&output).contains("presses or slides"), "{}", words(&output));
+    assert!(words(&output).contains("calibrate zero"), "{}", words(&output));
 }
 
 #[test]

@@ -128,7 +128,7 @@ fn capability_and_gauge_take_captures_and_tables() {
     let output = run(&["gauge", "--values", "values.csv", "--figure", "peak_torque"], folder.path());
     assert!(output.status.success() && words(&output).contains("peak_torque: %GRR "), "{}", words(&output));
     let output = run(&["gauge", "--values", "values.csv", "--figure", "peak"], folder.path());
-    assert!(!output.status.success() && words(&output).contains("`peak` is no figure"), "{}", words(&output));
+    assert!(!output.status.success() && words(&output).contains("`peak` is not a figure"), "{}", words(&output));
 }
 
 #[test]

@@ -98,7 +98,7 @@ fn a_share_that_is_none_is_wrong_usage_with_what_to_give_instead() {
         let output = capture(folder.path(), &format!("--until-ci {wrong}"));
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{wrong}: {said}");
-        assert!(said.contains("as 1% or 0.5%") && said.contains(wrong), "{wrong}: {said}");
+        assert!(said.contains("as in 1% or 0.5%") && said.contains(wrong), "{wrong}: {said}");
         assert!(!folder.path().join("out").exists(), "nothing is begun");
     }
 }

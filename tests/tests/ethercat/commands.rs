@@ -56,7 +56,7 @@ fn the_doctor_looks_at_the_interface() {
     let looked_at =
         || String::from_utf8_lossy(&wired.bench.run(&["doctor", "--rig", &file]).unwrap().stdout).into_owned();
     let said = looked_at();
-    assert!(said.contains("'servo' can be driven") && !said.contains("hc0"), "{said}");
+    assert!(said.contains("the driver of 'servo' is available") && !said.contains("hc0"), "{said}");
     assert!(super::ip("link set hc0 down"));
     let said = looked_at();
     assert!(said.contains("hc0 is down; `ip link set hc0 up`"), "{said}");
@@ -90,5 +90,5 @@ fn a_knob_is_replayed_within_bounds_that_follow_from_the_drives_delay() {
     known(&wired, "5e-3");
     let output = wired.bench.run(&replay).unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", printed(&output));
-    assert!(printed(&output).contains("no hand could hold what the rig 'servo' renders"), "{}", printed(&output));
+    assert!(printed(&output).contains("the rig 'servo' cannot render a knob stably in a hand"), "{}", printed(&output));
 }

@@ -64,7 +64,7 @@ mod tests {
         for (setting, expected) in [
             ("detent_amplitud=8", "detent_amplitude"),
             ("detent_amplitude", "detent_amplitude=1.5"),
-            ("inertia=heavy", "no number"),
+            ("inertia=heavy", "not a number"),
             ("coulomb_positive=-1", "zero or more"),
             ("detent_period=0", "more than zero"),
             ("spring_stiffness=1", "return-spring"),
