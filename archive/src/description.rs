@@ -78,6 +78,7 @@ pub(crate) fn capture_metadata(description: &RunDescription) -> mcap::records::M
         software_version,
         apparatus,
         axis,
+        contact: _,
         knob,
         rate_hz,
         planned_ticks,

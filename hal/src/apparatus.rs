@@ -81,6 +81,8 @@ pub struct RigDescription {
     pub calibration: Calibration,
     /// Where its torque comes from.
     pub torque: TorqueSource,
+    /// Whether it watches a contact in what is turned or pressed.
+    pub has_contact: bool,
     /// By how many ticks a torque acts later than in a rig that reads and drives at the tick: 1 where it takes effect with the next
     /// [`exchange`](Apparatus::exchange) only, or what is measured is a tick old.
     pub torque_late_ticks: f64,

@@ -274,6 +274,12 @@ impl Channels {
 }
 
 impl Wiring {
+    /// Whether a contact is watched.
+    #[must_use]
+    pub const fn has_contact(&self) -> bool {
+        self.contact.is_some()
+    }
+
     /// The measurement that a device's reading means, where `torque_mnm` was the motor's since the one before. One whose angle
     /// or torque has no new value is stale.
     #[must_use]

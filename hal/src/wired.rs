@@ -62,6 +62,7 @@ impl RigFile {
                 ..calibration.clone()
             },
             torque: wiring.torque_source,
+            has_contact: wiring.has_contact(),
             torque_late_ticks: 1.0,
             stale_limit: watchdog.stale_ticks,
             watchdog_s: None,

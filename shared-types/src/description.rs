@@ -38,6 +38,9 @@ pub struct RunDescription {
     /// Whether the rig turns, or presses and slides.
     #[serde(default)]
     pub axis: Axis,
+    /// Whether the rig watches a contact.
+    #[serde(default)]
+    pub contact: bool,
     /// The name of the knob on the rig, as the operator gave it.
     pub knob: String,
     /// Sample rate, Hz.

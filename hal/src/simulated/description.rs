@@ -28,6 +28,7 @@ pub(super) fn describe(parameters: &RigParameters, knob: &Model, seed: u64) -> R
         slowest_rate_hz: SLOWEST_HZ,
         calibration: Calibration { axis: knob.axis, ..calibration(parameters, seed) },
         torque: TorqueSource::Sensor,
+        has_contact: parameters.switch.is_some(),
         torque_late_ticks: 0.0,
         stale_limit: 0,
         watchdog_s: Some(parameters.watchdog_s),

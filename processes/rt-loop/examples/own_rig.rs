@@ -27,6 +27,7 @@ fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
         slowest_rate_hz: 500.0,
         calibration,
         torque: TorqueSource::Motor,
+        has_contact: false,
         torque_late_ticks: 1.0,
         stale_limit: 0,
         watchdog_s: None,

@@ -224,6 +224,7 @@ impl Plan {
             software_version: env!("CARGO_PKG_VERSION").to_owned(),
             apparatus: self.rig.name.clone(),
             axis: self.rig.calibration.axis,
+            contact: self.rig.has_contact,
             knob: self.knob.clone(),
             rate_hz: self.control.rate_hz,
             planned_ticks: self.control.planned_ticks,

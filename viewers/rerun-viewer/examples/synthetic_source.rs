@@ -124,6 +124,7 @@ fn description(run_id: u64, planned_ticks: u64) -> RunDescription {
         software_version: env!("CARGO_PKG_VERSION").to_owned(),
         apparatus: "sim".to_owned(),
         axis: Axis::Rotary,
+        contact: false,
         knob: "Knob 3".to_owned(),
         rate_hz: RATE_HZ,
         planned_ticks,

@@ -57,11 +57,12 @@ impl CaptureSource {
             axis: self.capture.axis,
             velocity: self.capture.velocity_rad_s.is_some(),
             acceleration: self.capture.acceleration_rad_s2.is_some(),
+            contact: self.capture.contact.is_some(),
         }
     }
 
     fn readings(&self, rows: std::ops::Range<usize>) -> Vec<Reading> {
-        let Capture { t_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, .. } = &self.capture;
+        let Capture { t_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact, .. } = &self.capture;
         let or_nan = |column: &Option<Vec<f64>>, row: usize| column.as_ref().map_or(f64::NAN, |column| column[row]);
         rows.map(|row| Reading {
             time_ns: nanoseconds(t_s[row]),
@@ -69,6 +70,7 @@ impl CaptureSource {
             velocity_rad_s: or_nan(velocity_rad_s, row),
             acceleration_rad_s2: or_nan(acceleration_rad_s2, row),
             torque_mnm: torque_mnm[row],
+            contact: or_nan(contact, row),
             turning_positive: self.turning_positive(row),
             stuck: None,
         })
@@ -197,7 +199,7 @@ mod tests {
         let mut source = CaptureSource::open(table(rows).path()).unwrap();
         assert_eq!(
             source.subject(),
-            Subject::Capture { axis: dynamics::Axis::Rotary, velocity: false, acceleration: false }
+            Subject::Capture { axis: dynamics::Axis::Rotary, velocity: false, acceleration: false, contact: false }
         );
         let (readings, torques, text) = everything(&mut source);
         assert_eq!(readings.len(), 50_000);

@@ -1,7 +1,8 @@
 //! Paths of what is shown; a series is named as the field it shows.
 
 /// Signals of the sample stream and, last, the model's torque, each `signals/<field>`.
-pub const SIGNALS: [&str; 5] = ["angle_rad", "velocity_rad_s", "acceleration_rad_s2", "torque_mnm", MODEL_TORQUE];
+pub const SIGNALS: [&str; 6] =
+    ["angle_rad", "velocity_rad_s", "acceleration_rad_s2", "torque_mnm", "contact", MODEL_TORQUE];
 
 /// The torque that the fitted model gives for the measured motion.
 pub const MODEL_TORQUE: &str = "model_torque_mnm";

@@ -174,6 +174,7 @@ mod tests {
             velocity_rad_s,
             acceleration_rad_s2: 0.0,
             torque_mnm: 0.0,
+            contact: f64::NAN,
             turning_positive: velocity_rad_s > 0.0,
             stuck,
         }

@@ -35,6 +35,8 @@ pub enum Subject {
     Live {
         /// Whether the rig turns.
         axis: Axis,
+        /// Whether it watches a contact.
+        contact: bool,
     },
     /// A finished capture: all of it, as far as it has the columns.
     Capture {
@@ -44,6 +46,8 @@ pub enum Subject {
         velocity: bool,
         /// Whether it has an acceleration.
         acceleration: bool,
+        /// Whether it has a contact.
+        contact: bool,
     },
 }
 
@@ -51,7 +55,7 @@ impl Subject {
     /// Whether it turns, or is pressed or slid.
     pub const fn axis(self) -> Axis {
         match self {
-            Self::Live { axis } | Self::Capture { axis, .. } => axis,
+            Self::Live { axis, .. } | Self::Capture { axis, .. } => axis,
         }
     }
 
@@ -65,6 +69,11 @@ impl Subject {
 
     const fn has_velocity(self) -> bool {
         matches!(self, Self::Live { .. } | Self::Capture { velocity: true, .. })
+    }
+
+    const fn has_contact(self) -> bool {
+        let (Self::Live { contact, .. } | Self::Capture { contact, .. }) = self;
+        contact
     }
 
     const fn has_acceleration(self) -> bool {
@@ -81,7 +90,7 @@ pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()>
     let knob = knob(&mut properties, subject);
     let signals = signals(&mut properties, subject);
     let tabs = match subject {
-        Subject::Live { axis } => {
+        Subject::Live { axis, .. } => {
             Tabs::new([knob, signals, parameters(&mut properties, axis), timing_and_processes(&mut properties)])
         }
         // The text tells the parameters; how the processes fared is not in the archive's columns.
@@ -135,6 +144,9 @@ fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
         signals.push((3.0, signal_plot(properties, subject, field, &[field])));
     }
     signals.push((4.0, torque_plot(properties, subject)));
+    if subject.has_contact() {
+        signals.push((1.5, signal_plot(properties, subject, "contact (1: closed)", &["contact"])));
+    }
     let (shares, signals): (Vec<f32>, Vec<ContainerLike>) = signals.into_iter().unzip();
 
     let mut plots = vec![plot(properties, Abscissa::Angle, subject)];

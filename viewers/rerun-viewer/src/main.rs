@@ -116,7 +116,8 @@ fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subj
             std::thread::sleep(POLL_PERIOD);
         }
         let axis = picture.axis().unwrap_or_default();
-        return Ok((Box::new(source), picture, Subject::Live { axis }));
+        let contact = picture.has_contact();
+        return Ok((Box::new(source), picture, Subject::Live { axis, contact }));
     };
     if let Some(file) = arguments.save.as_deref().filter(|file| is_same_file(file, path)) {
         anyhow::bail!("{} is the capture itself; give --save another name", file.display());

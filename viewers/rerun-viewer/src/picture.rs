@@ -143,6 +143,11 @@ impl Picture {
         self.axis
     }
 
+    /// Whether the run watches a contact.
+    pub fn has_contact(&self) -> bool {
+        self.description.as_ref().is_some_and(|run| run.contact)
+    }
+
     /// Whether the run has ended and all of it was taken in.
     pub fn finished(&self) -> bool {
         self.source_ended || self.status.is_some_and(|status| status.finished != 0)
@@ -220,14 +225,22 @@ impl Picture {
     #[allow(clippy::cast_precision_loss, reason = "lateness is shown with a few digits")]
     fn take_in_sample(&mut self, sample: &Sample, rate_hz: f64) {
         let time_ns = nanoseconds(sample.time_s(rate_hz));
-        let Sample { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, .. } = *sample;
+        let Sample { angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact, .. } = *sample;
         // Of a rendered knob the sensor reads minus what it takes from the hand.
         let is_rendered = self.description.as_ref().is_some_and(RunDescription::is_rendered);
         let torque_mnm = if is_rendered { -torque_mnm } else { torque_mnm };
         let turning_positive = velocity_rad_s > 0.0;
         let stuck = is_rendered.then_some(sample.flags & Sample::STUCK != 0);
-        let reading =
-            Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, turning_positive, stuck };
+        let reading = Reading {
+            time_ns,
+            angle_rad,
+            velocity_rad_s,
+            acceleration_rad_s2,
+            torque_mnm,
+            contact,
+            turning_positive,
+            stuck,
+        };
         self.take_in_reading(&reading, SCATTER_RATE_HZ / rate_hz);
         if let Some(model) = self.model {
             let known = self.calibration.as_ref();
@@ -504,6 +517,7 @@ mod tests {
                 velocity_rad_s: f64::NAN,
                 acceleration_rad_s2: f64::NAN,
                 torque_mnm: 1.0,
+                contact: f64::NAN,
                 turning_positive: true,
                 stuck: None,
             })

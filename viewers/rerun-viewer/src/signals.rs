@@ -34,10 +34,11 @@ impl Signals {
             velocity_rad_s,
             acceleration_rad_s2,
             torque_mnm,
+            contact,
             turning_positive: _,
             stuck: _,
         } = *reading;
-        for (index, value) in [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm].into_iter().enumerate() {
+        for (index, value) in [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact].into_iter().enumerate() {
             self.push_at(index, time_ns, value);
         }
     }

@@ -18,6 +18,8 @@ pub struct Reading {
     pub acceleration_rad_s2: f64,
     /// Torque sensor as read, mNm.
     pub torque_mnm: f64,
+    /// Whether the contact was closed: 1, or 0; NaN where none is watched.
+    pub contact: f64,
     /// Whether the knob turned towards positive angle.
     pub turning_positive: bool,
     /// Whether the knob sticks, where it says so itself, as a rendered one does.
