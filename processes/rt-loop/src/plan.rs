@@ -371,7 +371,7 @@ fn check_servo(
     let remedy = match holding.slowest_stable_hz(fastest_hz, gains_at) {
         Some(slowest_hz) => format!("give --rate-hz {slowest_hz} or more"),
         None => format!(
-            "with a motor_inertia of {} mNm·s²/rad it is unstable at every rate up to {fastest_hz} Hz; \
+            "with a motor_inertia of {:.4} mNm·s²/rad it is unstable at every rate up to {fastest_hz} Hz; \
              `haptic-camera rig commission` measures the motor_inertia for [calibration]",
             rig.calibration.motor_inertia
         ),

@@ -38,7 +38,9 @@ impl Signals {
             turning_positive: _,
             stuck: _,
         } = *reading;
-        for (index, value) in [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact].into_iter().enumerate() {
+        for (index, value) in
+            [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact].into_iter().enumerate()
+        {
             self.push_at(index, time_ns, value);
         }
     }

@@ -76,8 +76,12 @@ fn pages_that_never_read_stop_no_other_and_cost_a_bounded_memory() {
         memory_limit: ByteSize::mib(KEPT_MIB as u64),
         patience: Duration::from_secs(1),
     };
-    let screen =
-        Screen::open(destination, Subject::Live { axis: dynamics::Axis::Rotary, contact: false }, SharedGlance::default()).unwrap();
+    let screen = Screen::open(
+        destination,
+        Subject::Live { axis: dynamics::Axis::Rotary, contact: false },
+        SharedGlance::default(),
+    )
+    .unwrap();
     let outbox = Arc::new(Outbox::new(4));
     let shown = screen.show_from(Arc::clone(&outbox)).unwrap();
     let deadline = Instant::now() + GIVEN_UP;
