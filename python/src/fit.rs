@@ -13,7 +13,7 @@ use report::{AveragePage, FigureNumbers};
 
 use crate::columns::field_view;
 use crate::convert::{
-    CaptureOrPath, OneOrMore, framed, json_on, name_and_unit_on, not_pickled, save_page, to_dict,
+    CaptureOrPath, OneOrMore, estimate_in_words, framed, json_on, name_and_unit_on, not_pickled, save_page, to_dict,
 };
 use crate::error::{Error, raised};
 use crate::interruptible::interruptible;
@@ -205,7 +205,7 @@ impl Fit {
             // SAFETY: the class is frozen and keeps its points.
             #[allow(unsafe_code, reason = "the array looks at the fit's memory")]
             let column: Bound<'py, PyArray1<f64>> =
-                unsafe { field_view(slf.as_any(), &slf.get().told().points, field) }?;
+                unsafe { field_view(slf.as_any(), &slf.get().fit().points, field) }?;
             columns.set_item(slf.get().said(name), column)?;
         }
         Ok(columns)

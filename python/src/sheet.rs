@@ -8,7 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use shared_types::Axis;
 
-use crate::convert::{CaptureOrPath, OneOrMore, counted, framed, json, not_pickled, save_page, to_dict};
+use crate::convert::{
+    CaptureOrPath, OneOrMore, counted, estimate_in_words, framed, json, not_pickled, save_page, to_dict,
+};
 use crate::error::{Error, raised};
 use crate::interruptible::interruptible;
 

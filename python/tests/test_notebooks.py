@@ -33,7 +33,7 @@ RESULTS = {
         assert np.array_equal(again.torque_mnm, capture.torque_mnm)
         second_mnm = 2 * np.mean(points["residual_mnm"] * np.sin(4 * np.pi * points["angle_rad"] / period_rad))
         assert abs(second_mnm / 3 - 1) < 0.1, "the drawn curve's second harmonic has 3 mNm"
-        for name in named:
+        for name in drawn:
             low, high = mean.parameters[name].ci95
             assert low < mounted[name] < high, name
             assert high - low < max(one.parameters[name].ci95[1] - one.parameters[name].ci95[0] for one in mean.fits)
