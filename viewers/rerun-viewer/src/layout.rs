@@ -145,7 +145,7 @@ fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
     }
     signals.push((4.0, torque_plot(properties, subject)));
     if subject.has_contact() {
-        signals.push((1.5, signal_plot(properties, subject, "contact (1: closed)", &["contact"])));
+        signals.push((2.5, signal_plot(properties, subject, "contact (1: closed)", &["contact"])));
     }
     let (shares, signals): (Vec<f32>, Vec<ContainerLike>) = signals.into_iter().unzip();
 
