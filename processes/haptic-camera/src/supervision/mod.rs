@@ -53,6 +53,10 @@ const LOOP_HUNG: Duration = Duration::from_secs(10);
 const LOOP_ENDS: Duration = Duration::from_secs(3);
 /// Exit statuses with which the loop has said itself why it cannot run: an error, and wrong usage.
 const SAID_WHY: [i32; 2] = [1, 2];
+/// Age from which on a control loop holds its rig …
+const HOLDS_RIG: Duration = Duration::from_millis(100);
+/// … and from which on its services are there.
+const SERVICES_THERE: Duration = Duration::from_secs(3);
 /// Time between two looks at the run.
 const CYCLE: Duration = Duration::from_millis(20);
 
@@ -286,7 +290,11 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
         }
         match &mut link {
             // Only once the loop holds the rig are its services its own.
-            None if control_loop.age() > Duration::from_millis(100) => link = Some(LoopLink::open(control_loop.id())?),
+            None if control_loop.age() > HOLDS_RIG => match LoopLink::open(control_loop.id()) {
+                // The loop may be making them just now.
+                Err(error) if control_loop.age() > SERVICES_THERE => return Err(error),
+                opened => link = opened.ok(),
+            },
             None => {}
             Some(open) => {
                 open.listen();
