@@ -231,7 +231,7 @@ impl Fit {
                 *slot = opposite.as_ref().map_or(0.0, |(_, value)| *value);
                 description.push_str(&match opposite {
                     Some((other, _)) => format!("; {} taken from {other}", parameter.name),
-                    None => format!("; {} could not be told", parameter.name),
+                    None => format!("; {} is not identifiable", parameter.name),
                 });
             }
             if kind.name == effects::inertia::KIND.name {

@@ -55,7 +55,7 @@ pub(super) fn all() -> Vec<(i32, String)> {
             WORKING_COUNTER,
             "a device no longer takes part in the exchange (wrong working counter); check its cable and supply",
         ),
-        (UNTOLD_FAULT, "the drive reports a fault; add 0x603f:00/16 to its inputs, and its code is told"),
+        (UNTOLD_FAULT, "the drive reports a fault; add 0x603f:00/16 to its inputs to see its code"),
         (NOT_ENABLED, "the drive switched itself off; check its safe-torque-off input and its supply"),
         (NOT_OPERATIONAL, "a device left OP without giving a reason; check its supply"),
         (NOT_SENT, "the network interface takes no frames; check that it is up and its cable is in"),

@@ -107,7 +107,7 @@ fn let_go_on_timeout(talk: &mut Conversation<'_>) -> Result<String, ApparatusErr
     let mode = talk.command_line("conf get servo.timeout_mode\n")?;
     match mode.as_deref().filter(|mode| mode.parse::<i32>().is_ok()) {
         // It says nothing over its stream, or has no such setting; whether it lets go is tried all the same.
-        None => Ok("not told by the controller".to_owned()),
+        None => Ok("not given by the controller".to_owned()),
         Some(LETS_GO) => Ok("the motor is let go".to_owned()),
         Some(before) => {
             talk.command_line("conf set servo.timeout_mode 0\n")?;

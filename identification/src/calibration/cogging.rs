@@ -76,7 +76,7 @@ pub fn cogging(
     }
     let finest = FINEST * rows.edge_hz * TAU / rows.speed_rad_s;
     let found = quasi_static::of_turns(base.to_vec(), &rows.angle_rad, rows.torque_mnm, finest)
-        .ok_or_else(|| refused("friction and angle cannot be told apart".to_owned()))?;
+        .ok_or_else(|| refused("friction and torques of the angle cannot be separated".to_owned()))?;
     let mut notes = Vec::new();
     if found.is_empty() {
         notes.push("no torque of the motor that repeats with its angle stands out: it has no cogging".to_owned());

@@ -132,19 +132,19 @@ pub enum CalibrateError {
     },
     /// No column of commands.
     #[error(
-        "the capture has no commanded torque, from which what the motor takes is told; capture on the rig, to an archive"
+        "the capture has no commanded torque, which the motor's losses are computed from; capture on the rig, to an archive"
     )]
     NoCommand,
     /// Cogging that the capture cannot identify.
     #[error(
-        "the motor's cogging cannot be told: {reason}; capture with `--knob none --sweep slow-turn --duration-s 15`"
+        "the motor's cogging cannot be identified: {reason}; capture with `--knob none --sweep slow-turn --duration-s 15`"
     )]
     NoCogging {
         /// Why.
         reason: String,
     },
     /// A friction that the capture cannot identify.
-    #[error("the motor's {quantity} cannot be told: {reason}")]
+    #[error("the motor's {quantity} cannot be identified: {reason}")]
     NoFriction {
         /// What.
         quantity: &'static str,
@@ -152,7 +152,7 @@ pub enum CalibrateError {
         reason: String,
     },
     /// An inertia that the capture cannot identify.
-    #[error("the gripper's inertia cannot be told: {reason}")]
+    #[error("the gripper's inertia cannot be identified: {reason}")]
     NoInertia {
         /// Why.
         reason: String,

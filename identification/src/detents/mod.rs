@@ -84,7 +84,7 @@ pub(crate) fn search<'a>(
     }
     let Some(scan) = Scan::new(row_filter, motion, band, angle_step_rad, &base.columns, &base_solution.inverse) else {
         return Detents::None(format!(
-            "the travel is too small for detents to be told: it must hold at least {FEWEST_PERIODS} periods; sweep wider"
+            "the travel is too small to identify detents: it must hold at least {FEWEST_PERIODS} periods; sweep wider"
         ));
     };
     let (longest, shortest) = scan.periods_rad();
@@ -129,7 +129,7 @@ pub(crate) fn search<'a>(
     let null_test = scan.null_test(&rest, 1.0 / period_rad, if few { 0.0 } else { FEW_PERIODS });
     if clear && !(predicts && left - after > if few { NULL_TEST_OF_FEW } else { NULL_TEST } * null_test) {
         return Detents::None(format!(
-            "no detents that can be told from other bends in the torque: the best period (P {period_rad:.4} rad, \
+            "no detents that can be distinguished from other variation of the torque: the best period (P {period_rad:.4} rad, \
              {periods:.1} of them in the travel) {}takes away {:.1} times what other periods do; sweep wider, so that the \
              travel holds more of them",
             if predicts { "" } else { "does not predict stretches that it was not fitted to, and " },
@@ -144,8 +144,8 @@ pub(crate) fn search<'a>(
         && beside_bends < BESIDE_BENDS * scan.null_test(&scan.powers(row_filter, motion, &both), 1.0 / period_rad, 0.0)
     {
         return Detents::None(format!(
-            "no detents that can be told from a spring or from gravity: of the torque that varies with the angle, these leave \
-             nothing that the best period (P {period_rad:.4} rad, {periods:.1} of them in the travel) would explain; diagnose \
+            "no detents that can be distinguished from a spring or from gravity, which leave nothing of the torque's \
+             variation with the angle that the best period (P {period_rad:.4} rad, {periods:.1} of them in the travel) would explain; diagnose \
              the capture, or sweep wider, so that the travel holds more periods"
         ));
     }

@@ -180,8 +180,8 @@ impl Search<'_> {
         let points: Vec<[f64; 2]> = sliding.map(|motion| [motion.time_s, motion.velocity_rad_s.abs()]).collect();
         let correlation = rank_correlation(&points);
         (correlation.abs() > ONE).then(|| {
-            "in the training capture time and speed go together: friction that changes with time cannot be told from friction \
-             that changes with speed; capture a motion whose speed rises and falls"
+            "in the training capture time and speed are correlated: friction that changes with time cannot be distinguished from \
+             friction that changes with speed; capture a motion whose speed rises and falls"
                 .to_owned()
         })
     }

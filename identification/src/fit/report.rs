@@ -215,7 +215,7 @@ impl Report<'_> {
         let [name, with] = if column == coulomb { [coulomb, viscous] } else { [viscous, coulomb] }
             .map(|column| self.column_name(column).unwrap_or_default());
         Some(format!(
-            "{name} cannot be told apart from {with}: the knob turned at one speed, {speed_rad_s:.4} rad/s, where both together \
+            "{name} and {with} cannot be separated: the knob turned at one speed, {speed_rad_s:.4} rad/s, where both together \
              make {} mNm; vary the speed",
             plus_minus(together, half)
         ))
@@ -239,7 +239,7 @@ impl Report<'_> {
         }
         if let Some(with) = self.entangled(column) {
             return Some(format!(
-                "{name} cannot be told apart from {with}: the sweep moves one as it moves the other; vary the speed"
+                "{name} and {with} cannot be separated: they are collinear along this sweep; vary the speed"
             ));
         }
         if name == effects::inertia::KIND.parameters[0].name {

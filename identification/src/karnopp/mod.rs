@@ -139,7 +139,7 @@ impl Stick {
                 kind.name,
                 kind.unit,
                 format!(
-                    "the speed at which the knob comes to rest cannot be told from zero: it is at most {high:.4} rad/s"
+                    "the speed at which the knob comes to rest cannot be distinguished from zero: it is at most {high:.4} rad/s"
                 ),
             ),
             _ => parameter,

@@ -125,7 +125,7 @@ impl Map {
 
     fn notes(&self, saturation: &Saturation) -> Vec<String> {
         let mut notes = vec![format!(
-            "the knob turned too slowly for its speed to be told: torque against angle and direction was fitted, from {} passes",
+            "the knob turned too slowly for its speed to be measured: torque against angle and direction was fitted, from {} passes",
             self.passes()
         )];
         notes.extend(saturation.note("torque", "mNm"));
