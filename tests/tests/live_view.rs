@@ -128,7 +128,7 @@ impl Drop for Running {
         if let Some(child) = self.child.take() {
             let _ = kill(pid(&child), Signal::SIGTERM);
             // Of a test that fails: what the run had to say.
-            println!("{}", child.wait_with_output().map_or_else(|error| error.to_string(), |output| printed(&output)));
+            eprintln!("{}", child.wait_with_output().map_or_else(|error| error.to_string(), |output| printed(&output)));
         }
     }
 }
