@@ -1,5 +1,6 @@
 //! The live view beside a running capture: what an operator sees, and whom it must not disturb.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+#![allow(clippy::print_stderr, reason = "a test that fails prints what its run had to say")]
 
 use std::process::Child;
 use std::sync::{Mutex, MutexGuard, PoisonError};
