@@ -190,7 +190,7 @@ fn what_cannot_be_exported_so_is_reported_with_what_can() {
     refused(folder, &["export", "capture.mcap", "--out", "capture.h"], 2, "exported as .csv or .parquet");
     refused(folder, &["export", "3", "--out", "knob.h", "--points", "1"], 2, "4..=65536");
     refused(folder, &["export", "nowhere.mcap", "--out", "capture.csv"], 1, "does not exist");
-    refused(folder, &["export", "1", "--out", "knob.csv"], 1, "no torque of the angle");
+    refused(folder, &["export", "1", "--out", "knob.csv"], 1, "no torque that depends on the angle");
     refused(folder, &["export", "1", "--out", "knob.csv", "--over", "period"], 1, "--over turn");
     std::fs::write(folder.join("same.csv"), "t_s,angle_rad,torque_mnm\n0,0,0\n1,1,1\n2,2,2\n").unwrap();
     refused(folder, &["export", "same.csv", "--out", "./same.csv"], 2, "name another file");
