@@ -28,16 +28,7 @@ impl Signals {
 
     /// Takes in what was measured; a quantity that is not a number leaves no trace.
     pub fn push(&mut self, reading: &Reading) {
-        let Reading {
-            time_ns,
-            angle_rad,
-            velocity_rad_s,
-            acceleration_rad_s2,
-            torque_mnm,
-            contact,
-            turning_positive: _,
-            stuck: _,
-        } = *reading;
+        let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact, .. } = *reading;
         for (index, value) in
             [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact].into_iter().enumerate()
         {
