@@ -38,7 +38,7 @@ fn make(file: &RigFile, request: &RunRequest) -> Result<Rig, PlanError> {
         }
     };
     let motor_cogging = if motor_cogging.is_empty() { parameters.motor_cogging.clone() } else { motor_cogging.clone() };
-    let parameters = RigParameters { motor_cogging, ..parameters };
+    let parameters = RigParameters { motor_cogging, ..parameters }.at_rate(request.pace.rate_hz);
     let apparatus = SimulatedRig::held(parameters, knob.clone(), hand, seed.unwrap_or(SEED))
         .map_err(|error| PlanError::Unmountable(error.to_string()))?;
     Ok(Rig { apparatus: Box::new(apparatus), simulated_knob: Some(knob) })
