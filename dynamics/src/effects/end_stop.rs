@@ -101,5 +101,9 @@ fn around(end_rad: f64, from: f64, to: f64, scene: &Scene) -> (f64, f64) {
 fn columns_at(values: &[f64], motion: &Motion, row: &mut [f64]) {
     row[0] = (motion.angle_rad - values[0]).min(0.0);
     row[1] = (motion.angle_rad - values[1]).max(0.0);
-    row[2] = if row[0] < 0.0 || row[1] > 0.0 { motion.velocity_rad_s } else { 0.0 };
+    // Where there is a stop on the other side only, there is no damper on this one.
+    let [lower_mnm_rad, upper_mnm_rad] = [values[2], values[3]];
+    let is_at_lower = row[0] < 0.0 && (lower_mnm_rad > 0.0 || upper_mnm_rad <= 0.0);
+    let is_at_upper = row[1] > 0.0 && (upper_mnm_rad > 0.0 || lower_mnm_rad <= 0.0);
+    row[2] = if is_at_lower || is_at_upper { motion.velocity_rad_s } else { 0.0 };
 }

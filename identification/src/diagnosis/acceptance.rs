@@ -16,7 +16,7 @@ const CHANCE: f64 = 0.05;
 /// RMS in floors up to which a residual may be taken for noise.
 pub(crate) const MOSTLY_NOISE: f64 = 3.0;
 /// Share of the gap's amplitude that may be left by a complete explanation.
-pub(crate) const UNEXPLAINED: f64 = 0.15;
+pub(crate) const UNEXPLAINED: f64 = 0.06;
 /// How far the floor may lie below its estimate, as a share of it.
 const LOWER_FLOOR: f64 = 0.8;
 

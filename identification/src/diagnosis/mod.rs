@@ -12,6 +12,7 @@ mod findings;
 mod hypotheses;
 mod intervals;
 mod judged;
+mod lobes;
 mod locate;
 mod nonlinear;
 mod null_test;

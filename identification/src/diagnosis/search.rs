@@ -29,6 +29,9 @@ const MOST_EFFECTS: usize = 4;
 /// Effects that are tried together with a coupling where none alone is worth it.
 const HIDING: usize = 3;
 
+/// Effects with which unequal detents are fitted anew before one is chosen.
+const PROMISING: usize = 4;
+
 /// Share of the held-out torque's square that the model must explain, but for a factor, for that factor to be a unit's.
 const WELL_PREDICTED: f64 = 0.5;
 
@@ -185,13 +188,21 @@ impl Search<'_> {
         };
         let bare = found.clone();
         self.extend(&mut found);
-        if found.added.contains(&effects::unequal_detents::KIND.name) {
-            // With two values for each detent they imitate a few other effects together.
-            let mut equal = bare;
-            Search { detents_are_equal: true, ..*self }.extend(&mut equal);
-            if equal.named().evidence > found.named().evidence {
-                return equal;
-            }
+        if !found.added.contains(&effects::unequal_detents::KIND.name) {
+            return found;
+        }
+        // With two values for each detent they imitate a few other effects together.
+        let mut equal = bare;
+        Search { detents_are_equal: true, ..*self }.extend(&mut equal);
+        if equal.named().evidence > found.named().evidence {
+            return equal;
+        }
+        let is_open = found.named().train_over_floor().max(found.named().heldout_over_floor()) > LEFT;
+        let asymmetric = |judged: &Judged| {
+            unequal::asymmetric(&judged.structure, self.train).map_or_else(|| judged.clone(), |other| self.settled(other))
+        };
+        if is_open && asymmetric(found.named()).evidence > found.named().evidence {
+            found.chain = found.chain.par_iter().map(asymmetric).collect();
         }
         found
     }
@@ -208,6 +219,12 @@ impl Search<'_> {
             tried.retain(|judged| judged.evidence.is_finite() && judged.heldout_rms_mnm.is_finite());
             tried.retain(|judged| !self.repeats_with_the_detents(judged));
             tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+            if current.structure.position(effects::unequal_detents::KIND.name).is_some() {
+                // Beside an effect more each detent is another.
+                let promising = tried.len().min(PROMISING);
+                tried[..promising].par_iter_mut().for_each(|judged| *judged = self.settled(judged.structure.clone()));
+                tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+            }
             let worth = |rival: &Judged| {
                 self.disqualified(rival).is_none()
                     && worthwhile(&current, rival, &found.chain[0], self.heldout)
@@ -224,11 +241,7 @@ impl Search<'_> {
                 self.add(found, chosen, tried);
                 continue;
             };
-            let mut chosen = tried.remove(best);
-            if chosen.structure.position(effects::unequal_detents::KIND.name).is_some() {
-                // Beside an effect more each detent is another.
-                chosen = self.settled(chosen.structure);
-            }
+            let chosen = tried.remove(best);
             if let Some(with_detents) = self.as_detent(&chosen) {
                 // The first torque that repeats with the angle is the detents, which the model's base lacked.
                 found.chain.pop();
@@ -420,7 +433,8 @@ impl Search<'_> {
     fn as_detent(&self, judged: &Judged) -> Option<Judged> {
         let effect = judged.structure.effects.last()?;
         let is_periodic = effect.kind().name == cogging::KIND.name;
-        if !is_periodic || judged.structure.position(effects::detent::KIND.name).is_some() {
+        let detents = [effects::detent::KIND.name, effects::unequal_detents::KIND.name];
+        if !is_periodic || detents.iter().any(|name| judged.structure.position(name).is_some()) {
             return None;
         }
         // Other lines will be found again beside the detents.

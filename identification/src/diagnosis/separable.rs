@@ -1,5 +1,7 @@
 //! The fit of a structure without coupling: coefficients are linear, the few searched parameters follow by Gauss–Newton.
 
+use std::borrow::Cow;
+
 use dynamics::{Effect, Part};
 
 use super::bounded_least_squares::solve;
@@ -15,8 +17,10 @@ const DIFFERENCE: f64 = 1e-5;
 const SETTLED: f64 = 1e-6;
 /// Powers of the angle that make a slow bend.
 pub(crate) const BEND: usize = 5;
-/// Rounds in which friction and what modulates it are fitted in turn.
-const FACTOR_ROUNDS: usize = 2;
+/// Most steps in which coefficients and the factors on them are fitted together …
+const FACTOR_STEPS: usize = 10;
+/// … and the relative gain that ends them.
+const FACTORS_SETTLED: f64 = 1e-6;
 
 /// A structure in one capture: its rows, made anew only where a value changed.
 pub(crate) struct Separable<'a> {
@@ -98,23 +102,71 @@ impl<'a> Separable<'a> {
         self.capture.rows_of(&self.structure, index)
     }
 
+    /// Solves for the coefficients.
+    ///
+    /// A factor multiplies the friction, whose levels are coefficients too, and the load: there it takes steps of Gauss and Newton. Fitted in turn,
+    /// the levels would not count with what the factor makes of them, and end elsewhere where an offset can replace them.
     fn solve(&mut self) {
+        self.solve_once();
         let factors: Vec<usize> = (0..self.structure.effects.len())
             .filter(|index| {
                 let part = self.structure.effects[*index].kind().part;
                 matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::LoadFriction(_))
             })
             .collect();
-        for round in 0..if factors.is_empty() { 1 } else { FACTOR_ROUNDS + 1 } {
-            if round > 0 {
-                factors.iter().for_each(|index| self.rows[*index] = self.rows_of(*index));
-            }
-            let columns = self.columns();
-            let coefficients = solve(&columns, &self.target, &self.structure.nonnegative());
-            self.residual = residual(&columns, &self.target, &coefficients);
-            self.structure.take(&coefficients);
-            self.coefficients = coefficients;
+        if factors.is_empty() {
+            return;
         }
+        self.take(&factors, self.coefficients.clone());
+        for _ in 0..FACTOR_STEPS {
+            let (start, before) = (self.coefficients.clone(), self.squares());
+            let (columns, target) = self.linearised();
+            let slices: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
+            let end = solve(&slices, &target, &self.structure.nonnegative());
+            let improved = longest_improving(0.25, |share| {
+                let moved = start.iter().zip(&end).map(|(start, end)| start + share * (end - start)).collect();
+                self.take(&factors, moved);
+                (self.squares() < before).then_some(())
+            });
+            if improved.is_none() {
+                self.take(&factors, start);
+            }
+            if before - self.squares() <= FACTORS_SETTLED * before {
+                return;
+            }
+        }
+    }
+
+    /// Takes coefficients, and makes the factors' rows of them.
+    fn take(&mut self, factors: &[usize], coefficients: Vec<f64>) {
+        self.structure.take(&coefficients);
+        factors.iter().for_each(|index| self.rows[*index] = self.rows_of(*index));
+        self.residual = residual(&self.columns(), &self.target, &coefficients);
+        self.coefficients = coefficients;
+    }
+
+    /// The torque's derivatives by the coefficients, and what these are to add up to.
+    fn linearised(&self) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
+        let mut columns: Vec<Cow<'_, [f64]>> = self.columns().into_iter().map(Cow::Borrowed).collect();
+        let mut target = Cow::Borrowed(self.target.as_slice());
+        for (index, range) in self.structure.ranges().into_iter().enumerate() {
+            let multiplied = self.structure.multiplied_rows(index, self.capture);
+            for (column, more) in range.clone().zip(&multiplied) {
+                // The factor at hand counts in the levels' columns and in its own: once too often.
+                let level = self.coefficients[column];
+                target.to_mut().iter_mut().zip(more).for_each(|(target, more)| *target += level * more);
+                columns[column].to_mut().iter_mut().zip(more).for_each(|(slot, more)| *slot += more);
+            }
+        }
+        (columns, target)
+    }
+
+    fn solve_once(&mut self) {
+        let columns = self.columns();
+        let coefficients = solve(&columns, &self.target, &self.structure.nonnegative());
+        self.residual = residual(&columns, &self.target, &coefficients);
+        self.structure.take(&coefficients);
+        self.coefficients = coefficients;
     }
 
     /// Sets searched parameters and solves again.
@@ -168,12 +220,14 @@ impl<'a> Separable<'a> {
         for _ in 0..rounds {
             let before = self.squares();
             let tangents: Vec<Vec<f64>> = searched.iter().map(|which| self.tangent(*which)).collect();
-            let columns: Vec<&[f64]> = self.columns().into_iter().chain(tangents.iter().map(Vec::as_slice)).collect();
+            let (columns, target) = self.linearised();
+            let columns: Vec<&[f64]> =
+                columns.iter().map(AsRef::as_ref).chain(tangents.iter().map(Vec::as_slice)).collect();
             let mut nonnegative = self.structure.nonnegative();
             let linear = nonnegative.len();
             nonnegative.resize(columns.len(), false);
-            let extended = solve(&columns, &self.target, &nonnegative);
-            let left = residual(&columns, &self.target, &extended);
+            let extended = solve(&columns, &target, &nonnegative);
+            let left = residual(&columns, &target, &extended);
             if before - dot(&left, &left) <= SETTLED * before {
                 break;
             }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
 
 use super::capture::Capture;
+use super::lobes::Lobes;
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::RowFilter;
 
@@ -149,7 +150,10 @@ impl Structure {
         // One limit for both directions is tried.
         let limits = usize::from(self.is_coupled() && self.sticks());
         // A measured table has its points' torques and no scale of its own.
-        let of_table = |effect: &Effect| effect.table().map_or(0, |table| table.points().len() - 1);
+        let of_table = |effect: &Effect| match (Lobes::of(effect), effect.table()) {
+            (Some(lobes), _) => 2 * lobes.units() - 1,
+            (None, table) => table.map_or(0, |table| table.points().len() - 1),
+        };
         let each = |(of, width): ((&Effect, &usize), usize)| width + searched(of) + of_table(of.0);
         limits + self.effects.iter().zip(&self.columns).zip(self.widths()).map(each).sum::<usize>()
     }
@@ -268,22 +272,13 @@ impl Structure {
             }
             return Vec::new();
         };
-        let all = |motion: &Motion| {
-            let mut row = [0.0; dynamics::MAX_PARAMETERS];
-            (regressors.fill)(effect, motion, &mut row[..regressors.columns]);
-            row
-        };
+        let all = |motion: &Motion| filled(effect, regressors, motion);
         match effect.kind().part {
             Part::Friction(_) | Part::FrictionTable(_) => {
-                let Some(bristles) = self.bristles() else { return Vec::new() };
-                let deflections = deflections(bristles, motion);
+                let columns = self.friction_columns(effect, regressors, motion);
                 each(&|at, row| {
-                    let now = motion.at(at);
-                    let (sliding, still, bent) = (all(&now), all(&slowest(now.velocity_rad_s, &now)), deflections[at]);
-                    let coulomb = all(&slowest(bent, &now));
-                    for (column, slot) in row.iter_mut().enumerate() {
-                        *slot = bent.abs() * coulomb[column] + sliding[column] - still[column];
-                    }
+                    let [all, _] = columns(at);
+                    row.copy_from_slice(&all[..row.len()]);
                 })
             }
             Part::CoulombFactor(_) | Part::FrictionFactor(_) => {
@@ -295,6 +290,59 @@ impl Structure {
                 })
             }
             _ => Vec::new(),
+        }
+    }
+
+    /// Rows of what the factors on friction add to the columns of the friction at an index; none where nothing multiplies it.
+    pub(crate) fn multiplied_rows(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
+        let (effect, motion) = (&self.effects[index], &capture.motion);
+        let is_friction = matches!(effect.kind().part, Part::Friction(_) | Part::FrictionTable(_));
+        let is_factor = |of: &&Effect| matches!(of.kind().part, Part::CoulombFactor(_) | Part::FrictionFactor(_));
+        let factors: Vec<&Effect> = self.effects.iter().filter(is_factor).collect();
+        let Some(regressors) = effect.kind().regressors.filter(|_| is_friction && !factors.is_empty()) else {
+            return Vec::new();
+        };
+        let own = self.friction_columns(effect, regressors, motion);
+        capture.row_filter.rows_of(self.columns[index], |range, columns| {
+            for (place, at) in range.enumerate() {
+                if capture.row_filter.mask[at] == 0.0 {
+                    columns.iter_mut().for_each(|column| column[place] = 0.0);
+                    continue;
+                }
+                let now = motion.at(at);
+                let change = |of_coulomb: bool| -> f64 {
+                    let each = factors.iter().map(|factor| match factor.kind().part {
+                        Part::CoulombFactor(change) if of_coulomb => change(factor.values(), &now),
+                        Part::FrictionFactor(change) if !of_coulomb => change(factor.values(), &now),
+                        _ => 0.0,
+                    });
+                    each.sum()
+                };
+                let [of_all, of_coulomb] = [false, true].map(change);
+                let [all, coulomb] = own(at);
+                for (slot, (all, coulomb)) in columns.iter_mut().zip(all.iter().zip(&coulomb)) {
+                    slot[place] = of_all * all + of_coulomb * coulomb;
+                }
+            }
+        })
+    }
+
+    /// A friction's columns at a sample: of all that it makes, and of its Coulomb part; with bristles, of these as they bend.
+    fn friction_columns<'a>(
+        &self,
+        effect: &'a Effect,
+        regressors: Regressors,
+        motion: &'a KnobMotion,
+    ) -> impl Fn(usize) -> [[f64; dynamics::MAX_PARAMETERS]; 2] + use<'a> {
+        let deflections = self.bristles().map(|bristles| deflections(bristles, motion));
+        move |at: usize| {
+            let now = motion.at(at);
+            let columns = |motion: &Motion| filled(effect, regressors, motion);
+            let (mut all, still) = (columns(&now), columns(&slowest(now.velocity_rad_s, &now)));
+            let Some(bent) = deflections.as_ref().map(|deflections| deflections[at]) else { return [all, still] };
+            let coulomb = columns(&slowest(bent, &now)).map(|column| bent.abs() * column);
+            all.iter_mut().zip(coulomb.iter().zip(&still)).for_each(|(all, (coulomb, still))| *all += coulomb - still);
+            [all, coulomb]
         }
     }
 
@@ -325,6 +373,13 @@ impl Structure {
 
 fn regressors(effect: &Effect) -> Option<Regressors> {
     effect.kind().regressors
+}
+
+/// An effect's columns at a motion.
+fn filled(effect: &Effect, regressors: Regressors, motion: &Motion) -> [f64; dynamics::MAX_PARAMETERS] {
+    let mut row = [0.0; dynamics::MAX_PARAMETERS];
+    (regressors.fill)(effect, motion, &mut row[..regressors.columns]);
+    row
 }
 
 /// The motion at the lowest speed with the sign of `sign`.

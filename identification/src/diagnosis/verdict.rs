@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use dynamics::{Model, simulate};
 
-use super::acceptance::{MOSTLY_NOISE, UNEXPLAINED, takes_its_part, worthwhile};
+use super::acceptance::{MOSTLY_NOISE, UNEXPLAINED, explains_the_gap, takes_its_part, worthwhile};
 use super::commanded;
 use super::findings::{Diagnosis, Rival, Step, Value, Verdict};
 use super::judged::Judged;
@@ -63,7 +63,7 @@ impl Search<'_> {
         let shaped = locations.iter().any(|location| location.significant);
         let is_left = unexplained > UNEXPLAINED
             && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
-        if is_left || found.in_part {
+        if is_left || found.in_part && !explains_the_gap(last, first) {
             Verdict::OutsideLibrary
         } else if found.rivals.is_empty() {
             Verdict::None

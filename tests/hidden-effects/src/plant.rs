@@ -12,6 +12,9 @@ use crate::motion::Motion;
 pub const STEP_S: f64 = 1e-5;
 /// The servo computes a new torque after so many steps: 20 kHz.
 const STEPS_PER_SERVO_TICK: usize = 5;
+/// Time constant with which the load of what rubs follows, s: the friction changes the acceleration that it depends on, so one of the two
+/// must wait for the other. It is far below a sample, since a loaded mechanism rubs at once.
+const LOAD_LAG_S: f64 = 5e-5;
 /// The servo holds the knob this long before the capture starts, so that it starts at rest.
 const SETTLING_STEPS: usize = 20_000;
 
@@ -97,6 +100,7 @@ struct Slider<'a> {
     /// Relative depth and phase of an inertia that varies twice in a turn.
     inertia_wave: Option<[f64; 2]>,
     capture: usize,
+    /// Torque that the body's inertia and detents carried lately, mNm.
     load_mnm: f64,
 }
 
@@ -120,7 +124,7 @@ struct Step {
 
 impl Slider<'_> {
     fn state(&self, angle_rad: f64, velocity_rad_s: f64, time_s: f64) -> State {
-        State { angle_rad, velocity_rad_s, time_s, load_mnm: self.load_mnm, capture: self.capture }
+        State { angle_rad, velocity_rad_s, time_s, capture: self.capture }
     }
 
     fn sum(&self, of: impl Fn(&Effect) -> f64) -> f64 {
@@ -158,8 +162,10 @@ impl Slider<'_> {
         let product = |viscous| self.effects.iter().map(|effect| factor(effect, viscous)).product::<f64>();
         let (coulomb_factor, viscous_factor) = (product(false), product(true));
         let extra = self.sum(|effect| effect.acts().friction_extra(effect.size, &state));
-        let up = (coulomb_factor * self.knob.coulomb_positive + extra, viscous_factor * self.knob.viscous_positive);
-        let down = (coulomb_factor * self.knob.coulomb_negative + extra, viscous_factor * self.knob.viscous_negative);
+        let of_load = self.sum(|effect| effect.acts().load_friction(effect.size)) * self.load_mnm.abs();
+        let coulomb = |own: f64| coulomb_factor * (own + extra) + of_load;
+        let up = (coulomb(self.knob.coulomb_positive), viscous_factor * self.knob.viscous_positive);
+        let down = (coulomb(self.knob.coulomb_negative), viscous_factor * self.knob.viscous_negative);
         let impulse = total * velocity + STEP_S * (drive - place);
 
         if let Some(bristle) = &mut self.bristle {
@@ -239,14 +245,14 @@ pub fn run(rig: Rig, knob: &Knob, effects: &[Effect], motion: &Motion, duration_
             let gyration = 0.5 * slope * cap_velocity * cap_velocity;
             let step = slider.step(rig.rotor_inertia + inertia, drive - gyration, middle, cap_velocity, time_s);
             let inertial = inertia * (step.velocity - cap_velocity) / STEP_S + gyration;
-            slider.load_mnm += STEP_S / 5e-4 * (inertial + step.place - slider.load_mnm);
+            slider.load_mnm += STEP_S / LOAD_LAG_S * (inertial + step.place - slider.load_mnm);
             (step.velocity, inertial + step.friction + step.place)
         } else {
             let inner_middle = angle + 0.5 * STEP_S * velocity;
             let torque = link.torque(middle - inner_middle, cap_velocity - velocity);
             let step = slider.step(inner_inertia, torque, inner_middle, velocity, time_s);
             angle = inner_middle + 0.5 * STEP_S * step.velocity;
-            slider.load_mnm += STEP_S / 5e-4 * (torque - step.friction - slider.load_mnm);
+            slider.load_mnm += STEP_S / LOAD_LAG_S * (torque - step.friction - slider.load_mnm);
             velocity = step.velocity;
             let after = cap_velocity + STEP_S * (drive - torque) / bare;
             (after, cap_inertia * (after - cap_velocity) / STEP_S + torque)

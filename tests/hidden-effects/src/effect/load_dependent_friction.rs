@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Acts, Kind, State};
+use super::{Acts, Kind};
 use crate::knob::{Knob, Wish};
 
 /// `load-dependent-friction`.
@@ -24,7 +24,7 @@ impl Acts for LoadFriction {
         json!({"coefficient": size})
     }
 
-    fn friction_extra(&self, size: f64, state: &State) -> f64 {
-        size * state.load_mnm.abs()
+    fn load_friction(&self, size: f64) -> f64 {
+        size
     }
 }

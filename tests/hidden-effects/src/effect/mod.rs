@@ -113,9 +113,20 @@ const LOOK_ALIKES: [(&str, &str); 14] = [
     ("velocity-strengthening", "presliding-hysteresis"),
 ];
 
-/// Whether two effects of the catalogue can be distinguished when both are present.
+/// Pairs of which the plant has one at a time: one shape of the detents, one inertia behind a coupling; and whether a drag is part of the load
+/// is a matter of where it acts.
+const EXCLUSIVE: [(&str, &str); 5] = [
+    ("load-dependent-friction", "quadratic-drag"),
+    ("load-dependent-friction", "eddy-current-damping"),
+    ("detent-harmonics", "unequal-detents"),
+    ("angle-dependent-inertia", "shaft-compliance"),
+    ("angle-dependent-inertia", "backlash"),
+];
+
+/// Whether the plant can have two effects of the catalogue at once, and they can then be distinguished.
 pub fn distinguishable(first: &str, second: &str) -> bool {
-    first != second && !LOOK_ALIKES.iter().any(|pair| *pair == (first, second) || *pair == (second, first))
+    let is_listed = |pair: &(&str, &str)| *pair == (first, second) || *pair == (second, first);
+    first != second && !LOOK_ALIKES.iter().chain(&EXCLUSIVE).any(is_listed)
 }
 
 /// An effect before its numbers are drawn.
@@ -171,6 +182,11 @@ pub trait Acts {
 
     /// Adds to the Coulomb friction, mNm.
     fn friction_extra(&self, size: f64, state: &State) -> f64 {
+        0.0
+    }
+
+    /// Friction over the load that the body carries.
+    fn load_friction(&self, size: f64) -> f64 {
         0.0
     }
 
@@ -257,8 +273,6 @@ pub struct State {
     pub velocity_rad_s: f64,
     /// Time since the start of the capture, s.
     pub time_s: f64,
-    /// Torque that the body's inertia and detents carried lately, mNm.
-    pub load_mnm: f64,
     /// 0 in the training capture, 1 in the held-out one.
     pub capture: usize,
 }
