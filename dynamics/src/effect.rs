@@ -37,6 +37,16 @@ impl EffectKind {
         self.depends_on == [coordinate]
     }
 
+    /// Whether its torque is part of the load of what rubs: that of inertia, detents and springs.
+    #[must_use]
+    pub fn is_of_the_load(&self) -> bool {
+        match self.part {
+            Part::Inertia(_) | Part::VaryingInertia(_) => true,
+            Part::Torque(_) | Part::TorqueTable(_) => !self.depends_only_on(Coordinate::Velocity),
+            _ => false,
+        }
+    }
+
     /// How many times its law may occur in one effect.
     #[must_use]
     pub fn lines(&self) -> usize {

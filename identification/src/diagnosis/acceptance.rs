@@ -17,6 +17,8 @@ const CHANCE: f64 = 0.05;
 pub(crate) const MOSTLY_NOISE: f64 = 3.0;
 /// Share of the gap's amplitude that may be left by a complete explanation.
 pub(crate) const UNEXPLAINED: f64 = 0.06;
+/// The same where a coupling is not tried.
+const MOSTLY_EXPLAINED: f64 = 0.15;
 /// How far the floor may lie below its estimate, as a share of it.
 const LOWER_FLOOR: f64 = 0.8;
 
@@ -45,9 +47,18 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
 /// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor
 /// were lower than it is thought to be.
 pub(crate) fn explains_the_gap(judged: &Judged, first: &Judged) -> bool {
+    leaves_at_most(UNEXPLAINED, judged, first)
+}
+
+/// Whether so little of it is left that a coupling, which costs most, need not be tried in the same place.
+pub(crate) fn explains_most_of_the_gap(judged: &Judged, first: &Judged) -> bool {
+    leaves_at_most(MOSTLY_EXPLAINED, judged, first)
+}
+
+fn leaves_at_most(share: f64, judged: &Judged, first: &Judged) -> bool {
     let gap = first.excess_above_lower_floor(judged);
     let lower = judged.floors_mnm().map(|floor| LOWER_FLOOR * floor);
-    gap > 0.0 && judged.excess_above(lower) < UNEXPLAINED * UNEXPLAINED * gap
+    gap > 0.0 && judged.excess_above(lower) < share * share * gap
 }
 
 /// Share of the mean square above the floor that an effect must take away to be added where much is left that has no name: a

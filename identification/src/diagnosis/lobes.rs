@@ -157,9 +157,8 @@ impl Lobes {
         let (sine, cosine) = (PI * share).sin_cos();
         // sin(π·(θ − z)/w), w the distance to the next zero: its derivatives by both zeros.
         let slope = -sign * self.heights_mnm[lobe] * PI * cosine / width_rad;
-        let of_zero = |zero: usize, share: f64| {
-            self.decided_by(zero).map(|(unit, by)| (self.units() + unit, slope * share * by))
-        };
+        let of_zero =
+            |zero: usize, share: f64| self.decided_by(zero).map(|(unit, by)| (self.units() + unit, slope * share * by));
         let [first, second] = of_zero(lobe, 1.0 - share);
         let [third, fourth] = of_zero((lobe + 1) % self.lobes(), share);
         [(self.unit_of(lobe), sign * sine), first, second, third, fourth]

@@ -22,6 +22,7 @@ mod search;
 mod separable;
 mod sticking;
 mod structure;
+mod trials;
 mod twist;
 mod unequal;
 mod verdict;

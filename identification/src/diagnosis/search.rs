@@ -1,21 +1,17 @@
 //! Effect after effect is tried, added and, if others make it superfluous, taken out again.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use dynamics::effects::{self, cogging};
-use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part};
+use dynamics::{Effect, EffectKind, Part, effects};
 use rayon::prelude::*;
 
 use super::acceptance::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, takes_its_part, worthwhile};
 use super::capture::Capture;
 use super::error::DiagnosisError;
-use super::findings::{Characteristic, Partial, Value};
+use super::findings::{Characteristic, Partial};
 use super::hypotheses::{self, Effort};
-use super::intervals;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::null_test;
-use super::separable::{BEND, Separable};
+use super::separable::Separable;
 use super::structure::Structure;
 use super::unequal;
 use super::verdict::LEFT;
@@ -75,7 +71,7 @@ impl Found {
     }
 
     /// Whether an effect brought nothing beside a smaller model, which need not be tried again at the cost of a coupling.
-    fn has_failed(&self, kind: &EffectKind) -> bool {
+    pub(crate) fn has_failed(&self, kind: &EffectKind) -> bool {
         let last = self.chain.len().checked_sub(2).zip(self.rivals.last());
         last.is_some_and(|(before, rivals)| {
             let failed = |rival: &&Judged| !takes_its_part(&self.chain[before], rival);
@@ -113,31 +109,6 @@ impl Search<'_> {
         let fitted: Vec<Effect> =
             effects.into_iter().filter(|effect| coupled || !matches!(effect.kind().part, Part::Stick(_))).collect();
         Ok(self.settled(Structure::new(&fitted)))
-    }
-
-    /// Whether unequal detents explain most of the training capture's gap beside equal ones.
-    pub(crate) fn detents_are_unequal(&self, base: &Judged) -> bool {
-        let floor_mnm = base.train_floor_mnm;
-        let gap = |judged: &Judged| judged.train_rms_mnm.powi(2) - floor_mnm.powi(2);
-        base.train_over_floor() > LEFT
-            && self.unequal_detents(base).is_some_and(|unequal| gap(&unequal) < 0.5 * gap(base))
-    }
-
-    /// The fit with unequal detents in the place of equal ones; `None` where a torque that varies slowly along the angle
-    /// explains as much.
-    fn unequal_detents(&self, current: &Judged) -> Option<Judged> {
-        let unequal = self.settled(unequal::structure(&current.structure, self.train)?);
-        let bent = self.bent(current)?;
-        let evidence = |squares: f64, freedom: usize| {
-            let weight = self.train.weight;
-            #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
-            let cost = 0.5 * freedom as f64 * weight.ln();
-            -0.5 * weight * squares.max(f64::MIN_POSITIVE).ln() - cost
-        };
-        let squares = |judged: &Judged| dot(&judged.train_residual, &judged.train_residual);
-        let freedom = current.structure.freedom() + BEND;
-        (evidence(squares(&unequal), unequal.structure.freedom()) > evidence(squares(&bent), freedom))
-            .then_some(unequal)
     }
 
     /// A structure fitted from where it stands.
@@ -199,7 +170,8 @@ impl Search<'_> {
         }
         let is_open = found.named().train_over_floor().max(found.named().heldout_over_floor()) > LEFT;
         let asymmetric = |judged: &Judged| {
-            unequal::asymmetric(&judged.structure, self.train).map_or_else(|| judged.clone(), |other| self.settled(other))
+            unequal::asymmetric(&judged.structure, self.train)
+                .map_or_else(|| judged.clone(), |other| self.settled(other))
         };
         if is_open && asymmetric(found.named()).evidence > found.named().evidence {
             found.chain = found.chain.par_iter().map(asymmetric).collect();
@@ -331,139 +303,10 @@ impl Search<'_> {
         true
     }
 
-    fn say(&self, progress: Progress) {
+    pub(crate) fn say(&self, progress: Progress) {
         if let Some(progress_to) = self.options.progress {
             progress_to(progress);
         }
-    }
-
-    /// The best fit with each effect of the catalogue more.
-    fn try_all(&self, current: &Judged, found: &Found) -> Vec<Judged> {
-        let first = &found.chain[0];
-        let kinds = self.candidates(&current.structure);
-        if current.structure.is_coupled() {
-            return hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout);
-        }
-        let (mut coupled, separable): (Vec<&'static EffectKind>, Vec<&'static EffectKind>) =
-            kinds.iter().partition(|kind| matches!(kind.part, Part::Coupling(_)));
-        coupled.sort_by_key(|kind| kind.parameters.len());
-        let base = Separable::new(current.structure.clone(), self.train);
-        let of = kinds.len();
-        let done = AtomicUsize::new(0);
-        let say = |kind: &EffectKind| {
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            self.say(Progress::Tried { effect: kind.name, done, of });
-        };
-        let one_more = || {
-            let fits = separable.par_iter().filter_map(|kind| {
-                let judged = hypotheses::separable(kind, &base, self.heldout);
-                say(kind);
-                judged
-            });
-            fits.collect::<Vec<Judged>>()
-        };
-        if self.detents_are_equal {
-            return one_more();
-        }
-        let (unequal, mut tried) = rayon::join(|| self.unequal_detents(current), one_more);
-        tried.extend(unequal);
-        let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
-        let closes =
-            |judged: &Judged| (!open(judged) || explains_the_gap(judged, first)) && self.disqualified(judged).is_none();
-        if open(current) && !tried.iter().any(closes) {
-            coupled.retain(|kind| !found.has_failed(kind));
-            let fitted = |kind: &&'static EffectKind, effort| {
-                hypotheses::coupled(kind, &current.structure, [self.train, self.heldout], effort)
-            };
-            for kind in &coupled {
-                let judged = fitted(kind, Effort::Full);
-                say(kind);
-                let closed = judged.as_ref().is_some_and(closes);
-                tried.extend(judged);
-                if closed {
-                    // The next coupling has more freedom and costs more.
-                    return tried;
-                }
-            }
-            // A coupling that explains most, but not all, may have been fitted in a neighbouring valley.
-            let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
-            if best.is_some_and(|best| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE) {
-                tried.retain(|judged| !judged.structure.is_coupled());
-                tried.extend(coupled.iter().filter_map(|kind| fitted(kind, Effort::Thorough)));
-            }
-        }
-        tried
-    }
-
-    /// Why the last effect cannot be the one, if so.
-    pub(crate) fn disqualified(&self, judged: &Judged) -> Option<String> {
-        Nonlinear::on_bound(&judged.structure, self.train)
-            .map(|parameter| format!("{parameter} stands on the bound of what this capture could show"))
-    }
-
-    /// Whether the last effect may as well not be there: the intervals of all that makes its torque hold zero.
-    pub(crate) fn is_nothing(&self, judged: &Judged) -> bool {
-        let Some(effect) = judged.structure.effects.last() else { return true };
-        let Some(values) = intervals::of(&judged.structure, self.train).pop() else { return true };
-        let searched = effect.kind().hypothesis.map_or(&[][..], |hypothesis| hypothesis.searched);
-        let is_strength = |index: usize, unit: &str| {
-            (unit.starts_with("mNm") || unit == "1") && searched.iter().all(|search| search.parameter != index)
-        };
-        let holds_zero = |parameter: &ParameterKind| match values.get(parameter.name) {
-            Some(Value { ci95: Some([low, high]), .. }) => *low <= 0.0 && 0.0 <= *high,
-            Some(Value { value, .. }) => *value == 0.0,
-            None => true,
-        };
-        let parameters = effect.kind().parameters;
-        let linear: Vec<&ParameterKind> = parameters
-            .iter()
-            .enumerate()
-            .filter(|(index, parameter)| effect.kind().regressors.is_some() && is_strength(*index, parameter.unit))
-            .map(|(_, parameter)| parameter)
-            .collect();
-        // A damper beside a spring is part of a contact, which there is none without stiffness.
-        let stiffnesses: Vec<&ParameterKind> =
-            linear.iter().copied().filter(|parameter| parameter.unit == "mNm/rad").collect();
-        let linear = if stiffnesses.is_empty() { linear } else { stiffnesses };
-        // What has no torque of its own is told by its first parameter: a gap, a stiffness, a delay.
-        if linear.is_empty() { parameters.first().is_some_and(holds_zero) } else { linear.into_iter().all(holds_zero) }
-    }
-
-    /// The same with the last effect taken for detents, if it is a periodic torque and there are none yet.
-    fn as_detent(&self, judged: &Judged) -> Option<Judged> {
-        let effect = judged.structure.effects.last()?;
-        let is_periodic = effect.kind().name == cogging::KIND.name;
-        let detents = [effects::detent::KIND.name, effects::unequal_detents::KIND.name];
-        if !is_periodic || detents.iter().any(|name| judged.structure.position(name).is_some()) {
-            return None;
-        }
-        // Other lines will be found again beside the detents.
-        let [amplitude, per_turn, phase, ..] = *effect.values() else { return None };
-        let detent = Effect::new(&effects::detent::KIND, &[amplitude, 1.0 / per_turn, phase]);
-        let base = judged.structure.without(judged.structure.effects.len() - 1);
-        Some(self.settled(base.with(detent, 2)))
-    }
-
-    /// Whether the last effect is cogging of which every line is a multiple of the detents': that is the detents' own shape.
-    fn repeats_with_the_detents(&self, judged: &Judged) -> bool {
-        let Some(effect) = judged.structure.effects.last() else { return false };
-        let scene = self.train.scene_of(&judged.structure);
-        effect.kind().name == cogging::KIND.name
-            && cogging::lines(effect.values()).all(|[_, per_turn, _]| cogging::is_of_the_detents(per_turn, &scene))
-    }
-
-    /// The effects that could be added to a structure; on a map those of the angle.
-    fn candidates(&self, structure: &Structure) -> Vec<&'static EffectKind> {
-        let mut kinds = hypotheses::candidates(structure);
-        let is_of_angle = |kind: &&EffectKind| {
-            !matches!(kind.part, Part::Coupling(_) | Part::Bristles(_) | Part::ReadingDelay(_))
-                && kind.depends_on.iter().all(|coordinate| *coordinate == Coordinate::Angle)
-        };
-        let travel_rad = self.train.scene().travel_rad();
-        kinds.retain(|kind| !self.train.is_map || is_of_angle(kind));
-        let shows = |least_rad| self.options.axis.is_rotary() && least_rad <= travel_rad;
-        kinds.retain(|kind| kind.hypothesis.is_some_and(|hypothesis| hypothesis.least_turn_rad.is_none_or(shows)));
-        kinds
     }
 
     /// What explains some of the rest without being worth a name.

@@ -18,9 +18,9 @@ const SETTLED: f64 = 1e-6;
 /// Powers of the angle that make a slow bend.
 pub(crate) const BEND: usize = 5;
 /// Most steps in which coefficients and the factors on them are fitted together …
-const FACTOR_STEPS: usize = 10;
+const FACTOR_STEPS: usize = 6;
 /// … and the relative gain that ends them.
-const FACTORS_SETTLED: f64 = 1e-6;
+const FACTORS_SETTLED: f64 = 1e-4;
 
 /// A structure in one capture: its rows, made anew only where a value changed.
 pub(crate) struct Separable<'a> {
@@ -146,11 +146,12 @@ impl<'a> Separable<'a> {
     }
 
     /// The torque's derivatives by the coefficients, and what these are to add up to.
-    fn linearised(&self) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
+    pub(crate) fn linearised(&self) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
         let mut columns: Vec<Cow<'_, [f64]>> = self.columns().into_iter().map(Cow::Borrowed).collect();
         let mut target = Cow::Borrowed(self.target.as_slice());
+        let load_factor = self.structure.load_factor(&self.capture.motion);
         for (index, range) in self.structure.ranges().into_iter().enumerate() {
-            let multiplied = self.structure.multiplied_rows(index, self.capture);
+            let multiplied = self.structure.multiplied_rows(index, self.capture, load_factor.as_deref());
             for (column, more) in range.clone().zip(&multiplied) {
                 // The factor at hand counts in the levels' columns and in its own: once too often.
                 let level = self.coefficients[column];

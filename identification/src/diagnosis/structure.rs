@@ -293,22 +293,30 @@ impl Structure {
         }
     }
 
-    /// Rows of what the factors on friction add to the columns of the friction at an index; none where nothing multiplies it.
-    pub(crate) fn multiplied_rows(&self, index: usize, capture: &Capture) -> Vec<Vec<f64>> {
+    /// Rows of what factors add to the columns of the effect at an index: those on friction to a friction's, and that on the load to the columns of
+    /// what the load consists of; none where nothing multiplies it.
+    pub(crate) fn multiplied_rows(
+        &self,
+        index: usize,
+        capture: &Capture,
+        load_factor: Option<&[f64]>,
+    ) -> Vec<Vec<f64>> {
         let (effect, motion) = (&self.effects[index], &capture.motion);
         let is_friction = matches!(effect.kind().part, Part::Friction(_) | Part::FrictionTable(_));
         let is_factor = |of: &&Effect| matches!(of.kind().part, Part::CoulombFactor(_) | Part::FrictionFactor(_));
         let factors: Vec<&Effect> = self.effects.iter().filter(is_factor).collect();
-        let Some(regressors) = effect.kind().regressors.filter(|_| is_friction && !factors.is_empty()) else {
-            return Vec::new();
-        };
-        let own = self.friction_columns(effect, regressors, motion);
-        capture.row_filter.rows_of(self.columns[index], |range, columns| {
-            for (place, at) in range.enumerate() {
-                if capture.row_filter.mask[at] == 0.0 {
-                    columns.iter_mut().for_each(|column| column[place] = 0.0);
-                    continue;
+        let Some(regressors) = effect.kind().regressors else { return Vec::new() };
+        let rows = |of_sample: &dyn Fn(usize) -> [f64; dynamics::MAX_PARAMETERS]| {
+            capture.row_filter.rows_of(self.columns[index], |range, columns| {
+                for (place, at) in range.enumerate() {
+                    let row = if capture.row_filter.mask[at] == 0.0 { [0.0; _] } else { of_sample(at) };
+                    columns.iter_mut().zip(row).for_each(|(column, value)| column[place] = value);
                 }
+            })
+        };
+        if is_friction && !factors.is_empty() {
+            let own = self.friction_columns(effect, regressors, motion);
+            return rows(&|at| {
                 let now = motion.at(at);
                 let change = |of_coulomb: bool| -> f64 {
                     let each = factors.iter().map(|factor| match factor.kind().part {
@@ -320,11 +328,25 @@ impl Structure {
                 };
                 let [of_all, of_coulomb] = [false, true].map(change);
                 let [all, coulomb] = own(at);
-                for (slot, (all, coulomb)) in columns.iter_mut().zip(all.iter().zip(&coulomb)) {
-                    slot[place] = of_all * all + of_coulomb * coulomb;
-                }
-            }
-        })
+                std::array::from_fn(|column| of_all * all[column] + of_coulomb * coulomb[column])
+            });
+        }
+        match load_factor.filter(|_| effect.kind().is_of_the_load()) {
+            Some(factor) => rows(&|at| filled(effect, regressors, &motion.at(at)).map(|column| factor[at] * column)),
+            None => Vec::new(),
+        }
+    }
+
+    /// By how much friction that grows with the load adds to the torques of the load, as a share of them, at every sample; `None` without such
+    /// friction.
+    pub(crate) fn load_factor(&self, motion: &KnobMotion) -> Option<Vec<f64>> {
+        let model = self.model();
+        let coefficient = model.load_friction();
+        let at = |index: usize| {
+            let now = motion.at(index);
+            coefficient * now.velocity_sign() * model.load_mnm(&now).signum()
+        };
+        (coefficient != 0.0).then(|| (0..motion.angle_rad.len()).map(at).collect())
     }
 
     /// A friction's columns at a sample: of all that it makes, and of its Coulomb part; with bristles, of these as they bend.

@@ -25,13 +25,14 @@ const SETTLED: f64 = 1e-4;
 /// unit's square.
 const HELD: f64 = 1e-3;
 
-/// Columns of the units' heights, and of their places at the present heights.
-fn columns_of(lobes: &Lobes, capture: &Capture) -> Vec<Vec<f64>> {
+/// Columns of the units' heights, and of their places at the present heights, each sample's multiplied by one and what `more` adds.
+fn columns_of(lobes: &Lobes, capture: &Capture, more: impl Fn(usize) -> f64 + Sync) -> Vec<Vec<f64>> {
     capture.row_filter.rows_of(2 * lobes.units(), |range, columns| {
         columns.iter_mut().for_each(|column| column.fill(0.0));
         for (row, index) in range.enumerate() {
+            let factor = 1.0 + more(index);
             for (column, derivative) in lobes.derivatives(capture.motion.angle_rad[index]) {
-                columns[column][row] += derivative;
+                columns[column][row] += factor * derivative;
             }
         }
     })
@@ -45,7 +46,7 @@ pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<Structure
     let scene = capture.scene_of(base);
     let fitted = [Unit::BetweenRests, Unit::BetweenWalls].into_iter().filter_map(|unit| {
         let equal = Lobes::equal(unit, &base.effects[index], scene.lowest_rad, scene.highest_rad)?;
-        fitted(equal, base.without(index), capture)
+        fitted(equal, base, index, capture)
     });
     fitted.min_by(|one, other| one.1.total_cmp(&other.1)).map(|(structure, _)| structure)
 }
@@ -62,7 +63,7 @@ pub(crate) fn asymmetric(structure: &Structure, capture: &Capture) -> Option<Str
 
 fn fitted_anew(structure: &Structure, capture: &Capture, start: impl Fn(Lobes) -> Lobes) -> Option<Structure> {
     let index = structure.position(effects::unequal_detents::KIND.name)?;
-    let (fitted, _) = fitted(start(Lobes::of(&structure.effects[index])?), structure.without(index), capture)?;
+    let (fitted, _) = fitted(start(Lobes::of(&structure.effects[index])?), structure, index, capture)?;
     // It keeps its place among the effects.
     let (effect, columns) = (*fitted.effects.last()?, *fitted.columns.last()?);
     let mut refined = fitted.without(fitted.effects.len() - 1);
@@ -71,21 +72,27 @@ fn fitted_anew(structure: &Structure, capture: &Capture, start: impl Fn(Lobes) -
     Some(refined)
 }
 
-/// The structure with lobes more, fitted from where they are, and the sum of squares that it leaves.
-fn fitted(mut lobes: Lobes, structure: Structure, capture: &Capture) -> Option<(Structure, f64)> {
-    let rest = Separable::new(structure, capture);
-    let rest_columns = rest.columns();
-    let target = capture.target(rest.structure.delay_s());
-    let mut nonnegative = rest.structure.nonnegative();
+/// The structure with lobes in the place of the detents at an index, fitted from where they are, and the sum of squares that it leaves.
+fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Capture) -> Option<(Structure, f64)> {
+    let range = structure.ranges()[index].clone();
+    let whole = Separable::new(structure.clone(), capture);
+    // What rubs with the load rubs with the detents' torque.
+    let load_factor = whole.structure.load_factor(&capture.motion);
+    let more = |at: usize| load_factor.as_ref().map_or(0.0, |factor| factor[at]);
+    let (mut all, target) = whole.linearised();
+    all.drain(range.clone());
+    let rest_columns: Vec<&[f64]> = all.iter().map(AsRef::as_ref).collect();
+    let mut nonnegative = whole.structure.nonnegative();
+    nonnegative.drain(range);
     nonnegative.resize(rest_columns.len() + 2 * lobes.units(), false);
-    let mut columns = columns_of(&lobes, capture);
+    let mut columns = columns_of(&lobes, capture, more);
     let mut left = squares(&lobes, &columns, &rest_columns, &target, &nonnegative);
     for _ in 0..STEPS {
         let step = solved(&lobes, &columns, &rest_columns, &target, &nonnegative);
         let (heights_mnm, shifts_rad) = step[rest_columns.len()..].split_at(lobes.units());
         let better = longest_improving(0.4, |share| {
             let moved = lobes.moved(heights_mnm, shifts_rad, share)?;
-            let columns = columns_of(&moved, capture);
+            let columns = columns_of(&moved, capture, more);
             let now = squares(&moved, &columns, &rest_columns, &target, &nonnegative);
             (now < left).then_some((now, moved, columns))
         });
@@ -98,7 +105,7 @@ fn fitted(mut lobes: Lobes, structure: Structure, capture: &Capture) -> Option<(
     }
     let heights = solved(&lobes, &columns[..lobes.units()], &rest_columns, &target, &nonnegative);
     let lobes = lobes.with_heights(&heights[rest_columns.len()..]);
-    Some((rest.structure.with(lobes.effect()?, 1), left))
+    Some((whole.structure.without(index).with(lobes.effect()?, 1), left))
 }
 
 /// The detents of a fitted structure one by one, with their intervals: those that the capture shows whole.
@@ -110,7 +117,7 @@ pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) ->
         return Vec::new();
     };
     let rest = Separable::new(structure.without(index), capture);
-    let of_lobes = columns_of(&lobes, capture);
+    let of_lobes = columns_of(&lobes, capture, |_| 0.0);
     let columns: Vec<&[f64]> = of_lobes.iter().map(Vec::as_slice).chain(rest.columns()).collect();
     // What is left is the same whichever columns say it: the structure is at its best.
     let left = Separable::new(structure.clone(), capture).residual;

@@ -127,7 +127,7 @@ fn ties(steps: &[Step]) -> Vec<String> {
 }
 
 fn steps(steps: &[Step]) -> Table {
-    let mut table = table(["added", "before", "after", "placebo", "closest rival"]);
+    let mut table = table(["added", "before", "after", "null", "closest rival"]);
     for step in steps {
         let rival = step.rivals.iter().find(|rival| rival.disqualified.is_none());
         let rms_mnm = |value: f64| Cell::new(format!("{value:.3}")).set_alignment(CellAlignment::Right);
@@ -200,7 +200,7 @@ fn table<const COLUMNS: usize>(header: [&str; COLUMNS]) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     let right =
-        |name: &str| matches!(name, "before" | "after" | "placebo" | "value" | "95 % interval") || name.contains(", ");
+        |name: &str| matches!(name, "before" | "after" | "null" | "value" | "95 % interval") || name.contains(", ");
     let cell = |name: &str| {
         Cell::new(name).set_alignment(if right(name) { CellAlignment::Right } else { CellAlignment::Left })
     };

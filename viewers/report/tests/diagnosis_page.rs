@@ -267,7 +267,7 @@ fn verdict_ties_reasons_units_and_the_law_are_stated_in_words() {
         "--sweep slow-turn",
         "The knob was warm",
         "heldout.csv",
-        "placebo",
+        "null effect",
     ] {
         assert!(text.contains(words), "{words} is missing");
     }

@@ -168,7 +168,7 @@ fn method(found: &Diagnosis) -> Markup {
             "The evidence of an effect is the gain in log-likelihood over the rows of both captures less the cost of its \
              parameters (Schwarz 1978), in nats: 10 nats are odds of 22\u{202f}000 to 1, if rows were independent. Since they are not \
              quite, an effect must also explain stretch after stretch better; the steadiness is the mean gain of a stretch over \
-             its standard error. The placebo has the effect's own columns, shifted in time: what as much freedom buys when \
+             its standard error. The null effect has the effect's own columns, shifted in time: what as much freedom buys when \
              it means nothing."
         }
         p {

@@ -31,7 +31,7 @@ struct Line {
     probability: Option<f64>,
 }
 
-/// Held-out RMS with the effect, with each rival and with the placebo.
+/// Held-out RMS with the effect, with each rival and with the null effect.
 pub(super) fn figure(found: &Diagnosis, step: &Step) -> Figure {
     Figure {
         title: "Every effect in its place".to_owned(),
@@ -40,14 +40,14 @@ pub(super) fn figure(found: &Diagnosis, step: &Step) -> Figure {
             (Mark::Dots, Ink::Reference, "a tie"),
             (Mark::Dots, Ink::Measured, "a rival, hollow if it is ruled out"),
             (Mark::Line, Ink::Before, "nothing added"),
-            (Mark::Line, Ink::Label, "placebo"),
+            (Mark::Line, Ink::Label, "null effect"),
             (Mark::Band, Ink::Floor, "noise floor"),
         ],
         plot: plot(found, step),
         caption: format!(
             "The further left a dot, the more of the held-out gap the effect closes. An effect that ends at the line of nothing added \
              ({} mNm) explains nothing of another motion; one beyond it explains the training capture by chance. As much freedom \
-             as that of {}, spent on nothing, ends at the placebo's line ({} mNm). Best evidence first.",
+             as that of {}, spent on nothing, ends at the null effect's line ({} mNm). Best evidence first.",
             three(step.heldout_rms_before),
             step.effect,
             three(step.placebo_rms)
@@ -79,14 +79,14 @@ fn lines(step: &Step) -> Vec<Line> {
             probability: Some(rival.probability),
         }
     };
-    let placebo = Line {
-        name: "placebo".to_owned(),
+    let null = Line {
+        name: "null effect".to_owned(),
         class: "ruled-out",
         rms_mnm: step.placebo_rms,
         evidence: None,
         probability: None,
     };
-    [chosen].into_iter().chain(step.rivals.iter().map(rival)).chain([placebo]).collect()
+    [chosen].into_iter().chain(step.rivals.iter().map(rival)).chain([null]).collect()
 }
 
 fn plot(found: &Diagnosis, step: &Step) -> Markup {

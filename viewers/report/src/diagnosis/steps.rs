@@ -40,7 +40,7 @@ pub(super) fn section(found: &Diagnosis, index: usize, heldout: &[Row], numbers:
 fn why(found: &Diagnosis, step: &Step) -> String {
     format!(
         "With it the held-out gap goes from {} to {} mNm ({} times the noise floor) and that of the training capture from {} to {} \
-         mNm; the placebo leaves {} mNm. The evidence for it is {} nats, and stretch after stretch it explains more, by {} standard \
+         mNm; the null effect leaves {} mNm. The evidence for it is {} nats, and stretch after stretch it explains more, by {} standard \
          errors. Among all effects tried here the rate of false discoveries is {}.",
         three(step.heldout_rms_before),
         three(step.heldout_rms_after),

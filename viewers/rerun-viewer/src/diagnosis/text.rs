@@ -13,12 +13,12 @@ pub fn markdown(input: &DiagnosisInput) -> String {
         let _ = writeln!(text, "\n{}: {}", capture.role, capture.source);
     }
     if !found.steps.is_empty() {
-        text.push_str("\n| added | before, mNm | after, mNm | placebo, mNm |\n|---|---|---|---|\n");
+        text.push_str("\n| added | before, mNm | after, mNm | null effect, mNm |\n|---|---|---|---|\n");
     }
     for step in &found.steps {
-        let [before, after, placebo] =
+        let [before, after, null] =
             [step.heldout_rms_before, step.heldout_rms_after, step.placebo_rms].map(three_digits);
-        let _ = writeln!(text, "| {} | {before} | {after} | {placebo} |", step.effect);
+        let _ = writeln!(text, "| {} | {before} | {after} | {null} |", step.effect);
     }
     let _ = writeln!(
         text,
