@@ -147,7 +147,7 @@ pub(super) fn estimate(
         .and_then(|detent| joint_solution(columns, &detent).map(|joint| (detent, joint)))
         .filter(|(_, joint)| joint.solution.blocks >= FEWEST_BLOCKS);
     let Some(solution) = joint.as_ref().map(|(_, joint)| joint.solution.clone()).or_else(|| base.solve(columns)) else {
-        estimate.parameters = not_yet_estimated(base_effects);
+        estimate.parameters = not_yet_estimated(base_effects, evidence);
         return estimate;
     };
     let mut start = 0;
@@ -178,36 +178,27 @@ pub(super) fn estimate(
             estimate.parameters.extend(detent_parameters(columns, detent, joint));
         }
         None => {
-            let verdict = if evidence == Some(false) { Verdict::Absent } else { Verdict::NotYet };
             estimate.wavenumber_deviation = f64::INFINITY;
-            estimate.parameters.extend(effects::detent::KIND.parameters.iter().map(|kind| LiveParameter {
-                name: kind.name,
-                unit: kind.unit,
-                value: None,
-                ci95: None,
-                verdict,
-                convergence: Convergence::Open,
-            }));
+            estimate.parameters.extend(no_detents(evidence));
         }
     }
     estimate
 }
 
-fn not_yet_estimated(base_effects: &[Effect]) -> Vec<LiveParameter> {
-    base_effects
-        .iter()
-        .map(Effect::kind)
-        .chain([&effects::detent::KIND])
-        .flat_map(|kind| kind.parameters)
-        .map(|kind| LiveParameter {
-            name: kind.name,
-            unit: kind.unit,
-            value: None,
-            ci95: None,
-            verdict: Verdict::NotYet,
-            convergence: Convergence::Open,
-        })
-        .collect()
+fn not_yet_estimated(base_effects: &[Effect], evidence: Option<bool>) -> Vec<LiveParameter> {
+    let base = base_effects.iter().flat_map(|effect| effect.kind().parameters);
+    base.map(|kind| without_value(kind, Verdict::NotYet)).chain(no_detents(evidence)).collect()
+}
+
+/// The detents' parameters where none were found.
+fn no_detents(evidence: Option<bool>) -> impl Iterator<Item = LiveParameter> {
+    let verdict = if evidence == Some(false) { Verdict::Absent } else { Verdict::NotYet };
+    effects::detent::KIND.parameters.iter().map(move |kind| without_value(kind, verdict))
+}
+
+fn without_value(kind: &ParameterKind, verdict: Verdict) -> LiveParameter {
+    let ParameterKind { name, unit, .. } = *kind;
+    LiveParameter { name, unit, value: None, ci95: None, verdict, convergence: Convergence::Open }
 }
 
 fn parameter(
@@ -221,14 +212,7 @@ fn parameter(
     let ParameterKind { name, unit, .. } = *kind;
     let seen = excitation.of(name);
     if !solution.is_fitted[column] || seen < excitation.enough {
-        return LiveParameter {
-            name,
-            unit,
-            value: None,
-            ci95: None,
-            verdict: Verdict::NotYet,
-            convergence: Convergence::Open,
-        };
+        return without_value(kind, Verdict::NotYet);
     }
     let value = solution.coefficients[column] - subtract;
     // The column counts where it is not zero.

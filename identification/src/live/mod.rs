@@ -92,6 +92,8 @@ pub struct LiveFit {
     /// Those of the sliding samples that went in the negative direction.
     backward: u64,
     scanned_at: u64,
+    /// Whether a control on this axis may have detents: what is pressed has none.
+    is_rotary: bool,
     /// Whether the last scan saw detents.
     evidence: Option<bool>,
     samples: u64,
@@ -118,6 +120,7 @@ impl LiveFit {
     pub fn new(rate_hz: f64, calibration: Option<&Calibration>) -> Self {
         let band_hz = BAND_HZ.min(BAND_SHARE * rate_hz);
         let base_effects = vec![Effect::new(&effects::inertia::KIND, &[]), Effect::new(&effects::friction::KIND, &[])];
+        let is_rotary = calibration.is_none_or(|known| known.axis.is_rotary());
         let columns =
             base_effects.iter().map(|effect| effect.kind().regressors.map_or(0, |r| r.columns)).sum::<usize>();
         Self {
@@ -132,7 +135,8 @@ impl LiveFit {
             sliding: 0,
             backward: 0,
             scanned_at: 0,
-            evidence: None,
+            is_rotary,
+            evidence: (!is_rotary).then_some(false),
             samples: 0,
             ignored: 0,
             newest_s: f64::NAN,
@@ -212,7 +216,7 @@ impl LiveFit {
             centre_rad: joint.centre_rad,
             blocks: &joint.blocks,
         });
-        let long = self.sliding as f64 > ABSENT_AFTER_S * self.rate_hz;
+        let long = !self.is_rotary || self.sliding as f64 > ABSENT_AFTER_S * self.rate_hz;
         let evidence = self.evidence.filter(|detents| *detents || long);
         let excitation = Excitation {
             sliding: self.sliding as f64,
@@ -268,7 +272,7 @@ impl LiveFit {
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     fn rescan(&mut self) {
         let due = (self.scanned_at as f64 * RESCAN_GROWTH).max(FIRST_SCAN_S * self.rate_hz);
-        if (self.sliding as f64) < due {
+        if !self.is_rotary || (self.sliding as f64) < due {
             return;
         }
         self.scanned_at = self.sliding;
