@@ -18,7 +18,7 @@ const SETTLED: f64 = 1e-6;
 /// Powers of the angle that make a slow bend.
 pub(crate) const BEND: usize = 5;
 /// Most steps in which coefficients and the factors on them are fitted together …
-const FACTOR_STEPS: usize = 6;
+const FACTOR_STEPS: usize = 3;
 /// … and the relative gain that ends them.
 const FACTORS_SETTLED: f64 = 1e-4;
 
@@ -145,13 +145,18 @@ impl<'a> Separable<'a> {
         self.coefficients = coefficients;
     }
 
-    /// The torque's derivatives by the coefficients, and what these are to add up to.
-    pub(crate) fn linearised(&self) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
+    /// The torque's derivatives by the coefficients, and what these are to add up to: without what the load's friction makes of the load, which is
+    /// small and costly.
+    fn linearised(&self) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
+        self.linearised_with(None)
+    }
+
+    /// The same with the load's friction, which multiplies the load by this factor at every sample.
+    pub(crate) fn linearised_with(&self, load_factor: Option<&[f64]>) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
         let mut columns: Vec<Cow<'_, [f64]>> = self.columns().into_iter().map(Cow::Borrowed).collect();
         let mut target = Cow::Borrowed(self.target.as_slice());
-        let load_factor = self.structure.load_factor(&self.capture.motion);
         for (index, range) in self.structure.ranges().into_iter().enumerate() {
-            let multiplied = self.structure.multiplied_rows(index, self.capture, load_factor.as_deref());
+            let multiplied = self.structure.multiplied_rows(index, self.capture, load_factor);
             for (column, more) in range.clone().zip(&multiplied) {
                 // The factor at hand counts in the levels' columns and in its own: once too often.
                 let level = self.coefficients[column];

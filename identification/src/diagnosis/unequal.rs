@@ -79,7 +79,7 @@ fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Captu
     // What rubs with the load rubs with the detents' torque.
     let load_factor = whole.structure.load_factor(&capture.motion);
     let more = |at: usize| load_factor.as_ref().map_or(0.0, |factor| factor[at]);
-    let (mut all, target) = whole.linearised();
+    let (mut all, target) = whole.linearised_with(load_factor.as_deref());
     all.drain(range.clone());
     let rest_columns: Vec<&[f64]> = all.iter().map(AsRef::as_ref).collect();
     let mut nonnegative = whole.structure.nonnegative();
