@@ -113,12 +113,12 @@ impl Search<'_> {
 
     /// A structure fitted from where it stands.
     pub(crate) fn settled(&self, structure: Structure) -> Judged {
-        let structure = unequal::refined(&structure, self.train).unwrap_or(structure);
         if structure.is_coupled() {
             let mut fit = Nonlinear::new(structure, self.train);
             fit.refine();
             return Judged::nonlinear(&fit, self.train, self.heldout);
         }
+        let structure = unequal::refined(&structure, self.train).unwrap_or(structure);
         let mut fit = Separable::new(structure, self.train);
         fit.refine(10);
         Judged::separable(&fit, self.heldout)

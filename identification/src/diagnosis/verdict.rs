@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use dynamics::{Model, simulate};
 
-use super::acceptance::{MOSTLY_NOISE, UNEXPLAINED, explains_the_gap, takes_its_part, worthwhile};
+use super::acceptance::{MOSTLY_EXPLAINED, MOSTLY_NOISE, explains_the_gap, takes_its_part, worthwhile};
 use super::commanded;
 use super::findings::{Diagnosis, Rival, Step, Value, Verdict};
 use super::judged::Judged;
@@ -61,7 +61,7 @@ impl Search<'_> {
         let locations = locate(&last.train_residual, &last.structure, self.train);
         // Noise may be larger in motion than the sensors' own, but then it goes with nothing.
         let shaped = locations.iter().any(|location| location.significant);
-        let is_left = unexplained > UNEXPLAINED
+        let is_left = unexplained > MOSTLY_EXPLAINED
             && (left > LEFT && (shaped || left > CERTAINLY_LEFT) || last.heldout_over_floor() > MOSTLY_NOISE);
         if is_left || found.in_part && !explains_the_gap(last, first) {
             Verdict::OutsideLibrary
