@@ -99,6 +99,8 @@ pub struct MoteusRig {
     unanswered: u32,
     /// What came instead.
     unheard: i32,
+    /// Exchanges in a row in which nothing at all was heard.
+    silent: u32,
     counter_ms: Option<i32>,
     /// The torque of the newest command, mNm.
     torque_mnm: f64,
@@ -157,6 +159,7 @@ impl MoteusRig {
             drives: false,
             unanswered: 0,
             unheard: codes::SILENCE,
+            silent: 0,
             counter_ms: None,
             torque_mnm: 0.0,
         })
@@ -294,7 +297,8 @@ impl Apparatus for MoteusRig {
         self.answer()?;
         self.is_on = true;
         self.enabled_ns = now_ns();
-        (self.unanswered, self.unheard, self.counter_ms, self.drives) = (0, codes::SILENCE, None, false);
+        (self.unanswered, self.silent, self.unheard) = (0, 0, codes::SILENCE);
+        (self.counter_ms, self.drives) = (None, false);
         self.command(0.0)
     }
 
@@ -313,15 +317,21 @@ impl Apparatus for MoteusRig {
         // At the time of the answer the command before acted still.
         let acting_mnm = self.torque_mnm;
         let sent_ns = now_ns();
+        let before = std::mem::replace(&mut self.unheard, codes::SILENCE);
         self.command(torque_mnm)?;
         let Some((reply, came_ns)) = self.wait(sent_ns)? else {
             self.unanswered += 1;
+            self.silent = if self.unheard == codes::SILENCE { self.silent + 1 } else { 0 };
+            // One late answer does not make a controller slow that has said nothing since.
+            if (1..=self.description.stale_limit / 2).contains(&self.silent) {
+                self.unheard = before;
+            }
             if self.unanswered > self.description.stale_limit {
                 return Err(ApparatusError::Device(self.unheard));
             }
             return Ok(Measurement::stale(self.unheard));
         };
-        (self.unanswered, self.unheard) = (0, codes::SILENCE);
+        (self.unanswered, self.silent, self.unheard) = (0, 0, codes::SILENCE);
         let after_ns = (sent_ns.midpoint(came_ns)).wrapping_sub(due_ns).cast_signed();
         let read = RawMeasurement { values: reply.values, valid: reply.valid, after_s: after_ns as f64 * 1e-9 };
         Ok(self.wiring.measurement(&read, acting_mnm))
