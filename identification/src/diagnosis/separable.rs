@@ -107,17 +107,17 @@ impl<'a> Separable<'a> {
     /// A factor multiplies the friction, whose levels are coefficients too, and the load: there it takes steps of Gauss and Newton. Fitted in turn,
     /// the levels would not count with what the factor makes of them, and end elsewhere where an offset can replace them.
     fn solve(&mut self) {
-        self.solve_once();
         let factors: Vec<usize> = (0..self.structure.effects.len())
             .filter(|index| {
                 let part = self.structure.effects[*index].kind().part;
                 matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::LoadFriction(_))
             })
             .collect();
+        let coefficients = solve(&self.columns(), &self.target, &self.structure.nonnegative());
+        self.take(&factors, coefficients);
         if factors.is_empty() {
             return;
         }
-        self.take(&factors, self.coefficients.clone());
         for _ in 0..FACTOR_STEPS {
             let (start, before) = (self.coefficients.clone(), self.squares());
             let (columns, target) = self.linearised();
@@ -165,14 +165,6 @@ impl<'a> Separable<'a> {
             }
         }
         (columns, target)
-    }
-
-    fn solve_once(&mut self) {
-        let columns = self.columns();
-        let coefficients = solve(&columns, &self.target, &self.structure.nonnegative());
-        self.residual = residual(&columns, &self.target, &coefficients);
-        self.structure.take(&coefficients);
-        self.coefficients = coefficients;
     }
 
     /// Sets searched parameters and solves again.

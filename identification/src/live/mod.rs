@@ -92,7 +92,7 @@ pub struct LiveFit {
     /// Those of the sliding samples that went in the negative direction.
     backward: u64,
     scanned_at: u64,
-    /// Whether a control on this axis may have detents: what is pressed has none.
+    /// Whether the axis is rotary: a pressed control has no detents.
     is_rotary: bool,
     /// Whether the last scan saw detents.
     evidence: Option<bool>,
