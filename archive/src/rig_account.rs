@@ -13,6 +13,10 @@ pub struct RigAccount {
     pub stale_samples: BTreeMap<i32, u64>,
     /// The rig's clock; `None` where the ticks kept to the machine's.
     pub clock: Option<RigClock>,
+    /// Mean time that an exchange with the rig took, s …
+    pub mean_exchange_s: f64,
+    /// … and the longest, s.
+    pub longest_exchange_s: f64,
 }
 
 /// The clock of a rig that the ticks followed.
@@ -27,7 +31,7 @@ pub struct RigClock {
 }
 
 impl RigAccount {
-    /// A sentence for each reason and one for the clock, with the meanings of the run's device codes. The reason with the code
+    /// A sentence for each reason, one for the clock and one for an exchange that took too long, with the meanings of the run's device codes. The reason with the code
     /// `reported` is left out: it ended the run and has been reported as its cause.
     #[must_use]
     pub fn in_words(&self, run: &RunDescription, reported: i32) -> Vec<String> {
@@ -45,7 +49,13 @@ impl RigAccount {
                 1e6 * phase_deviation_s
             )
         });
-        stale.chain(clock).collect()
+        let slow = (self.longest_exchange_s * run.rate_hz > 1.0).then(|| {
+            format!(
+                "the longest exchange with the rig took {:.1} ms, more than a tick: its driver or library waited, unless the machine stalled",
+                1e3 * self.longest_exchange_s
+            )
+        });
+        stale.chain(clock).chain(slow).collect()
     }
 }
 
@@ -58,14 +68,21 @@ pub(crate) struct AccountFields {
     state: Option<FieldLayout>,
     flags: Option<FieldLayout>,
     device_code: Option<FieldLayout>,
+    sensor_read_ns: Option<FieldLayout>,
 }
 
 impl AccountFields {
     pub(crate) fn find(layout: &Layout) -> Self {
-        let [tick, monotonic_time_ns, measured_after_s, state, flags, device_code] =
-            ["tick", "monotonic_time_ns", "measured_after_s", "state", "flags", "device_code"]
-                .map(|name| layout.field(name).cloned());
-        Self { tick, monotonic_time_ns, measured_after_s, state, flags, device_code }
+        let field = |name| layout.field(name).cloned();
+        Self {
+            tick: field("tick"),
+            monotonic_time_ns: field("monotonic_time_ns"),
+            measured_after_s: field("measured_after_s"),
+            state: field("state"),
+            flags: field("flags"),
+            device_code: field("device_code"),
+            sensor_read_ns: field("sensor_read_ns"),
+        }
     }
 }
 
@@ -89,6 +106,8 @@ pub(crate) struct Account {
     tick_by_tick: f64,
     tick_by_due_ns: f64,
     after_by_after_s2: f64,
+    mean_exchange_ns: f64,
+    longest_exchange_ns: f64,
 }
 
 impl Account {
@@ -111,8 +130,11 @@ impl Account {
         let due_ns = due_ns.saturating_sub(first_due_ns) as f64;
         let after_s = fields.measured_after_s.as_ref().and_then(|field| field.as_f64(body)).unwrap_or(0.0);
         let (tick_off, after_off_s) = (tick - self.mean_tick, after_s - self.mean_after_s);
+        let exchange_ns = whole(&fields.sensor_read_ns).unwrap_or(0) as f64;
         self.last_tick = tick;
         self.fresh += 1.0;
+        self.mean_exchange_ns += (exchange_ns - self.mean_exchange_ns) / self.fresh;
+        self.longest_exchange_ns = self.longest_exchange_ns.max(exchange_ns);
         self.mean_tick += tick_off / self.fresh;
         self.mean_due_ns += (due_ns - self.mean_due_ns) / self.fresh;
         self.mean_after_s += after_off_s / self.fresh;
@@ -132,6 +154,11 @@ impl Account {
             phase_s: self.mean_after_s,
             phase_deviation_s: (self.after_by_after_s2 / self.fresh).sqrt(),
         });
-        RigAccount { stale_samples: self.stale_samples, clock }
+        RigAccount {
+            stale_samples: self.stale_samples,
+            clock,
+            mean_exchange_s: 1e-9 * self.mean_exchange_ns,
+            longest_exchange_s: 1e-9 * self.longest_exchange_ns,
+        }
     }
 }

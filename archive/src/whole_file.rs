@@ -1,9 +1,9 @@
 //! Files that are either there whole or not at all, and that take nothing else's place.
 
-use std::fs::{File, Metadata};
+use std::fs::{File, Metadata, Permissions};
 use std::io::{BufWriter, ErrorKind, Read as _};
 use std::os::fd::AsFd as _;
-use std::os::unix::fs::{FileTypeExt as _, MetadataExt as _};
+use std::os::unix::fs::{FileTypeExt as _, MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
 use nix::unistd::geteuid;
@@ -53,9 +53,12 @@ pub fn write_whole<Written>(
         Place::Free => (path.to_owned(), true),
         Place::Taken(there) => (there, false),
     };
+    // Whoever could read a file that is replaced still can.
+    let mode = if free { Permissions::from_mode(0o666) } else { place.metadata().map_err(refused)?.permissions() };
     let temporary = tempfile::Builder::new()
         .prefix(".haptic-camera-")
         .suffix(".incomplete")
+        .permissions(mode)
         .tempfile_in(folder_of(&place))
         .map_err(|error| no_place(path, &error))?;
     let written = write(into(temporary.as_file().try_clone().map_err(refused)?))?;

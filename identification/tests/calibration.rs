@@ -6,7 +6,7 @@ mod common;
 
 use common::run;
 use dynamics::knobs::{self, Fixture};
-use dynamics::{Calibration, Drive};
+use dynamics::{Calibration, Drive, Model};
 use identification::calibration::{CalibrateError, Calibrated, Estimate, combine, gravity, gripper, latency, zero};
 
 const SEEDS: u64 = 12;
@@ -105,6 +105,25 @@ fn both_channels_delays_are_found_to_a_fraction_of_a_sample() {
     }
     torque.assert_good("torque_delay_s", 10e-6);
     acceleration.assert_good("acceleration_delay_s", 10e-6);
+}
+
+#[test]
+fn friction_behind_the_torque_sensor_is_not_taken_for_a_delay() {
+    let rough = Model::from_toml(
+        "name = \"rough\"\n[[effects]]\neffect = \"inertia\"\ninertia = 0.08\n[[effects]]\neffect = \"friction\"\n\
+         coulomb_negative = 4.0\ncoulomb_positive = 4.0\nviscous_negative = 0.3\nviscous_positive = 0.3\n",
+        "rough",
+    )
+    .unwrap();
+    for seed in 1..=SEEDS {
+        let fast = run(&rough, "fast-multisine", Drive::Position, Some(0.1), 10.0, seed);
+        let known = Calibration { torque_delay_s: 0.0, ..fast.rig().clone() };
+        let found = latency(&fast.samples(), &known).unwrap();
+        let error_s = found.get("torque_delay_s").unwrap().value - fast.rig().torque_delay_s;
+        println!("{error_s:.2e} ± {:.2e} s: {:?}", found.get("torque_delay_s").unwrap().half_width, found.notes);
+        assert!(error_s.abs() < 20e-6, "{error_s}");
+        assert!(found.notes.iter().any(|note| note.contains("friction behind the torque sensor")), "{:?}", found.notes);
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Capture, Uniform, ideal, knob, run, sweep};
-use dynamics::{Drive, knobs};
+use dynamics::{Calibration, Drive, knobs};
 use identification::{Fit, FitError, FitOptions, Samples, fit};
 
 /// Ten seconds of a paper's knob that follows the linear chirp on the simulated rig.
@@ -161,4 +161,36 @@ fn a_coarse_encoder_that_the_calibration_does_not_know_of_is_said_with_its_step(
     assert!(noted(&capture).is_none());
     capture.calibration.as_mut().unwrap().angle_step_rad = 0.0;
     assert!(noted(&capture).is_some());
+}
+
+#[test]
+fn a_torque_sensor_of_the_wrong_sign_is_said_and_one_of_the_right_sign_is_not() {
+    for (number, seed) in [(1, 3), (3, 4), (4, 5)] {
+        let mut capture = rig(number, seed);
+        let right = fit(&capture.samples(), &FitOptions::default()).unwrap();
+        assert_eq!(note(&right, "opposite signs"), None, "knob {number}: {} % left", right.relative_error_percent);
+        capture.torque_mnm.iter_mut().for_each(|torque| *torque = -*torque);
+        let wrong = fit(&capture.samples(), &FitOptions::default()).unwrap();
+        let left = wrong.relative_error_percent;
+        assert!(
+            note(&wrong, "torque and angle have opposite signs").is_some(),
+            "knob {number}: {left} % left, {} % with the right sign",
+            right.relative_error_percent
+        );
+    }
+}
+
+#[test]
+fn an_encoders_step_that_is_not_the_calibrations_is_said() {
+    let capture = digitised(1);
+    let rig = rig(3, 1).rig().clone();
+    let said = |step_rad| {
+        let calibration = Some(Calibration { angle_step_rad: step_rad, ..rig.clone() });
+        note(
+            &fit(&capture.samples(), &FitOptions { calibration, ..FitOptions::default() }).unwrap(),
+            "the encoder's step",
+        )
+    };
+    assert_eq!(said(9.8e-6), None);
+    assert!(said(4.9e-6).is_some_and(|note| note.contains("9.80e-6") && note.contains("angle_step_rad")));
 }

@@ -20,6 +20,7 @@ use crate::preparation::compliance::knob_angle_rad;
 use crate::preparation::motion::gradient;
 use crate::preparation::spectrum::Spectrum;
 use crate::preparation::uniform::{Uniform, advance};
+use crate::uncertainty::statistics::rms;
 
 /// The band reaches to this multiple of the frequency below which the motion's power lies …
 const EDGE_PER_SWEEP: f64 = 1.5;
@@ -29,10 +30,14 @@ const LOWEST_EDGE_HZ: f64 = 25.0;
 const UNEXPLAINED: f64 = 0.5;
 /// Longest delay that is believed, s.
 const LONGEST_DELAY_S: f64 = 0.1;
-/// Rounds of taking gravity out at the delayed angle.
+/// Rounds of taking gravity or friction at the delayed motion.
 const ROUNDS: usize = 3;
+/// Half widths of its interval by which friction differs from zero for sure.
+const SURELY: f64 = 2.0;
+/// Share of the torque from which on friction behind the sensor is worth a word.
+const MUCH_FRICTION: f64 = 0.05;
 
-/// Fits the delays to a capture of the gripper alone (or any inertia without friction and detents).
+/// Fits the delays to a capture of the gripper alone (or any inertia without detents; friction behind the sensor is fitted with it).
 ///
 /// Takes gravity and the torque sensor's stiffness from `known`. Tells `torque_delay_s` and, where
 /// there is an accelerometer, `acceleration_delay_s`; a channel that cannot be estimated is a note.
@@ -43,9 +48,11 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     samples.check()?;
     let uniform = Uniform::of(samples, None);
     let band = band(&uniform);
-    let columns = columns(&band, &knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, Some(known)));
-    let torque = band.solve(&columns, &band.smooth(&uniform.torque_mnm));
-    let mut found = vec![("torque", "torque_delay_s", torque)];
+    let knob_rad = knob_angle_rad(&uniform.angle_rad, &uniform.torque_mnm, Some(known));
+    let columns = columns(&band, &knob_rad);
+    let torque = torque_relation(&uniform, known, &band, &columns, &knob_rad);
+    let mut calibrated = Calibrated { notes: friction_note(&torque).into_iter().collect(), ..Calibrated::default() };
+    let mut found = vec![("torque", "torque_delay_s", torque.solved)];
     if let Some(acceleration) = &uniform.acceleration_rad_s2 {
         found.push((
             "acceleration",
@@ -53,7 +60,6 @@ pub fn latency(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
             acceleration_relation(&uniform, acceleration, known, &band, &columns),
         ));
     }
-    let mut calibrated = Calibrated::default();
     let mut refusal = None;
     for (channel, quantity, solved) in found {
         if let Some(error) = unexplained(channel, &solved) {
@@ -91,9 +97,8 @@ pub fn command_latency(
     let uniform = Uniform::of(&driven, None);
     let band = band(&uniform);
     let velocity = gradient(&band.smooth(&uniform.angle_rad), uniform.rate_hz);
-    let direction: Vec<f64> = velocity.iter().map(|speed| speed.signum()).collect();
     let mut columns = columns(&band, &uniform.angle_rad);
-    columns.extend([band.smooth(&direction), velocity]);
+    columns.extend(friction_columns(&band, velocity));
     let solved = band.solve(&columns, &band.smooth(&uniform.torque_mnm));
     if let Some(error) = unexplained("commanded torque", &solved) {
         return Err(error);
@@ -121,6 +126,12 @@ fn columns(band: &Band, angle_rad: &[f64]) -> Vec<Vec<f64>> {
     columns
 }
 
+/// The direction of a motion, and its velocity.
+fn friction_columns(band: &Band, velocity: Vec<f64>) -> [Vec<f64>; 2] {
+    let direction: Vec<f64> = velocity.iter().map(|speed| speed.signum()).collect();
+    [band.smooth(&direction), velocity]
+}
+
 /// Why a channel tells no delay, if it does not.
 fn unexplained(channel: &'static str, solved: &Solved) -> Option<CalibrateError> {
     (solved.unexplained > UNEXPLAINED).then_some(CalibrateError::Unexplained {
@@ -131,21 +142,9 @@ fn unexplained(channel: &'static str, solved: &Solved) -> Option<CalibrateError>
     })
 }
 
-/// The accelerometer's relation, gravity taken out at the angle at which the sensor was read.
-fn acceleration_relation(
-    uniform: &Uniform,
-    measured: &[f64],
-    known: &Calibration,
-    band: &Band,
-    columns: &[Vec<f64>],
-) -> Solved {
-    let relation = |delay_s: f64| {
-        let late = advance(&uniform.angle_rad, -delay_s * uniform.rate_hz);
-        let own: Vec<f64> =
-            measured.iter().zip(&late).map(|(seen, angle)| seen - known.gravity_rad_s2(*angle)).collect();
-        band.solve(columns, &band.smooth(&own))
-    };
-    let mut solved = relation(known.acceleration_delay_s);
+/// A relation of which a part is taken at the delayed motion, which the relation itself tells.
+fn at_its_delay(first_s: f64, relation: impl Fn(f64) -> Solved) -> Solved {
+    let mut solved = relation(first_s);
     for _ in 1..ROUNDS {
         let (delay_s, _) = delay(&solved);
         if !delay_s.is_finite() || delay_s.abs() > LONGEST_DELAY_S {
@@ -154,6 +153,80 @@ fn acceleration_relation(
         solved = relation(delay_s);
     }
     solved
+}
+
+/// The torque's relation, and what friction makes of it.
+struct TorqueRelation {
+    solved: Solved,
+    /// Coulomb friction, mNm, and viscous friction, mNm·s/rad.
+    friction: [f64; 2],
+    /// RMS of friction's torque over that of the whole.
+    share: f64,
+}
+
+/// The torque sensor's relation, with the friction of what lies behind the sensor: a torque in phase with the velocity looks like a
+/// delay otherwise.
+fn torque_relation(
+    uniform: &Uniform,
+    known: &Calibration,
+    band: &Band,
+    columns: &[Vec<f64>],
+    knob_rad: &[f64],
+) -> TorqueRelation {
+    let target = band.smooth(&uniform.torque_mnm);
+    let velocity = gradient(&band.smooth(knob_rad), uniform.rate_hz);
+    let friction = |delay_s: f64| friction_columns(band, advance(&velocity, -delay_s * uniform.rate_hz));
+    let mut solved = at_its_delay(known.torque_delay_s, |delay_s| {
+        band.solve(&columns.iter().cloned().chain(friction(delay_s)).collect::<Vec<_>>(), &target)
+    });
+    let places = [columns.len(), columns.len() + 1];
+    let is_significant = |place: &usize| {
+        let mut derivatives = vec![0.0; columns.len() + 2];
+        derivatives[*place] = 1.0;
+        solved.coefficients[*place].abs() > SURELY * solved.half_width(&derivatives)
+    };
+    // Where there is none, its columns would only widen the interval.
+    if !places.iter().any(is_significant) {
+        return TorqueRelation { solved: band.solve(columns, &target), friction: [0.0; 2], share: 0.0 };
+    }
+    let coefficients = places.map(|place| solved.coefficients[place]);
+    let [direction, velocity] = friction(delay(&solved).0);
+    let torque: Vec<f64> =
+        direction.iter().zip(&velocity).map(|(sign, speed)| coefficients[0] * sign + coefficients[1] * speed).collect();
+    let share = rms(&torque) / rms(&target).max(f64::MIN_POSITIVE);
+    // Friction is not the inertia's either.
+    solved.unexplained = solved.unexplained.hypot(share);
+    TorqueRelation { solved, friction: coefficients, share }
+}
+
+/// That there is friction behind the sensor, if there is much beside a delay that can be told.
+fn friction_note(
+    TorqueRelation { solved, friction: [coulomb_mnm, viscous], share }: &TorqueRelation,
+) -> Option<String> {
+    let note = || {
+        format!(
+            "friction behind the torque sensor, {coulomb_mnm:.2} mNm and {viscous:.3} mNm·s/rad, makes {:.0} % of the torque: it was \
+             fitted along, but a delay is exact with nothing on the gripper",
+            100.0 * share
+        )
+    };
+    (*share > MUCH_FRICTION && solved.unexplained <= UNEXPLAINED).then(note)
+}
+
+/// The accelerometer's relation, gravity taken out at the angle at which the sensor was read.
+fn acceleration_relation(
+    uniform: &Uniform,
+    measured: &[f64],
+    known: &Calibration,
+    band: &Band,
+    columns: &[Vec<f64>],
+) -> Solved {
+    at_its_delay(known.acceleration_delay_s, |delay_s| {
+        let late = advance(&uniform.angle_rad, -delay_s * uniform.rate_hz);
+        let own: Vec<f64> =
+            measured.iter().zip(&late).map(|(seen, angle)| seen - known.gravity_rad_s2(*angle)).collect();
+        band.solve(columns, &band.smooth(&own))
+    })
 }
 
 /// Delay and half width of its 95 % interval, s.

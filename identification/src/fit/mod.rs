@@ -57,16 +57,36 @@ use crate::samples::{FitError, Samples};
 /// # Errors
 /// [`FitError`] where nothing can be estimated; what only some parameters lack is a reason in [`Fit::parameters`].
 pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
-    let mut fit = match sorted(samples) {
-        Some(sorted) => {
-            let mut fit = fit_in_time(&sorted.samples(), options)?;
-            fit.notes.push("the samples were not in the order of time; the fit took them in that order".to_owned());
-            fit
-        }
-        None => fit_in_time(samples, options)?,
-    };
+    let sorted = sorted(samples);
+    let in_time = sorted.as_ref().map_or(*samples, |sorted| sorted.samples());
+    let mut fit = fit_in_time(&in_time, options)?;
+    if sorted.is_some() {
+        fit.notes.push("the samples were not in the order of time; the fit took them in that order".to_owned());
+    }
+    fit.notes.extend(opposite_signs(&in_time, options, &fit));
     fit.axis = options.axis;
     Ok(fit)
+}
+
+/// Part of the torque, %, that a fit must leave for the signs to be in doubt.
+const IN_DOUBT_PERCENT: f64 = 20.0;
+/// Share of that which the inverted torque may leave at most, to be the right one.
+const BETTER: f64 = 0.75;
+
+/// A note on torque and angle of opposite signs, of which no inertia and no friction can be fitted.
+fn opposite_signs(samples: &Samples<'_>, options: &FitOptions, fit: &Fit) -> Option<String> {
+    if fit.relative_error_percent < IN_DOUBT_PERCENT {
+        return None;
+    }
+    let inverted: Vec<f64> = samples.torque_mnm.iter().map(|torque_mnm| -torque_mnm).collect();
+    let inverted = fit_in_time(&Samples { torque_mnm: &inverted, ..*samples }, options).ok()?;
+    let [as_given, inverted] = [fit, &inverted].map(|fit| fit.relative_error_percent);
+    (inverted < BETTER * as_given).then(|| {
+        format!(
+            "torque and angle have opposite signs: with the torque inverted {inverted:.1} % of it are left instead of {as_given:.1} %; \
+             invert the sign of one of them, on a rig of its own [channels.torque] sign, and capture again"
+        )
+    })
 }
 
 /// [`fit`] of samples in the order of time.

@@ -24,6 +24,8 @@ use crate::uncertainty::statistics::quantile;
 
 /// Step of an encoder that is coarse for a servo, rad: 17 bits in a turn.
 const COARSE_STEP_RAD: f64 = 5e-5;
+/// Ratio of two steps that are not the same.
+const DIFFERENT_STEPS: f64 = 1.1;
 
 /// Motion, mask and filter for one band.
 pub(super) struct Prepared<'a> {
@@ -170,7 +172,7 @@ impl<'a> Prepared<'a> {
             notes.push(format!("samples missing from the capture: {}; the fit leaves the gaps out", uniform.lost));
         }
         notes.extend(uniform.notes.iter().cloned());
-        notes.extend(unknown_step(samples, calibration));
+        notes.extend(encoder_note(samples, calibration));
         Fit {
             parameters,
             covariance,
@@ -203,16 +205,27 @@ fn base_effects(further: &[Effect]) -> Vec<Effect> {
         .collect()
 }
 
-/// A note on an encoder whose steps are coarse and unknown to the rig's calibration: a servo that does not know of them makes noise.
-fn unknown_step(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Option<String> {
-    let step_rad = calibration
-        .filter(|known| known.angle_step_rad == 0.0)
-        .and_then(|_| encoder_step(samples.angle_rad))
-        .filter(|step_rad| *step_rad > COARSE_STEP_RAD)?;
-    Some(format!(
-        "the encoder's step is {step_rad:.2e} rad, of which the rig's calibration says nothing; with `angle_step_rad = {step_rad:.2e}` \
-         in it the servo makes less noise"
-    ))
+/// A note on an encoder whose steps are others than the rig's calibration has, or are coarse and unknown to it: a servo that does
+/// not know of them makes noise.
+fn encoder_note(samples: &Samples<'_>, calibration: Option<&Calibration>) -> Option<String> {
+    let known_rad = calibration?.angle_step_rad;
+    let seen_rad = encoder_step(samples.angle_rad)?;
+    if known_rad > 0.0 {
+        let ratio = seen_rad / known_rad;
+        let differs = !(1.0 / DIFFERENT_STEPS..DIFFERENT_STEPS).contains(&ratio);
+        return differs.then(|| {
+            format!(
+                "the encoder's step is {seen_rad:.2e} rad, but {known_rad:.2e} rad in the rig's calibration: correct `angle_step_rad`, or \
+                 the scale of the angle"
+            )
+        });
+    }
+    (seen_rad > COARSE_STEP_RAD).then(|| {
+        format!(
+            "the encoder's step is {seen_rad:.2e} rad, of which the rig's calibration says nothing; with \
+             `angle_step_rad = {seen_rad:.2e}` in it the servo makes less noise"
+        )
+    })
 }
 
 fn preparation(uniform: &Uniform, motion: &KnobMotion, row_filter: &RowFilter, band: &Band) -> Preparation {

@@ -25,12 +25,17 @@ pub fn archive(
     let folder = claim::folder(&rig.captures_in, &format!("{time}-{purpose}"))
         .with_context(|| format!("cannot create a folder in {}; choose another", rig.captures_in.display()))?;
     let turned = match request.knob_name() {
+        "none" if request.torque => "driving whatever is on the rig",
         "none" => "turning the gripper alone",
         "locked" => "loading the locked gripper",
         _ => "turning the knob",
     };
+    let done = match request.sweep.as_str() {
+        "hold" if request.torque => "reading the rig without torque".to_owned(),
+        sweep => format!("{turned} with {sweep}"),
+    };
     let run = SupervisedRun {
-        in_words: format!("{turned} with {} for {} s", request.sweep, request.duration_s),
+        in_words: format!("{done} for {} s", request.duration_s),
         archive: folder.join(format!("{}.mcap", request.knob_name())),
         request,
         offline: rig.offline,

@@ -136,6 +136,23 @@ fn the_excitation_follows_time_and_not_the_count_of_samples() {
 }
 
 #[test]
+fn after_a_stall_the_excitation_goes_on_from_where_the_knob_is_and_a_knob_that_is_stuck_is_still_found() {
+    let mut rotor = Rotor::running();
+    let sweep = Excitation::named("linear-chirp", Drive::Position).unwrap();
+    let stuck = Measurement { angle_rad: rotor.angle_rad + 2.0, ..Measurement::default() };
+    let first = rotor.read(500, Ok(stuck)).sample.unwrap();
+    assert_eq!((first.missed_ticks, first.state), (499, LoopState::Running.code()));
+    assert!((first.commanded_angle_rad - stuck.angle_rad).abs() < 1e-12);
+    let next = rotor.read(1, Ok(stuck)).sample.unwrap();
+    let expected = sweep.at(next.tick as f64 / RATE_HZ).value - sweep.at(first.tick as f64 / RATE_HZ).value;
+    assert!((next.commanded_angle_rad - stuck.angle_rad - expected).abs() < 1e-12);
+    while rotor.control.state() == LoopState::Running {
+        rotor.read(1, Ok(stuck));
+    }
+    assert_eq!(rotor.control.fault(), Some(Fault::FollowingError));
+}
+
+#[test]
 fn the_same_readings_give_the_same_torques_bit_for_bit() {
     let torques = || {
         let mut rotor = Rotor::new(5_000);

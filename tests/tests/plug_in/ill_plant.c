@@ -63,6 +63,8 @@ int32_t haptic_rig_exchange(void *rig, uint64_t due_ns, double torque, haptic_ri
         abort();
     if (is_ill(p, "overflows"))
         return overflow(0);
+    if (is_ill(p, "naps"))
+        usleep(1);
     if (is_ill(p, "exits"))
         exit(0);
     if (is_ill(p, "thread-aborts"))

@@ -4,7 +4,7 @@
 use hal::RigFile;
 use tests::{Bench, printed};
 
-use super::{compile, rig};
+use super::{compile, repository, rig};
 
 /// A bench with a library made of `source` as the rig's; what `doctor --rig` says of it.
 fn looked_at(source: &str) -> String {
@@ -85,14 +85,15 @@ fn a_new_rig_file_is_checked_and_commissioned() {
 #[test]
 fn the_system_calls_that_a_rig_declares_are_counted_and_more_of_them_are_reported() {
     let bench = Bench::new().unwrap();
-    let calling = |declared: &str| {
-        let file = rig(&bench, "calls = 2", |text| format!("{text}\n{declared}\n"));
+    let watched = |settings: &str, declared: &str| {
+        let file = rig(&bench, settings, |text| format!("{text}\n{declared}\n"));
         let mut command = bench
             .command(&["capture", "--rig", &file, "--rate-hz", "1000", "--duration-s", "1", "--no-viewer"])
             .unwrap();
         let output = command.env("HAPTIC_CAMERA_WATCH_CALLS", "1").output().unwrap();
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
+    let calling = |declared: &str| watched("calls = 2", declared);
     let errors = calling("[calls]\nnames = [\"getpid\"]\nper_tick = 2");
     if errors.contains("cannot be watched here") {
         eprintln!("SKIPPED: {errors}");
@@ -105,4 +106,7 @@ fn the_system_calls_that_a_rig_declares_are_counted_and_more_of_them_are_reporte
     assert!(errors.contains("system calls besides its sleep: getpid"), "{errors}");
     let errors = calling("[calls]\nnames = [\"teleport\"]\nper_tick = 1");
     assert!(errors.contains("an unknown system call 'teleport'"), "{errors}");
+    compile(&bench, &repository().join("tests/tests/plug_in/ill_plant.c"), "rotary_plant.so");
+    let errors = watched("ill = \"naps\"", "");
+    assert!(errors.contains("system calls besides its sleep: clock_nanosleep"), "{errors}");
 }

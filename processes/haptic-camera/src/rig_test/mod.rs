@@ -6,14 +6,19 @@
 mod channel;
 mod table;
 
+use std::io::IsTerminal as _;
+use std::os::fd::AsFd as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use dynamics::Excitation;
 use loaded_capture::LoadedCapture;
+use nix::poll::{PollFd, PollFlags, poll};
 use report::{CaptureFacts, RigTest};
 use rt_loop::request::{Pace, RunRequest};
 
 use anyhow::Context as _;
 
-use crate::command_line::RigTestOptions;
+use crate::command_line::{RigOptions, RigTestOptions};
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
@@ -53,6 +58,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     };
     let sweep = options.sweep.as_str();
     let spun = [made(free(sweep, SWEEP_S), "rig-test-free")?, made(free("tone", TONE_S), "rig-test-free-30-hz")?];
+    wait_until_locked(&options.rig, &interrupted)?;
     let held =
         [made(locked(sweep, SWEEP_S), "rig-test-locked")?, made(locked("tone", TONE_S), "rig-test-locked-30-hz")?];
 
@@ -93,6 +99,26 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         write(path, Kind::Page, &report::rig_test_page(&test))?;
     }
     Ok(outcome)
+}
+
+/// Time between two looks at whether the operator is ready, or has given up.
+const LOOK_MS: u16 = 100;
+
+/// Asks for the gripper to be locked, and waits for it where somebody can answer; the simulated rig locks its own.
+fn wait_until_locked(rig: &RigOptions, interrupted: &AtomicBool) -> anyhow::Result<()> {
+    if rt_loop::rigs::file(&rig.request)?.driver == "simulated" {
+        return Ok(());
+    }
+    say("lock the gripper so that it cannot turn, then press Enter");
+    let input = std::io::stdin();
+    let mut ready = [PollFd::new(input.as_fd(), PollFlags::POLLIN)];
+    while input.is_terminal() && !matches!(poll(&mut ready, LOOK_MS), Ok(1..)) {
+        anyhow::ensure!(!interrupted.load(Ordering::Acquire), "stopped before the gripper was locked");
+    }
+    if input.is_terminal() {
+        input.read_line(&mut String::new()).context("the terminal cannot be read")?;
+    }
+    Ok(())
 }
 
 /// A run of the rig under the name `title`.

@@ -17,6 +17,9 @@ use crate::supervision::listen_for_interrupt;
 /// Share of the ticks that may be missed or stale before the rate counts as not held.
 const MISSED_SHARE: f64 = 0.01;
 
+/// Share of a period from which on the exchange with the rig is what misses ticks.
+const SLOW_SHARE: f64 = 0.5;
+
 /// What a channel read while nothing moved it.
 #[derive(Clone, Debug, Serialize)]
 struct Reading {
@@ -91,9 +94,17 @@ fn check(capture: &Capture) -> Checked {
         amiss.push("the acceleration is constant; check it, or omit [channels.acceleration]".to_owned());
     }
     if missed_ticks as f64 > MISSED_SHARE * ticks {
-        amiss.push(format!(
-            "{missed_ticks} of {ticks} ticks were missed: this machine cannot hold the rate; try a lower --rate-hz"
-        ));
+        let exchange_s = capture.rig.mean_exchange_s;
+        let cause = if exchange_s * capture.rate_hz > SLOW_SHARE {
+            format!(
+                "an exchange with the rig takes {:.2} ms of a period of {:.2} ms: its driver or library waits; have it return at once, or",
+                1e3 * exchange_s,
+                1e3 / capture.rate_hz
+            )
+        } else {
+            "this machine cannot hold the rate;".to_owned()
+        };
+        amiss.push(format!("{missed_ticks} of {ticks} ticks were missed: {cause} try a lower --rate-hz"));
     }
     if capture.unmeasured_samples as f64 > MISSED_SHARE * ticks {
         let stale = capture.unmeasured_samples;

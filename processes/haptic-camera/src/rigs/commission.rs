@@ -9,10 +9,11 @@ mod in_file;
 use std::fmt;
 use std::path::Path;
 
-use dynamics::Axis;
+use hal::RigFile;
 use identification::{AccelerationUse, FitOptions, Samples, encoder_step};
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
+use shared_types::Fault;
 
 use self::in_file::Known;
 use super::torque_run;
@@ -21,7 +22,7 @@ use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::repeatability::digits;
 use crate::rig_run;
-use crate::supervision::listen_for_interrupt;
+use crate::supervision::{EndedInFault, listen_for_interrupt};
 
 /// First torque, as a share of the most that is tried.
 const FIRST_SHARE: f64 = 1.0 / 16.0;
@@ -35,6 +36,8 @@ const TRY_S: f64 = 4.0;
 const ENOUGH_RAD: f64 = 0.05;
 /// Tries that are held against each other.
 const COMPARED: usize = 2;
+/// Ratio of two inertias of which one is wrong.
+const DIFFERENT: f64 = 1.5;
 /// Half width of an interval, as a share, beyond which the inertia is worth finding again.
 const VAGUE_SHARE: f64 = 0.2;
 
@@ -58,7 +61,8 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     loop {
         say(axis.words(&format!("trying   {amplitude_mnm:.3} mNm")));
         let tried = RunRequest { sweep: "multisine".to_owned(), amplitude: Some(amplitude_mnm), ..request.clone() };
-        let (archive, _) = rig_run::archive(tried, &rig, "rig-commission", &interrupted)?;
+        let (archive, _) =
+            rig_run::archive(tried, &rig, "rig-commission", &interrupted).map_err(with_doubt_of_scale)?;
         if let Some(found) = find(&load::load(&archive)?) {
             if let Some(amiss) = found.amiss() {
                 remark(axis.words(&amiss));
@@ -67,7 +71,7 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
             tries.push(found);
         }
         if tries.len() == COMPARED || !tries.is_empty() && amplitude_mnm >= most_mnm {
-            return conclude(&tries, axis, options);
+            return conclude(&tries, &file, options);
         }
         anyhow::ensure!(
             amplitude_mnm < most_mnm,
@@ -76,6 +80,17 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
             axis.load_unit()
         );
         amplitude_mnm = (RISE * amplitude_mnm).min(most_mnm);
+    }
+}
+
+/// What an encoder's scale that is too large looks like.
+fn with_doubt_of_scale(error: anyhow::Error) -> anyhow::Error {
+    match error.downcast_ref::<EndedInFault>().and_then(|ended| ended.fault) {
+        Some(Fault::Angle | Fault::Speed | Fault::Jump) => anyhow::anyhow!(
+            "{error:#}; if what is on the rig moved less than that, [channels.angle] scale is too large (for an encoder it is 2π over its \
+             counts per turn), otherwise try less with --most-torque"
+        ),
+        _ => error,
     }
 }
 
@@ -150,7 +165,8 @@ fn of_all(tries: &[Found], inertia: impl Fn(&Found) -> Inertia) -> Option<Inerti
 }
 
 /// Tells what the tries have in common, and writes it into the rig's file: the motor's inertia where a sensor parts it from the knob's.
-fn conclude(tries: &[Found], axis: Axis, options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
+fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
+    let axis = file.axis;
     let say = |text: String| say(axis.words(&text));
     let Some(((last, driven), motor)) =
         tries.last().zip(of_all(tries, |found| found.driven)).zip(of_all(tries, Found::motor))
@@ -173,6 +189,13 @@ fn conclude(tries: &[Found], axis: Axis, options: &RigCommissionOptions) -> anyh
     }
     let path: &Path = options.out.as_deref().unwrap_or(&options.file);
     let has_sensor = last.behind.is_some();
+    let before = file.calibration()?.map(|known| known.motor_inertia).filter(|_| has_sensor);
+    if let Some(before) = before.filter(|before| !(before / DIFFERENT..DIFFERENT * before).contains(&motor.value)) {
+        remark(axis.words(&format!(
+            "motor_inertia was {before} in the rig file; if that is from a data sheet, the scale of [channels.angle], [channels.torque] or \
+             [channels.motor] is wrong: check them, and commission again"
+        )));
+    }
     let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
     in_file::write(&options.file, path, axis, &known)?;
     if has_sensor {

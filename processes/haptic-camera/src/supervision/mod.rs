@@ -23,7 +23,7 @@ use rt_loop::LONGEST_PREPARATION_S;
 use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::fault_injection::{self, FaultInjection};
-use shared_types::{CommandKind, LoopState, LoopStatus, ProcessKind, realtime, rig};
+use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime, rig};
 
 use crate::large_job;
 use crate::offline_run;
@@ -37,7 +37,7 @@ use consumers::Consumers;
 use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;
-pub(crate) use run_end::{ModelStart, RigWords, RunEnd};
+pub(crate) use run_end::{EndedInFault, ModelStart, RigWords, RunEnd};
 pub(crate) use signals::{ending_signals, listen_for_interrupt};
 
 /// Longest wait for the loop to be ready, beside the time that its rig may take to come up.
@@ -139,8 +139,8 @@ impl SupervisedRun {
         let end = self.take(interrupted)?.ok_or(LoopSaidWhy)?;
         let folder = archive.parent().unwrap_or(archive).display();
         anyhow::ensure!(!end.interrupted, "stopped by the operator; what was captured so far is in {folder}");
-        if let Some(fault) = end.fault_words() {
-            anyhow::bail!("{in_words}: ended in a fault: {fault}");
+        if let Some(words) = end.fault_words() {
+            return Err(EndedInFault { run: in_words.clone(), words, fault: Fault::from_code(end.status.fault) }.into());
         }
         let archive = end.left_archive(archive).with_context(|| format!("{in_words}: no archive was left"))?;
         let outcome = end.settle(&Archived::read(&archive)?);

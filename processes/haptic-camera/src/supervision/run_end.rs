@@ -57,6 +57,18 @@ impl RigWords {
     }
 }
 
+/// A run on which further work was to rest ended in a fault.
+#[derive(Debug, thiserror::Error)]
+#[error("{run}: ended in a fault: {words}")]
+pub(crate) struct EndedInFault {
+    /// What was being done.
+    pub(super) run: String,
+    /// The fault, in words.
+    pub(super) words: String,
+    /// The fault.
+    pub(crate) fault: Option<Fault>,
+}
+
 /// A model and the tick from which it was rendered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ModelStart {
@@ -76,8 +88,10 @@ impl RunEnd {
         } else if self.interrupted {
             say(format!("stopped by the operator after {taken} samples"));
         }
+        // Of a loop that died, the last status is older than its last sample.
+        let at_least = if self.loop_failed { "at least " } else { "" };
         say(format!(
-            "samples  {taken} taken, {} ticks missed in {} stalls, longest lateness {:.3} ms",
+            "samples  {at_least}{taken} taken, {} ticks missed in {} stalls, longest lateness {:.3} ms",
             status.missed_ticks,
             status.overruns,
             ns_to_ms(status.max_lateness_ns)

@@ -20,6 +20,8 @@ const VELOCITY_EDGE_SHARE: f64 = 0.25;
 /// Time over which the speed is taken that the rig's limit holds for, s: so long that neither an encoder's step nor an angle that
 /// was read a fraction of a tick late looks like a run-away, and so short that none gets far.
 const LIMITED_SPEED_OVER_S: f64 = 2e-3;
+/// A stall so long that the servo does not catch up with what was commanded meanwhile, s.
+const STALL_S: f64 = 5e-3;
 /// Time over which the torque comes up when the rig is armed, s.
 const ARMING_S: f64 = 0.05;
 /// Time over which the last torque gives way to braking at a stop, s.
@@ -102,6 +104,10 @@ pub struct ControlState {
     missed_ticks: u64,
     next_seq: u64,
     start_angle_rad: f64,
+    /// What the excitation turns about: where the run began, or where it went on after a stall.
+    centre_rad: f64,
+    /// Whether a stall has been, after which nothing new was measured yet.
+    is_resuming: bool,
     previous_angle_rad: Option<f64>,
     /// The newest measurement.
     newest: Option<Measurement>,
@@ -141,6 +147,8 @@ impl ControlState {
             missed_ticks: 0,
             next_seq: 0,
             start_angle_rad: 0.0,
+            centre_rad: 0.0,
+            is_resuming: false,
             previous_angle_rad: None,
             newest: None,
             unmeasured_ticks: 0,
@@ -266,6 +274,7 @@ impl ControlState {
             LoopState::Armed => {
                 if self.tick == 0 {
                     self.start_angle_rad = measurement.angle_rad;
+                    self.centre_rad = measurement.angle_rad;
                 }
                 let rise = (self.seconds(self.tick) / ARMING_S).min(1.0);
                 // A motor or an encoder of the wrong sign shows here first.
@@ -299,6 +308,10 @@ impl ControlState {
     }
 
     fn run(&mut self, measurement: &Measurement, reading: &Reading) -> StepOutput {
+        self.is_resuming |= self.seconds(self.missed_ticks) > STALL_S;
+        if self.is_resuming {
+            self.resume_at(measurement.angle_rad);
+        }
         let Driven { torque_mnm: torque, commanded_angle_rad, flags } = self.driven(measurement, reading.elapsed_ticks);
         if let Some(fault) = self.exceeded(measurement, commanded_angle_rad) {
             return self.fail(fault, measurement);
@@ -314,6 +327,14 @@ impl ControlState {
             self.enter(LoopState::Stopping);
         }
         StepOutput { torque_mnm: clipped, sample: Some(sample) }
+    }
+
+    /// Goes on from where the knob is after a stall: what it was to do meanwhile is past, and to make up for it at once would take
+    /// more than the limits allow. What the motor gave it meanwhile is not known either, so that nothing can be said to run away.
+    fn resume_at(&mut self, angle_rad: f64) {
+        self.centre_rad = angle_rad - self.plan.excitation.at(self.seconds(self.tick)).value;
+        self.work = f64::INFINITY;
+        self.is_resuming = self.stale_ticks > 0;
     }
 
     /// What the motor is to do in this tick of a run.
@@ -339,7 +360,7 @@ impl ControlState {
         let setpoint = self.plan.excitation.at(time_s);
         match self.plan.excitation.drive {
             Drive::Position => {
-                let absolute = Setpoint { value: self.start_angle_rad + setpoint.value, ..setpoint };
+                let absolute = Setpoint { value: self.centre_rad + setpoint.value, ..setpoint };
                 Driven {
                     torque_mnm: self.follow(&absolute, measurement, elapsed_ticks),
                     commanded_angle_rad: absolute.value,

@@ -236,6 +236,7 @@ static KNOWN_CALLS: &[(i64, &str)] = &[
     (libc::SYS_pread64, "pread64"),
     (libc::SYS_pwrite64, "pwrite64"),
     (libc::SYS_nanosleep, "nanosleep"),
+    (libc::SYS_clock_nanosleep, "clock_nanosleep, a sleep besides the loop's"),
 ];
 
 /// The call's own name, without what is said of it.

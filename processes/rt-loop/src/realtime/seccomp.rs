@@ -13,12 +13,14 @@ use libc::{
 
 /// Bytes at which `seccomp_data` holds the call's number.
 const NUMBER_AT: u32 = 0;
-/// Bytes at which `seccomp_data` holds the low half of the call's first argument (little endian).
+/// Bytes at which `seccomp_data` holds the low halves of the call's first two arguments (little endian).
 const FIRST_ARGUMENT_AT: u32 = 16;
+const SECOND_ARGUMENT_AT: u32 = 24;
 
-/// Has every further system call of the calling thread told to the descriptor given back, except `clock_nanosleep` and
-/// readings of CLOCK_MONOTONIC (which are none where the kernel maps its clock).
+/// Has every further system call of the calling thread told to the descriptor given back, except the loop's own sleep, which is up
+/// to a time of CLOCK_MONOTONIC, and readings of that clock (which are none where the kernel maps it).
 ///
+/// A driver's `sleep`, `usleep` and `nanosleep` last for a time, and so are told.
 /// From here to its end the thread waits at every other call until somebody answers.
 ///
 /// # Errors
@@ -45,7 +47,7 @@ pub(super) fn tell_own_calls() -> io::Result<RawFd> {
 
 /// Tells all calls but the sleep and the clock.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of calls and clocks are small")]
-fn program() -> [libc::sock_filter; 7] {
+fn program() -> [libc::sock_filter; 9] {
     let load = |at| {
         // SAFETY: it only puts numbers into a struct.
         unsafe { BPF_STMT((BPF_LD | BPF_W | BPF_ABS) as u16, at) }
@@ -60,7 +62,9 @@ fn program() -> [libc::sock_filter; 7] {
     };
     [
         load(NUMBER_AT),
-        skip_if(libc::SYS_clock_nanosleep as u32, 3, 0),
+        skip_if(libc::SYS_clock_nanosleep as u32, 0, 2),
+        load(SECOND_ARGUMENT_AT),
+        skip_if(libc::TIMER_ABSTIME as u32, 1, 4),
         skip_if(libc::SYS_clock_gettime as u32, 0, 3),
         load(FIRST_ARGUMENT_AT),
         skip_if(libc::CLOCK_MONOTONIC as u32, 0, 1),
