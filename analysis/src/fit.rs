@@ -39,6 +39,15 @@ pub fn fit_with(loaded: &LoadedCapture, options: &FitOptions) -> Result<Fit, Ana
         .map_err(|reason| AnalysisError::Fit { capture: loaded.capture.source.clone(), reason })
 }
 
+/// The fit of a capture, or the mean of those of several of one control; `None` of none.
+///
+/// # Errors
+/// [`AnalysisError::Fit`], with the reason in one sentence.
+pub fn mean_fit<'a>(captures: impl IntoIterator<Item = &'a LoadedCapture>) -> Result<Option<Fit>, AnalysisError> {
+    let fits = captures.into_iter().map(|loaded| fit_with(loaded, &fit_options(loaded)));
+    Ok(identification::average(&fits.collect::<Result<Vec<_>, _>>()?).map(|average| average.fit))
+}
+
 /// The result of fitting one capture.
 #[derive(Serialize)]
 pub struct FitResult<'a> {

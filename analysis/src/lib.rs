@@ -15,7 +15,7 @@ mod simulation;
 pub use diagnosis::{DiagnosisResult, diagnose, diagnosed_model, refuse_drawn};
 pub use error::AnalysisError;
 pub use facts::{facts, fit_page, title};
-pub use fit::{AverageResult, FitResult, common_truth, fit, fit_options, fit_with, titles};
+pub use fit::{AverageResult, FitResult, common_truth, fit, fit_options, fit_with, mean_fit, titles};
 pub use result::{MADE_BY, to_json, to_json_on};
 pub use row::{Cell, Row};
 pub use sheet::{Judgements, curve_files, curves, judged, load_specification, sheet_page};

@@ -308,6 +308,7 @@ def simulate(
 def sheet(
     captures: _CaptureOrPath | Iterable[_CaptureOrPath],
     *,
+    dynamic: _CaptureOrPath | Iterable[_CaptureOrPath] | None = None,
     columns: dict[str, str | int] | None = None,
     units: dict[str, str] | None = None,
 ) -> Sheet: ...

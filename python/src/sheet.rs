@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use analysis::{curve_files, curves, sheet_page};
+use analysis::{curve_files, curves, mean_fit, sheet_page};
 use archive::testers::{Assignments, ColumnChoice, Curve};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
@@ -69,6 +69,8 @@ pub(crate) struct Sheet {
 /// captures : Capture, str, os.PathLike, or an iterable of them
 ///     Curves of one part: captures turned slowly there and back, as by the sweep ``slow-turn``, or testers' files. A folder
 ///     stands for the files in it. Several are averaged.
+/// dynamic : Capture, str, os.PathLike, or an iterable of them, optional
+///     Captures of the same part at speed, for inertia, viscous friction and breakaway; of several the mean.
 /// columns : dict of str to str or int, optional
 ///     The columns of a table of no known layout, by name or by number from 1: ``{"angle": "Winkel", "torque": 3}``, or
 ///     ``travel`` and ``force``; besides, ``time`` and ``contact``, a voltage that falls. Channels of an MDF file also by their
@@ -85,15 +87,24 @@ pub(crate) struct Sheet {
 /// Error
 ///     If a file cannot be read, or no figure can be read off a curve; what only some figures lack is their ``reason``.
 #[pyfunction]
-#[pyo3(signature = (captures, *, columns=None, units=None))]
+#[pyo3(signature = (captures, *, dynamic=None, columns=None, units=None))]
 pub(crate) fn sheet(
     py: Python<'_>,
     captures: OneOrMore<CaptureOrPath>,
+    dynamic: Option<OneOrMore<CaptureOrPath>>,
     columns: Option<Bound<'_, PyDict>>,
     units: Option<Bound<'_, PyDict>>,
 ) -> PyResult<Sheet> {
     let choice = choice(columns, units)?;
-    Sheet::of(py, captures.0, choice.as_ref())
+    let Sheet { sheet, files } = Sheet::of(py, captures.0, choice.as_ref())?;
+    let at_speed = dynamic.map_or_else(Vec::new, |dynamic| dynamic.0).into_iter().map(|one| one.loaded(py));
+    let at_speed = at_speed.collect::<PyResult<Vec<_>>>()?;
+    let fit = interruptible(py, move || mean_fit(at_speed.iter().map(AsRef::as_ref)))?.map_err(raised)?;
+    let sheet = match fit {
+        Some(fit) => sheet.with_dynamics(&fit).map_err(raised)?,
+        None => sheet,
+    };
+    Ok(Sheet { sheet, files })
 }
 
 /// The columns as chosen; None where a file's format says.
@@ -165,7 +176,7 @@ impl Sheet {
     #[getter]
     fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let figures = PyDict::new(py);
-        for figure in ::sheet::kinds().filter_map(|kind| self.sheet.figure(kind)) {
+        for figure in self.sheet.in_order() {
             let ::sheet::Figure { value, ci95, kind, reason, .. } = figure.clone();
             let ::sheet::FigureKind { name, unit, definition, source } = *kind;
             let [unit, definition, source] = [unit, definition, source].map(str::to_owned);

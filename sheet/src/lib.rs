@@ -14,6 +14,7 @@
 
 mod branch;
 mod capability;
+mod dynamic;
 mod figure;
 mod gauge;
 mod noise;

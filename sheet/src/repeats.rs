@@ -12,7 +12,7 @@ use crate::branch::Branch;
 use crate::figure::{Estimate, Figure, FigureKind, Spread};
 use crate::noise::mean_and_deviation;
 use crate::rotary::TurnedDetent;
-use crate::{pressed, rotary};
+use crate::{dynamic, pressed, rotary};
 
 /// The data sheet of a part.
 #[derive(Clone, Debug, Serialize)]
@@ -141,6 +141,12 @@ impl Sheet {
         }
         let presses = if axis.is_rotary() { Vec::new() } else { runs.iter().map(Run::by_itself).collect() };
         Ok(Self { axis, runs: runs.len(), figures, detents, presses, curve: mean_branches(&runs) })
+    }
+
+    /// Its figures in the order of the sheet, the static ones first.
+    pub fn in_order(&self) -> impl Iterator<Item = &Figure> {
+        let kinds = kinds_of(self.axis).iter().chain(dynamic::kinds_of(self.axis));
+        kinds.filter_map(|kind| self.figure(kind))
     }
 
     /// The figure of that kind; `None` for one of the other axis.

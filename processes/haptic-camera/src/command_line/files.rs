@@ -74,6 +74,7 @@ impl Command {
                 .writing(options.study.json.as_ref(), Kind::Json),
             Self::Sheet(options) => files
                 .reading(&options.captures)
+                .reading(&options.dynamic)
                 .writing(options.json.as_ref(), Kind::Json)
                 .writing(options.csv.as_ref(), Kind::Figures)
                 .writing(options.wall.as_ref(), Kind::Page)

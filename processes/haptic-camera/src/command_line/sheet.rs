@@ -12,6 +12,9 @@ pub struct SheetOptions {
     /// Captures or testers' files of one part, or a folder of them; several are averaged
     #[arg(required_unless_present = "wall", value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
+    /// A capture of the same part at speed, for inertia, viscous friction and breakaway; give it again for further ones
+    #[arg(long, requires = "captures", value_name = "CAPTURE")]
+    pub dynamic: Vec<PathBuf>,
     /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use sheet::{Sheet, kinds};
+use sheet::Sheet;
 
 use crate::outputs::FIGURES_HEADER;
 
@@ -11,8 +11,8 @@ pub fn text(sheet: &Sheet) -> String {
     let mut text = FIGURES_HEADER.to_owned();
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     // Writing to a string does not fail.
-    for kind in kinds() {
-        let Some(figure) = sheet.figure(kind) else { continue };
+    for figure in sheet.in_order() {
+        let kind = figure.kind;
         let [low, high] = [0, 1].map(|end| number(figure.ci95.map(|ends| ends[end])));
         let definition = kind.definition.replace('"', "\"\"");
         let _ = writeln!(text, "{},,,{},{},{low},{high},\"{definition}\"", kind.name, number(figure.value), kind.unit);

@@ -4,10 +4,13 @@ mod csv;
 mod table;
 mod wall;
 
-use analysis::{curve_files, curves};
+use std::path::PathBuf;
+
+use analysis::{curve_files, curves, mean_fit};
 use sheet::Sheet;
 
 use crate::command_line::SheetOptions;
+use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 
@@ -24,7 +27,12 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     }
     let choice = options.columns.choice()?;
     let files = curve_files(&options.captures)?;
-    let sheet = Sheet::of(&curves(&files, choice.as_ref())?)?;
+    let mut sheet = Sheet::of(&curves(&files, choice.as_ref())?)?;
+    let loaded = |path: &PathBuf| load::load_measured(path, &options.columns);
+    let captures = options.dynamic.iter().map(loaded).collect::<anyhow::Result<Vec<_>>>()?;
+    if let Some(fit) = mean_fit(&captures)? {
+        sheet = sheet.with_dynamics(&fit)?;
+    }
     if !to_output(options.json.as_deref()) {
         say(table::heading(&sheet, &files));
         say(table::figures(&sheet));

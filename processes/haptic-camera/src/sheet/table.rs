@@ -29,10 +29,9 @@ pub fn figures(sheet: &Sheet) -> Table {
     let mut table = Table::new();
     table.load_preset(presets::NOTHING);
     table.set_header(["figure", "value", "95 % interval", "unit"]);
-    for kind in sheet::kinds() {
-        let Some(figure) = sheet.figure(kind) else { continue };
+    for figure in sheet.in_order() {
         if let Some([value, interval]) = cells(figure) {
-            table.add_row([kind.name.to_owned(), value, interval, kind.unit.to_owned()]);
+            table.add_row([figure.kind.name.to_owned(), value, interval, figure.kind.unit.to_owned()]);
         }
     }
     for column in [1, 2] {
@@ -88,11 +87,11 @@ fn cells(figure: &Figure) -> Option<[String; 2]> {
 /// Why figures are missing, each reason once.
 pub fn reasons(sheet: &Sheet) -> Vec<String> {
     let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
-    for kind in sheet::kinds() {
-        let Some(reason) = sheet.figure(kind).and_then(|figure| figure.reason.as_deref()) else { continue };
+    for figure in sheet.in_order() {
+        let Some(reason) = figure.reason.as_deref() else { continue };
         match reasons.iter_mut().find(|(known, _)| *known == reason) {
-            Some((_, names)) => names.push(kind.name),
-            None => reasons.push((reason, vec![kind.name])),
+            Some((_, names)) => names.push(figure.kind.name),
+            None => reasons.push((reason, vec![figure.kind.name])),
         }
     }
     reasons.iter().map(|(reason, names)| format!("- {}: {reason}", names.join(", "))).collect()

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use shared_types::Axis;
-use sheet::{Figure, Sheet, kinds};
+use sheet::{Figure, Sheet};
 
 use crate::numbers::{Digits, three};
 
@@ -48,8 +48,7 @@ pub(super) fn headline(sheet: &Sheet) -> String {
 
 /// Every figure with its definition.
 pub(super) fn figures(sheet: &Sheet) -> Markup {
-    let figures = || kinds().filter_map(|kind| Some((kind, sheet.figure(kind)?)));
-    let any_spread = figures().any(|(_, figure)| figure.over.is_some());
+    let any_spread = sheet.in_order().any(|figure| figure.over.is_some());
     html! {
         div.scroll {
             table.compared {
@@ -63,7 +62,8 @@ pub(super) fn figures(sheet: &Sheet) -> Markup {
                     }
                 }
                 tbody {
-                    @for (kind, figure) in figures() {
+                    @for figure in sheet.in_order() {
+                        @let kind = figure.kind;
                         tr {
                             th scope="row" { code { (kind.name) } }
                             td.number.value {
