@@ -49,15 +49,18 @@ impl RigAccount {
                 1e6 * phase_deviation_s
             )
         });
-        let slow = (self.longest_exchange_s * run.rate_hz > 1.0).then(|| {
+        let slow = (self.longest_exchange_s * run.rate_hz > MANY_TICKS).then(|| {
             format!(
-                "the longest exchange with the rig took {:.1} ms, more than a tick: its driver or library waited, unless the machine stalled",
+                "the longest exchange with the rig took {:.1} ms, more than ten ticks: its driver or library waited, unless the machine stalled",
                 1e3 * self.longest_exchange_s
             )
         });
         stale.chain(clock).chain(slow).collect()
     }
 }
+
+/// Ticks beyond which an exchange with the rig took too long.
+const MANY_TICKS: f64 = 10.0;
 
 /// Where the fields of a sample lie that tell it; `None` for one that the sample does not have.
 #[derive(Debug)]

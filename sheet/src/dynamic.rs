@@ -63,7 +63,8 @@ impl Sheet {
 }
 
 fn dynamic(kind: &'static FigureKind, parameter: Option<&Parameter>) -> Figure {
-    let reason = || parameter.and_then(|parameter| parameter.reason.clone()).unwrap_or_else(|| "it was not fitted".to_owned());
+    let reason =
+        || parameter.and_then(|parameter| parameter.reason.clone()).unwrap_or_else(|| "it was not fitted".to_owned());
     let Some((value, [low, high])) = parameter.and_then(|parameter| parameter.value.zip(parameter.ci95)) else {
         return Figure::undetermined(kind, reason());
     };

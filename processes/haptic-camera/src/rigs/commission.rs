@@ -9,6 +9,7 @@ mod in_file;
 use std::fmt;
 use std::path::Path;
 
+use dynamics::Axis;
 use hal::RigFile;
 use identification::{AccelerationUse, FitOptions, Samples, encoder_step};
 use loaded_capture::LoadedCapture;
@@ -36,6 +37,11 @@ const TRY_S: f64 = 4.0;
 const ENOUGH_RAD: f64 = 0.05;
 /// Tries that are held against each other.
 const COMPARED: usize = 2;
+/// What the torque follows: slow, so that little of it moves much; and faster, where friction is so small that this moves too much.
+const SLOW: &str = "multisine";
+const FAST: &str = "fast-multisine";
+/// How often the knob may leave the permitted range.
+const TOO_FAR: u32 = 5;
 /// Ratio of two inertias of which one is wrong.
 const DIFFERENT: f64 = 1.5;
 /// Half width of an interval, as a share, beyond which the inertia is worth finding again.
@@ -57,12 +63,27 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: options.captures_in.clone() };
     let axis = file.axis;
     let mut amplitude_mnm = FIRST_SHARE * most_mnm;
+    let (mut sweep, mut ceiling_mnm, mut too_far) = (SLOW, f64::INFINITY, 0);
     let mut tries = Vec::new();
     loop {
         say(axis.words(&format!("trying   {amplitude_mnm:.3} mNm")));
-        let tried = RunRequest { sweep: "multisine".to_owned(), amplitude: Some(amplitude_mnm), ..request.clone() };
-        let (archive, _) =
-            rig_run::archive(tried, &rig, "rig-commission", &interrupted).map_err(with_doubt_of_scale)?;
+        let tried = RunRequest { sweep: sweep.to_owned(), amplitude: Some(amplitude_mnm), ..request.clone() };
+        let archive = match rig_run::archive(tried, &rig, "rig-commission", &interrupted) {
+            Ok((archive, _)) => archive,
+            Err(error) if too_far < TOO_FAR && fault_of(&error) == Some(Fault::Angle) => {
+                too_far += 1;
+                if sweep == SLOW {
+                    say(axis.words("the angle left the permitted range: going on with faster torques, which move less"));
+                    sweep = FAST;
+                } else {
+                    say(axis.words("the angle left the permitted range: going on with less"));
+                    ceiling_mnm = amplitude_mnm;
+                    amplitude_mnm *= 0.5;
+                }
+                continue;
+            }
+            Err(error) => return Err(with_doubt_of_scale(error, axis)),
+        };
         if let Some(found) = find(&load::load(&archive)?) {
             if let Some(amiss) = found.amiss() {
                 remark(axis.words(&amiss));
@@ -79,19 +100,26 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
              --most-torque",
             axis.load_unit()
         );
-        amplitude_mnm = (RISE * amplitude_mnm).min(most_mnm);
+        amplitude_mnm = (RISE * amplitude_mnm).min(most_mnm).min(0.5 * (amplitude_mnm + ceiling_mnm));
     }
 }
 
+/// The fault in which a run ended, if it did.
+fn fault_of(error: &anyhow::Error) -> Option<Fault> {
+    error.downcast_ref::<EndedInFault>().and_then(|ended| ended.fault)
+}
+
 /// What an encoder's scale that is too large looks like.
-fn with_doubt_of_scale(error: anyhow::Error) -> anyhow::Error {
-    match error.downcast_ref::<EndedInFault>().and_then(|ended| ended.fault) {
-        Some(Fault::Angle | Fault::Speed | Fault::Jump) => anyhow::anyhow!(
-            "{error:#}; if what is on the rig moved less than that, [channels.angle] scale is too large (for an encoder it is 2π over its \
-             counts per turn), otherwise try less with --most-torque"
-        ),
-        _ => error,
+fn with_doubt_of_scale(error: anyhow::Error, axis: Axis) -> anyhow::Error {
+    if !matches!(fault_of(&error), Some(Fault::Angle | Fault::Speed | Fault::Jump)) {
+        return error;
     }
+    let scale = if axis.is_rotary() { "2π over its counts per turn" } else { "its step in mm" };
+    anyhow::anyhow!(
+        "{error:#}; if what is on the rig moved less than that, [channels.{}] scale is too large (an encoder's is {scale}), otherwise try \
+         less with --most-torque",
+        axis.words("angle")
+    )
 }
 
 /// A value with the bounds of its 95 % interval, mNm·s²/rad; below zero where the torque drives the other way.
