@@ -251,29 +251,37 @@ pub struct Row {
 }
 
 impl Characteristic {
-    fn in_one_sentence(&self) -> String {
+    fn in_one_sentence(&self, decimals: usize) -> String {
         let nearest = self.nearest.map_or_else(String::new, |name| format!(", nearest to {name}"));
         format!(
-            "; as measured over {} it is part of the model ({}{nearest}; {:.3} to {:.3} mNm)",
+            "; as measured over {} it is part of the model ({}{nearest}; {:.decimals$} to {:.decimals$} mNm)",
             self.coordinate, self.effect, self.heldout_rms_before, self.heldout_rms_after
         )
     }
 }
 
 impl Diagnosis {
+    /// Decimals with which its torques are written: three, or as many as give the noise two digits.
+    #[must_use]
+    pub fn decimals(&self) -> usize {
+        let is_shown = |decimals: &i32| self.noise_floor_rms * 10_f64.powi(*decimals) >= 10.0;
+        (3..9).zip(3..).find(|(decimals, _)| is_shown(decimals)).map_or(3, |(_, decimals)| decimals)
+    }
+
     /// The verdict as a person would say it.
     pub(crate) fn in_one_sentence(&self) -> String {
         let over_floor = self.heldout_rms_after / self.noise_floor_rms;
+        let decimals = self.decimals();
         match self.verdict {
             Verdict::None => format!(
-                "Nothing is missing: on held-out data the model leaves {:.3} mNm, {over_floor:.2} times the noise.",
+                "Nothing is missing: on held-out data the model leaves {:.decimals$} mNm, {over_floor:.2} times the noise.",
                 self.heldout_rms_after
             ),
             Verdict::Effects => {
                 let ties: Vec<&str> = self.steps.iter().flat_map(|step| step.ties.iter().copied()).collect();
                 let tie = if ties.is_empty() { String::new() } else { format!(" (or {}: a tie)", ties.join(", ")) };
                 format!(
-                    "Missing: {}{tie}. On held-out data the gap shrinks from {:.3} to {:.3} mNm, {over_floor:.2} times the \
+                    "Missing: {}{tie}. On held-out data the gap shrinks from {:.decimals$} to {:.decimals$} mNm, {over_floor:.2} times the \
                      noise.",
                     self.effects.join(", "),
                     self.heldout_rms_before,
@@ -291,15 +299,15 @@ impl Diagnosis {
                 let named = match self.effects.as_slice() {
                     [] => String::new(),
                     effects => format!(
-                        "Added: {}; on held-out data the gap shrinks from {:.3} to {:.3} mNm. That is not all. ",
+                        "Added: {}; on held-out data the gap shrinks from {:.decimals$} to {:.decimals$} mNm. That is not all. ",
                         effects.join(", "),
                         self.heldout_rms_before,
                         self.heldout_rms_after
                     ),
                 };
-                let measured: String = self.characteristics.iter().map(Characteristic::in_one_sentence).collect();
+                let measured: String = self.characteristics.iter().map(|one| one.in_one_sentence(decimals)).collect();
                 format!(
-                    "{named}Something is missing that no known effect explains{}: {:.3} mNm are left on held-out data, \
+                    "{named}Something is missing that no known effect explains{}: {:.decimals$} mNm are left on held-out data, \
                      {over_floor:.1} times the noise{shape}.",
                     if measured.is_empty() { "" } else { measured.as_str() },
                     self.heldout_rms_after

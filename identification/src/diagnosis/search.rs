@@ -88,8 +88,8 @@ impl Search<'_> {
             None => {
                 let options = FitOptions {
                     calibration: self.options.calibration.clone(),
-                    // What is pressed has none.
-                    without_detents: !self.options.axis.is_rotary(),
+                    // What is pressed has no detents, but a curve.
+                    characteristic: !self.options.axis.is_rotary(),
                     ..FitOptions::default()
                 };
                 match fit(samples, &options) {

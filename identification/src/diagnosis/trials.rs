@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dynamics::effects::{self, cogging};
-use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part};
+use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part, Role};
 use rayon::prelude::*;
 
 use super::acceptance::{EVIDENCE, explains_most_of_the_gap};
@@ -19,6 +19,13 @@ use super::unequal;
 use super::verdict::LEFT;
 use super::workflow::Progress;
 use crate::numerics::vector::dot;
+
+/// Whether an effect is a torque over the angle, which a measured curve has already.
+fn is_curve(kind: &EffectKind) -> bool {
+    matches!(kind.role, Role::Detents | Role::Other)
+        && matches!(kind.part, Part::Torque(_) | Part::Reading(_))
+        && !kind.depends_on.contains(&Coordinate::Time)
+}
 
 impl Search<'_> {
     /// The best fit with each effect of the catalogue more.
@@ -91,6 +98,8 @@ impl Search<'_> {
         kinds.retain(|kind| !self.train.is_map || is_of_angle(kind));
         let shows = |least_rad| self.options.axis.is_rotary() && least_rad <= travel_rad;
         kinds.retain(|kind| kind.hypothesis.is_some_and(|hypothesis| hypothesis.least_turn_rad.is_none_or(shows)));
+        let is_measured = structure.position(effects::angle_characteristic::KIND.name).is_some();
+        kinds.retain(|kind| !(is_measured && is_curve(kind)));
         kinds
     }
 

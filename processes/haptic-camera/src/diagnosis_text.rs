@@ -29,20 +29,23 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     if let Some(words) = goes_with(&found.locations) {
         say(&format!("The first model's residual depends on {words}."));
     }
+    let decimals = found.decimals();
     if !found.steps.is_empty() {
         say("");
         say(&format!(
-            "RMS residual of the held-out capture, mNm; noise alone leaves {:.3}. Null: an effect without meaning \
+            "RMS residual of the held-out capture, mNm; noise alone leaves {:.decimals$}. Null: an effect without meaning \
              and with as many parameters.",
             found.noise_floor_rms
         ));
-        lines.extend(rows(&steps(&found.steps)));
+        lines.extend(rows(&steps(&found.steps, decimals)));
         lines.push(String::new());
         lines.extend(rows(&parameters(&found.steps)));
         found.steps.iter().filter(|step| !step.detents.is_empty()).for_each(|step| lines.extend(rows(&detents(step))));
         lines.extend(ties(&found.steps));
     }
-    lines.extend(found.characteristics.iter().flat_map(|characteristic| paragraph("", &measured(characteristic))));
+    lines.extend(
+        found.characteristics.iter().flat_map(|characteristic| paragraph("", &measured(characteristic, decimals))),
+    );
     lines.extend(forward(found).iter().flat_map(|text| paragraph("", text)));
     match (found.verdict, goes_with(&found.where_after)) {
         (Verdict::None, _) | (Verdict::Effects, None) => {}
@@ -70,13 +73,13 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
 }
 
 /// What was measured over a coordinate without having a name.
-fn measured(characteristic: &Characteristic) -> String {
+fn measured(characteristic: &Characteristic, decimals: usize) -> String {
     let unit = if characteristic.coordinate == "velocity" { "rad/s" } else { "rad" };
     let ends =
         [characteristic.points.first(), characteristic.points.last()].map(|point| point.map_or(0.0, |end| end.at));
     let largest = characteristic.points.iter().max_by(|a, b| a.torque_mnm.abs().total_cmp(&b.torque_mnm.abs()));
     let largest = largest.map_or_else(String::new, |point| {
-        format!(", largest at {:.3} {unit} with {:.3} mNm", point.at, point.torque_mnm)
+        format!(", largest at {:.3} {unit} with {:.decimals$} mNm", point.at, point.torque_mnm)
     });
     format!(
         "{} is measured at {} points from {:.3} to {:.3} {unit}{largest}; no effect matches it.",
@@ -126,19 +129,20 @@ fn ties(steps: &[Step]) -> Vec<String> {
     .collect()
 }
 
-fn steps(steps: &[Step]) -> Table {
+fn steps(steps: &[Step], decimals: usize) -> Table {
     let mut table = table(["added", "before", "after", "null", "closest rival"]);
     for step in steps {
         let rival = step.rivals.iter().find(|rival| rival.disqualified.is_none());
-        let rms_mnm = |value: f64| Cell::new(format!("{value:.3}")).set_alignment(CellAlignment::Right);
+        let rms_mnm = |value: f64| Cell::new(format!("{value:.decimals$}")).set_alignment(CellAlignment::Right);
         table.add_row([
             Cell::new(step.effect),
             rms_mnm(step.heldout_rms_before),
             rms_mnm(step.heldout_rms_after),
             rms_mnm(step.placebo_rms),
-            Cell::new(
-                rival.map_or_else(|| "none".to_owned(), |one| format!("{} {:.3}", one.effect, one.heldout_rms_after)),
-            ),
+            Cell::new(rival.map_or_else(
+                || "none".to_owned(),
+                |one| format!("{} {:.decimals$}", one.effect, one.heldout_rms_after),
+            )),
         ]);
     }
     table

@@ -281,3 +281,30 @@ fn a_unit_is_turned_until_its_verdict_is_certain() {
         assert!(words(&output).contains("after the first slow turn"), "{}", words(&output));
     }
 }
+
+#[test]
+fn a_diagnosis_starts_from_the_curve_that_was_measured_and_names_what_hides_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let drag = "[[effects]]\neffect = \"quadratic-drag\"\ndrag_coefficient = 4e-6\n";
+    for (name, model, hidden) in
+        [("bare", BUTTON.to_owned(), &[][..]), ("dragged", format!("{BUTTON}{drag}"), &["quadratic-drag"][..])]
+    {
+        std::fs::write(folder.join(format!("{name}.toml")), model).unwrap();
+        for (sweep, seed) in [("linear-chirp", 1), ("multisine", 2)] {
+            let arguments = "--apparatus sim-linear --duration-s 6 --offline --no-viewer";
+            let command =
+                format!("capture {arguments} --knob {name}.toml --sweep {sweep} --seed {seed} --out {name}-{seed}");
+            let output = haptic_camera(folder, &command);
+            assert!(output.status.success(), "{}", words(&output));
+        }
+        let [train, heldout] = [1, 2].map(|seed| only(&folder.join(format!("{name}-{seed}")), "mcap"));
+        let command = format!("diagnose {} --heldout {} --json {name}.json", train.display(), heldout.display());
+        let output = haptic_camera(folder, &command);
+        assert!(output.status.success(), "{}", words(&output));
+        let found: Value =
+            serde_json::from_str(&std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap()).unwrap();
+        assert_eq!(found["effects"], serde_json::json!(hidden), "{}", words(&output));
+        assert_eq!(found["complete"], true, "{}", words(&output));
+    }
+}
