@@ -278,7 +278,9 @@ impl Diagnosis {
                 self.heldout_rms_after
             ),
             Verdict::Effects => {
-                let ties: Vec<&str> = self.steps.iter().flat_map(|step| step.ties.iter().copied()).collect();
+                let mut ties: Vec<&str> = self.steps.iter().flat_map(|step| step.ties.iter().copied()).collect();
+                ties.sort_unstable();
+                ties.dedup();
                 let tie = if ties.is_empty() { String::new() } else { format!(" (or {}: a tie)", ties.join(", ")) };
                 format!(
                     "Missing: {}{tie}. On held-out data the gap shrinks from {:.decimals$} to {:.decimals$} mNm, {over_floor:.2} times the \

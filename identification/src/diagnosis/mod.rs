@@ -16,6 +16,7 @@ mod lobes;
 mod locate;
 mod nonlinear;
 mod null_test;
+mod pairs;
 mod periodogram;
 mod rows;
 mod search;

@@ -7,24 +7,20 @@ use super::acceptance::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, takes_its
 use super::capture::Capture;
 use super::error::DiagnosisError;
 use super::findings::{Characteristic, Partial};
-use super::hypotheses::{self, Effort};
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::null_test;
 use super::separable::Separable;
 use super::structure::Structure;
 use super::unequal;
-use super::verdict::LEFT;
+use super::verdict::{LEFT, TIE};
 use super::workflow::{DiagnoseOptions, Progress};
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::false_discovery_rate;
 use crate::{FitError, FitOptions, Samples, fit};
 
 /// Most effects that are added.
-const MOST_EFFECTS: usize = 4;
-/// Effects that are tried together with a coupling where none alone is worth it.
-const HIDING: usize = 3;
-
+pub(crate) const MOST_EFFECTS: usize = 4;
 /// Effects with which unequal detents are fitted anew before one is chosen.
 const PROMISING: usize = 4;
 
@@ -78,6 +74,20 @@ impl Found {
             rivals.iter().filter(failed).any(|rival| rival.newest() == kind.name)
         })
     }
+}
+
+/// Effects of which the first is the second where the capture does not show its further parameter: a spring far from its centre is an
+/// offset.
+static CONTAINS: [(&EffectKind, &EffectKind); 1] = [(&effects::return_spring::KIND, &effects::torque_offset::KIND)];
+
+/// The place of what the best one contains, where that is worth a name too and the larger one fits no better or predicts no better.
+fn simpler(tried: &[Judged], best: usize, worth: impl Fn(&Judged) -> bool) -> usize {
+    let larger = &tried[best];
+    let contained = CONTAINS.iter().find(|(kind, _)| kind.name == larger.newest()).map(|(_, contained)| contained.name);
+    let is_as_good =
+        |judged: &Judged| larger.evidence - judged.evidence < TIE || judged.heldout_rms_mnm <= larger.heldout_rms_mnm;
+    let place = tried.iter().position(|judged| Some(judged.newest()) == contained);
+    place.filter(|place| is_as_good(&tried[*place]) && worth(&tried[*place])).unwrap_or(best)
 }
 
 impl Search<'_> {
@@ -213,6 +223,7 @@ impl Search<'_> {
                 self.add(found, chosen, tried);
                 continue;
             };
+            let best = simpler(&tried, best, worth);
             let chosen = tried.remove(best);
             if let Some(with_detents) = self.as_detent(&chosen) {
                 // The first torque that repeats with the angle is the detents, which the model's base lacked.
@@ -249,7 +260,7 @@ impl Search<'_> {
         null_test::rms_mnm(effect, before, &after.structure, self.train, self.heldout)
     }
 
-    fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) {
+    pub(crate) fn add(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) {
         let effect = chosen.newest();
         if let Some(before) = found.chain.last() {
             let p_value = chosen.heldout_p_value(before);
@@ -260,47 +271,6 @@ impl Search<'_> {
         found.added.push(effect);
         found.chain.push(chosen);
         found.rivals.push(rivals);
-    }
-
-    /// Adds two effects at once where neither alone is worth it and much is left: one may hide the other.
-    fn add_pair(&self, found: &mut Found, current: &Judged, tried: &[Judged]) -> bool {
-        if current.train_over_floor() < LEFT
-            || current.structure.is_coupled()
-            || self.detents_are_equal
-            || found.rivals.len() + 2 > MOST_EFFECTS
-        {
-            return false;
-        }
-        let firsts: Vec<&Judged> = tried
-            .iter()
-            .filter(|judged| !judged.structure.is_coupled() && judged.evidence > current.evidence + EVIDENCE)
-            .take(HIDING)
-            .collect();
-        let couplings: Vec<&'static EffectKind> = self
-            .candidates(&current.structure)
-            .into_iter()
-            .filter(|kind| matches!(kind.part, Part::Coupling(_)))
-            .collect();
-        let pairs: Vec<(&Judged, &'static EffectKind)> =
-            firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
-        let pairs = pairs.par_iter().filter_map(|(first, kind)| {
-            let judged = hypotheses::coupled(kind, &first.structure, [self.train, self.heldout], Effort::Short)?;
-            Some(((*first).clone(), judged))
-        });
-        let mut both: Vec<(Judged, Judged)> = pairs.collect();
-        both.retain(|(_, judged)| {
-            self.disqualified(judged).is_none()
-                && worthwhile(current, judged, &found.chain[0], self.heldout)
-                && !self.is_nothing(judged)
-        });
-        both.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
-        let mut both = both.into_iter();
-        let Some((first, second)) = both.next() else { return false };
-        found.partial.clear();
-        for (judged, rivals) in [(first, tried.to_vec()), (second, both.map(|(_, judged)| judged).collect())] {
-            self.add(found, judged, rivals);
-        }
-        true
     }
 
     pub(crate) fn say(&self, progress: Progress) {

@@ -23,7 +23,7 @@ const CERTAINLY_LEFT: f64 = 2.0;
 /// Correlation of the ranks of time and speed from which they are one.
 const ONE: f64 = 0.98;
 /// Evidence by which rivals must differ not to be a tie, nats: odds of 20 to 1.
-const TIE: f64 = 3.0;
+pub(crate) const TIE: f64 = 3.0;
 /// Time over which motion is predicted from torque before it is started anew, s.
 pub const FORWARD_WINDOW_S: f64 = 0.1;
 
@@ -227,7 +227,7 @@ impl Search<'_> {
             self.disqualified(judged).is_none()
                 && (after.evidence - judged.evidence < TIE || after.steadily_better_than(judged) < 2.0)
                 && (worthwhile(before, judged, before, self.heldout) || takes_its_part(before, judged))
-                && judged.newest() != effect
+                && last.structure.position(judged.newest()).is_none()
                 && !self.is_nothing(judged)
         };
         let detents = unequal::detents(effect, &last.structure, self.train);
