@@ -109,6 +109,7 @@ def test_a_sheet_is_that_of_the_command_line(
     for sheet, words in [
         (hc.sheet(turned[0]), (turned[0].source,)),
         (hc.sheet(turned), tuple(capture.source for capture in turned)),
+        (hc.sheet(turned[0], dynamic=turned), (turned[0].source, *(word for one in turned for word in ("--dynamic", one.source)))),
         (hc.sheet(domes, **COLUMNS), (*domes, *WORDS)),
     ]:
         of_json = as_json("sheet", *words)

@@ -22,6 +22,8 @@ const VELOCITY_EDGE_SHARE: f64 = 0.25;
 const LIMITED_SPEED_OVER_S: f64 = 2e-3;
 /// A stall so long that the servo does not catch up with what was commanded meanwhile, s.
 const STALL_S: f64 = 5e-3;
+/// Time over which the angle that the excitation turns about returns to where the run began, s.
+const RETURN_S: f64 = 0.2;
 /// Time over which the torque comes up when the rig is armed, s.
 const ARMING_S: f64 = 0.05;
 /// Time over which the last torque gives way to braking at a stop, s.
@@ -104,7 +106,7 @@ pub struct ControlState {
     missed_ticks: u64,
     next_seq: u64,
     start_angle_rad: f64,
-    /// What the excitation turns about: where the run began, or where it went on after a stall.
+    /// What the excitation turns about: where the run began, and for a while after a stall elsewhere.
     centre_rad: f64,
     /// Whether a stall has been, after which nothing new was measured yet.
     is_resuming: bool,
@@ -329,8 +331,8 @@ impl ControlState {
         StepOutput { torque_mnm: clipped, sample: Some(sample) }
     }
 
-    /// Goes on from where the knob is after a stall: what it was to do meanwhile is past, and to make up for it at once would take
-    /// more than the limits allow. What the motor gave it meanwhile is not known either, so that nothing can be said to run away.
+    /// Goes on from where the knob is after a stall, and returns from there little by little: what it was to do meanwhile is past, and
+    /// to make up for it at once would take more than the limits allow. What the motor gave it meanwhile is not known either, so that nothing can be said to run away.
     fn resume_at(&mut self, angle_rad: f64) {
         self.centre_rad = angle_rad - self.plan.excitation.at(self.seconds(self.tick)).value;
         self.work = f64::INFINITY;
@@ -360,7 +362,10 @@ impl ControlState {
         let setpoint = self.plan.excitation.at(time_s);
         match self.plan.excitation.drive {
             Drive::Position => {
-                let absolute = Setpoint { value: self.centre_rad + setpoint.value, ..setpoint };
+                let back_rad_s = (self.start_angle_rad - self.centre_rad) / RETURN_S;
+                self.centre_rad += back_rad_s * step_s;
+                let absolute =
+                    Setpoint { value: self.centre_rad + setpoint.value, rate: setpoint.rate + back_rad_s, ..setpoint };
                 Driven {
                     torque_mnm: self.follow(&absolute, measurement, elapsed_ticks),
                     commanded_angle_rad: absolute.value,
