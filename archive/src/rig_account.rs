@@ -31,8 +31,8 @@ pub struct RigClock {
 }
 
 impl RigAccount {
-    /// A sentence for each reason, one for the clock and one for an exchange that took too long, with the meanings of the run's device codes. The reason with the code
-    /// `reported` is left out: it ended the run and has been reported as its cause.
+    /// A sentence for each reason, one for the clock and one for an exchange that took too long, with the meanings of the run's
+    /// device codes. The reason with the code `reported` is left out: it ended the run and has been reported as its cause.
     #[must_use]
     pub fn in_words(&self, run: &RunDescription, reported: i32) -> Vec<String> {
         // The remedy, after the semicolon, is given where a code ends a run.

@@ -4,15 +4,17 @@ use identification::statistics::NORMAL_95;
 use identification::{Fit, Parameter};
 use shared_types::Axis;
 
-use crate::figure::{Figure, FigureKind};
+use crate::figure::{Estimate, Figure, FigureKind};
 use crate::repeats::{Sheet, SheetError};
+
+const KARNOPP: &str = "D. Karnopp, J. Dyn. Sys., Meas., Control 107, 1985";
 
 /// Of what turns.
 mod turned {
+    use super::KARNOPP;
     use crate::figure::{FigureKind, define_figures};
 
     const PAPER: &str = "equation 1 of Swindells and MacLean 2007";
-    const KARNOPP: &str = "D. Karnopp, J. Dyn. Sys., Meas., Control 107, 1985";
 
     define_figures! {
         INERTIA "inertia" "mNm s²/rad" PAPER "Torque per angular acceleration."
@@ -25,10 +27,10 @@ mod turned {
 
 /// Of what is pressed or slid.
 mod pressed {
+    use super::KARNOPP;
     use crate::figure::{FigureKind, define_figures};
 
     const PAPER: &str = "equation 1 of Swindells and MacLean 2007, along a line";
-    const KARNOPP: &str = "D. Karnopp, J. Dyn. Sys., Meas., Control 107, 1985";
 
     define_figures! {
         INERTIA "inertia" "N s²/mm" PAPER "Force per acceleration: the moving mass."
@@ -68,13 +70,7 @@ fn dynamic(kind: &'static FigureKind, parameter: Option<&Parameter>) -> Figure {
     let Some((value, [low, high])) = parameter.and_then(|parameter| parameter.value.zip(parameter.ci95)) else {
         return Figure::undetermined(kind, reason());
     };
-    Figure {
-        value: Some(value),
-        ci95: Some([low, high]),
-        kind,
-        reason: None,
-        over: None,
-        standard_error: 0.5 * (high - low) / NORMAL_95,
-        degrees_of_freedom: f64::INFINITY,
-    }
+    let estimate = Estimate { value, standard_error: 0.5 * (high - low) / NORMAL_95 };
+    // The fit's own interval, which need not lie evenly about the value.
+    Figure { ci95: Some([low, high]), ..Figure::estimated(kind, estimate, f64::INFINITY) }
 }

@@ -264,8 +264,8 @@ impl Diagnosis {
     /// Decimals with which its torques are written: three, or as many as give the noise two digits.
     #[must_use]
     pub fn decimals(&self) -> usize {
-        let is_shown = |decimals: &i32| self.noise_floor_rms * 10_f64.powi(*decimals) >= 10.0;
-        (3..9).zip(3..).find(|(decimals, _)| is_shown(decimals)).map_or(3, |(_, decimals)| decimals)
+        let is_shown = |decimals: &u8| self.noise_floor_rms * 10_f64.powi(i32::from(*decimals)) >= 10.0;
+        (3..9).find(is_shown).map_or(3, usize::from)
     }
 
     /// The verdict as a person would say it.

@@ -112,12 +112,13 @@ fn wait_until_locked(rig: &RigOptions, interrupted: &AtomicBool) -> anyhow::Resu
     say("lock the gripper so that it cannot turn, then press Enter");
     let input = std::io::stdin();
     let mut ready = [PollFd::new(input.as_fd(), PollFlags::POLLIN)];
-    while input.is_terminal() && !matches!(poll(&mut ready, LOOK_MS), Ok(1..)) {
+    if !input.is_terminal() {
+        return Ok(());
+    }
+    while !matches!(poll(&mut ready, LOOK_MS), Ok(1..)) {
         anyhow::ensure!(!interrupted.load(Ordering::Acquire), "stopped before the gripper was locked");
     }
-    if input.is_terminal() {
-        input.read_line(&mut String::new()).context("the terminal cannot be read")?;
-    }
+    input.read_line(&mut String::new()).context("the terminal cannot be read")?;
     Ok(())
 }
 

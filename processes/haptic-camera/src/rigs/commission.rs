@@ -116,8 +116,8 @@ fn with_doubt_of_scale(error: anyhow::Error, axis: Axis) -> anyhow::Error {
     }
     let scale = if axis.is_rotary() { "2π over its counts per turn" } else { "its step in mm" };
     anyhow::anyhow!(
-        "{error:#}; if what is on the rig moved less than that, [channels.{}] scale is too large (an encoder's is {scale}), otherwise try \
-         less with --most-torque",
+        "{error:#}; give a smaller --most-torque, unless the rig did not move so far: then [channels.{}] scale is too large (an encoder's \
+         is {scale})",
         axis.words("angle")
     )
 }

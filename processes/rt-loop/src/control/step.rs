@@ -332,7 +332,8 @@ impl ControlState {
     }
 
     /// Goes on from where the knob is after a stall, and returns from there little by little: what it was to do meanwhile is past, and
-    /// to make up for it at once would take more than the limits allow. What the motor gave it meanwhile is not known either, so that nothing can be said to run away.
+    /// to make up for it at once would take more than the limits allow. What the motor gave it meanwhile is not known either, so
+    /// that nothing can be said to run away.
     fn resume_at(&mut self, angle_rad: f64) {
         self.centre_rad = angle_rad - self.plan.excitation.at(self.seconds(self.tick)).value;
         self.work = f64::INFINITY;
