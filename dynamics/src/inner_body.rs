@@ -1,5 +1,6 @@
 //! What happens inside a knob of two bodies while its cap moves as it was measured.
 
+use crate::model::balanced_load_mnm;
 use crate::sorted_effects::{Friction, SortedEffects};
 use crate::{Bristles, Coupling, Direction, Model, Motion, StickLimits};
 
@@ -32,8 +33,12 @@ pub struct InnerBody<'model> {
 
 /// What acts on the body over a sample.
 struct Held {
+    /// Its inertia, mNm·s²/rad.
+    inertia: f64,
     /// Torque of detents, springs and whatever else depends on the angle, mNm.
     free_mnm: f64,
+    /// The part of it that friction grows with, mNm.
+    place_mnm: f64,
     limits: StickLimits,
     /// Friction at the lowest speed in either direction, mNm.
     level_mnm: [f64; 2],
@@ -157,8 +162,11 @@ impl<'model> InnerBody<'model> {
         let direction = Direction::of(turning_rad_s);
         let Friction { level_mnm, sliding_mnm } = self.effects.friction(&at(turning_rad_s), direction);
         let slope = (sliding_mnm - level_mnm[direction as usize]) / turning_rad_s;
+        let now = at(self.velocity_rad_s);
         Held {
-            free_mnm: self.effects.free_torque_mnm(&at(self.velocity_rad_s)),
+            inertia: self.inertia + self.effects.further_inertia(now.angle_rad),
+            free_mnm: self.effects.free_torque_mnm(&now),
+            place_mnm: self.effects.rubbing_place_torque_mnm(&now),
             limits: self.karnopp_limits.at_least(level_mnm),
             level_mnm,
             direction,
@@ -191,8 +199,8 @@ impl<'model> InnerBody<'model> {
         let implicit = if touching && !pulls { stiffness_mnm_rad * step_s / 2.0 + damping } else { 0.0 };
         let spring_mnm = if implicit > 0.0 { stiffness_mnm_rad * beyond_rad } else { 0.0 };
         let load_mnm = spring_mnm + implicit * (cap_rad_s - 0.5 * velocity) - held.free_mnm;
-        let momentum = self.inertia * velocity + step_s * load_mnm;
-        Free { momentum, mass: self.inertia + 0.5 * step_s * implicit, load_mnm }
+        let momentum = held.inertia * velocity + step_s * load_mnm;
+        Free { momentum, mass: held.inertia + 0.5 * step_s * implicit, load_mnm }
     }
 
     #[inline]
@@ -206,9 +214,34 @@ impl<'model> InnerBody<'model> {
         }
         // The velocity at which friction acts must have the direction that it opposes.
         let sliding_rad_s = if velocity * frictionless > 0.0 { velocity } else { 0.0 };
-        let braked = frictionless - step_s * held.friction_mnm(sliding_rad_s, Direction::of(frictionless)) / free.mass;
+        let direction = Direction::of(frictionless);
+        let braked = frictionless - step_s * held.friction_mnm(sliding_rad_s, direction) / free.mass;
+        let braked = braked + self.less_load_friction_rad_s(step_s, braked, direction, free, held);
         let sticks = bears && velocity.abs() > limits.velocity_rad_s && braked.abs() <= limits.velocity_rad_s;
         if braked * frictionless > 0.0 && !sticks { braked } else { 0.0 }
+    }
+
+    /// By how much faster a body that slides ends a substep than if only what is held were its load: that of its inertia, which the
+    /// friction brakes, rubs too.
+    #[inline]
+    fn less_load_friction_rad_s(
+        &self,
+        step_s: f64,
+        end_rad_s: f64,
+        direction: Direction,
+        free: &Free,
+        held: &Held,
+    ) -> f64 {
+        let friction = direction.sign() * self.effects.load_friction;
+        if friction == 0.0 {
+            return 0.0;
+        }
+        // The spring gives way to what brakes the body, so that only a share of it is the inertia's.
+        let of_inertia = friction * held.inertia / free.mass;
+        let inertial_mnm = held.inertia * (end_rad_s - self.velocity_rad_s) / step_s;
+        let both_mnm = inertial_mnm + held.place_mnm + of_inertia * held.place_mnm.abs();
+        let load_mnm = balanced_load_mnm(both_mnm, of_inertia);
+        step_s * friction * (held.place_mnm.abs() - load_mnm.abs()) / free.mass
     }
 
     fn bent_end_rad_s(&self, bristles: Bristles, step_s: f64, free: &Free, held: &Held) -> f64 {

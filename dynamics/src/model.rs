@@ -164,6 +164,12 @@ impl StickLimits {
     }
 }
 
+/// The load of a body that slides, mNm, from what load + μ·|load| must balance, mNm, μ being friction over the load with the sign of the
+/// direction.
+pub(crate) fn balanced_load_mnm(both_mnm: f64, signed_load_friction: f64) -> f64 {
+    both_mnm / (1.0 + signed_load_friction * both_mnm.signum())
+}
+
 /// What some effects make of others' friction at one moment.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrictionChange {

@@ -9,6 +9,10 @@ pub(crate) struct SortedEffects<'model> {
     model: &'model Model,
     /// Torques that depend on neither acceleration nor the direction of sliding.
     free: Vec<&'model Effect>,
+    /// Whether the inertia depends on the angle.
+    varies: bool,
+    /// Friction over the load.
+    pub(crate) load_friction: f64,
     /// Effects that rub, with what they do at the lowest speed where that is the same everywhere.
     rubbing: Vec<(&'model Effect, Option<[f64; 2]>)>,
     /// Effects that change what others rub.
@@ -42,6 +46,8 @@ impl<'model> SortedEffects<'model> {
         let changing = with(&changes);
         Self {
             model,
+            varies: !with(&|part| matches!(part, Part::VaryingInertia(_))).is_empty(),
+            load_friction: model.load_friction(),
             free: with(&is_free),
             rubbing: with(&rubs).into_iter().map(|effect| (effect, level(effect))).collect(),
             changes_with_velocity: changing.iter().any(of_velocity),
@@ -53,6 +59,18 @@ impl<'model> SortedEffects<'model> {
     #[inline]
     pub(crate) fn free_torque_mnm(&self, motion: &Motion) -> f64 {
         self.free.iter().map(|effect| effect.free_torque_mnm(motion)).sum()
+    }
+
+    /// By how much the inertia at an angle differs from the mean one, mNm·s²/rad.
+    #[inline]
+    pub(crate) fn further_inertia(&self, angle_rad: f64) -> f64 {
+        if self.varies { self.model.inertia_at(angle_rad) - self.model.inertia() } else { 0.0 }
+    }
+
+    /// As [`Model::place_torque_mnm`] where something rubs with it, else nothing.
+    #[inline]
+    pub(crate) fn rubbing_place_torque_mnm(&self, motion: &Motion) -> f64 {
+        if self.load_friction == 0.0 { 0.0 } else { self.model.place_torque_mnm(motion) }
     }
 
     /// As [`Model::friction_mnm`]: at a place and time at rest in both directions, and turning as given in `direction`.

@@ -1,7 +1,7 @@
 //! A stiff contact beyond an angle.
 
 use crate::{
-    Coordinate, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Scene, Search,
+    Coordinate, Effect, EffectKind, Hypothesis, Minimum, Motion, ParameterKind, Part, Regressors, Role, Scene, Search,
 };
 
 /// `end-stop`: beyond either end τ = K·depth + D·θ̇, the contact pushing back only.
@@ -87,6 +87,26 @@ pub static KIND: EffectKind = EffectKind {
         per_capture: false,
     }),
 };
+
+/// The stop on either side alone, the other one out of the motion's reach.
+#[must_use]
+pub fn one_sided(stops: &Effect, scene: &Scene) -> [Effect; 2] {
+    let lower_rad = around(scene.lowest_rad, -BEYOND, WITHIN, scene).0;
+    let upper_rad = around(scene.highest_rad, -WITHIN, BEYOND, scene).1;
+    [(0, lower_rad), (1, upper_rad)].map(|(side, out_of_reach_rad)| {
+        let mut other = *stops;
+        other.values_mut()[side] = out_of_reach_rad;
+        other.values_mut()[2 + side] = 0.0;
+        other
+    })
+}
+
+/// On how many sides there is no stop, since it would have no stiffness; none of another effect.
+#[must_use]
+pub fn absent_sides(effect: &Effect) -> usize {
+    let is_stop = std::ptr::eq(effect.kind(), &KIND);
+    effect.values().iter().skip(2).take(2).filter(|stiffness| is_stop && **stiffness == 0.0).count()
+}
 
 /// How far beyond the motion a stop may be sought, as a share of the travel.
 const BEYOND: f64 = 0.05;

@@ -3,6 +3,7 @@
 use super::SimulationError;
 use super::runge_kutta::Place;
 use super::twist::Twist;
+use crate::model::balanced_load_mnm;
 use crate::{Bristles, Coupling, Direction, Model, Motion, StickLimits};
 
 /// Share of a knob's inertia below which a cap counts as having none: rounding of 1 − share.
@@ -105,9 +106,8 @@ impl<'model> Equation<'model> {
             return 0.0;
         }
         let (place_mnm, sign) = (self.model.place_torque_mnm(motion), sliding.direction.sign());
-        // What load and its friction together must balance: load + sign·μ·|load|.
         let both_mnm = net_mnm + place_mnm + sign * coefficient * place_mnm.abs();
-        let load_mnm = both_mnm / (1.0 + sign * coefficient * both_mnm.signum());
+        let load_mnm = balanced_load_mnm(both_mnm, sign * coefficient);
         sign * coefficient * (place_mnm.abs() - load_mnm.abs())
     }
 

@@ -26,9 +26,7 @@ const LOWER_FLOOR: f64 = 0.8;
 /// Whether an effect more explains enough, surely enough.
 pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldout: &Capture) -> bool {
     let floor = after.heldout_floor_mnm;
-    let gap = before.excess_above_lower_floor(after);
-    // A coupling that the angle's noise drives raises the floor, and what it left is less than it seems.
-    let closed = gap - after.excess_above_lower_floor(before).min(after.excess());
+    let [_, closed] = gap_and_closed(before, after);
     // An end stop may act in a few stretches only; then what was never fitted must speak for it.
     let unseen = heldout.weight * (before.heldout_rms_mnm / after.heldout_rms_mnm).ln();
     // Whether a simulated body breaks away at one moment may hang on anything: then one stretch proves nothing. Nor does it
@@ -36,13 +34,26 @@ pub(crate) fn worthwhile(before: &Judged, after: &Judged, first: &Judged, heldou
     let may_be_seldom =
         !(before.structure.is_coupled() && before.structure.sticks()) && after.heldout_over_floor() < MOSTLY_NOISE;
     let predicts = after.heldout_over_floor() < MOSTLY_NOISE || after.heldout_p_value(before) < CHANCE;
-    after.evidence - before.evidence > EVIDENCE
+    explains_enough(before, after)
         && predicts
         && (after.steadily_better_than(before) > STEADY || may_be_seldom && unseen > EVIDENCE)
-        && after.heldout_rms_mnm < before.heldout_rms_mnm
-        && closed > WORTHWHILE * gap
         && closed > SMALLEST * floor * floor
         && closed > UNEXPLAINED * UNEXPLAINED * first.excess_above_lower_floor(after)
+}
+
+/// Mean square above the floor that a model leaves, and how much of it one more effect takes away, mNm².
+fn gap_and_closed(before: &Judged, after: &Judged) -> [f64; 2] {
+    let gap = before.excess_above_lower_floor(after);
+    // A coupling that the angle's noise drives raises the floor, and what it left is less than it seems.
+    [gap, gap - after.excess_above_lower_floor(before).min(after.excess())]
+}
+
+/// Whether an effect more explains as much as one that is worth a name, though perhaps not surely.
+pub(crate) fn explains_enough(before: &Judged, after: &Judged) -> bool {
+    let [gap, closed] = gap_and_closed(before, after);
+    after.evidence - before.evidence > EVIDENCE
+        && after.heldout_rms_mnm < before.heldout_rms_mnm
+        && closed > WORTHWHILE * gap
 }
 
 /// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor

@@ -1,7 +1,7 @@
 //! Every effect of the catalogue that could be added to a structure, from its starts to its best fit.
 
-use dynamics::effects::{self, cogging};
-use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part};
+use dynamics::effects::{self, cogging, end_stop};
+use dynamics::{Coupling, Effect, EffectKind, Hypothesis, Motion, Part};
 use rayon::prelude::*;
 
 use super::acceptance::WORTHWHILE;
@@ -13,6 +13,7 @@ use super::separable::Separable;
 use super::sticking;
 use super::structure::Structure;
 use super::twist;
+use super::unequal;
 use crate::numerics::vector::{dot, subtract};
 use crate::regression::least_squares::residual;
 
@@ -25,6 +26,10 @@ const SLOW: f64 = 0.25;
 /// Ratios by which a shaft's values are changed at first and at last.
 const COARSEST: f64 = 1.5;
 const FINEST: f64 = 1.02;
+/// How often a shaft's values and all others are fitted in turn.
+const TWISTS: usize = 2;
+/// Log-likelihood that the best start of a shaft must promise, nats.
+const PROMISES: f64 = 1.0;
 /// Starts of a coupling that are refined: as many of the best on slow motion and of the best on the whole band.
 const STARTED: usize = 3;
 /// Starts of a coupling that are refined in a thorough search.
@@ -76,17 +81,24 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     starts.truncate(REFINED);
     let refined = starts.into_iter().map(|(_, effect)| {
         let mut fit = base.with(effect, width);
-        fit.refine(ROUNDS);
+        fit.refine_newest(ROUNDS);
         fit
     });
     let best: Separable<'a> = refined.min_by(|a, b| a.squares().total_cmp(&b.squares()))?;
     let effect = *best.structure.effects.last()?;
     let smaller = hypothesis.nested.iter().filter(|columns| **columns < width).map(|columns| {
         let mut fit = base.with(effect, *columns);
-        fit.refine(2);
+        fit.refine_newest(2);
         Judged::separable(&fit, heldout)
     });
-    let mut fitted: Vec<Judged> = smaller.chain([Judged::separable(&best, heldout)]).collect();
+    // A stop on a side where there is none may imitate what is still missing.
+    let sides = (kind.name == end_stop::KIND.name).then(|| end_stop::one_sided(&effect, train.scene()));
+    let one_sided = sides.into_iter().flatten().map(|one| {
+        let mut fit = base.with(one, width);
+        fit.refine_newest(ROUNDS);
+        Judged::separable(&fit, heldout)
+    });
+    let mut fitted: Vec<Judged> = smaller.chain(one_sided).chain([Judged::separable(&best, heldout)]).collect();
     let mut lines = best;
     while let Some(more) = with_a_line_more(&lines) {
         let judged = Judged::separable(&more, heldout);
@@ -114,7 +126,7 @@ fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     more.values_mut()[used..used + each].copy_from_slice(&probe.values()[..each]);
     let mut fit =
         Separable::new(fit.structure.without(index).with(more, columns + kind.columns_of_a_line()), fit.capture);
-    fit.refine(ROUNDS);
+    fit.refine_newest(ROUNDS);
     let per_turn = fit.structure.effects[index].values()[used + 1];
     (!cogging::is_of_the_detents(per_turn, &fit.capture.scene_of(&fit.structure))).then_some(fit)
 }
@@ -142,8 +154,8 @@ pub(crate) fn coupled<'a>(
     let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
     // The skew that the structure needed without the coupling tells nothing.
     let unskewed = Structure { skew_s: 0.0, ..base.clone() };
-    if let Some(start) = twisted(&effects, &hypothesis, &unskewed, train) {
-        let mut fit = Nonlinear::new(start, train);
+    if has_no_gap(kind) {
+        let mut fit = Nonlinear::new(twisted(&effects, &hypothesis, &unskewed, train)?, train);
         fit.refine();
         return Some(Judged::nonlinear(&fit, train, heldout));
     }
@@ -201,17 +213,49 @@ pub(crate) fn coupled<'a>(
     stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
-/// Where the measured torque tells the twist of a shaft, the best values for it, found without simulation by going
-/// along one value after the other in ever smaller steps; `None` where bodies may lose touch.
+/// The best values for a shaft and all else, found without simulation, since the measured torque tells its twist; `None` if a stiff one
+/// explains as much.
 fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train: &Capture) -> Option<Structure> {
-    let shaft = |effect: &Effect| match effect.kind().part {
+    let mut stiff = base.clone();
+    let starts: Vec<(f64, Effect)> = effects
+        .par_iter()
+        .map(|effect| Some((twisted_squares(effect, base, train)?, *effect)))
+        .collect::<Option<_>>()?;
+    let (squares, mut best) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    if 0.5 * train.weight * (Separable::new(base.clone(), train).squares() / squares).ln() < PROMISES {
+        return None;
+    }
+    for _ in 0..TWISTS {
+        best = best_shaft(best, hypothesis, &stiff, train)?;
+        // What moves behind a shaft of these values no longer looks like what moves with the cap.
+        let behind = twist::behind(&shaft(&best)?, stiff.inertia(), train);
+        stiff = unequal::settled(stiff, &behind).structure;
+    }
+    Some(stiff.with(best, 0))
+}
+
+/// Whether a coupling has no gap: its bodies do not lose touch.
+pub(crate) fn has_no_gap(kind: &'static EffectKind) -> bool {
+    shaft(&Effect::new(kind, &[1.0; dynamics::MAX_PARAMETERS])).is_some()
+}
+
+/// The coupling that an effect makes, if bodies do not lose touch in it.
+fn shaft(effect: &Effect) -> Option<Coupling> {
+    match effect.kind().part {
         Part::Coupling(coupling) => Some(coupling(effect.values())).filter(|coupling| coupling.half_gap_rad == 0.0),
         _ => None,
-    };
-    let squares = |effect: &Effect| shaft(effect).map_or(f64::INFINITY, |shaft| twist::squares(base, &shaft, train).0);
-    effects.first().and_then(shaft)?;
-    let starts: Vec<(f64, Effect)> = effects.par_iter().map(|effect| (squares(effect), *effect)).collect();
-    let (mut least, mut best) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    }
+}
+
+/// Sum of squares of what a structure leaves behind a shaft, mNm².
+fn twisted_squares(effect: &Effect, base: &Structure, train: &Capture) -> Option<f64> {
+    let behind = twist::behind(&shaft(effect)?, base.inertia(), train);
+    Some(Separable::new(base.clone(), &behind).squares())
+}
+
+/// The values of a shaft with which a structure leaves least, found by going along one after the other in ever smaller steps.
+fn best_shaft(mut best: Effect, hypothesis: &Hypothesis, base: &Structure, train: &Capture) -> Option<Effect> {
+    let mut least = twisted_squares(&best, base, train)?;
     let mut ratio = COARSEST;
     while ratio > FINEST {
         let mut moved = false;
@@ -219,10 +263,10 @@ fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train:
             let at = |factor: f64| {
                 let mut tried = best;
                 tried.values_mut()[search.parameter] *= factor;
-                (squares(&tried), tried)
+                Some((twisted_squares(&tried, base, train)?, tried))
             };
             let (up, down) = rayon::join(|| at(ratio), || at(1.0 / ratio));
-            if let Some(better) = [up, down].into_iter().find(|(there, _)| *there < least) {
+            if let Some(better) = [up?, down?].into_iter().find(|(there, _)| *there < least) {
                 ((least, best), moved) = (better, true);
             }
         }
@@ -230,9 +274,7 @@ fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train:
             ratio = ratio.sqrt();
         }
     }
-    let mut structure = base.clone();
-    structure.take(&twist::squares(base, &shaft(&best)?, train).1);
-    Some(structure.with(best, 0))
+    Some(best)
 }
 
 /// Fits of a structure with a coupling and one of the `kinds` more: those that promise most beside the present values'

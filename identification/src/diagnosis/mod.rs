@@ -18,6 +18,7 @@ mod nonlinear;
 mod null_test;
 mod pairs;
 mod periodogram;
+mod revision;
 mod rows;
 mod search;
 mod separable;

@@ -1,55 +1,78 @@
-//! An effect and a coupling at once, where neither alone is worth a name: one may hide the other.
+//! Two effects at once, where neither alone is worth a name: one may hide the other.
 
-use dynamics::{EffectKind, Part};
+use dynamics::EffectKind;
 use rayon::prelude::*;
 
-use super::acceptance::{EVIDENCE, worthwhile};
+use super::acceptance::{EVIDENCE, explains_enough, worthwhile};
 use super::hypotheses::{self, Effort};
 use super::judged::Judged;
 use super::search::{Found, MOST_EFFECTS, Search};
 use super::verdict::LEFT;
 
-/// Effects, the best ones, with which couplings are tried.
+/// Effects, the best ones, with which second ones are tried.
 const HIDING: usize = 3;
 
 impl Search<'_> {
     /// Adds two effects at once where neither alone is worth it and much is left: one may hide the other.
     pub(crate) fn add_pair(&self, found: &mut Found, current: &Judged, tried: &[Judged]) -> bool {
-        if current.train_over_floor() < LEFT
-            || current.structure.is_coupled()
-            || self.detents_are_equal
-            || found.rivals.len() + 2 > MOST_EFFECTS
-        {
+        if current.train_over_floor() < LEFT || found.rivals.len() + 2 > MOST_EFFECTS {
             return false;
         }
+        let is_coupled = current.structure.is_coupled();
         let firsts: Vec<&Judged> = tried
             .iter()
-            .filter(|judged| !judged.structure.is_coupled() && judged.evidence > current.evidence + EVIDENCE)
+            .filter(|judged| {
+                judged.structure.is_coupled() == is_coupled && judged.evidence > current.evidence + EVIDENCE
+            })
             .take(HIDING)
             .collect();
-        let mut both = self.coupled_pairs(&firsts, current);
-        both.retain(|(_, judged)| {
-            self.disqualified(judged).is_none()
-                && worthwhile(current, judged, &found.chain[0], self.heldout)
-                && !self.is_nothing(judged)
-        });
+        let pair = firsts.iter().find_map(|first| self.pair_with(found, current, first));
+        let may_be_coupled = !is_coupled && !self.detents_are_equal;
+        let pair = pair.or_else(|| if may_be_coupled { self.coupled_pair(found, current, &firsts) } else { None });
+        let Some((first, second, rivals)) = pair else { return false };
+        found.partial.clear();
+        self.add(found, first, tried.to_vec());
+        self.add(found, second, rivals);
+        true
+    }
+
+    /// A first effect that explains enough, though not surely, with a second one, each worth a name beside the other; also the second one's
+    /// rivals.
+    fn pair_with(&self, found: &Found, current: &Judged, first: &Judged) -> Option<(Judged, Judged, Vec<Judged>)> {
+        if !explains_enough(current, first) || self.disqualified(first).is_some() || self.is_nothing(first) {
+            return None;
+        }
+        let seconds =
+            if first.structure.is_coupled() { self.try_beside_coupling(first) } else { self.try_separable(first) };
+        let mut seconds = self.ranked(first, seconds);
+        let place = seconds.iter().position(|second| {
+            self.is_worth_a_name(first, second, found)
+                && self
+                    .without(second, first.newest())
+                    .is_some_and(|without| worthwhile(&without, second, &found.chain[0], self.heldout))
+        })?;
+        let second = seconds.remove(place);
+        Some((first.clone(), second, seconds))
+    }
+
+    /// The best of the first effects together with a coupling, and the others.
+    fn coupled_pair(
+        &self,
+        found: &Found,
+        current: &Judged,
+        firsts: &[&Judged],
+    ) -> Option<(Judged, Judged, Vec<Judged>)> {
+        let mut both = self.coupled_pairs(firsts, current);
+        both.retain(|(_, judged)| self.is_worth_a_name(current, judged, found));
         both.sort_by(|a, b| b.1.evidence.total_cmp(&a.1.evidence));
         let mut both = both.into_iter();
-        let Some((first, second)) = both.next() else { return false };
-        found.partial.clear();
-        for (judged, rivals) in [(first, tried.to_vec()), (second, both.map(|(_, judged)| judged).collect())] {
-            self.add(found, judged, rivals);
-        }
-        true
+        let (first, second) = both.next()?;
+        Some((first, second, both.map(|(_, judged)| judged).collect()))
     }
 
     /// Each of the first effects together with each coupling.
     fn coupled_pairs(&self, firsts: &[&Judged], current: &Judged) -> Vec<(Judged, Judged)> {
-        let couplings: Vec<&'static EffectKind> = self
-            .candidates(&current.structure)
-            .into_iter()
-            .filter(|kind| matches!(kind.part, Part::Coupling(_)))
-            .collect();
+        let couplings = self.couplings(current);
         let pairs: Vec<(&Judged, &'static EffectKind)> =
             firsts.iter().flat_map(|first| couplings.iter().map(|kind| (*first, *kind))).collect();
         let fitted = pairs.par_iter().filter_map(|(first, kind)| {

@@ -3,26 +3,31 @@
 use dynamics::{Effect, EffectKind, Part, effects};
 use rayon::prelude::*;
 
-use super::acceptance::{EVIDENCE, FALSE_DISCOVERIES, explains_the_gap, takes_its_part, worthwhile};
+use super::acceptance::{
+    EVIDENCE, FALSE_DISCOVERIES, explains_most_of_the_gap, explains_the_gap, takes_its_part, worthwhile,
+};
 use super::capture::Capture;
 use super::error::DiagnosisError;
 use super::findings::{Characteristic, Partial};
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::null_test;
-use super::separable::Separable;
 use super::structure::Structure;
 use super::unequal;
 use super::verdict::{LEFT, TIE};
 use super::workflow::{DiagnoseOptions, Progress};
+use crate::fit::fit_without_notes;
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::false_discovery_rate;
-use crate::{FitError, FitOptions, Samples, fit};
+use crate::{FitError, FitOptions, Samples};
 
 /// Most effects that are added.
 pub(crate) const MOST_EFFECTS: usize = 4;
-/// Effects with which unequal detents are fitted anew before one is chosen.
+/// Effects beside which all others are fitted anew before one is chosen.
 const PROMISING: usize = 4;
+
+/// Other first effects from which the search begins anew.
+const OTHER_STARTS: usize = 2;
 
 /// Share of the held-out torque's square that the model must explain, but for a factor, for that factor to be a unit's.
 const WELL_PREDICTED: f64 = 0.5;
@@ -102,7 +107,7 @@ impl Search<'_> {
                     characteristic: !self.options.axis.is_rotary(),
                     ..FitOptions::default()
                 };
-                match fit(samples, &options) {
+                match fit_without_notes(samples, &options) {
                     // A map's fit has a detent for each sinusoid; here the others are what may be missing.
                     Ok(fit) if self.train.is_map => fit.effects().iter().take(3).copied().collect(),
                     Ok(fit) => fit.effects().to_vec(),
@@ -128,10 +133,7 @@ impl Search<'_> {
             fit.refine();
             return Judged::nonlinear(&fit, self.train, self.heldout);
         }
-        let structure = unequal::refined(&structure, self.train).unwrap_or(structure);
-        let mut fit = Separable::new(structure, self.train);
-        fit.refine(10);
-        Judged::separable(&fit, self.heldout)
+        Judged::separable(&unequal::settled(structure, self.train), self.heldout)
     }
 
     pub(crate) fn check(&self, base: &Judged) -> Result<(), DiagnosisError> {
@@ -168,13 +170,16 @@ impl Search<'_> {
             characteristics: Vec::new(),
         };
         let bare = found.clone();
-        self.extend(&mut found);
+        self.extend_and_revise(&mut found);
+        if let Some(other) = self.from_another_start(&bare, &found) {
+            found = other;
+        }
         if !found.added.contains(&effects::unequal_detents::KIND.name) {
             return found;
         }
         // With two values for each detent they imitate a few other effects together.
         let mut equal = bare;
-        Search { detents_are_equal: true, ..*self }.extend(&mut equal);
+        Search { detents_are_equal: true, ..*self }.extend_and_revise(&mut equal);
         if equal.named().evidence > found.named().evidence {
             return equal;
         }
@@ -189,6 +194,40 @@ impl Search<'_> {
         found
     }
 
+    /// What is found from another first effect, where the best one led to a model that leaves much: it may have imitated two others. `None` if that
+    /// is no better.
+    fn from_another_start(&self, bare: &Found, found: &Found) -> Option<Found> {
+        let (base, last) = (&bare.chain[0], found.named());
+        let is_open = last.train_over_floor().max(last.heldout_over_floor()) > LEFT;
+        if !is_open || found.added.len() < 2 || found.in_part || explains_most_of_the_gap(last, base) {
+            return None;
+        }
+        let search = Search { detents_are_equal: true, ..*self };
+        let is_first = |judged: &&Judged| {
+            judged.structure.effects.len() == base.structure.effects.len() + 1
+                && !judged.structure.is_coupled()
+                && self.is_worth_a_name(base, judged, bare)
+        };
+        let firsts: Vec<&Judged> = found.rivals[0].iter().filter(is_first).take(OTHER_STARTS).collect();
+        let others = firsts.into_iter().map(|first| {
+            let mut other = bare.clone();
+            search.add(&mut other, first.clone(), found.rivals[0].clone());
+            search.extend_and_revise(&mut other);
+            other
+        });
+        let best = others.max_by(|one, other| one.named().evidence.total_cmp(&other.named().evidence))?;
+        (best.named().evidence > last.evidence + TIE).then_some(best)
+    }
+
+    fn extend_and_revise(&self, found: &mut Found) {
+        for _ in 0..MOST_EFFECTS {
+            self.extend(found);
+            if !self.replace_one(found) && !self.find_detents_again(found) {
+                break;
+            }
+        }
+    }
+
     fn extend(&self, found: &mut Found) {
         while found.rivals.len() < MOST_EFFECTS {
             let Some(current) = found.chain.last().cloned() else { break };
@@ -196,22 +235,8 @@ impl Search<'_> {
                 // Nothing more could be worth a name.
                 break;
             }
-            let mut tried = self.try_all(&current, found);
-            // What overshoots beyond all numbers is no rival.
-            tried.retain(|judged| judged.evidence.is_finite() && judged.heldout_rms_mnm.is_finite());
-            tried.retain(|judged| !self.repeats_with_the_detents(judged));
-            tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-            if current.structure.position(effects::unequal_detents::KIND.name).is_some() {
-                // Beside an effect more each detent is another.
-                let promising = tried.len().min(PROMISING);
-                tried[..promising].par_iter_mut().for_each(|judged| *judged = self.settled(judged.structure.clone()));
-                tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-            }
-            let worth = |rival: &Judged| {
-                self.disqualified(rival).is_none()
-                    && worthwhile(&current, rival, &found.chain[0], self.heldout)
-                    && !self.is_nothing(rival)
-            };
+            let mut tried = self.ranked(&current, self.try_all(&current, found));
+            let worth = |rival: &Judged| self.is_worth_a_name(&current, rival, found);
             let Some(best) = tried.iter().position(worth) else {
                 found.partial = self.partial(&current, &tried);
                 if !found.in_part && self.add_pair(found, &current, &tried) {
@@ -233,6 +258,28 @@ impl Search<'_> {
             }
             self.add(found, chosen, tried);
         }
+    }
+
+    /// What was tried beside a model, that with the most evidence first.
+    pub(crate) fn ranked(&self, current: &Judged, mut tried: Vec<Judged>) -> Vec<Judged> {
+        // What overshoots beyond all numbers is no rival.
+        tried.retain(|judged| judged.evidence.is_finite() && judged.heldout_rms_mnm.is_finite());
+        tried.retain(|judged| !self.repeats_with_the_detents(judged));
+        tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        if !current.structure.is_coupled() {
+            // Beside an effect more all others have other values.
+            let promising = tried.iter_mut().filter(|judged| !judged.structure.is_coupled()).take(PROMISING);
+            promising.par_bridge().for_each(|judged| *judged = self.settled(judged.structure.clone()));
+            tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        }
+        tried
+    }
+
+    /// Whether the last effect explains enough of what a model without it leaves, and is something.
+    pub(crate) fn is_worth_a_name(&self, before: &Judged, after: &Judged, found: &Found) -> bool {
+        self.disqualified(after).is_none()
+            && worthwhile(before, after, &found.chain[0], self.heldout)
+            && !self.is_nothing(after)
     }
 
     /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them
@@ -287,31 +334,5 @@ impl Search<'_> {
             explains_percent: 100.0 * (gap - judged.excess_above_lower_floor(current)) / gap,
         });
         each.filter(|partial| partial.explains_percent > 5.0).collect()
-    }
-
-    /// Takes out again what other effects have made superfluous.
-    pub(crate) fn eliminate(&self, found: &mut Found) {
-        let mut step = 0;
-        while step < found.added.len() && found.added.len() > 1 {
-            let Some(last) = found.chain.last() else { return };
-            let Some(index) = last.structure.position(found.added[step]) else { return };
-            let without = self.settled(last.structure.without(index));
-            let is_discovery = takes_its_part(&without, last) && last.heldout_p_value(&without) < FALSE_DISCOVERIES;
-            if worthwhile(&without, last, &found.chain[0], self.heldout) || found.in_part && is_discovery {
-                step += 1;
-                continue;
-            }
-            // The chain is made anew without it.
-            let removed = found.added.remove(step);
-            found.chain.remove(step + 1);
-            found.rivals.remove(step);
-            found.false_discovery_rates.remove(step);
-            for later in &mut found.chain[step + 1..] {
-                if let Some(index) = later.structure.position(removed) {
-                    *later = self.settled(later.structure.without(index));
-                }
-            }
-            step = 0;
-        }
     }
 }

@@ -7,7 +7,7 @@ use dynamics::{Effect, Part};
 use super::bounded_least_squares::solve;
 use super::capture::Capture;
 use super::structure::{Searched, Structure};
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{dot, subtract};
 use crate::regression::backtracking::longest_improving;
 use crate::regression::least_squares::residual;
 
@@ -18,9 +18,18 @@ const SETTLED: f64 = 1e-6;
 /// Powers of the angle that make a slow bend.
 pub(crate) const BEND: usize = 5;
 /// Most steps in which coefficients and the factors on them are fitted together …
-const FACTOR_STEPS: usize = 3;
+const FACTOR_STEPS: usize = 6;
 /// … and the relative gain that ends them.
 const FACTORS_SETTLED: f64 = 1e-4;
+
+/// Rows of the products of a friction's columns and a factor's, by the indices of both effects: a factor multiplies levels that are coefficients too.
+#[derive(Clone)]
+struct Product {
+    friction: usize,
+    factor: usize,
+    /// For each column of the friction one for each of the factor.
+    rows: Vec<Vec<Vec<f64>>>,
+}
 
 /// A structure in one capture: its rows, made anew only where a value changed.
 pub(crate) struct Separable<'a> {
@@ -28,6 +37,7 @@ pub(crate) struct Separable<'a> {
     pub(crate) structure: Structure,
     /// Rows of each effect's columns.
     rows: Vec<Vec<Vec<f64>>>,
+    products: Vec<Product>,
     target: Vec<f64>,
     pub(crate) coefficients: Vec<f64>,
     pub(crate) residual: Vec<f64>,
@@ -36,25 +46,42 @@ pub(crate) struct Separable<'a> {
 impl<'a> Separable<'a> {
     /// The structure with its linear coefficients fitted to the capture.
     pub(crate) fn new(structure: Structure, capture: &'a Capture) -> Self {
-        let target = capture.target(structure.delay_s());
-        let mut fit =
-            Self { capture, structure, rows: Vec::new(), target, coefficients: Vec::new(), residual: Vec::new() };
-        fit.rows = (0..fit.structure.effects.len()).map(|index| fit.rows_of(index)).collect();
-        fit.solve();
-        fit
+        let rows = (0..structure.effects.len()).map(|index| capture.rows_of(&structure, index)).collect();
+        let products = products(&structure, |friction, factor| structure.product_rows(friction, factor, capture));
+        let nothing = vec![0.0; structure.nonnegative().len()];
+        Self::solved(capture, structure, rows, products, nothing)
     }
 
     /// The fit with one effect more, of which the first `columns` take part.
     pub(crate) fn with(&self, effect: Effect, columns: usize) -> Self {
         let structure = self.structure.with(effect, columns);
+        let same_bristles = structure.bristles() == self.structure.bristles();
         let rows = |index: usize| match self.rows.get(index) {
-            Some(rows) if !structure.depends_on_others(index) => rows.clone(),
+            Some(rows) if same_bristles || !structure.depends_on_others(index) => rows.clone(),
             _ => self.capture.rows_of(&structure, index),
         };
         let rows = (0..structure.effects.len()).map(rows).collect();
-        let target = self.capture.target(structure.delay_s());
-        let mut fit =
-            Self { capture: self.capture, structure, rows, target, coefficients: Vec::new(), residual: Vec::new() };
+        let known = |friction, factor| {
+            let is = |product: &&Product| product.friction == friction && product.factor == factor;
+            self.products.iter().find(is).filter(|_| same_bristles).map(|product| product.rows.clone())
+        };
+        let products = products(&structure, |friction, factor| {
+            known(friction, factor).unwrap_or_else(|| structure.product_rows(friction, factor, self.capture))
+        });
+        let mut coefficients = self.coefficients.clone();
+        coefficients.resize(structure.nonnegative().len(), 0.0);
+        Self::solved(self.capture, structure, rows, products, coefficients)
+    }
+
+    fn solved(
+        capture: &'a Capture,
+        structure: Structure,
+        rows: Vec<Vec<Vec<f64>>>,
+        products: Vec<Product>,
+        coefficients: Vec<f64>,
+    ) -> Self {
+        let target = capture.target(structure.delay_s());
+        let mut fit = Self { capture, structure, rows, products, target, coefficients, residual: Vec::new() };
         fit.solve();
         fit
     }
@@ -104,32 +131,27 @@ impl<'a> Separable<'a> {
 
     /// Solves for the coefficients.
     ///
-    /// A factor multiplies the friction, whose levels are coefficients too, and the load: there it takes steps of Gauss and Newton. Fitted in turn,
-    /// the levels would not count with what the factor makes of them, and end elsewhere where an offset can replace them.
+    /// A factor multiplies the friction, whose levels are coefficients too, and the load: there it takes steps of Gauss and Newton from the
+    /// coefficients at hand. Fitted in turn, the levels would not count with what the factor makes of them, and end elsewhere where an offset can
+    /// replace them.
     fn solve(&mut self) {
-        let factors: Vec<usize> = (0..self.structure.effects.len())
-            .filter(|index| {
-                let part = self.structure.effects[*index].kind().part;
-                matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::LoadFriction(_))
-            })
-            .collect();
-        let coefficients = solve(&self.columns(), &self.target, &self.structure.nonnegative());
-        self.take(&factors, coefficients);
-        if factors.is_empty() {
+        let nonnegative = self.structure.nonnegative();
+        if self.products.is_empty() && self.structure.load_frictions().is_empty() {
+            self.take(solve(&self.columns(), &self.target, &nonnegative));
             return;
         }
+        self.take(self.coefficients.clone());
         for _ in 0..FACTOR_STEPS {
             let (start, before) = (self.coefficients.clone(), self.squares());
             let (columns, target) = self.linearised();
             let slices: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
-            let end = solve(&slices, &target, &self.structure.nonnegative());
+            let end = solve(&slices, &target, &nonnegative);
             let improved = longest_improving(0.25, |share| {
-                let moved = start.iter().zip(&end).map(|(start, end)| start + share * (end - start)).collect();
-                self.take(&factors, moved);
+                self.take(start.iter().zip(&end).map(|(start, end)| start + share * (end - start)).collect());
                 (self.squares() < before).then_some(())
             });
             if improved.is_none() {
-                self.take(&factors, start);
+                self.take(start);
             }
             if before - self.squares() <= FACTORS_SETTLED * before {
                 return;
@@ -137,12 +159,29 @@ impl<'a> Separable<'a> {
         }
     }
 
-    /// Takes coefficients, and makes the factors' rows of them.
-    fn take(&mut self, factors: &[usize], coefficients: Vec<f64>) {
+    /// Takes coefficients, and makes the rows of them that depend on them.
+    fn take(&mut self, coefficients: Vec<f64>) {
         self.structure.take(&coefficients);
-        factors.iter().for_each(|index| self.rows[*index] = self.rows_of(*index));
+        for factor in self.structure.factors() {
+            self.rows[factor] = self.factor_rows(factor, &coefficients);
+        }
+        for index in self.structure.load_frictions() {
+            self.rows[index] = self.rows_of(index);
+        }
         self.residual = residual(&self.columns(), &self.target, &coefficients);
         self.coefficients = coefficients;
+    }
+
+    /// Rows of a factor's columns: all that rubs, multiplied by them.
+    fn factor_rows(&self, factor: usize, coefficients: &[f64]) -> Vec<Vec<f64>> {
+        let ranges = self.structure.ranges();
+        let mut sums = vec![vec![0.0; self.target.len()]; ranges[factor].len()];
+        for product in self.products.iter().filter(|product| product.factor == factor) {
+            for (level, rows) in coefficients[ranges[product.friction].clone()].iter().zip(&product.rows) {
+                sums.iter_mut().zip(rows).for_each(|(sum, row)| subtract(sum, -level, row));
+            }
+        }
+        sums
     }
 
     /// The torque's derivatives by the coefficients, and what these are to add up to: without what the load's friction makes of the load, which is
@@ -155,13 +194,22 @@ impl<'a> Separable<'a> {
     pub(crate) fn linearised_with(&self, load_factor: Option<&[f64]>) -> (Vec<Cow<'_, [f64]>>, Cow<'_, [f64]>) {
         let mut columns: Vec<Cow<'_, [f64]>> = self.columns().into_iter().map(Cow::Borrowed).collect();
         let mut target = Cow::Borrowed(self.target.as_slice());
-        for (index, range) in self.structure.ranges().into_iter().enumerate() {
-            let multiplied = self.structure.multiplied_rows(index, self.capture, load_factor);
-            for (column, more) in range.clone().zip(&multiplied) {
-                // The factor at hand counts in the levels' columns and in its own: once too often.
-                let level = self.coefficients[column];
-                target.to_mut().iter_mut().zip(more).for_each(|(target, more)| *target += level * more);
-                columns[column].to_mut().iter_mut().zip(more).for_each(|(slot, more)| *slot += more);
+        let ranges = self.structure.ranges();
+        // The factor at hand counts in the levels' columns and in its own: once too often.
+        let mut multiply = |column: usize, by: f64, row: &[f64]| {
+            subtract(columns[column].to_mut(), -by, row);
+            subtract(target.to_mut(), -by * self.coefficients[column], row);
+        };
+        for Product { friction, factor, rows } in &self.products {
+            let depths = &self.coefficients[ranges[*factor].clone()];
+            for (level, rows) in ranges[*friction].clone().zip(rows) {
+                rows.iter().zip(depths).for_each(|(row, depth)| multiply(level, *depth, row));
+            }
+        }
+        for (index, range) in ranges.into_iter().enumerate() {
+            let rubbing = load_factor.map(|factor| self.structure.rubbing_rows(index, self.capture, factor));
+            for (column, row) in range.zip(rubbing.iter().flatten()) {
+                multiply(column, 1.0, row);
             }
         }
         (columns, target)
@@ -176,8 +224,14 @@ impl<'a> Separable<'a> {
         if self.structure.delay_s() != before.delay_s() {
             self.target = self.capture.target(self.structure.delay_s());
         }
-        for index in changed(&before, &self.structure) {
-            self.rows[index] = self.rows_of(index);
+        let changed = changed(&before, &self.structure);
+        for index in &changed {
+            self.rows[*index] = self.rows_of(*index);
+        }
+        for product in &mut self.products {
+            if [product.friction, product.factor].iter().any(|index| changed.contains(index)) {
+                product.rows = self.structure.product_rows(product.friction, product.factor, self.capture);
+            }
         }
         self.solve();
     }
@@ -214,7 +268,18 @@ impl<'a> Separable<'a> {
 
     /// Improves the searched parameters and the skew by at most `rounds` Gauss–Newton steps.
     pub(crate) fn refine(&mut self, rounds: usize) {
-        let searched = self.searched();
+        self.refine_by(&self.searched(), rounds);
+    }
+
+    /// The same by the last effect's parameters and the skew alone.
+    pub(crate) fn refine_newest(&mut self, rounds: usize) {
+        let newest = self.structure.effects.len().saturating_sub(1);
+        let mut searched = self.searched();
+        searched.retain(|which| *which == Searched::Skew || which.is_of(newest));
+        self.refine_by(&searched, rounds);
+    }
+
+    fn refine_by(&mut self, searched: &[Searched], rounds: usize) {
         for _ in 0..rounds {
             let before = self.squares();
             let tangents: Vec<Vec<f64>> = searched.iter().map(|which| self.tangent(*which)).collect();
@@ -230,11 +295,11 @@ impl<'a> Separable<'a> {
                 break;
             }
             let step: Vec<f64> = extended[linear..].to_vec();
-            if !self.step(&searched, &step) {
+            if !self.step(searched, &step) {
                 // Where one parameter hardly matters its step is wild: then one at a time.
                 let alone = (0..searched.len()).filter(|index| {
                     let one: Vec<f64> = (0..step.len()).map(|i| if i == *index { step[i] } else { 0.0 }).collect();
-                    self.step(&searched, &one)
+                    self.step(searched, &one)
                 });
                 if alone.count() == 0 {
                     break;
@@ -285,6 +350,16 @@ impl<'a> Separable<'a> {
         }
         searched
     }
+}
+
+/// The products of what rubs and the factors on it, with these rows.
+fn products(structure: &Structure, rows: impl Fn(usize, usize) -> Vec<Vec<Vec<f64>>>) -> Vec<Product> {
+    let factors = structure.factors();
+    let frictions = structure.frictions().into_iter();
+    frictions
+        .flat_map(|friction| factors.iter().map(move |factor| (friction, *factor)))
+        .map(|(friction, factor)| Product { friction, factor, rows: rows(friction, factor) })
+        .collect()
 }
 
 /// Effects whose columns differ between two structures of the same effects.

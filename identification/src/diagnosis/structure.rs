@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use dynamics::effects::end_stop;
 use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
 
 use super::capture::Capture;
@@ -70,6 +71,12 @@ impl Structure {
 
     pub(crate) fn position(&self, name: &str) -> Option<usize> {
         self.effects.iter().position(|effect| effect.kind().name == name)
+    }
+
+    /// Puts other detents in the place of the equal ones that there are.
+    pub(crate) fn put_detent(&mut self, detent: Effect) {
+        let places = self.effects.iter_mut().filter(|effect| std::ptr::eq(effect.kind(), detent.kind()));
+        places.for_each(|place| *place = detent);
     }
 
     /// Value of a parameter, by its name.
@@ -144,7 +151,7 @@ impl Structure {
     /// Number of values that the data had to settle, the skew apart.
     pub(crate) fn freedom(&self) -> usize {
         let searched = |(effect, columns): (&Effect, &usize)| match effect.kind().hypothesis {
-            Some(_) => effect.kind().free_searches(*columns).count(),
+            Some(_) => effect.kind().free_searches(*columns).count() - end_stop::absent_sides(effect),
             None => regressors(effect).map_or(0, |r| r.searched.len()),
         };
         // One limit for both directions is tried.
@@ -154,7 +161,9 @@ impl Structure {
             (Some(lobes), _) => 2 * lobes.units() - 1,
             (None, table) => table.map_or(0, |table| table.points().len() - 1),
         };
-        let each = |(of, width): ((&Effect, &usize), usize)| width + searched(of) + of_table(of.0);
+        // A stop that is not there has neither a place nor a stiffness.
+        let stiffnesses = |effect: &Effect, width: usize| width - end_stop::absent_sides(effect).min(width);
+        let each = |(of, width): ((&Effect, &usize), usize)| stiffnesses(of.0, width) + searched(of) + of_table(of.0);
         limits + self.effects.iter().zip(&self.columns).zip(self.widths()).map(each).sum::<usize>()
     }
 
@@ -275,11 +284,8 @@ impl Structure {
         let all = |motion: &Motion| filled(effect, regressors, motion);
         match effect.kind().part {
             Part::Friction(_) | Part::FrictionTable(_) => {
-                let columns = self.friction_columns(effect, regressors, motion);
-                each(&|at, row| {
-                    let [all, _] = columns(at);
-                    row.copy_from_slice(&all[..row.len()]);
-                })
+                let columns = self.friction_columns(effect, regressors, motion, false);
+                each(&columns)
             }
             Part::CoulombFactor(_) | Part::FrictionFactor(_) => {
                 let coulomb_only = matches!(effect.kind().part, Part::CoulombFactor(_));
@@ -293,48 +299,62 @@ impl Structure {
         }
     }
 
-    /// Rows of what factors add to the columns of the effect at an index: those on friction to a friction's, and that on the load to the columns of
-    /// what the load consists of; none where nothing multiplies it.
-    pub(crate) fn multiplied_rows(
-        &self,
-        index: usize,
-        capture: &Capture,
-        load_factor: Option<&[f64]>,
-    ) -> Vec<Vec<f64>> {
-        let (effect, motion) = (&self.effects[index], &capture.motion);
-        let is_friction = matches!(effect.kind().part, Part::Friction(_) | Part::FrictionTable(_));
-        let is_factor = |of: &&Effect| matches!(of.kind().part, Part::CoulombFactor(_) | Part::FrictionFactor(_));
-        let factors: Vec<&Effect> = self.effects.iter().filter(is_factor).collect();
-        let Some(regressors) = effect.kind().regressors else { return Vec::new() };
-        let rows = |of_sample: &dyn Fn(usize) -> [f64; dynamics::MAX_PARAMETERS]| {
-            capture.row_filter.rows_of(self.columns[index], |range, columns| {
-                for (place, at) in range.enumerate() {
-                    let row = if capture.row_filter.mask[at] == 0.0 { [0.0; _] } else { of_sample(at) };
-                    columns.iter_mut().zip(row).for_each(|(column, value)| column[place] = value);
+    /// Rows of the products of a friction's columns with those of a factor on it: for each column of the friction one for each of the
+    /// factor.
+    pub(crate) fn product_rows(&self, friction: usize, factor: usize, capture: &Capture) -> Vec<Vec<Vec<f64>>> {
+        let [effect, by] = [friction, factor].map(|index| &self.effects[index]);
+        let (Some(own), Some(others)) = (regressors(effect), regressors(by)) else { return Vec::new() };
+        let of_coulomb = matches!(by.kind().part, Part::CoulombFactor(_));
+        let columns_at = self.friction_columns(effect, own, &capture.motion, of_coulomb);
+        let (width, depth) = (self.columns[friction], self.columns[factor]);
+        let mut frictions = vec![0.0; width];
+        let rows = capture.row_filter.rows_of(width * depth, |range, columns| {
+            for (place, at) in range.enumerate() {
+                if capture.row_filter.mask[at] == 0.0 {
+                    columns.iter_mut().for_each(|column| column[place] = 0.0);
+                    continue;
                 }
-            })
+                columns_at(at, &mut frictions);
+                let factors = filled(by, others, &capture.motion.at(at));
+                for (columns, friction) in columns.chunks_mut(depth).zip(&frictions) {
+                    columns.iter_mut().zip(factors).for_each(|(column, factor)| column[place] = friction * factor);
+                }
+            }
+        });
+        rows.chunks(depth).map(<[_]>::to_vec).collect()
+    }
+
+    /// Indices of the effects that rub.
+    pub(crate) fn frictions(&self) -> Vec<usize> {
+        self.indices(|part| matches!(part, Part::Friction(_) | Part::FrictionTable(_)))
+    }
+
+    /// Indices of the factors on friction.
+    pub(crate) fn factors(&self) -> Vec<usize> {
+        self.indices(|part| matches!(part, Part::CoulombFactor(_) | Part::FrictionFactor(_)))
+    }
+
+    /// Indices of the effects whose friction is over the load.
+    pub(crate) fn load_frictions(&self) -> Vec<usize> {
+        self.indices(|part| matches!(part, Part::LoadFriction(_)))
+    }
+
+    fn indices(&self, is: impl Fn(Part) -> bool) -> Vec<usize> {
+        (0..self.effects.len()).filter(|index| is(self.effects[*index].kind().part)).collect()
+    }
+
+    /// Rows of what friction on the load adds to the columns of the effect at an index, a load, by a factor at every sample.
+    pub(crate) fn rubbing_rows(&self, index: usize, capture: &Capture, load_factor: &[f64]) -> Vec<Vec<f64>> {
+        let effect = &self.effects[index];
+        let Some(regressors) = regressors(effect).filter(|_| effect.kind().is_of_the_load()) else {
+            return Vec::new();
         };
-        if is_friction && !factors.is_empty() {
-            let own = self.friction_columns(effect, regressors, motion);
-            return rows(&|at| {
-                let now = motion.at(at);
-                let change = |of_coulomb: bool| -> f64 {
-                    let each = factors.iter().map(|factor| match factor.kind().part {
-                        Part::CoulombFactor(change) if of_coulomb => change(factor.values(), &now),
-                        Part::FrictionFactor(change) if !of_coulomb => change(factor.values(), &now),
-                        _ => 0.0,
-                    });
-                    each.sum()
-                };
-                let [of_all, of_coulomb] = [false, true].map(change);
-                let [all, coulomb] = own(at);
-                std::array::from_fn(|column| of_all * all[column] + of_coulomb * coulomb[column])
-            });
-        }
-        match load_factor.filter(|_| effect.kind().is_of_the_load()) {
-            Some(factor) => rows(&|at| filled(effect, regressors, &motion.at(at)).map(|column| factor[at] * column)),
-            None => Vec::new(),
-        }
+        capture.row_filter.rows_of(self.columns[index], |range, columns| {
+            for (place, at) in range.enumerate() {
+                let row = filled(effect, regressors, &capture.motion.at(at));
+                columns.iter_mut().zip(row).for_each(|(column, value)| column[place] = load_factor[at] * value);
+            }
+        })
     }
 
     /// By how much friction that grows with the load adds to the torques of the load, as a share of them, at every sample; `None` without such
@@ -349,22 +369,34 @@ impl Structure {
         (coefficient != 0.0).then(|| (0..motion.angle_rad.len()).map(at).collect())
     }
 
-    /// A friction's columns at a sample: of all that it makes, and of its Coulomb part; with bristles, of these as they bend.
+    /// Writes a friction's leading columns at a sample, of all that it makes or of its Coulomb part; with bristles the latter as these bend.
     fn friction_columns<'a>(
         &self,
         effect: &'a Effect,
         regressors: Regressors,
         motion: &'a KnobMotion,
-    ) -> impl Fn(usize) -> [[f64; dynamics::MAX_PARAMETERS]; 2] + use<'a> {
+        coulomb_only: bool,
+    ) -> impl Fn(usize, &mut [f64]) + use<'a> {
         let deflections = self.bristles().map(|bristles| deflections(bristles, motion));
-        move |at: usize| {
+        move |at: usize, row: &mut [f64]| {
             let now = motion.at(at);
-            let columns = |motion: &Motion| filled(effect, regressors, motion);
-            let (mut all, still) = (columns(&now), columns(&slowest(now.velocity_rad_s, &now)));
-            let Some(bent) = deflections.as_ref().map(|deflections| deflections[at]) else { return [all, still] };
-            let coulomb = columns(&slowest(bent, &now)).map(|column| bent.abs() * column);
-            all.iter_mut().zip(coulomb.iter().zip(&still)).for_each(|(all, (coulomb, still))| *all += coulomb - still);
-            [all, coulomb]
+            let mut columns = [0.0; dynamics::MAX_PARAMETERS];
+            row.fill(0.0);
+            let mut add = |motion: &Motion, by: f64| {
+                (regressors.fill)(effect, motion, &mut columns[..regressors.columns]);
+                row.iter_mut().zip(&columns).for_each(|(row, column)| *row += by * column);
+            };
+            let still = slowest(now.velocity_rad_s, &now);
+            match deflections.as_ref().map(|deflections| deflections[at]) {
+                None => add(if coulomb_only { &still } else { &now }, 1.0),
+                Some(bent) => {
+                    add(&slowest(bent, &now), bent.abs());
+                    if !coulomb_only {
+                        add(&now, 1.0);
+                        add(&still, -1.0);
+                    }
+                }
+            }
         }
     }
 

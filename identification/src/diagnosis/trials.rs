@@ -27,28 +27,55 @@ fn is_curve(kind: &EffectKind) -> bool {
         && !kind.depends_on.contains(&Coordinate::Time)
 }
 
+/// Detents of the torque, mNm, periods per turn and phase, rad, of a line of cogging.
+pub(crate) fn detent_of([amplitude_mnm, per_turn, phase_rad]: [f64; 3]) -> Effect {
+    Effect::new(&effects::detent::KIND, &[amplitude_mnm, 1.0 / per_turn, phase_rad])
+}
+
+fn is_coupling(kind: &EffectKind) -> bool {
+    matches!(kind.part, Part::Coupling(_))
+}
+
 impl Search<'_> {
     /// The best fit with each effect of the catalogue more.
     pub(crate) fn try_all(&self, current: &Judged, found: &Found) -> Vec<Judged> {
-        let first = &found.chain[0];
-        let kinds = self.candidates(&current.structure);
         if current.structure.is_coupled() {
-            return hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout);
+            return self.try_beside_coupling(current);
         }
-        let (mut coupled, separable): (Vec<&'static EffectKind>, Vec<&'static EffectKind>) =
-            kinds.iter().partition(|kind| matches!(kind.part, Part::Coupling(_)));
-        coupled.sort_by_key(|kind| kind.parameters.len());
-        let base = Separable::new(current.structure.clone(), self.train);
+        let mut tried = self.try_separable(current);
+        if !self.detents_are_equal {
+            self.try_couplings(current, found, &mut tried);
+        }
+        tried
+    }
+
+    /// The same without the couplings that take a simulation to find.
+    pub(crate) fn try_replacements(&self, current: &Judged) -> Vec<Judged> {
+        if current.structure.is_coupled() {
+            return self.try_beside_coupling(current);
+        }
+        let mut tried = self.try_separable(current);
+        let shafts = self.couplings(current).into_iter().filter(|kind| hypotheses::has_no_gap(kind));
+        tried.extend(shafts.filter_map(|kind| self.coupled(kind, current, Effort::Short)));
+        tried
+    }
+
+    pub(crate) fn try_beside_coupling(&self, current: &Judged) -> Vec<Judged> {
+        let kinds = self.candidates(&current.structure);
+        hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout)
+    }
+
+    pub(crate) fn try_separable(&self, current: &Judged) -> Vec<Judged> {
+        let mut kinds = self.candidates(&current.structure);
         let of = kinds.len();
+        kinds.retain(|kind| !is_coupling(kind));
+        let base = Separable::new(current.structure.clone(), self.train);
         let done = AtomicUsize::new(0);
-        let say = |kind: &EffectKind| {
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            self.say(Progress::Tried { effect: kind.name, done, of });
-        };
         let one_more = || {
-            let fits = separable.par_iter().filter_map(|kind| {
+            let fits = kinds.par_iter().filter_map(|kind| {
                 let judged = hypotheses::separable(kind, &base, self.heldout);
-                say(kind);
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                self.say(Progress::Tried { effect: kind.name, done, of });
                 judged
             });
             fits.collect::<Vec<Judged>>()
@@ -58,33 +85,54 @@ impl Search<'_> {
         }
         let (unequal, mut tried) = rayon::join(|| self.unequal_detents(current), one_more);
         tried.extend(unequal);
-        let open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
-        let closes = |judged: &Judged| {
-            (!open(judged) || explains_most_of_the_gap(judged, first)) && self.disqualified(judged).is_none()
+        tried
+    }
+
+    /// Tries couplings, which cost most, where nothing else explains what is left.
+    fn try_couplings(&self, current: &Judged, found: &Found, tried: &mut Vec<Judged>) {
+        let is_open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
+        let closes = |judged: &Judged| !is_open(judged) && self.disqualified(judged).is_none();
+        let closes_most = |judged: &Judged| {
+            closes(judged) || explains_most_of_the_gap(judged, &found.chain[0]) && self.disqualified(judged).is_none()
         };
-        if open(current) && !tried.iter().any(closes) {
-            coupled.retain(|kind| !found.has_failed(kind));
-            let fitted = |kind: &&'static EffectKind, effort| {
-                hypotheses::coupled(kind, &current.structure, [self.train, self.heldout], effort)
-            };
-            for kind in &coupled {
-                let judged = fitted(kind, Effort::Full);
-                say(kind);
-                let closed = judged.as_ref().is_some_and(closes);
-                tried.extend(judged);
-                if closed {
-                    // The next coupling has more freedom and costs more.
-                    return tried;
-                }
-            }
-            // A coupling that explains most, but not all, may have been fitted in a neighbouring valley.
-            let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
-            if best.is_some_and(|best| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE) {
-                tried.retain(|judged| !judged.structure.is_coupled());
-                tried.extend(coupled.iter().filter_map(|kind| fitted(kind, Effort::Thorough)));
+        if !is_open(current) || tried.iter().any(closes) {
+            return;
+        }
+        let mut couplings = self.couplings(current);
+        let of = self.candidates(&current.structure).len();
+        if tried.iter().any(closes_most) {
+            // Little is left for one; a shaft is found without simulation.
+            couplings.retain(|kind| hypotheses::has_no_gap(kind));
+        }
+        couplings.retain(|kind| hypotheses::has_no_gap(kind) || !found.has_failed(kind));
+        for (index, kind) in couplings.iter().enumerate() {
+            let judged = self.coupled(kind, current, Effort::Full);
+            self.say(Progress::Tried { effect: kind.name, done: of - couplings.len() + index + 1, of });
+            let closed = judged.as_ref().is_some_and(closes_most);
+            tried.extend(judged);
+            if closed {
+                // The next coupling has more freedom and costs more.
+                return;
             }
         }
-        tried
+        // A coupling that explains most, but not all, may have been fitted in a neighbouring valley.
+        let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+        if best.is_some_and(|best| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE) {
+            tried.retain(|judged| !judged.structure.is_coupled());
+            tried.extend(couplings.iter().filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
+        }
+    }
+
+    /// The couplings that could be added to a structure, that with the fewest values first.
+    pub(crate) fn couplings(&self, current: &Judged) -> Vec<&'static EffectKind> {
+        let mut couplings = self.candidates(&current.structure);
+        couplings.retain(|kind| is_coupling(kind));
+        couplings.sort_by_key(|kind| kind.parameters.len());
+        couplings
+    }
+
+    fn coupled(&self, kind: &'static EffectKind, current: &Judged, effort: Effort) -> Option<Judged> {
+        hypotheses::coupled(kind, &current.structure, [self.train, self.heldout], effort)
     }
 
     /// The effects that could be added to a structure; on a map those of the angle.
@@ -146,8 +194,7 @@ impl Search<'_> {
             return None;
         }
         // Other lines will be found again beside the detents.
-        let [amplitude, per_turn, phase, ..] = *effect.values() else { return None };
-        let detent = Effect::new(&effects::detent::KIND, &[amplitude, 1.0 / per_turn, phase]);
+        let detent = cogging::lines(effect.values()).next().map(detent_of)?;
         let base = judged.structure.without(judged.structure.effects.len() - 1);
         Some(self.settled(base.with(detent, 2)))
     }

@@ -1,4 +1,4 @@
-//! The motion behind a shaft that twists, from the torque that twists it.
+//! A capture as it would be behind a shaft that twists, from the torque that twists it.
 //!
 //! The measured torque tells the twist of a shaft of known stiffness and damping at once, without simulating anything:
 //! behind it everything is linear again, and the sum of squares has one wide valley over stiffness where a simulated
@@ -10,28 +10,15 @@ use std::f64::consts::TAU;
 use dynamics::Coupling;
 use realfft::num_complex::Complex;
 
-use super::bounded_least_squares;
 use super::capture::Capture;
-use super::structure::Structure;
-use crate::numerics::fourier;
-use crate::numerics::vector::dot;
+use crate::numerics::fourier::Response;
 use crate::preparation::motion::KnobMotion;
-use crate::regression::least_squares::residual;
 
-/// Sum of squares of what a structure leaves behind a shaft, and the coefficients with which it does, mNm².
-pub(crate) fn squares(base: &Structure, shaft: &Coupling, capture: &Capture) -> (f64, Vec<f64>) {
-    let behind = motion(shaft, capture);
-    let target = capture.target(0.0);
-    let response = turned_down(target.len(), base.inertia(), shaft, capture);
-    let rows: Vec<Vec<f64>> = (0..base.effects.len())
-        .flat_map(|index| base.rows(index, &behind, &capture.row_filter))
-        .map(&response)
-        .collect();
-    let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    let target = response(target);
-    let coefficients = bounded_least_squares::solve(&columns, &target, &base.nonnegative());
-    let left = residual(&columns, &target, &coefficients);
-    (dot(&left, &left), coefficients)
+/// The capture of a knob of this inertia as it would be with the motion of the shaft's other end.
+pub(crate) fn behind(shaft: &Coupling, inertia: f64, capture: &Capture) -> Capture {
+    let mut behind = capture.with_motion(motion(shaft, capture));
+    behind.row_filter.response = Some(turned_down(inertia, shaft, capture));
+    behind
 }
 
 /// The motion of the body behind the shaft.
@@ -55,19 +42,14 @@ fn motion(shaft: &Coupling, capture: &Capture) -> KnobMotion {
     motion
 }
 
-/// So many rows through the response of an inertia on the shaft: torque at the sensor over torque on the inertia.
+/// The response of an inertia on the shaft: torque at the sensor over torque on the inertia.
 #[allow(clippy::cast_precision_loss, reason = "a decimation")]
-fn turned_down(
-    rows: usize,
-    inertia: f64,
-    shaft: &Coupling,
-    capture: &Capture,
-) -> impl Fn(Vec<f64>) -> Vec<f64> + use<> {
-    let rate_hz = capture.rate_hz / capture.row_filter.step as f64;
-    let response = |cycles: f64| {
+fn turned_down(inertia: f64, shaft: &Coupling, capture: &Capture) -> Response {
+    let row_filter = &capture.row_filter;
+    let rate_hz = capture.rate_hz / row_filter.step as f64;
+    Response::new(row_filter.mask.len().div_ceil(row_filter.step), &|cycles| {
         let turning = TAU * cycles * rate_hz;
         let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
         spring / (spring - inertia * turning * turning)
-    };
-    fourier::through(rows, &response)
+    })
 }

@@ -19,6 +19,8 @@ use crate::uncertainty::statistics::{deviation_of_sum, mean, student_95};
 
 /// Gauss–Newton steps.
 const STEPS: usize = 12;
+/// Gauss–Newton steps of what is searched beside the detents.
+const ROUNDS: usize = 10;
 /// Share of the sum of squares below which a step's gain is the last.
 const SETTLED: f64 = 1e-4;
 /// What holds a unit that the capture hardly shows at the others' mean height and at its place, as a share of the mean
@@ -51,9 +53,12 @@ pub(crate) fn structure(base: &Structure, capture: &Capture) -> Option<Structure
     fitted.min_by(|one, other| one.1.total_cmp(&other.1)).map(|(structure, _)| structure)
 }
 
-/// A structure with unequal detents that are fitted anew beside its other effects; `None` if it has none.
-pub(crate) fn refined(structure: &Structure, capture: &Capture) -> Option<Structure> {
-    fitted_anew(structure, capture, |lobes| lobes)
+/// The fit of a structure without coupling from where it stands, unequal detents included.
+pub(crate) fn settled(structure: Structure, capture: &Capture) -> Separable<'_> {
+    let structure = fitted_anew(&structure, capture, |lobes| lobes).unwrap_or(structure);
+    let mut fit = Separable::new(structure, capture);
+    fit.refine(ROUNDS);
+    fit
 }
 
 /// The same with a height and a place of each lobe's own, so that peaks and troughs differ.

@@ -68,6 +68,12 @@ pub fn fit(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError>
     Ok(fit)
 }
 
+/// [`fit`] without its notes on the whole capture, one of which takes a second fit.
+pub(crate) fn fit_without_notes(samples: &Samples<'_>, options: &FitOptions) -> Result<Fit, FitError> {
+    let sorted = sorted(samples);
+    fit_in_time(&sorted.as_ref().map_or(*samples, |sorted| sorted.samples()), options)
+}
+
 /// Part of the torque, %, that a fit must leave for the signs to be in doubt.
 const IN_DOUBT_PERCENT: f64 = 20.0;
 /// Share of that which the inverted torque may leave at most, to be the right one.

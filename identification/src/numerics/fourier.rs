@@ -15,21 +15,32 @@ pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
 }
 
-/// So many evenly spaced values through a response to a number of cycles from one value to the next; they are nothing beyond
-/// their ends.
-#[allow(clippy::cast_precision_loss, reason = "a number of values")]
-pub(crate) fn through(count: usize, response: &dyn Fn(f64) -> Complex<f64>) -> impl Fn(Vec<f64>) -> Vec<f64> + use<> {
-    let length = (count + 1).next_power_of_two();
-    let forward = forward(length);
-    let back = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length));
-    let scale = 1.0 / length as f64;
-    let responses: Vec<Complex<f64>> =
-        (0..forward.complex_len()).map(|index| scale * response(index as f64 * scale)).collect();
-    move |mut values| {
+/// A linear response to evenly spaced values, which are nothing beyond their ends.
+#[derive(Clone, Debug)]
+pub(crate) struct Response {
+    count: usize,
+    /// The response at each line of the transform, over the transform's length.
+    lines: Arc<[Complex<f64>]>,
+}
+
+impl Response {
+    /// The response to `count` values, each of which is the one before turned by so many cycles.
+    #[allow(clippy::cast_precision_loss, reason = "a number of values")]
+    pub(crate) fn new(count: usize, response: &dyn Fn(f64) -> Complex<f64>) -> Self {
+        let length = (count + 1).next_power_of_two();
+        let scale = 1.0 / length as f64;
+        Self { count, lines: (0..=length / 2).map(|index| scale * response(index as f64 * scale)).collect() }
+    }
+
+    /// What it makes of the values.
+    pub(crate) fn of(&self, mut values: Vec<f64>) -> Vec<f64> {
+        let length = 2 * (self.lines.len() - 1);
+        let forward = forward(length);
+        let back = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(length));
         values.resize(length, 0.0);
         let (mut lines, mut output) = (forward.make_output_vec(), back.make_output_vec());
         if forward.process(&mut values, &mut lines).is_ok() {
-            lines.iter_mut().zip(&responses).for_each(|(line, response)| *line *= response);
+            lines.iter_mut().zip(&*self.lines).for_each(|(line, response)| *line *= response);
             // The mean and the last line are real.
             for end in [0, length / 2] {
                 lines[end].im = 0.0;
@@ -38,7 +49,7 @@ pub(crate) fn through(count: usize, response: &dyn Fn(f64) -> Complex<f64>) -> i
                 output.fill(0.0);
             }
         }
-        output.truncate(count);
+        output.truncate(self.count);
         output
     }
 }

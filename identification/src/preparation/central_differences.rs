@@ -39,7 +39,7 @@ pub(crate) fn central_differences(uniform: &Uniform) -> FixedPreparation {
     let torque_noise_mnm = (uniform.torque_density * 0.5 * rate_hz).sqrt();
     let band = Band::fixed(CHEBYSHEV.2.min(HIGHEST * rate_hz), torque_noise_mnm);
     let fir = if step == 1 { Fir::identity() } else { before_decimation(band.edge_hz, rate_hz) };
-    let row_filter = RowFilter { rate_hz, mask, fir, step, threshold_rad_s: 0.0 };
+    let row_filter = RowFilter { rate_hz, mask, fir, step, threshold_rad_s: 0.0, response: None };
     FixedPreparation { motion, torque_mnm: uniform.torque_mnm.clone(), row_filter, band }
 }
 

@@ -49,7 +49,7 @@ pub(crate) fn paper_preparation(uniform: &Uniform) -> FixedPreparation {
     FixedPreparation {
         motion,
         torque_mnm: chebyshev(&uniform.torque_mnm, TORQUE_EDGE_HZ, rate_hz),
-        row_filter: RowFilter { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s },
+        row_filter: RowFilter { rate_hz, mask, fir: Fir::identity(), step: 1, threshold_rad_s, response: None },
         band: Band::fixed(edge_hz, (uniform.torque_density * 0.5 * rate_hz).sqrt()),
     }
 }

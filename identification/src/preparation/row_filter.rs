@@ -8,6 +8,7 @@ use dynamics::{Effect, effects};
 use super::filter::Fir;
 use super::motion::{Band, KnobMotion, ROWS_PER_EDGE};
 use super::uniform::{Uniform, whole};
+use crate::numerics::fourier::Response;
 use crate::numerics::vector;
 use crate::uncertainty::statistics::rms;
 
@@ -34,6 +35,8 @@ pub(crate) struct RowFilter {
     pub(crate) step: usize,
     /// Speed below which samples are masked, rad/s.
     pub(crate) threshold_rad_s: f64,
+    /// What the rows pass last.
+    pub(crate) response: Option<Response>,
 }
 
 impl RowFilter {
@@ -53,7 +56,14 @@ impl RowFilter {
         }
         let step = whole(rate_hz / (ROWS_PER_EDGE * band.edge_hz)).max(1);
         let half_length = (HALF_LENGTH_PERIODS * rate_hz / band.edge_hz).round() as usize;
-        Self { rate_hz, mask, fir: Fir::low_pass(half_length, band.edge_hz, rate_hz), step, threshold_rad_s }
+        Self {
+            rate_hz,
+            mask,
+            fir: Fir::low_pass(half_length, band.edge_hz, rate_hz),
+            step,
+            threshold_rad_s,
+            response: None,
+        }
     }
 
     /// The row filter of the samples that the mask leaves out for nothing but the filters' reach to where the knob turns round without
@@ -95,7 +105,10 @@ impl RowFilter {
                 self.fir.decimate_part(column, first, self.step, &mut rows[start..end]);
             }
         }
-        rows
+        match &self.response {
+            Some(response) => rows.into_iter().map(|rows| response.of(rows)).collect(),
+            None => rows,
+        }
     }
 
     /// Rows of an effect's columns; none if it has no part in a fit.
@@ -110,7 +123,7 @@ impl RowFilter {
         self.rows_of(count, |range, columns| fill(effect, motion, is_unmasked, range, columns))
     }
 
-    /// The adjoint of [`RowFilter::rows`].
+    /// The adjoint of [`RowFilter::rows`] without a response.
     pub(crate) fn spread(&self, rows: &[f64]) -> Vec<f64> {
         let mut spread = self.fir.spread(rows, self.step, self.mask.len());
         spread.iter_mut().zip(&self.mask).for_each(|(value, mask)| *value *= mask);

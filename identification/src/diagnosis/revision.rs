@@ -1,0 +1,94 @@
+//! Effects that were added are looked at again beside those that came after them.
+
+use dynamics::effects::{self, cogging};
+
+use super::acceptance::{FALSE_DISCOVERIES, takes_its_part, worthwhile};
+use super::judged::Judged;
+use super::search::{Found, Search};
+use super::trials::detent_of;
+use super::verdict::TIE;
+
+impl Search<'_> {
+    /// Puts another effect in the place of one that explains less beside those that were added after it; whether there was one.
+    ///
+    /// The first effect is the best one beside a model that lacks all others, which need not be one of those that are missing.
+    pub(crate) fn replace_one(&self, found: &mut Found) -> bool {
+        let Some(last) = found.chain.last().cloned() else { return false };
+        // The newest one has just been compared with all others.
+        for step in 0..found.added.len().saturating_sub(1) {
+            let added = found.added[step];
+            let Some(without) = self.without(&last, added) else { continue };
+            let mut tried = self.ranked(&without, self.try_replacements(&without));
+            let best = tried.iter().position(|rival| self.is_worth_a_name(&without, rival, found));
+            let Some(best) = best.filter(|best| {
+                let rival = &tried[*best];
+                rival.newest() != added && rival.evidence > last.evidence + TIE
+            }) else {
+                continue;
+            };
+            let chosen = tried.remove(best);
+            self.remove(found, step);
+            self.add(found, chosen, tried);
+            return true;
+        }
+        false
+    }
+
+    /// Takes a line of the cogging for the detents where these were fitted to something that now has another name; whether it did.
+    pub(crate) fn find_detents_again(&self, found: &mut Found) -> bool {
+        let last = found.named();
+        let positions = [cogging::KIND.name, effects::detent::KIND.name].map(|name| last.structure.position(name));
+        let step = found.added.iter().position(|added| *added == cogging::KIND.name);
+        let ([Some(index), Some(_)], Some(step)) = (positions, step) else { return false };
+        let lines = cogging::lines(last.structure.effects[index].values());
+        let fitted = lines.map(|line| {
+            let mut structure = last.structure.clone();
+            structure.put_detent(detent_of(line));
+            self.settled(structure.without(index))
+        });
+        let best = fitted.max_by(|one, other| one.evidence.total_cmp(&other.evidence));
+        let Some(best) = best.filter(|best| best.evidence > last.evidence) else { return false };
+        let detent = best.structure.position(effects::detent::KIND.name).map(|index| best.structure.effects[index]);
+        self.remove(found, step);
+        for judged in &mut found.chain {
+            let mut structure = judged.structure.clone();
+            detent.into_iter().for_each(|detent| structure.put_detent(detent));
+            *judged = self.settled(structure);
+        }
+        true
+    }
+
+    /// Takes out again what other effects have made superfluous.
+    pub(crate) fn eliminate(&self, found: &mut Found) {
+        let mut step = 0;
+        while step < found.added.len() && found.added.len() > 1 {
+            let Some(last) = found.chain.last() else { return };
+            let Some(without) = self.without(last, found.added[step]) else { return };
+            let is_discovery = takes_its_part(&without, last) && last.heldout_p_value(&without) < FALSE_DISCOVERIES;
+            if worthwhile(&without, last, &found.chain[0], self.heldout) || found.in_part && is_discovery {
+                step += 1;
+                continue;
+            }
+            self.remove(found, step);
+            step = 0;
+        }
+    }
+
+    /// A model without one of its effects, the others fitted anew.
+    pub(crate) fn without(&self, judged: &Judged, effect: &str) -> Option<Judged> {
+        Some(self.settled(judged.structure.without(judged.structure.position(effect)?)))
+    }
+
+    /// Makes the chain anew without the effect that was added in a step.
+    fn remove(&self, found: &mut Found, step: usize) {
+        let removed = found.added.remove(step);
+        found.chain.remove(step + 1);
+        found.rivals.remove(step);
+        found.false_discovery_rates.remove(step);
+        for later in &mut found.chain[step + 1..] {
+            if let Some(without) = self.without(later, removed) {
+                *later = without;
+            }
+        }
+    }
+}
