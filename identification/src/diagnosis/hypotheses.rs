@@ -292,6 +292,15 @@ pub(crate) fn with_coupling(
     let mut promising: Vec<(f64, Structure)> = Vec::new();
     for kind in kinds {
         let Some(hypothesis) = kind.hypothesis else { continue };
+        let width = hypothesis.nested.get(2).copied().unwrap_or(kind.columns_of_a_line());
+        if kind.regressors.is_none() {
+            // Friction of the load, or a delay: what it would do shows in the simulation alone.
+            let structure = base.with(Effect::new(kind, &[]), width);
+            let columns = Nonlinear::new(structure.clone(), train).tangents_of(base.effects.len());
+            let nonnegative = [matches!(kind.part, Part::LoadFriction(_))];
+            promising.push((coarse.gain_of(columns, &nonnegative).0, structure));
+            continue;
+        }
         let starts = grid(kind, &hypothesis, &scene).unwrap_or_default();
         let best = starts
             .iter()
@@ -300,10 +309,7 @@ pub(crate) fn with_coupling(
                 (coarse.gain_into(&mut effect), effect)
             })
             .max_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((gain, effect)) = best {
-            let width = hypothesis.nested.get(2).copied().unwrap_or(kind.columns_of_a_line());
-            promising.push((gain, base.with(effect, width)));
-        }
+        promising.extend(best.map(|(gain, effect)| (gain, base.with(effect, width))));
     }
     promising.sort_by(|a, b| b.0.total_cmp(&a.0));
     let fits = promising.into_iter().take(PROMISING).map(|(_, structure)| {
@@ -428,6 +434,16 @@ impl Coarse {
             let weight = mask * factor.map_or(1.0, |friction| friction[index]);
             columns.iter_mut().zip(row).for_each(|(column, value)| column[index] = weight * value);
         }
+        let nonnegative: Vec<bool> = (0..columns.len()).map(|c| regressors.nonnegative.contains(&c)).collect();
+        let (gain, coefficients) = self.gain_of(columns, &nonnegative);
+        let mut all = vec![0.0; regressors.columns];
+        all[..coefficients.len()].copy_from_slice(&coefficients);
+        (regressors.values)(&all, effect.values_mut());
+        gain
+    }
+
+    /// By how much columns would lower the sum of squares, mNm², and their coefficients.
+    fn gain_of(&self, mut columns: Vec<Vec<f64>>, nonnegative: &[bool]) -> (f64, Vec<f64>) {
         for column in &mut columns {
             for known in &self.basis {
                 let share = dot(known, column);
@@ -435,12 +451,8 @@ impl Coarse {
             }
         }
         let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let nonnegative: Vec<bool> = (0..columns.len()).map(|c| regressors.nonnegative.contains(&c)).collect();
-        let coefficients = bounded_least_squares::solve(&slices, &self.residual, &nonnegative);
+        let coefficients = bounded_least_squares::solve(&slices, &self.residual, nonnegative);
         let left = residual(&slices, &self.residual, &coefficients);
-        let mut all = vec![0.0; regressors.columns];
-        all[..coefficients.len()].copy_from_slice(&coefficients);
-        (regressors.values)(&all, effect.values_mut());
-        dot(&self.residual, &self.residual) - dot(&left, &left)
+        (dot(&self.residual, &self.residual) - dot(&left, &left), coefficients)
     }
 }
