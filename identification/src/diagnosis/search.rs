@@ -171,7 +171,7 @@ impl Search<'_> {
         };
         let bare = found.clone();
         self.extend_and_revise(&mut found);
-        if let Some(other) = self.from_another_start(&bare, &found) {
+        if let Some(other) = self.begun_again(&bare, &found) {
             found = other;
         }
         if !found.added.contains(&effects::unequal_detents::KIND.name) {
@@ -196,7 +196,7 @@ impl Search<'_> {
 
     /// What is found from another first effect, where the best one led to a model that leaves much: it may have imitated two others. `None` if that
     /// is no better.
-    fn from_another_start(&self, bare: &Found, found: &Found) -> Option<Found> {
+    fn begun_again(&self, bare: &Found, found: &Found) -> Option<Found> {
         let (base, last) = (&bare.chain[0], found.named());
         let is_open = last.train_over_floor().max(last.heldout_over_floor()) > LEFT;
         if !is_open || found.added.len() < 2 || found.in_part || explains_most_of_the_gap(last, base) {

@@ -95,12 +95,14 @@ impl Search<'_> {
         let closes_most = |judged: &Judged| {
             closes(judged) || explains_most_of_the_gap(judged, &found.chain[0]) && self.disqualified(judged).is_none()
         };
-        if !is_open(current) || tried.iter().any(closes) {
+        // What is no louder than noise seems closed by any effect; a small gap shows in it all the same.
+        let is_loud = is_open(current);
+        if is_loud && tried.iter().any(closes) {
             return;
         }
         let mut couplings = self.couplings(current);
         let of = self.candidates(&current.structure).len();
-        if tried.iter().any(closes_most) {
+        if is_loud && tried.iter().any(closes_most) {
             // Little is left for one; a shaft is found without simulation.
             couplings.retain(|kind| hypotheses::has_no_gap(kind));
         }
@@ -108,7 +110,7 @@ impl Search<'_> {
         for (index, kind) in couplings.iter().enumerate() {
             let judged = self.coupled(kind, current, Effort::Full);
             self.say(Progress::Tried { effect: kind.name, done: of - couplings.len() + index + 1, of });
-            let closed = judged.as_ref().is_some_and(closes_most);
+            let closed = is_loud && judged.as_ref().is_some_and(closes_most);
             tried.extend(judged);
             if closed {
                 // The next coupling has more freedom and costs more.
