@@ -119,8 +119,8 @@ fn a_signal_is_shifted_along_a_cubic_and_held_at_its_ends() {
 
 #[test]
 fn a_stiff_shaft_reads_as_none_where_friction_and_inertia_depend_on_the_motion() {
-    let [swing_rad, omega, sample_s] = [1.0, TAU * 6.0, 2e-4];
-    let motions: Vec<Motion> = (0..5000)
+    let [swing_rad, omega, sample_s] = [1.0, TAU * 6.0, 5e-5];
+    let motions: Vec<Motion> = (0..10_000)
         .map(|n| {
             let time_s = f64::from(n) * sample_s;
             let (sine, cosine) = (omega * time_s).sin_cos();
@@ -141,14 +141,14 @@ fn a_stiff_shaft_reads_as_none_where_friction_and_inertia_depend_on_the_motion()
             ("detent", &[8.0, 0.1, 0.0]),
             (further, values),
         ];
-        let with_shaft = [&one_body[..], &[("shaft-compliance", &[1e5, 5.0][..])]].concat();
+        let with_shaft = [&one_body[..], &[("shaft-compliance", &[1e5, 40.0][..])]].concat();
         let [expected, readings] = [&one_body[..], &with_shaft].map(|effects| model(effects).readings_mnm(&motions));
         let slides = |n: &usize| motions[*n].velocity_rad_s.abs() > 0.1 * swing_rad * omega;
         let rms = |of: &dyn Fn(usize) -> f64| {
-            let squares: Vec<f64> = (500..motions.len()).filter(slides).map(|n| of(n).powi(2)).collect();
+            let squares: Vec<f64> = (2000..motions.len()).filter(slides).map(|n| of(n).powi(2)).collect();
             (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
         };
         let [torque, difference] = [rms(&|n| expected[n]), rms(&|n| expected[n] - readings[n])];
-        assert!(difference < 0.01 * torque, "{further}: {difference} of {torque} mNm");
+        assert!(difference < 0.05 * torque, "{further}: {difference} of {torque} mNm");
     }
 }

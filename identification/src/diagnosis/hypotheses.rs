@@ -84,21 +84,17 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
         fit.refine_newest(ROUNDS);
         fit
     });
-    let best: Separable<'a> = refined.min_by(|a, b| a.squares().total_cmp(&b.squares()))?;
+    let mut best: Separable<'a> = refined.min_by(|a, b| a.squares().total_cmp(&b.squares()))?;
+    if kind.name == end_stop::KIND.name {
+        best = one_sided(best, base);
+    }
     let effect = *best.structure.effects.last()?;
     let smaller = hypothesis.nested.iter().filter(|columns| **columns < width).map(|columns| {
         let mut fit = base.with(effect, *columns);
         fit.refine_newest(2);
         Judged::separable(&fit, heldout)
     });
-    // A stop on a side where there is none may imitate what is still missing.
-    let sides = (kind.name == end_stop::KIND.name).then(|| end_stop::one_sided(&effect, train.scene()));
-    let one_sided = sides.into_iter().flatten().map(|one| {
-        let mut fit = base.with(one, width);
-        fit.refine_newest(ROUNDS);
-        Judged::separable(&fit, heldout)
-    });
-    let mut fitted: Vec<Judged> = smaller.chain(one_sided).chain([Judged::separable(&best, heldout)]).collect();
+    let mut fitted: Vec<Judged> = smaller.chain([Judged::separable(&best, heldout)]).collect();
     let mut lines = best;
     while let Some(more) = with_a_line_more(&lines) {
         let judged = Judged::separable(&more, heldout);
@@ -111,12 +107,29 @@ pub(crate) fn separable<'a>(kind: &'static EffectKind, base: &Separable<'a>, hel
     fitted.into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
+/// The fit of stops without the one that explains less than its place and its stiffness cost: it could imitate what is still missing.
+fn one_sided<'a>(both: Separable<'a>, base: &Separable<'a>) -> Separable<'a> {
+    let index = base.structure.effects.len();
+    let (stops, columns) = (both.structure.effects[index], both.structure.columns[index]);
+    let sides = end_stop::one_sided(&stops, base.capture.scene()).map(|stop| {
+        let mut fit = base.with(stop, columns);
+        fit.refine_newest(ROUNDS);
+        fit
+    });
+    let weight = base.capture.weight;
+    let is_as_good = |fit: &Separable<'_>| 0.5 * weight * (fit.squares() / both.squares()).ln() < weight.ln();
+    let best = sides.into_iter().min_by(|one, other| one.squares().total_cmp(&other.squares()));
+    best.filter(is_as_good).unwrap_or(both)
+}
+
 /// The fit with the last effect's law once more, where what is left shows it best; `None` if it cannot occur again.
 fn with_a_line_more<'a>(fit: &Separable<'a>) -> Option<Separable<'a>> {
     let index = fit.structure.effects.len().checked_sub(1)?;
     let (effect, columns) = (fit.structure.effects[index], fit.structure.columns[index]);
     let (kind, used) = (effect.kind(), effect.kind().parameters_in(columns));
-    let hypothesis = kind.hypothesis.filter(|hypothesis| hypothesis.lines > 1 && used < kind.parameters.len())?;
+    // The first line is the detents where there are none; others are found beside these.
+    let may_have_more = used < kind.parameters.len() && fit.structure.has_detents();
+    let hypothesis = kind.hypothesis.filter(|hypothesis| hypothesis.lines > 1 && may_have_more)?;
     let coarse = Coarse::of(fit);
     let probes = grid(kind, &hypothesis, &fit.capture.scene_of(&fit.structure))?;
     let probes = probes.iter().map(|point| effect_at(kind, &hypothesis, point));

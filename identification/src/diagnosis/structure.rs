@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use dynamics::effects::end_stop;
+use dynamics::effects::{self, end_stop};
 use dynamics::{Bristles, Direction, Effect, Model, Motion, Part, Regressors, Scene};
 
 use super::capture::Capture;
@@ -71,6 +71,11 @@ impl Structure {
 
     pub(crate) fn position(&self, name: &str) -> Option<usize> {
         self.effects.iter().position(|effect| effect.kind().name == name)
+    }
+
+    /// Whether there are detents, equal or not.
+    pub(crate) fn has_detents(&self) -> bool {
+        [&effects::detent::KIND, &effects::unequal_detents::KIND].iter().any(|kind| self.position(kind.name).is_some())
     }
 
     /// Puts other detents in the place of the equal ones that there are.

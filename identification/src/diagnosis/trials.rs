@@ -191,8 +191,7 @@ impl Search<'_> {
     pub(crate) fn as_detent(&self, judged: &Judged) -> Option<Judged> {
         let effect = judged.structure.effects.last()?;
         let is_periodic = effect.kind().name == cogging::KIND.name;
-        let detents = [effects::detent::KIND.name, effects::unequal_detents::KIND.name];
-        if !is_periodic || detents.iter().any(|name| judged.structure.position(name).is_some()) {
+        if !is_periodic || judged.structure.has_detents() {
             return None;
         }
         // Other lines will be found again beside the detents.
