@@ -237,18 +237,14 @@ impl Search<'_> {
             }
             let mut tried = self.ranked(&current, self.try_all(&current, found));
             let worth = |rival: &Judged| self.is_worth_a_name(&current, rival, found);
-            let Some(best) = tried.iter().position(worth) else {
+            let worthy = tried.iter().position(worth).map(|best| simpler(&tried, best, worth));
+            if worthy.is_none() {
                 found.partial = self.partial(&current, &tried);
                 if !found.in_part && self.add_pair(found, &current, &tried) {
                     continue;
                 }
-                let Some(best) = self.discovery(&current, &tried) else { break };
-                let chosen = tried.remove(best);
-                found.in_part = true;
-                self.add(found, chosen, tried);
-                continue;
-            };
-            let best = simpler(&tried, best, worth);
+            }
+            let Some(best) = worthy.or_else(|| self.discovery(&current, &tried)) else { break };
             let chosen = tried.remove(best);
             if let Some(with_detents) = self.as_detent(&chosen) {
                 // The first torque that repeats with the angle is the detents, which the model's base lacked.
@@ -256,6 +252,7 @@ impl Search<'_> {
                 found.chain.push(with_detents);
                 continue;
             }
+            found.in_part |= worthy.is_none();
             self.add(found, chosen, tried);
         }
     }
