@@ -95,33 +95,32 @@ impl Search<'_> {
         let closes_most = |judged: &Judged| {
             closes(judged) || explains_most_of_the_gap(judged, &found.chain[0]) && self.disqualified(judged).is_none()
         };
-        // What is no louder than noise seems closed by any effect; a small gap shows in it all the same.
-        let is_loud = is_open(current);
-        if is_loud && tried.iter().any(closes) {
+        if !is_open(current) || tried.iter().any(closes) {
             return;
         }
-        let mut couplings = self.couplings(current);
+        let all = self.couplings(current);
         let of = self.candidates(&current.structure).len();
-        if is_loud && tried.iter().any(closes_most) {
-            // Little is left for one; a shaft is found without simulation.
-            couplings.retain(|kind| hypotheses::has_no_gap(kind));
-        }
-        couplings.retain(|kind| hypotheses::has_no_gap(kind) || !found.has_failed(kind));
-        for (index, kind) in couplings.iter().enumerate() {
+        // A shaft is found without simulation.
+        let is_cheap = |kind: &&'static EffectKind| hypotheses::has_no_gap(kind);
+        let little_is_left = tried.iter().any(closes_most);
+        let first: Vec<&'static EffectKind> =
+            all.iter().copied().filter(|kind| is_cheap(kind) || !little_is_left && !found.has_failed(kind)).collect();
+        for (index, kind) in first.iter().enumerate() {
             let judged = self.coupled(kind, current, Effort::Full);
-            self.say(Progress::Tried { effect: kind.name, done: of - couplings.len() + index + 1, of });
-            let closed = is_loud && judged.as_ref().is_some_and(closes_most);
+            self.say(Progress::Tried { effect: kind.name, done: of - first.len() + index + 1, of });
+            let closed = judged.as_ref().is_some_and(closes_most);
             tried.extend(judged);
             if closed {
                 // The next coupling has more freedom and costs more.
                 return;
             }
         }
-        // A coupling that explains most, but not all, may have been fitted in a neighbouring valley.
+        // A coupling that explains most, but not all, may have been fitted in a neighbouring valley, or be another one.
         let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
         if best.is_some_and(|best| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE) {
             tried.retain(|judged| !judged.structure.is_coupled());
-            tried.extend(couplings.iter().filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
+            let again = if little_is_left { first } else { all };
+            tried.extend(again.iter().filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
         }
     }
 
