@@ -1,7 +1,7 @@
 //! Every effect of the catalogue that could be added to a structure, from its starts to its best fit.
 
 use dynamics::effects::{self, cogging, end_stop};
-use dynamics::{Coupling, Effect, EffectKind, Hypothesis, Motion, Part};
+use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part};
 use rayon::prelude::*;
 
 use super::acceptance::WORTHWHILE;
@@ -13,7 +13,6 @@ use super::separable::Separable;
 use super::sticking;
 use super::structure::Structure;
 use super::twist;
-use super::unequal;
 use crate::numerics::vector::{dot, subtract};
 use crate::regression::least_squares::residual;
 
@@ -23,13 +22,6 @@ const REFINED: usize = 2;
 const ROUNDS: usize = 6;
 /// Share of the band in which starts of a coupling are compared: there stiffness shows and ringing does not.
 const SLOW: f64 = 0.25;
-/// Ratios by which a shaft's values are changed at first and at last.
-const COARSEST: f64 = 1.5;
-const FINEST: f64 = 1.02;
-/// How often a shaft's values and all others are fitted in turn.
-const TWISTS: usize = 2;
-/// Log-likelihood that the best start of a shaft must promise, nats.
-const PROMISES: f64 = 1.0;
 /// Starts of a coupling that are refined: as many of the best on slow motion and of the best on the whole band.
 const STARTED: usize = 3;
 /// Starts of a coupling that are refined in a thorough search.
@@ -167,8 +159,8 @@ pub(crate) fn coupled<'a>(
     let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
     // The skew that the structure needed without the coupling tells nothing.
     let unskewed = Structure { skew_s: 0.0, ..base.clone() };
-    if has_no_gap(kind) {
-        let mut fit = Nonlinear::new(twisted(&effects, &hypothesis, &unskewed, train)?, train);
+    if twist::has_no_gap(kind) {
+        let mut fit = Nonlinear::new(twist::fitted(&effects, &hypothesis, &unskewed, train)?, train);
         fit.refine();
         return Some(Judged::nonlinear(&fit, train, heldout));
     }
@@ -224,70 +216,6 @@ pub(crate) fn coupled<'a>(
     }
     let stuck = sticking::fitted(&fit, train).map(|stuck| Judged::nonlinear(&stuck, train, heldout));
     stuck.into_iter().chain([judged]).max_by(|a, b| a.evidence.total_cmp(&b.evidence))
-}
-
-/// The best values for a shaft and all else, found without simulation, since the measured torque tells its twist; `None` if a stiff one
-/// explains as much.
-fn twisted(effects: &[Effect], hypothesis: &Hypothesis, base: &Structure, train: &Capture) -> Option<Structure> {
-    let mut stiff = base.clone();
-    let starts: Vec<(f64, Effect)> = effects
-        .par_iter()
-        .map(|effect| Some((twisted_squares(effect, base, train)?, *effect)))
-        .collect::<Option<_>>()?;
-    let (squares, mut best) = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-    if 0.5 * train.weight * (Separable::new(base.clone(), train).squares() / squares).ln() < PROMISES {
-        return None;
-    }
-    for _ in 0..TWISTS {
-        best = best_shaft(best, hypothesis, &stiff, train)?;
-        // What moves behind a shaft of these values no longer looks like what moves with the cap.
-        let behind = twist::behind(&shaft(&best)?, stiff.inertia(), train);
-        stiff = unequal::settled(stiff, &behind).structure;
-    }
-    Some(stiff.with(best, 0))
-}
-
-/// Whether a coupling has no gap: its bodies do not lose touch.
-pub(crate) fn has_no_gap(kind: &'static EffectKind) -> bool {
-    shaft(&Effect::new(kind, &[1.0; dynamics::MAX_PARAMETERS])).is_some()
-}
-
-/// The coupling that an effect makes, if bodies do not lose touch in it.
-fn shaft(effect: &Effect) -> Option<Coupling> {
-    match effect.kind().part {
-        Part::Coupling(coupling) => Some(coupling(effect.values())).filter(|coupling| coupling.half_gap_rad == 0.0),
-        _ => None,
-    }
-}
-
-/// Sum of squares of what a structure leaves behind a shaft, mNm².
-fn twisted_squares(effect: &Effect, base: &Structure, train: &Capture) -> Option<f64> {
-    let behind = twist::behind(&shaft(effect)?, base.inertia(), train);
-    Some(Separable::new(base.clone(), &behind).squares())
-}
-
-/// The values of a shaft with which a structure leaves least, found by going along one after the other in ever smaller steps.
-fn best_shaft(mut best: Effect, hypothesis: &Hypothesis, base: &Structure, train: &Capture) -> Option<Effect> {
-    let mut least = twisted_squares(&best, base, train)?;
-    let mut ratio = COARSEST;
-    while ratio > FINEST {
-        let mut moved = false;
-        for search in hypothesis.searched {
-            let at = |factor: f64| {
-                let mut tried = best;
-                tried.values_mut()[search.parameter] *= factor;
-                Some((twisted_squares(&tried, base, train)?, tried))
-            };
-            let (up, down) = rayon::join(|| at(ratio), || at(1.0 / ratio));
-            if let Some(better) = [up?, down?].into_iter().find(|(there, _)| *there < least) {
-                ((least, best), moved) = (better, true);
-            }
-        }
-        if !moved {
-            ratio = ratio.sqrt();
-        }
-    }
-    Some(best)
 }
 
 /// Fits of a structure with a coupling and one of the `kinds` more: those that promise most beside the present values'

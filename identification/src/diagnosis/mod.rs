@@ -4,6 +4,7 @@ mod acceptance;
 mod bounded_least_squares;
 mod capture;
 mod characteristic;
+mod columns;
 mod commanded;
 mod encoder_zero;
 mod error;

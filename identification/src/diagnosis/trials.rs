@@ -15,6 +15,7 @@ use super::nonlinear::Nonlinear;
 use super::search::{Found, Search};
 use super::separable::{BEND, Separable};
 use super::structure::Structure;
+use super::twist;
 use super::unequal;
 use super::verdict::LEFT;
 use super::workflow::Progress;
@@ -55,7 +56,7 @@ impl Search<'_> {
             return self.try_beside_coupling(current);
         }
         let mut tried = self.try_separable(current);
-        let shafts = self.couplings(current).into_iter().filter(|kind| hypotheses::has_no_gap(kind));
+        let shafts = self.couplings(current).into_iter().filter(|kind| twist::has_no_gap(kind));
         tried.extend(shafts.filter_map(|kind| self.coupled(kind, current, Effort::Short)));
         tried
     }
@@ -91,9 +92,10 @@ impl Search<'_> {
     /// Tries couplings, which cost most, where nothing else explains what is left.
     fn try_couplings(&self, current: &Judged, found: &Found, tried: &mut Vec<Judged>) {
         let is_open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
-        let closes = |judged: &Judged| !is_open(judged) && self.disqualified(judged).is_none();
+        let qualifies = |judged: &Judged| self.disqualified(judged).is_none();
+        let closes = |judged: &Judged| !is_open(judged) && qualifies(judged);
         let closes_most = |judged: &Judged| {
-            closes(judged) || explains_most_of_the_gap(judged, &found.chain[0]) && self.disqualified(judged).is_none()
+            (!is_open(judged) || explains_most_of_the_gap(judged, &found.chain[0])) && qualifies(judged)
         };
         if !is_open(current) || tried.iter().any(closes) {
             return;
@@ -101,10 +103,10 @@ impl Search<'_> {
         let all = self.couplings(current);
         let of = self.candidates(&current.structure).len();
         // A shaft is found without simulation.
-        let is_cheap = |kind: &&'static EffectKind| hypotheses::has_no_gap(kind);
+        let has_gap = |kind: &'static EffectKind| !twist::has_no_gap(kind);
         let little_is_left = tried.iter().any(closes_most);
-        let first: Vec<&'static EffectKind> =
-            all.iter().copied().filter(|kind| is_cheap(kind) || !little_is_left && !found.has_failed(kind)).collect();
+        let mut first = all.clone();
+        first.retain(|kind| !has_gap(kind) || !little_is_left && !found.has_failed(kind));
         for (index, kind) in first.iter().enumerate() {
             let judged = self.coupled(kind, current, Effort::Full);
             self.say(Progress::Tried { effect: kind.name, done: of - first.len() + index + 1, of });
@@ -117,10 +119,14 @@ impl Search<'_> {
         }
         // A coupling that explains most, but not all, may have been fitted in a neighbouring valley, or be another one.
         let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
-        if best.is_some_and(|best| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE) {
-            tried.retain(|judged| !judged.structure.is_coupled());
-            let again = if little_is_left { first } else { all };
-            tried.extend(again.iter().filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
+        let explains = |best: &Judged| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE;
+        if !little_is_left && best.is_some_and(explains) {
+            let is_shaft = |effect: &Effect| !has_gap(effect.kind());
+            tried.retain(|judged| {
+                !judged.structure.is_coupled() || judged.structure.effects.last().is_some_and(is_shaft)
+            });
+            let with_gap = all.iter().filter(|kind| has_gap(kind));
+            tried.extend(with_gap.filter_map(|kind| self.coupled(kind, current, Effort::Thorough)));
         }
     }
 

@@ -1,0 +1,205 @@
+//! The columns that a structure's effects make of a motion, in rows.
+
+use dynamics::{Bristles, Direction, Effect, Motion, Part, Regressors};
+
+use super::capture::Capture;
+use super::structure::Structure;
+use crate::preparation::motion::KnobMotion;
+use crate::preparation::row_filter::RowFilter;
+
+impl Structure {
+    /// Whether the columns of the effect at an index depend on other effects, or on what was before.
+    pub(crate) fn depends_on_others(&self, index: usize) -> bool {
+        match self.effects[index].kind().part {
+            Part::Friction(_) | Part::FrictionTable(_) => self.bristles().is_some(),
+            Part::CoulombFactor(_) | Part::FrictionFactor(_) | Part::Bristles(_) | Part::LoadFriction(_) => true,
+            _ => false,
+        }
+    }
+
+    /// Rows of the columns of the effect at an index, in a row filter of a motion.
+    pub(crate) fn rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
+        if self.depends_on_others(index) {
+            return self.dependent_rows(index, motion, row_filter);
+        }
+        row_filter.leading_effect_rows(&self.effects[index], self.columns[index], motion)
+    }
+
+    /// The same of an effect that depends on others, or on what was before.
+    fn dependent_rows(&self, index: usize, motion: &KnobMotion, row_filter: &RowFilter) -> Vec<Vec<f64>> {
+        let effect = &self.effects[index];
+        let mut values = vec![0.0; self.widths()[index]];
+        let mut each = |row: &dyn Fn(usize, &mut [f64])| {
+            row_filter.rows_of(values.len(), |range, columns| {
+                for (place, at) in range.enumerate() {
+                    if row_filter.mask[at] == 0.0 {
+                        values.fill(0.0);
+                    } else {
+                        row(at, &mut values);
+                    }
+                    columns.iter_mut().zip(&values).for_each(|(column, value)| column[place] = *value);
+                }
+            })
+        };
+        let Some(regressors) = effect.kind().regressors else {
+            if let Part::Bristles(bristles) = effect.kind().part {
+                let deflections = deflections(bristles(effect.values()), motion);
+                return each(&|at, row| row[0] = Bristles::bending_rad_s(deflections[at], motion.velocity_rad_s[at]));
+            }
+            if let Part::LoadFriction(_) = effect.kind().part {
+                let model = self.model();
+                return each(&|at, row| {
+                    let now = motion.at(at);
+                    row[0] = now.velocity_sign() * model.load_mnm(&now).abs();
+                });
+            }
+            return Vec::new();
+        };
+        let all = |motion: &Motion| filled(effect, regressors, motion);
+        match effect.kind().part {
+            Part::Friction(_) | Part::FrictionTable(_) => {
+                let columns = self.friction_columns(effect, regressors, motion, false);
+                each(&columns)
+            }
+            Part::CoulombFactor(_) | Part::FrictionFactor(_) => {
+                let coulomb_only = matches!(effect.kind().part, Part::CoulombFactor(_));
+                let friction_mnm = self.friction_mnm(motion, coulomb_only);
+                each(&|at, row| {
+                    let (friction_mnm, factors) = (friction_mnm(at), all(&motion.at(at)));
+                    row.iter_mut().zip(factors).for_each(|(slot, factor)| *slot = friction_mnm * factor);
+                })
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Rows of the products of a friction's columns with those of a factor on it: for each column of the friction one for each of the
+    /// factor.
+    pub(crate) fn product_rows(&self, friction: usize, factor: usize, capture: &Capture) -> Vec<Vec<Vec<f64>>> {
+        let [effect, by] = [friction, factor].map(|index| &self.effects[index]);
+        let (Some(own), Some(others)) = (effect.kind().regressors, by.kind().regressors) else { return Vec::new() };
+        let of_coulomb = matches!(by.kind().part, Part::CoulombFactor(_));
+        let columns_at = self.friction_columns(effect, own, &capture.motion, of_coulomb);
+        let (width, depth) = (self.columns[friction], self.columns[factor]);
+        let mut frictions = vec![0.0; width];
+        let rows = capture.row_filter.rows_of(width * depth, |range, columns| {
+            for (place, at) in range.enumerate() {
+                if capture.row_filter.mask[at] == 0.0 {
+                    columns.iter_mut().for_each(|column| column[place] = 0.0);
+                    continue;
+                }
+                columns_at(at, &mut frictions);
+                let factors = filled(by, others, &capture.motion.at(at));
+                for (columns, friction) in columns.chunks_mut(depth).zip(&frictions) {
+                    columns.iter_mut().zip(factors).for_each(|(column, factor)| column[place] = friction * factor);
+                }
+            }
+        });
+        rows.chunks(depth).map(<[_]>::to_vec).collect()
+    }
+
+    /// Rows of what friction on the load adds to the columns of the effect at an index, a load, by a factor at every sample.
+    pub(crate) fn rubbing_rows(&self, index: usize, capture: &Capture, load_factor: &[f64]) -> Vec<Vec<f64>> {
+        let effect = &self.effects[index];
+        let Some(regressors) = effect.kind().regressors.filter(|_| effect.kind().is_of_the_load()) else {
+            return Vec::new();
+        };
+        capture.row_filter.rows_of(self.columns[index], |range, columns| {
+            for (place, at) in range.enumerate() {
+                let row = filled(effect, regressors, &capture.motion.at(at));
+                columns.iter_mut().zip(row).for_each(|(column, value)| column[place] = load_factor[at] * value);
+            }
+        })
+    }
+
+    /// By how much friction that grows with the load adds to the torques of the load, as a share of them, at every sample; `None` without such
+    /// friction.
+    pub(crate) fn load_factor(&self, motion: &KnobMotion) -> Option<Vec<f64>> {
+        let model = self.model();
+        let coefficient = model.load_friction();
+        let at = |index: usize| {
+            let now = motion.at(index);
+            coefficient * now.velocity_sign() * model.load_mnm(&now).signum()
+        };
+        (coefficient != 0.0).then(|| (0..motion.angle_rad.len()).map(at).collect())
+    }
+
+    /// Writes a friction's leading columns at a sample, of all that it makes or of its Coulomb part; with bristles the latter as these bend.
+    fn friction_columns<'a>(
+        &self,
+        effect: &'a Effect,
+        regressors: Regressors,
+        motion: &'a KnobMotion,
+        coulomb_only: bool,
+    ) -> impl Fn(usize, &mut [f64]) + use<'a> {
+        let deflections = self.bristles().map(|bristles| deflections(bristles, motion));
+        move |at: usize, row: &mut [f64]| {
+            let now = motion.at(at);
+            let mut columns = [0.0; dynamics::MAX_PARAMETERS];
+            row.fill(0.0);
+            let mut add = |motion: &Motion, by: f64| {
+                (regressors.fill)(effect, motion, &mut columns[..regressors.columns]);
+                row.iter_mut().zip(&columns).for_each(|(row, column)| *row += by * column);
+            };
+            let still = slowest(now.velocity_rad_s, &now);
+            match deflections.as_ref().map(|deflections| deflections[at]) {
+                None => add(if coulomb_only { &still } else { &now }, 1.0),
+                Some(bent) => {
+                    add(&slowest(bent, &now), bent.abs());
+                    if !coulomb_only {
+                        add(&now, 1.0);
+                        add(&still, -1.0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Torque of friction as it is without factors at every sample, mNm.
+    pub(crate) fn friction_mnm(&self, motion: &KnobMotion, coulomb_only: bool) -> impl Fn(usize) -> f64 {
+        let deflections = self.bristles().map(|bristles| deflections(bristles, motion));
+        let frictions: Vec<&Effect> = self.frictions().into_iter().map(|index| &self.effects[index]).collect();
+        let sum = move |motion: &Motion, direction| -> f64 {
+            frictions.iter().map(|effect| effect.friction_mnm(motion, direction)).sum()
+        };
+        move |index: usize| {
+            let now = motion.at(index);
+            let still = Motion { velocity_rad_s: 0.0, ..now };
+            let direction = Direction::of(now.velocity_rad_s);
+            match &deflections {
+                Some(bent) => {
+                    let coulomb = bent[index].abs() * sum(&still, Direction::of(bent[index]));
+                    if coulomb_only { coulomb } else { coulomb + sum(&now, direction) - sum(&still, direction) }
+                }
+                None if now.velocity_rad_s == 0.0 => 0.0,
+                None if coulomb_only => sum(&still, direction),
+                None => sum(&now, direction),
+            }
+        }
+    }
+}
+
+/// An effect's columns at a motion.
+fn filled(effect: &Effect, regressors: Regressors, motion: &Motion) -> [f64; dynamics::MAX_PARAMETERS] {
+    let mut row = [0.0; dynamics::MAX_PARAMETERS];
+    (regressors.fill)(effect, motion, &mut row[..regressors.columns]);
+    row
+}
+
+/// The motion at the lowest speed with the sign of `sign`.
+fn slowest(sign: f64, motion: &Motion) -> Motion {
+    Motion { velocity_rad_s: if sign == 0.0 { 0.0 } else { sign.signum() * f64::MIN_POSITIVE }, ..*motion }
+}
+
+/// Deflection z of the bristles at every sample; unbent at the start.
+fn deflections(bristles: Bristles, motion: &KnobMotion) -> Vec<f64> {
+    let angle = &motion.angle_rad;
+    let mut deflection = 0.0;
+    let mut all = Vec::with_capacity(angle.len());
+    all.push(deflection);
+    for pair in angle.windows(2) {
+        deflection = bristles.bent(deflection, pair[1] - pair[0]);
+        all.push(deflection);
+    }
+    all
+}
