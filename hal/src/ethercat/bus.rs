@@ -116,9 +116,9 @@ pub(super) struct ChannelPlace {
     pub(super) factor: f64,
 }
 
-/// What the drive is told.
+/// What a cycle asks of the drive.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Told {
+pub(super) struct DriveCommand {
     pub(super) controlword: u16,
     /// Thousandths of the rated torque.
     pub(super) target_torque: i16,
@@ -160,17 +160,17 @@ macro_rules! with_devices {
 }
 
 impl Bus {
-    /// Sends what the drive is told and takes what all devices have; waits until `until_ns` (CLOCK_MONOTONIC) at most.
+    /// Sends the command and takes what all devices have; waits until `until_ns` (CLOCK_MONOTONIC) at most.
     ///
     /// One `sendto`, and no other system call.
-    pub(super) fn cycle(&mut self, told: Told, until_ns: u64) -> Result<Cycle, Unanswered> {
+    pub(super) fn cycle(&mut self, command: DriveCommand, until_ns: u64) -> Result<Cycle, Unanswered> {
         self.wire.clear();
         let DrivePlaces { device, controlword, target_torque, mode, .. } = self.drive;
         with_devices!(self, group => {
             if let Ok(drive) = group.subdevice(&self.main_device, device) {
                 let mut outputs = drive.outputs_raw_mut();
-                controlword.write_bits(&mut outputs, u64::from(told.controlword));
-                target_torque.write_bits(&mut outputs, u64::from(told.target_torque.cast_unsigned()));
+                controlword.write_bits(&mut outputs, u64::from(command.controlword));
+                target_torque.write_bits(&mut outputs, u64::from(command.target_torque.cast_unsigned()));
                 if let Some(mode) = mode {
                     mode.write_bits(&mut outputs, u64::from(self.mode));
                 }
@@ -185,7 +185,7 @@ impl Bus {
             false => ControlFlow::Break(()),
         };
         let (found, after_sync_ns) = match &self.devices {
-            Devices::Free(group) => (told_of(self.wire.drive(group.tx_rx(&self.main_device), wait)?)?, None),
+            Devices::Free(group) => (answer_of(self.wire.drive(group.tx_rx(&self.main_device), wait)?)?, None),
             Devices::Clocked(group) => {
                 let response = self.wire.drive(group.tx_rx_dc(&self.main_device), wait)?;
                 let after = response.as_ref().ok().map(
@@ -193,7 +193,7 @@ impl Bus {
                         cycle_start_offset.as_nanos() as u64
                     },
                 );
-                (told_of(response)?, after)
+                (answer_of(response)?, after)
             }
         };
         let ended_ns = monotonic_time_ns();
@@ -263,7 +263,7 @@ impl Bus {
 
 /// Working counter, and the first device that is not in OP; a frame that cannot be read is as good as lost. A device that does
 /// not answer has no state, and shows in the working counter.
-fn told_of<Extra>(
+fn answer_of<Extra>(
     response: Result<TxRxResponse<MOST_DEVICES, Extra>, ethercrab::error::Error>,
 ) -> Result<(u16, Option<usize>), Unanswered> {
     let response = response.map_err(|_| Unanswered::GaveUp)?;

@@ -21,7 +21,7 @@ pub(super) const NOT_ENABLED: i32 = OWN + 4;
 pub(super) const NOT_OPERATIONAL: i32 = OWN + 5;
 /// The interface takes no frames.
 pub(super) const NOT_SENT: i32 = OWN + 6;
-/// The bus could not be brought up; the reason is told in words.
+/// The bus could not be brought up; the reason is given in words.
 pub(super) const BRING_UP: i32 = OWN + 7;
 /// The drive did not come on.
 pub(super) const NOT_SWITCHED_ON: i32 = OWN + 8;
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_code_is_told_in_words_and_none_twice() {
+    fn every_code_has_words_and_none_twice() {
         let all = all();
         let meaning = |code| all.iter().find(|(known, _)| *known == code).map(|(_, meaning)| meaning.as_str()).unwrap();
         assert!(meaning(of_al_status(0x1b)).contains("0x001b") && meaning(of_al_status(0x1b)).contains("watchdog"));

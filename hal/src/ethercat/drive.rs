@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn statuswords_tell_the_state_and_what_leads_on() {
         use DriveState as S;
-        let told = [
+        let cases = [
             (0x0000, S::NotReady, 0x00),
             (0x0250, S::SwitchOnDisabled, 0x06),
             (0x0231, S::ReadyToSwitchOn, 0x07),
@@ -113,7 +113,7 @@ mod tests {
             (0x021f, S::FaultReaction, 0x00),
             (0x0218, S::Fault, 0x80),
         ];
-        for (statusword, state, controlword) in told {
+        for (statusword, state, controlword) in cases {
             assert_eq!(S::of(statusword), state, "{statusword:#06x}");
             assert_eq!(state.towards_switched_on(false), controlword, "{statusword:#06x}");
         }
@@ -121,8 +121,8 @@ mod tests {
     }
 
     #[test]
-    fn periods_are_told_as_drives_take_them() {
-        let told = [1_000.0, 2_000.0, 4_000.0, 500.0, 3_000.0].map(interpolation_period);
-        assert_eq!(told, [Some((1, -3)), Some((5, -4)), Some((25, -5)), Some((2, -3)), None]);
+    fn periods_are_given_as_drives_take_them() {
+        let periods = [1_000.0, 2_000.0, 4_000.0, 500.0, 3_000.0].map(interpolation_period);
+        assert_eq!(periods, [Some((1, -3)), Some((5, -4)), Some((25, -5)), Some((2, -3)), None]);
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use shared_types::rig::monotonic_time_ns;
 
-use super::bus::{Bus, Cycle, Told, Unanswered};
+use super::bus::{Bus, Cycle, DriveCommand, Unanswered};
 use super::drive::SWITCH_ON;
 
 /// Where in the devices' period frames are to pass: after they have taken their inputs, well before they take outputs.
@@ -40,11 +40,11 @@ impl Pace {
     }
 
     /// Waits for the next cycle, and makes it.
-    pub(super) fn cycle(&mut self, bus: &mut Bus, told: Told) -> Result<Cycle, Unanswered> {
+    pub(super) fn cycle(&mut self, bus: &mut Bus, command: DriveCommand) -> Result<Cycle, Unanswered> {
         let now_ns = monotonic_time_ns();
         self.next_ns = if self.next_ns + 10 * self.period_ns < now_ns { now_ns } else { self.next_ns + self.period_ns };
         std::thread::sleep(Duration::from_nanos(self.next_ns.saturating_sub(now_ns)));
-        let cycle = bus.cycle(told, monotonic_time_ns() + PATIENCE_NS);
+        let cycle = bus.cycle(command, monotonic_time_ns() + PATIENCE_NS);
         if let Ok(Cycle { after_sync_ns: Some(after_ns), .. }) = cycle {
             self.next_ns = self.next_ns.saturating_add_signed(self.shift_ns(after_ns));
         }
@@ -61,13 +61,13 @@ pub(super) struct Keeper {
 impl Keeper {
     pub(super) fn start(bus: Bus, rate_hz: f64) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
-        let told = Arc::clone(&stop);
+        let stops = Arc::clone(&stop);
         let mut bus = Box::new(bus);
         let thread = std::thread::spawn(move || {
             let mut pace = Pace::new(rate_hz);
-            while !told.load(Ordering::Acquire) {
+            while !stops.load(Ordering::Acquire) {
                 // A frame that is lost shows again when the loop has the bus.
-                let _ = pace.cycle(&mut bus, Told { controlword: SWITCH_ON, target_torque: 0 });
+                let _ = pace.cycle(&mut bus, DriveCommand { controlword: SWITCH_ON, target_torque: 0 });
             }
             bus
         });

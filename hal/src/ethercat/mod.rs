@@ -22,7 +22,7 @@ use std::time::Duration;
 
 pub use bring_up::BringUpError;
 use bring_up::{Asked, start};
-use bus::{Bus, Cycle, Told};
+use bus::{Bus, Cycle, DriveCommand};
 use drive::{DISABLE_VOLTAGE, DriveState, ENABLE_OPERATION};
 pub use entries::Entry;
 use entries::Source;
@@ -44,7 +44,7 @@ pub const TEMPLATE: &str = include_str!("template.toml");
 const WAIT_SHARE: f64 = 0.6;
 /// Cycles within which a drive that is switched on enables its operation.
 const ENABLE_CYCLES: u32 = 200;
-/// Cycles in which the drive is told to let go of the motor, until it says that it has.
+/// Cycles in which the drive is asked to let go of the motor, until it says that it has.
 const DISABLE_CYCLES: u32 = 3;
 /// Calls in the tick of a fault, most of all: the exchange, the question why a device left OP, and letting go.
 const MOST_CALLS: u32 = 2 + DISABLE_CYCLES;
@@ -158,7 +158,7 @@ impl EthercatRig {
         let mut pace = Pace::new(self.rate_hz);
         let mut controlword = DISABLE_VOLTAGE;
         loop {
-            let cycle = pace.cycle(bus, Told { controlword, target_torque: 0 });
+            let cycle = pace.cycle(bus, DriveCommand { controlword, target_torque: 0 });
             let is_late = monotonic_time_ns() > until_ns;
             if stop() {
                 return Err(BringUpError::Stopped);
@@ -268,7 +268,7 @@ impl Apparatus for EthercatRig {
         self.is_on = true;
         let mut enabled = Err(ApparatusError::Device(codes::NOT_SWITCHED_ON));
         for _ in 0..ENABLE_CYCLES {
-            let Ok(cycle) = self.pace.cycle(&mut bus, Told { controlword: ENABLE_OPERATION, target_torque: 0 }) else {
+            let Ok(cycle) = self.pace.cycle(&mut bus, DriveCommand { controlword: ENABLE_OPERATION, target_torque: 0 }) else {
                 enabled = Err(ApparatusError::Device(codes::LOST));
                 continue;
             };
@@ -299,8 +299,8 @@ impl Apparatus for EthercatRig {
         let wait_ns = self.wait_ns();
         let Stage::Running(bus) = &mut self.stage else { return };
         for _ in 0..DISABLE_CYCLES {
-            let told = Told { controlword: DISABLE_VOLTAGE, target_torque: 0 };
-            let has_let_go = bus.cycle(told, monotonic_time_ns() + wait_ns).is_ok()
+            let command = DriveCommand { controlword: DISABLE_VOLTAGE, target_torque: 0 };
+            let has_let_go = bus.cycle(command, monotonic_time_ns() + wait_ns).is_ok()
                 && !matches!(DriveState::of(bus.statusword()), DriveState::OperationEnabled | DriveState::QuickStop);
             if has_let_go {
                 return;
@@ -315,7 +315,7 @@ impl Apparatus for EthercatRig {
         self.shift_ns = 0;
         let Stage::Running(bus) = &mut self.stage else { return Err(ApparatusError::Amplifier) };
         let until_ns = monotonic_time_ns() + wait_ns;
-        let cycle = match bus.cycle(Told { controlword: ENABLE_OPERATION, target_torque }, until_ns) {
+        let cycle = match bus.cycle(DriveCommand { controlword: ENABLE_OPERATION, target_torque }, until_ns) {
             Ok(cycle) => cycle,
             Err(bus::Unanswered::GaveUp) => return self.tolerate(codes::LOST),
             Err(bus::Unanswered::NotSent) => return self.tolerate(codes::NOT_SENT),

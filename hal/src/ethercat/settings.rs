@@ -26,7 +26,7 @@ pub struct Settings {
     pub terminals: BTreeMap<String, Device>,
 }
 
-/// How a device is found, and what it is told before it runs.
+/// How a device is found, and how it is set before it runs.
 ///
 /// Every key that is given must match.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -66,7 +66,7 @@ pub struct Startup {
 
 impl Device {
     /// In words, as the file has it.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn in_words(&self) -> String {
         let keys = [
             self.vendor.map(|vendor| format!("vendor {vendor:#x}")),
             self.product.map(|product| format!("product {product:#x}")),

@@ -70,7 +70,7 @@ impl Socket {
         address.sll_protocol = protocol;
         address.sll_ifindex = index.cast_signed();
         let length = size_of::<libc::sockaddr_ll>() as libc::socklen_t;
-        // SAFETY: the address is of the length told, and lives beyond the call.
+        // SAFETY: the address is of the given length, and lives beyond the call.
         if unsafe { libc::bind(descriptor.as_raw_fd(), (&raw const address).cast(), length) } != 0 {
             return Err(io::Error::last_os_error());
         }
@@ -90,7 +90,7 @@ impl Socket {
     /// # Errors
     /// The system's, also where it would have to wait.
     pub(super) fn send(&mut self, frame: &[u8]) -> io::Result<usize> {
-        // SAFETY: the frame is as long as told, and lives beyond the call.
+        // SAFETY: the frame is as long as given, and lives beyond the call.
         let sent =
             unsafe { libc::send(self.descriptor.as_raw_fd(), frame.as_ptr().cast(), frame.len(), libc::MSG_DONTWAIT) };
         usize::try_from(sent).map_err(|_| io::Error::last_os_error())
@@ -127,7 +127,7 @@ impl Drop for Socket {
 
 fn set<Value>(descriptor: &OwnedFd, option: i32, value: &Value) -> io::Result<()> {
     let length = size_of::<Value>() as libc::socklen_t;
-    // SAFETY: the value is of the length told, lives beyond the call, and is of the type that each option here takes.
+    // SAFETY: the value is of the given length, lives beyond the call, and is of the type that each option here takes.
     let code = unsafe {
         libc::setsockopt(descriptor.as_raw_fd(), libc::SOL_PACKET, option, std::ptr::from_ref(value).cast(), length)
     };

@@ -6,7 +6,7 @@ use crate::estimate::{Fit, Parameter};
 
 /// A value with the half width of its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Told {
+pub struct Estimated {
     /// Value.
     pub value: f64,
     /// Half width of its 95 % interval.
@@ -19,9 +19,9 @@ pub struct Repeatability {
     /// The values, capture by capture; `None` where a capture did not identify it.
     pub values: Vec<Option<f64>>,
     /// The same with intervals as they were compared: phases at [`Repeatability::at_angle_rad`], on one turn.
-    pub compared: Vec<Option<Told>>,
+    pub compared: Vec<Option<Estimated>>,
     /// The mean as it compares with them.
-    pub mean: Told,
+    pub mean: Estimated,
     /// Angle at which phases were compared, rad; `None` of other parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_angle_rad: Option<f64>,
@@ -45,8 +45,8 @@ impl Repeatability {
         common_angle_rad: f64,
     ) -> Option<Self> {
         let estimated =
-            |one: &Observation| one.estimate(parameter.name).map(|(value, half_width)| Told { value, half_width });
-        let compared: Vec<Option<Told>> = observations.iter().map(estimated).collect();
+            |one: &Observation| one.estimate(parameter.name).map(|(value, half_width)| Estimated { value, half_width });
+        let compared: Vec<Option<Estimated>> = observations.iter().map(estimated).collect();
         let known = || compared.iter().flatten();
         if known().count() < 2 {
             return None;

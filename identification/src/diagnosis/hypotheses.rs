@@ -272,11 +272,7 @@ fn coupled_anew(structure: &Structure, captures: [&Capture; 2]) -> Option<Judged
     let newest = structure.effects.last()?.kind();
     let indices = (0..structure.effects.len()).rev().filter(|index| of_coupling(&structure.effects[*index]));
     let bare = indices.fold(structure.clone(), |bare, index| bare.without(index));
-    let mut judged = coupled(kind, &bare, captures, Effort::Full)?;
-    let index = judged.structure.position(newest.name)?;
-    let (effect, columns) = (judged.structure.effects[index], judged.structure.columns[index]);
-    judged.structure = judged.structure.without(index).with(effect, columns);
-    Some(judged)
+    coupled(kind, &bare, captures, Effort::Full)?.with_newest(newest.name)
 }
 
 /// All combinations of the searched parameters' starts, the law occurring once; `None` if the capture cannot show one of

@@ -71,6 +71,14 @@ impl Judged {
         self.structure.effects.last().map_or("", |effect| effect.kind().name)
     }
 
+    /// The same with an effect of that name as the last; `None` if it has none.
+    pub(crate) fn with_newest(mut self, name: &str) -> Option<Self> {
+        let index = self.structure.position(name)?;
+        let (effect, columns) = (self.structure.effects[index], self.structure.columns[index]);
+        self.structure = self.structure.without(index).with(effect, columns);
+        Some(self)
+    }
+
     /// RMS left of the held-out capture, in floors.
     pub(crate) fn heldout_over_floor(&self) -> f64 {
         self.heldout_rms_mnm / self.heldout_floor_mnm

@@ -74,12 +74,11 @@ impl Lobes {
         let (scale, table) = (effect.values()[0], effect.table()?);
         let every_other =
             |values: &[f64], first: usize| values.iter().skip(first).step_by(2).copied().collect::<Vec<_>>();
-        let signs = [scale, -scale].into_iter().cycle();
-        let heights = every_other(table.points_mnm(), 1).into_iter().zip(signs);
+        let heights = every_other(table.points_mnm(), 1).into_iter().enumerate();
         let lobes = Self {
             unit: Unit::Lobe,
             zeros_rad: every_other(table.points(), 0),
-            heights_mnm: heights.map(|(height, sign)| sign * height).collect(),
+            heights_mnm: heights.map(|(lobe, height)| scale * sign(lobe) * height).collect(),
             period_rad: table.period_rad()?,
         };
         let tied = [Unit::BetweenRests, Unit::BetweenWalls].map(|unit| Self { unit, ..lobes.clone() });
@@ -153,7 +152,7 @@ impl Lobes {
     /// The units' derivatives of the torque at an angle, with the columns that they belong in: one by a height, and those by places.
     pub(crate) fn derivatives(&self, angle_rad: f64) -> [(usize, f64); 5] {
         let (lobe, share, width_rad) = self.place(angle_rad);
-        let sign = if lobe.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let sign = sign(lobe);
         let (sine, cosine) = (PI * share).sin_cos();
         // sin(π·(θ − z)/w), w the distance to the next zero: its derivatives by both zeros.
         let slope = -sign * self.heights_mnm[lobe] * PI * cosine / width_rad;
@@ -191,12 +190,16 @@ impl Lobes {
         let (mut points, mut torque_mnm) = (Vec::new(), Vec::new());
         for lobe in 0..self.lobes() {
             let zero_rad = self.zeros_rad[lobe];
-            let sign = if lobe.is_multiple_of(2) { 1.0 } else { -1.0 };
             points.extend([zero_rad, 0.5 * (zero_rad + self.next_zero_rad(lobe))]);
-            torque_mnm.extend([0.0, sign * self.heights_mnm[lobe]]);
+            torque_mnm.extend([0.0, sign(lobe) * self.heights_mnm[lobe]]);
         }
         let of = TableUse { curve: Curve::Sine, over: Coordinate::Angle, holds: false };
         let table = TorqueTable::kept_for(of, &points, &torque_mnm, Some(self.period_rad)).ok()?;
         Some(Effect::new(&effects::unequal_detents::KIND, &[1.0]).with_table(table))
     }
+}
+
+/// Sign of a lobe's torque: from the first zero on it rises.
+fn sign(lobe: usize) -> f64 {
+    if lobe.is_multiple_of(2) { 1.0 } else { -1.0 }
 }

@@ -1,6 +1,7 @@
 //! Effects that were added are looked at again beside those that came after them.
 
 use dynamics::effects::{self, cogging};
+use dynamics::{Effect, EffectKind};
 
 use super::acceptance::{FALSE_DISCOVERIES, takes_its_part, worthwhile};
 use super::judged::Judged;
@@ -8,7 +9,35 @@ use super::search::{Found, Search};
 use super::trials::detent_of;
 use super::verdict::TIE;
 
+/// Effects of which the first is the second where the capture does not show its further parameter: a spring far from its centre is an
+/// offset.
+static CONTAINS: [(&EffectKind, &EffectKind); 1] = [(&effects::return_spring::KIND, &effects::torque_offset::KIND)];
+
 impl Search<'_> {
+    /// Puts what an effect contains in its place where that fits or predicts no worse.
+    pub(crate) fn simplify(&self, found: &mut Found) {
+        for (larger, contained) in CONTAINS {
+            let Some(step) = found.added.iter().position(|added| *added == larger.name) else { continue };
+            let Some(with_larger) = found.named().clone().with_newest(larger.name) else { continue };
+            let Some(without) = self.without(&with_larger, larger.name) else { continue };
+            if without.structure.position(contained.name).is_some() {
+                continue;
+            }
+            let simple = without.structure.with(Effect::new(contained, &[]), contained.columns_of_a_line());
+            let simple = self.settled(simple);
+            let is_as_good = with_larger.evidence - simple.evidence < TIE
+                || simple.heldout_rms_mnm <= with_larger.heldout_rms_mnm;
+            if is_as_good && self.is_worth_a_name(&without, &simple, found) {
+                // Others were tried beside fewer effects.
+                let is_newest = step + 1 == found.added.len();
+                let mut rivals = if is_newest { std::mem::take(&mut found.rivals[step]) } else { Vec::new() };
+                rivals.push(with_larger);
+                self.remove(found, step);
+                self.add(found, simple, rivals);
+            }
+        }
+    }
+
     /// Puts another effect in the place of one that explains less beside those that were added after it; whether there was one.
     ///
     /// The first effect is the best one beside a model that lacks all others, which need not be one of those that are missing.

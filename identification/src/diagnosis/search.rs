@@ -81,20 +81,6 @@ impl Found {
     }
 }
 
-/// Effects of which the first is the second where the capture does not show its further parameter: a spring far from its centre is an
-/// offset.
-static CONTAINS: [(&EffectKind, &EffectKind); 1] = [(&effects::return_spring::KIND, &effects::torque_offset::KIND)];
-
-/// The place of what the best one contains, where that is worth a name too and the larger one fits no better or predicts no better.
-fn simpler(tried: &[Judged], best: usize, worth: impl Fn(&Judged) -> bool) -> usize {
-    let larger = &tried[best];
-    let contained = CONTAINS.iter().find(|(kind, _)| kind.name == larger.newest()).map(|(_, contained)| contained.name);
-    let is_as_good =
-        |judged: &Judged| larger.evidence - judged.evidence < TIE || judged.heldout_rms_mnm <= larger.heldout_rms_mnm;
-    let place = tried.iter().position(|judged| Some(judged.newest()) == contained);
-    place.filter(|place| is_as_good(&tried[*place]) && worth(&tried[*place])).unwrap_or(best)
-}
-
 impl Search<'_> {
     /// Inertia, friction and detents, or the model given, fitted to the training capture.
     pub(crate) fn base(&self, samples: &Samples<'_>) -> Result<Judged, DiagnosisError> {
@@ -236,8 +222,7 @@ impl Search<'_> {
                 break;
             }
             let mut tried = self.ranked(&current, self.try_all(&current, found));
-            let worth = |rival: &Judged| self.is_worth_a_name(&current, rival, found);
-            let worthy = tried.iter().position(worth).map(|best| simpler(&tried, best, worth));
+            let worthy = tried.iter().position(|rival| self.is_worth_a_name(&current, rival, found));
             if worthy.is_none() {
                 found.partial = self.partial(&current, &tried);
                 if !found.in_part && self.add_pair(found, &current, &tried) {
@@ -254,6 +239,7 @@ impl Search<'_> {
             }
             found.in_part |= worthy.is_none();
             self.add(found, chosen, tried);
+            self.simplify(found);
         }
     }
 

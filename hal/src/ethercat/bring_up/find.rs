@@ -27,7 +27,7 @@ pub(in crate::ethercat) async fn find(
 }
 
 /// A device in words.
-pub(in crate::ethercat) fn told(position: usize, device: &SubDevice) -> String {
+pub(in crate::ethercat) fn device_in_words(position: usize, device: &SubDevice) -> String {
     let identity = device.identity();
     format!(
         "{position} '{}' (vendor {:#x}, product {:#x}, alias {})",
@@ -54,7 +54,7 @@ pub(super) fn choose<'a>(
     settings: &'a Settings,
 ) -> Result<Vec<Named<'a>>, BringUpError> {
     let there: Vec<_> = group.iter(main_device).collect();
-    let all = || there.iter().enumerate().map(|(at, device)| told(at, device)).collect::<Vec<_>>().join(", ");
+    let all = || there.iter().enumerate().map(|(at, device)| device_in_words(at, device)).collect::<Vec<_>>().join(", ");
     let asked = settings.terminals.iter().map(|(name, device)| (name.as_str(), device));
     let asked = std::iter::once((DRIVE, &settings.drive)).chain(asked);
     asked
@@ -71,10 +71,10 @@ pub(super) fn choose<'a>(
                 (Some(_), others) => Err(BringUpError::Ambiguous {
                     name: name.to_owned(),
                     count: others + 1,
-                    asked: asked.told(),
+                    asked: asked.in_words(),
                     there: all(),
                 }),
-                (None, _) => Err(BringUpError::Missing { name: name.to_owned(), asked: asked.told(), there: all() }),
+                (None, _) => Err(BringUpError::Missing { name: name.to_owned(), asked: asked.in_words(), there: all() }),
             }
         })
         .collect()

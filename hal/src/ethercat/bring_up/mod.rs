@@ -26,7 +26,7 @@ use set_up::{set_up, set_up_drive};
 use watchdogs::arm_watchdogs;
 
 pub use error::BringUpError;
-pub(super) use find::{find, told};
+pub(super) use find::{device_in_words, find};
 pub(super) use set_up::{Reference, mapped};
 
 /// Time that a frame of the preparation may take, which no tick waits for.
@@ -61,7 +61,7 @@ pub(super) fn open(interface: &str, first_sync_frames: u32) -> Result<(Wire, Mai
     Ok((Wire { socket, tx, rx, frame: [0; LONGEST] }, MainDevice::new(pdu_loop, timeouts, config)))
 }
 
-/// Drives a future of the preparation, and gives up when told to stop.
+/// Drives a future of the preparation, and gives up when asked to stop.
 pub(super) fn wait<T>(
     wire: &mut Wire,
     interface: &str,
@@ -114,7 +114,7 @@ pub(super) async fn bring_up(main_device: &MainDevice<'static>, asked: &Asked<'_
     let mut notes = Vec::new();
     for device in &mut named {
         let reference = group.subdevice(main_device, device.index).map_err(failed("looking at a device"))?;
-        notes.push((format!("device {}", device.name), told(device.index, &reference)));
+        notes.push((format!("device {}", device.name), device_in_words(device.index, &reference)));
         set_up(&reference, device).await?;
     }
     let drive =

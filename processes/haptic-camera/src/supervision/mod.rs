@@ -123,9 +123,7 @@ impl SupervisedRun {
             && control_loop.exit_code() != Some(0)
         {
             end.loop_failed = true;
-            if control_loop.exit_code().is_none_or(|code| !SAID_WHY.contains(&code)) {
-                remark(format!("the control loop ended with an error ({})", control_loop.end_in_words()));
-            }
+            say_why_unless_said(&control_loop, "the control loop ended with an error", "");
         }
         end
     }
@@ -268,6 +266,13 @@ pub(crate) fn clear_shared_memory() {
     }
 }
 
+/// Says how a loop ended that has not said so itself, and what to do next.
+fn say_why_unless_said(control_loop: &Child, what: &str, next: &str) {
+    if control_loop.exit_code().is_none_or(|code| !SAID_WHY.contains(&code)) {
+        remark(format!("{what} ({}){next}", control_loop.end_in_words()));
+    }
+}
+
 /// The control loop did not run, and has printed why.
 #[derive(Debug, thiserror::Error)]
 #[error("the control loop could not run")]
@@ -280,12 +285,8 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
     let mut link: Option<LoopLink> = None;
     loop {
         if control_loop.has_ended() {
-            if control_loop.exit_code().is_none_or(|code| !SAID_WHY.contains(&code)) {
-                remark(format!(
-                    "the control loop ended before it was ready ({}); run `haptic-camera doctor`",
-                    control_loop.end_in_words()
-                ));
-            }
+            let next = "; run `haptic-camera doctor`";
+            say_why_unless_said(control_loop, "the control loop ended before it was ready", next);
             return Ok(None);
         }
         match &mut link {

@@ -1,6 +1,6 @@
 //! A forest plot for each parameter: every capture's interval, one below the other, and the mean's.
 
-use identification::{Repeatability, Told};
+use identification::{Repeatability, Estimated};
 use maud::{Markup, html};
 
 use crate::AveragePage;
@@ -72,7 +72,7 @@ fn plot(name: &str, record: &Repeatability, truth: Option<f64>) -> Markup {
     let rows = record.compared.len() + 1;
     let bottom = place(rows) - 0.5 * ROW;
     let height = bottom + BOTTOM;
-    let ends = |estimate: &Told| [estimate.value - estimate.half_width, estimate.value + estimate.half_width];
+    let ends = |estimate: &Estimated| [estimate.value - estimate.half_width, estimate.value + estimate.half_width];
     let widest =
         record.compared.iter().flatten().map(|estimate| estimate.half_width).fold(record.mean.half_width, f64::max);
     let near = truth.filter(|truth| (truth - record.mean.value).abs() <= REACH * widest);
