@@ -40,7 +40,7 @@ mod regression;
 mod samples;
 mod uncertainty;
 
-pub use average::{Agreement, Average, Repeatability, Estimated, average};
+pub use average::{Agreement, Average, Estimated, Repeatability, average};
 pub use estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
 pub use fit::fit;
 pub use options::{AccelerationUse, FitOptions, PreparationMethod};

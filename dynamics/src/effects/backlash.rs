@@ -64,7 +64,7 @@ pub static KIND: EffectKind = EffectKind {
             Search {
                 parameter: INNER_SHARE,
                 range: |_| Some((0.02, 0.98)),
-                starts: |_| 2,
+                starts: |_| 5,
                 logarithmic: false,
                 same_as: None,
             },

@@ -268,7 +268,8 @@ impl Apparatus for EthercatRig {
         self.is_on = true;
         let mut enabled = Err(ApparatusError::Device(codes::NOT_SWITCHED_ON));
         for _ in 0..ENABLE_CYCLES {
-            let Ok(cycle) = self.pace.cycle(&mut bus, DriveCommand { controlword: ENABLE_OPERATION, target_torque: 0 }) else {
+            let Ok(cycle) = self.pace.cycle(&mut bus, DriveCommand { controlword: ENABLE_OPERATION, target_torque: 0 })
+            else {
                 enabled = Err(ApparatusError::Device(codes::LOST));
                 continue;
             };

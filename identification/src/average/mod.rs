@@ -23,7 +23,7 @@ use crate::estimate::{Covariance, Fit, Parameter, Parameters};
 use crate::uncertainty::statistics::{self, NORMAL_95};
 use observation::Observation;
 
-pub use repeatability::{Repeatability, Estimated};
+pub use repeatability::{Estimated, Repeatability};
 pub(crate) use scalar::{Combined, combined, wrapped};
 
 /// Captures that differ by this multiple of what their intervals allow are not of the same knob, or one went wrong.

@@ -31,7 +31,7 @@ const HOPELESS: f64 = 0.95;
 /// A gap this close to the floor is closed, in floors.
 pub(crate) const CLOSED: f64 = 1.12;
 /// A fit that leaves more than this may lack a stick limit, in floors.
-const OPEN: f64 = 1.6;
+pub(crate) const OPEN: f64 = 1.6;
 /// Share by which values and sums of squares may differ of fits that are the same.
 const ALIKE: f64 = 0.01;
 /// A fit that leaves so many times the squares of the best one after a few steps is given up.

@@ -25,8 +25,8 @@ impl Search<'_> {
             }
             let simple = without.structure.with(Effect::new(contained, &[]), contained.columns_of_a_line());
             let simple = self.settled(simple);
-            let is_as_good = with_larger.evidence - simple.evidence < TIE
-                || simple.heldout_rms_mnm <= with_larger.heldout_rms_mnm;
+            let is_as_good =
+                with_larger.evidence - simple.evidence < TIE || simple.heldout_rms_mnm <= with_larger.heldout_rms_mnm;
             if is_as_good && self.is_worth_a_name(&without, &simple, found) {
                 // Others were tried beside fewer effects.
                 let is_newest = step + 1 == found.added.len();

@@ -97,22 +97,25 @@ impl Search<'_> {
         let closes_most = |judged: &Judged| {
             (!is_open(judged) || explains_most_of_the_gap(judged, &found.chain[0])) && qualifies(judged)
         };
-        if !is_open(current) || tried.iter().any(closes) {
+        // Next to noise the estimate of the floor decides what is closed: there a gap is tried whatever else explains it.
+        let is_faint = current.train_over_floor().max(current.heldout_over_floor()) < hypotheses::OPEN;
+        let is_closed = !is_open(current) || tried.iter().any(closes);
+        if is_closed && !is_faint {
             return;
         }
         let all = self.couplings(current);
         let of = self.candidates(&current.structure).len();
         // A shaft is found without simulation.
         let has_gap = |kind: &'static EffectKind| !twist::has_no_gap(kind);
-        let little_is_left = tried.iter().any(closes_most);
+        let little_is_left = !is_faint && tried.iter().any(closes_most);
         let mut first = all.clone();
-        first.retain(|kind| !has_gap(kind) || !little_is_left && !found.has_failed(kind));
+        first.retain(|kind| if has_gap(kind) { !little_is_left && !found.has_failed(kind) } else { !is_closed });
         for (index, kind) in first.iter().enumerate() {
             let judged = self.coupled(kind, current, Effort::Full);
             self.say(Progress::Tried { effect: kind.name, done: of - first.len() + index + 1, of });
             let closed = judged.as_ref().is_some_and(closes_most);
             tried.extend(judged);
-            if closed {
+            if closed && !is_faint {
                 // The next coupling has more freedom and costs more.
                 return;
             }

@@ -54,7 +54,8 @@ pub(super) fn choose<'a>(
     settings: &'a Settings,
 ) -> Result<Vec<Named<'a>>, BringUpError> {
     let there: Vec<_> = group.iter(main_device).collect();
-    let all = || there.iter().enumerate().map(|(at, device)| device_in_words(at, device)).collect::<Vec<_>>().join(", ");
+    let all =
+        || there.iter().enumerate().map(|(at, device)| device_in_words(at, device)).collect::<Vec<_>>().join(", ");
     let asked = settings.terminals.iter().map(|(name, device)| (name.as_str(), device));
     let asked = std::iter::once((DRIVE, &settings.drive)).chain(asked);
     asked
@@ -74,7 +75,9 @@ pub(super) fn choose<'a>(
                     asked: asked.in_words(),
                     there: all(),
                 }),
-                (None, _) => Err(BringUpError::Missing { name: name.to_owned(), asked: asked.in_words(), there: all() }),
+                (None, _) => {
+                    Err(BringUpError::Missing { name: name.to_owned(), asked: asked.in_words(), there: all() })
+                }
             }
         })
         .collect()

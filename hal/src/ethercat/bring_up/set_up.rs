@@ -114,9 +114,10 @@ pub(super) async fn set_up_drive(
             || unsuitable(DRIVE, "does not tell its rated torque (0x6076); write rated_torque_mnm under [settings]"),
         )?,
     };
-    let of_drive = match (read(reference, object::ENCODER_INCREMENTS).await, read(reference, object::ENCODER_TURNS).await) {
-        (Some(counts), Some(turns)) if counts > 0 && turns > 0 => Some(f64::from(counts) / f64::from(turns)),
-        _ => None,
-    };
+    let of_drive =
+        match (read(reference, object::ENCODER_INCREMENTS).await, read(reference, object::ENCODER_TURNS).await) {
+            (Some(counts), Some(turns)) if counts > 0 && turns > 0 => Some(f64::from(counts) / f64::from(turns)),
+            _ => None,
+        };
     Ok((rated_torque_mnm, settings.counts_per_turn.or(of_drive)))
 }

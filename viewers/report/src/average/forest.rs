@@ -1,6 +1,6 @@
 //! A forest plot for each parameter: every capture's interval, one below the other, and the mean's.
 
-use identification::{Repeatability, Estimated};
+use identification::{Estimated, Repeatability};
 use maud::{Markup, html};
 
 use crate::AveragePage;
