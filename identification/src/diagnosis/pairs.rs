@@ -22,7 +22,9 @@ impl Search<'_> {
         let firsts: Vec<&Judged> = tried
             .iter()
             .filter(|judged| {
-                judged.structure.is_coupled() == is_coupled && judged.evidence > current.evidence + EVIDENCE
+                judged.structure.is_coupled() == is_coupled
+                    && judged.evidence > current.evidence + EVIDENCE
+                    && !self.is_the_detents(judged)
             })
             .take(HIDING)
             .collect();

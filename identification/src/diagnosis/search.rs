@@ -197,7 +197,7 @@ impl Search<'_> {
         let firsts: Vec<&Judged> = found.rivals[0].iter().filter(is_first).take(OTHER_STARTS).collect();
         let others = firsts.into_iter().map(|first| {
             let mut other = bare.clone();
-            search.add(&mut other, first.clone(), found.rivals[0].clone());
+            search.add_or_take_for_detents(&mut other, first.clone(), found.rivals[0].clone());
             search.extend_and_revise(&mut other);
             other
         });
@@ -231,16 +231,23 @@ impl Search<'_> {
             }
             let Some(best) = worthy.or_else(|| self.discovery(&current, &tried)) else { break };
             let chosen = tried.remove(best);
-            if let Some(with_detents) = self.as_detent(&chosen) {
-                // The first torque that repeats with the angle is the detents, which the model's base lacked.
-                found.chain.pop();
-                found.chain.push(with_detents);
-                continue;
+            if self.add_or_take_for_detents(found, chosen, tried) {
+                found.in_part |= worthy.is_none();
+                self.simplify(found);
             }
-            found.in_part |= worthy.is_none();
-            self.add(found, chosen, tried);
-            self.simplify(found);
         }
+    }
+
+    /// Adds an effect, or takes it for the detents if it is the first torque that repeats with the angle, which the model's base lacked; whether
+    /// it was added.
+    fn add_or_take_for_detents(&self, found: &mut Found, chosen: Judged, rivals: Vec<Judged>) -> bool {
+        let Some(with_detents) = self.as_detent(&chosen) else {
+            self.add(found, chosen, rivals);
+            return true;
+        };
+        found.chain.pop();
+        found.chain.push(with_detents);
+        false
     }
 
     /// What was tried beside a model, that with the most evidence first.

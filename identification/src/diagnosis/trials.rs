@@ -195,13 +195,14 @@ impl Search<'_> {
         if linear.is_empty() { parameters.first().is_some_and(holds_zero) } else { linear.into_iter().all(holds_zero) }
     }
 
-    /// The same with the last effect taken for detents, if it is a periodic torque and there are none yet.
+    /// Whether the last effect is the first torque that repeats with the angle: the detents, which the model lacks.
+    pub(crate) fn is_the_detents(&self, judged: &Judged) -> bool {
+        judged.newest() == cogging::KIND.name && !judged.structure.has_detents()
+    }
+
+    /// The same with the last effect taken for the detents; `None` if it is something else.
     pub(crate) fn as_detent(&self, judged: &Judged) -> Option<Judged> {
-        let effect = judged.structure.effects.last()?;
-        let is_periodic = effect.kind().name == cogging::KIND.name;
-        if !is_periodic || judged.structure.has_detents() {
-            return None;
-        }
+        let effect = judged.structure.effects.last().filter(|_| self.is_the_detents(judged))?;
         // Other lines will be found again beside the detents.
         let detent = cogging::lines(effect.values()).next().map(detent_of)?;
         let base = judged.structure.without(judged.structure.effects.len() - 1);
