@@ -29,6 +29,8 @@ pub struct Scene {
     pub detent_period_rad: Option<f64>,
     /// Largest torque of the detents, mNm.
     pub detent_amplitude_mnm: f64,
+    /// Whether what is sought is hardly louder than noise, so that starts must lie close together.
+    pub is_faint: bool,
 }
 
 impl Scene {

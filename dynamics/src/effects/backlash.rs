@@ -64,7 +64,7 @@ pub static KIND: EffectKind = EffectKind {
             Search {
                 parameter: INNER_SHARE,
                 range: |_| Some((0.02, 0.98)),
-                starts: |_| 5,
+                starts: |scene| if scene.is_faint { 5 } else { 2 },
                 logarithmic: false,
                 same_as: None,
             },

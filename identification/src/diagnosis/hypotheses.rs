@@ -1,7 +1,7 @@
 //! Every effect of the catalogue that could be added to a structure, from its starts to its best fit.
 
 use dynamics::effects::{self, cogging, end_stop};
-use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part};
+use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part, Scene};
 use rayon::prelude::*;
 
 use super::acceptance::WORTHWHILE;
@@ -143,7 +143,9 @@ pub(crate) enum Effort {
     Short,
     /// What the inner body bears at rest is looked for too, if much is left.
     Full,
-    /// The same from more starts.
+    /// The same from starts that lie close together, for what is hardly louder than noise.
+    Fine,
+    /// The same from more of the starts.
     Thorough,
 }
 
@@ -155,7 +157,8 @@ pub(crate) fn coupled<'a>(
     effort: Effort,
 ) -> Option<Judged> {
     let hypothesis = kind.hypothesis?;
-    let grid = grid(kind, &hypothesis, &train.scene_of(base))?;
+    let scene = Scene { is_faint: effort == Effort::Fine, ..train.scene_of(base) };
+    let grid = grid(kind, &hypothesis, &scene)?;
     let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
     // The skew that the structure needed without the coupling tells nothing.
     let unskewed = Structure { skew_s: 0.0, ..base.clone() };
@@ -277,7 +280,7 @@ fn coupled_anew(structure: &Structure, captures: [&Capture; 2]) -> Option<Judged
 
 /// All combinations of the searched parameters' starts, the law occurring once; `None` if the capture cannot show one of
 /// them.
-fn grid(kind: &EffectKind, hypothesis: &Hypothesis, scene: &dynamics::Scene) -> Option<Vec<Vec<f64>>> {
+fn grid(kind: &EffectKind, hypothesis: &Hypothesis, scene: &Scene) -> Option<Vec<Vec<f64>>> {
     let mut grid: Vec<Vec<f64>> = vec![Vec::new()];
     let of_a_line = kind.parameters_of_a_line();
     for search in hypothesis.searched.iter().filter(|search| search.parameter < of_a_line) {

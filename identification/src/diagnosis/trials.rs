@@ -111,7 +111,7 @@ impl Search<'_> {
         let mut first = all.clone();
         first.retain(|kind| if has_gap(kind) { !little_is_left && !found.has_failed(kind) } else { !is_closed });
         for (index, kind) in first.iter().enumerate() {
-            let judged = self.coupled(kind, current, Effort::Full);
+            let judged = self.coupled(kind, current, if is_faint { Effort::Fine } else { Effort::Full });
             self.say(Progress::Tried { effect: kind.name, done: of - first.len() + index + 1, of });
             let closed = judged.as_ref().is_some_and(closes_most);
             tried.extend(judged);
@@ -123,7 +123,7 @@ impl Search<'_> {
         // A coupling that explains most, but not all, may have been fitted in a neighbouring valley, or be another one.
         let best = tried.iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
         let explains = |best: &Judged| best.structure.is_coupled() && best.evidence > current.evidence + EVIDENCE;
-        if !little_is_left && best.is_some_and(explains) {
+        if !little_is_left && !is_faint && best.is_some_and(explains) {
             let is_shaft = |effect: &Effect| !has_gap(effect.kind());
             tried.retain(|judged| {
                 !judged.structure.is_coupled() || judged.structure.effects.last().is_some_and(is_shaft)
