@@ -29,7 +29,7 @@ pub struct Scene {
     pub detent_period_rad: Option<f64>,
     /// Largest torque of the detents, mNm.
     pub detent_amplitude_mnm: f64,
-    /// Whether what is sought is hardly louder than noise, so that starts must lie close together.
+    /// Whether the residual is close to the noise floor; a search then needs closely spaced starts.
     pub is_faint: bool,
 }
 

@@ -30,7 +30,7 @@ const STARTED_THOROUGHLY: usize = 20;
 const HOPELESS: f64 = 0.95;
 /// A gap this close to the floor is closed, in floors.
 pub(crate) const CLOSED: f64 = 1.12;
-/// A fit that leaves more than this may lack a stick limit, in floors.
+/// A fit that leaves more than this is clearly louder than noise, and may lack a stick limit, in floors.
 pub(crate) const OPEN: f64 = 1.6;
 /// Share by which values and sums of squares may differ of fits that are the same.
 const ALIKE: f64 = 0.01;

@@ -89,6 +89,11 @@ impl Judged {
         self.train_rms_mnm / self.train_floor_mnm
     }
 
+    /// The larger of both, in floors.
+    pub(crate) fn most_over_floor(&self) -> f64 {
+        self.train_over_floor().max(self.heldout_over_floor())
+    }
+
     /// Mean square above the floor, of both captures together, mNm².
     pub(crate) fn excess(&self) -> f64 {
         self.excess_above(self.floors_mnm())

@@ -169,7 +169,7 @@ impl Search<'_> {
         if equal.named().evidence > found.named().evidence {
             return equal;
         }
-        let is_open = found.named().train_over_floor().max(found.named().heldout_over_floor()) > LEFT;
+        let is_open = found.named().most_over_floor() > LEFT;
         let asymmetric = |judged: &Judged| {
             unequal::asymmetric(&judged.structure, self.train)
                 .map_or_else(|| judged.clone(), |other| self.settled(other))
@@ -184,7 +184,7 @@ impl Search<'_> {
     /// is no better.
     fn begun_again(&self, bare: &Found, found: &Found) -> Option<Found> {
         let (base, last) = (&bare.chain[0], found.named());
-        let is_open = last.train_over_floor().max(last.heldout_over_floor()) > LEFT;
+        let is_open = last.most_over_floor() > LEFT;
         if !is_open || found.added.len() < 2 || found.in_part || explains_most_of_the_gap(last, base) {
             return None;
         }

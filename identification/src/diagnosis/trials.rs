@@ -91,14 +91,14 @@ impl Search<'_> {
 
     /// Tries couplings, which cost most, where nothing else explains what is left.
     fn try_couplings(&self, current: &Judged, found: &Found, tried: &mut Vec<Judged>) {
-        let is_open = |judged: &Judged| judged.train_over_floor().max(judged.heldout_over_floor()) > hypotheses::CLOSED;
+        let is_open = |judged: &Judged| judged.most_over_floor() > hypotheses::CLOSED;
         let qualifies = |judged: &Judged| self.disqualified(judged).is_none();
         let closes = |judged: &Judged| !is_open(judged) && qualifies(judged);
+        // Close to the floor, its uncertainty exceeds what a gap leaves: a gap is always tried there.
+        let is_faint = current.most_over_floor() < hypotheses::OPEN;
         let closes_most = |judged: &Judged| {
-            (!is_open(judged) || explains_most_of_the_gap(judged, &found.chain[0])) && qualifies(judged)
+            !is_faint && (!is_open(judged) || explains_most_of_the_gap(judged, &found.chain[0])) && qualifies(judged)
         };
-        // Next to noise the estimate of the floor decides what is closed: there a gap is tried whatever else explains it.
-        let is_faint = current.train_over_floor().max(current.heldout_over_floor()) < hypotheses::OPEN;
         let is_closed = !is_open(current) || tried.iter().any(closes);
         if is_closed && !is_faint {
             return;
@@ -107,15 +107,16 @@ impl Search<'_> {
         let of = self.candidates(&current.structure).len();
         // A shaft is found without simulation.
         let has_gap = |kind: &'static EffectKind| !twist::has_no_gap(kind);
-        let little_is_left = !is_faint && tried.iter().any(closes_most);
+        let little_is_left = tried.iter().any(closes_most);
         let mut first = all.clone();
         first.retain(|kind| if has_gap(kind) { !little_is_left && !found.has_failed(kind) } else { !is_closed });
+        let effort = if is_faint { Effort::Fine } else { Effort::Full };
         for (index, kind) in first.iter().enumerate() {
-            let judged = self.coupled(kind, current, if is_faint { Effort::Fine } else { Effort::Full });
+            let judged = self.coupled(kind, current, effort);
             self.say(Progress::Tried { effect: kind.name, done: of - first.len() + index + 1, of });
             let closed = judged.as_ref().is_some_and(closes_most);
             tried.extend(judged);
-            if closed && !is_faint {
+            if closed {
                 // The next coupling has more freedom and costs more.
                 return;
             }
