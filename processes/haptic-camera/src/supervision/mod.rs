@@ -123,7 +123,7 @@ impl SupervisedRun {
             && control_loop.exit_code() != Some(0)
         {
             end.loop_failed = true;
-            say_why_unless_said(&control_loop, "the control loop ended with an error", "");
+            say_why_unless_said(&control_loop, "the control loop ended with an error", &driving(&end.rig));
         }
         end
     }
@@ -186,9 +186,9 @@ impl SupervisedRun {
             if has_ended {
                 progress.close();
                 remark(format!(
-                    "the control loop ended in the middle of the run ({}), driving the rig '{}'; what was recorded so far is kept",
+                    "the control loop ended in the middle of the run ({}){}; what was recorded so far is kept",
                     control_loop.end_in_words(),
-                    link.rig().name
+                    driving(link.rig())
                 ));
                 loop_failed = true;
                 break;
@@ -264,6 +264,11 @@ pub(crate) fn clear_shared_memory() {
         Ok(left) => tracing::info!("{left} files stay in shared memory while another program follows this rig"),
         Err(error) => remark(error),
     }
+}
+
+/// Which rig the loop drove when it ended: what crashed may be the rig's library.
+fn driving(rig: &RigWords) -> String {
+    format!(", driving the rig '{}'", rig.name)
 }
 
 /// Says how a loop ended that has not said so itself, and what to do next.
