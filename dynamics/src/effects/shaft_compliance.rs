@@ -37,9 +37,9 @@ pub static KIND: EffectKind = EffectKind {
         searched: &[
             Search {
                 parameter: 0,
-                // A resonance between the lowest that shows and the highest that the samples resolve.
-                range: |scene| scene.resonant_stiffnesses(5.0, 0.2 / scene.sample_s),
-                starts: |_| 8,
+                // Of a higher resonance the band has the first rise only, which a resonance of the sensor makes as well.
+                range: |scene| scene.resonant_stiffnesses(5.0, 2.0 * scene.band_hz),
+                starts: |_| 16,
                 logarithmic: true,
                 same_as: None,
             },

@@ -1,5 +1,6 @@
 //! A capture made ready: motion, torque, the rows in which they are compared, and the noise that is left in these.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use dynamics::{Calibration, Motion, Scene};
@@ -230,7 +231,8 @@ impl Capture {
     /// RMS of the residual that noise alone leaves beside a structure, mNm.
     pub(crate) fn floor_of_mnm(&self, structure: &Structure) -> f64 {
         // A simulated inner body is driven by the angle; only the cap's share feels the acceleration's noise.
-        let Some(coupling) = structure.model().coupling() else { return self.floor_mnm(structure.inertia()) };
+        let gap = structure.model().coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
+        let Some(coupling) = gap else { return self.floor_mnm(structure.inertia()) };
         let of_cap = self.floor_mnm((1.0 - coupling.inner_share) * structure.inertia());
         of_cap.hypot(self.driven_noise_mnm(structure))
     }
@@ -289,9 +291,20 @@ impl Capture {
         Self { motions: (0..motion.len()).map(|index| motion.at(index)).collect(), motion, ..self.clone() }
     }
 
-    /// The torque filtered as the motion is, mNm, and its first two derivatives by time.
-    pub(crate) fn torques(&self) -> &[Vec<f64>; 3] {
-        &self.torque
+    /// The torque as it would have been read `delay_s` earlier, filtered as the motion is, mNm, and its first two derivatives by time.
+    pub(crate) fn torques(&self, delay_s: f64) -> Cow<'_, [Vec<f64>; 3]> {
+        if delay_s == 0.0 {
+            return Cow::Borrowed(&self.torque);
+        }
+        let torque = self.torque_mnm(delay_s);
+        let rate = gradient(&torque, self.rate_hz);
+        let curvature = gradient(&rate, self.rate_hz);
+        Cow::Owned([torque, rate, curvature])
+    }
+
+    /// Density of the torque channel's noise in the band, mNm²/Hz.
+    pub(crate) fn torque_density(&self) -> f64 {
+        self.torque_noise_mnm.powi(2) / self.band.edge_hz
     }
 
     /// Rows of the columns of a structure's effect.

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::capture::Capture;
 use super::structure::{Searched, Structure};
+use super::twist;
 use crate::numerics::vector::dot;
 use crate::preparation::filter::Fir;
 use crate::preparation::uniform::whole;
@@ -298,11 +299,17 @@ impl<'a> Nonlinear<'a> {
 
 /// Measured minus simulated torque, in rows.
 pub(crate) fn residual(structure: &Structure, capture: &Capture) -> Vec<f64> {
+    if let Some((bare, behind)) = twist::unwound(structure, capture) {
+        return residual(&bare, &behind);
+    }
     left_by(&structure.model().readings_mnm(capture.motions()), &capture.target(structure.delay_s()), capture)
 }
 
 /// The same of several structures.
 fn residuals(structures: &[&Structure], capture: &Capture) -> Vec<Vec<f64>> {
+    if structures.iter().any(|structure| twist::has_shaft(structure)) {
+        return structures.iter().map(|structure| residual(structure, capture)).collect();
+    }
     let models: Vec<Model> = structures.iter().map(|structure| structure.model()).collect();
     let readings_mnm = models.chunks(TOGETHER).flat_map(|models| match models {
         [first, second, third] => Model::readings_of_mnm([first, second, third], capture.motions()).to_vec(),

@@ -109,7 +109,7 @@ impl Search<'_> {
         let has_gap = |kind: &'static EffectKind| !twist::has_no_gap(kind);
         let little_is_left = tried.iter().any(closes_most);
         let mut first = all.clone();
-        first.retain(|kind| if has_gap(kind) { !little_is_left && !found.has_failed(kind) } else { !is_closed });
+        first.retain(|kind| !has_gap(kind) || !little_is_left && !found.has_failed(kind));
         let effort = if is_faint { Effort::Fine } else { Effort::Full };
         for (index, kind) in first.iter().enumerate() {
             let judged = self.coupled(kind, current, effort);

@@ -44,7 +44,7 @@ pub(crate) fn fitted(
     for _ in 0..TWISTS {
         best = best_shaft(best, hypothesis, &stiff, train)?;
         // What moves behind a shaft of these values no longer looks like what moves with the cap.
-        let capture = behind(&shaft(&best)?, stiff.inertia(), train);
+        let capture = behind(&shaft(&best)?, &stiff, train);
         stiff = unequal::settled(stiff, &capture).structure;
     }
     Some(stiff.with(best, 0))
@@ -65,20 +65,23 @@ fn shaft(effect: &Effect) -> Option<Coupling> {
 
 /// Sum of squares of what a structure leaves behind a shaft, mNm².
 fn squares(effect: &Effect, base: &Structure, train: &Capture) -> Option<f64> {
-    let capture = behind(&shaft(effect)?, base.inertia(), train);
+    let capture = behind(&shaft(effect)?, base, train);
     Some(Separable::new(base.clone(), &capture).squares())
 }
 
 /// The values of a shaft with which a structure leaves least, found by going along one after the other in ever smaller steps.
 fn best_shaft(mut best: Effect, hypothesis: &Hypothesis, base: &Structure, train: &Capture) -> Option<Effect> {
     let mut least = squares(&best, base, train)?;
+    let scene = train.scene_of(base);
     let mut ratio = COARSEST;
     while ratio > FINEST {
         let mut moved = false;
         for search in hypothesis.searched {
+            let (lowest, highest) = (search.range)(&scene)?;
             let at = |factor: f64| {
                 let mut tried = best;
-                tried.values_mut()[search.parameter] *= factor;
+                let value = &mut tried.values_mut()[search.parameter];
+                *value = (*value * factor).clamp(lowest, highest);
                 Some((squares(&tried, base, train)?, tried))
             };
             let (up, down) = rayon::join(|| at(ratio), || at(1.0 / ratio));
@@ -93,25 +96,33 @@ fn best_shaft(mut best: Effect, hypothesis: &Hypothesis, base: &Structure, train
     Some(best)
 }
 
-/// The capture of a knob of this inertia as it would be with the motion of the shaft's other end.
-fn behind(shaft: &Coupling, inertia: f64, capture: &Capture) -> Capture {
-    let mut behind = capture.with_motion(motion(shaft, capture));
-    behind.row_filter.response = Some(turned_down(inertia, shaft, capture));
+/// Whether a structure has a shaft that twists.
+pub(crate) fn has_shaft(structure: &Structure) -> bool {
+    structure.effects.iter().any(|effect| shaft(effect).is_some())
+}
+
+/// A structure on a shaft that twists as the same without the shaft, and the capture as it would be behind it; `None` if there is no such shaft.
+pub(crate) fn unwound(structure: &Structure, capture: &Capture) -> Option<(Structure, Capture)> {
+    let (index, shaft) = structure.effects.iter().enumerate().find_map(|(index, effect)| Some((index, shaft(effect)?)))?;
+    let bare = structure.without(index);
+    let capture = behind(&shaft, &bare, capture);
+    Some((bare, capture))
+}
+
+/// The capture of a knob as it would be with the motion of the shaft's other end.
+fn behind(shaft: &Coupling, knob: &Structure, capture: &Capture) -> Capture {
+    let mut behind = capture.with_motion(motion(shaft, knob.delay_s(), capture));
+    behind.row_filter.response = Some(response(shaft, knob.inertia(), capture));
     behind
 }
 
-/// The motion of the body behind the shaft.
-fn motion(shaft: &Coupling, capture: &Capture) -> KnobMotion {
+/// The motion of the body behind the shaft, if the torque channel is late by `delay_s`.
+fn motion(shaft: &Coupling, delay_s: f64, capture: &Capture) -> KnobMotion {
     let mut motion = capture.motion.clone();
-    let [torque, rate, curvature] = capture.torques();
-    let sides = [
-        (&mut motion.angle_rad, torque),
-        (&mut motion.velocity_rad_s, rate),
-        (&mut motion.acceleration_rad_s2, curvature),
-    ];
+    let sides = [&mut motion.angle_rad, &mut motion.velocity_rad_s, &mut motion.acceleration_rad_s2];
     // Torque on a spring beside a damper: the twist follows it with this time constant.
     let kept = (-shaft.stiffness_mnm_rad / (shaft.damping * capture.rate_hz)).exp();
-    for (values, torque) in sides {
+    for (values, torque) in sides.into_iter().zip(capture.torques(delay_s).iter()) {
         let mut twist = 0.0;
         for (value, torque_mnm) in values.iter_mut().zip(torque) {
             twist = kept * twist + (1.0 - kept) * torque_mnm / shaft.stiffness_mnm_rad;
@@ -121,14 +132,31 @@ fn motion(shaft: &Coupling, capture: &Capture) -> KnobMotion {
     motion
 }
 
-/// The response of an inertia on the shaft: torque at the sensor over torque on the inertia.
+/// What rows pass behind a shaft: the response of an inertia on it, torque at the sensor over torque on the inertia, and what makes the noise
+/// of both sensors what it is without the shaft.
 #[allow(clippy::cast_precision_loss, reason = "a decimation")]
-fn turned_down(inertia: f64, shaft: &Coupling, capture: &Capture) -> Response {
+fn response(shaft: &Coupling, inertia: f64, capture: &Capture) -> Response {
     let row_filter = &capture.row_filter;
     let rate_hz = capture.rate_hz / row_filter.step as f64;
     Response::new(row_filter.mask.len().div_ceil(row_filter.step), &|cycles| {
-        let turning = TAU * cycles * rate_hz;
-        let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
-        spring / (spring - inertia * turning * turning)
+        let at = passed(shaft, inertia, cycles * rate_hz);
+        at / noise_power(at, inertia, cycles * rate_hz, capture).sqrt()
     })
+}
+
+/// Torque at the sensor over torque on an inertia behind a shaft.
+fn passed(shaft: &Coupling, inertia: f64, frequency_hz: f64) -> Complex<f64> {
+    let turning = TAU * frequency_hz;
+    let spring = Complex::new(shaft.stiffness_mnm_rad, turning * shaft.damping);
+    spring / (spring - inertia * turning * turning)
+}
+
+/// Power of both sensors' noise in the rows where the shaft passes so much, over that without the shaft: the noise of the angle acts on the
+/// inertia behind it.
+fn noise_power(passed: Complex<f64>, inertia: f64, frequency_hz: f64, capture: &Capture) -> f64 {
+    let of_torque = capture.torque_density();
+    let of_angle =
+        inertia * inertia * capture.motion.acceleration_density(frequency_hz, capture.motion.angle_density);
+    let without = of_torque + of_angle;
+    if without > 0.0 { (of_torque + passed.norm_sqr() * of_angle) / without } else { 1.0 }
 }
