@@ -51,19 +51,23 @@ impl Judged {
         let heldout_rms_mnm = rms(&heldout_residual, heldout);
         let likelihood = -train.weight * train_rms_mnm.max(f64::MIN_POSITIVE).ln()
             - heldout.weight * heldout_rms_mnm.max(f64::MIN_POSITIVE).ln();
-        #[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
-        let cost = 0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln();
         Self {
             // Where a servo pushes against a knob that sticks, rests are louder than the sensors; noise is everywhere.
             train_floor_mnm: train.floor_of_mnm(&structure).min(QUIET * train.quiet_rms_mnm(&train_residual)),
             heldout_floor_mnm: heldout.floor_of_mnm(&structure).min(QUIET * heldout.quiet_rms_mnm(&heldout_residual)),
+            evidence: likelihood - cost(&structure, train, heldout),
             structure,
             train_residual,
             heldout_residual,
             train_rms_mnm,
             heldout_rms_mnm,
-            evidence: likelihood - cost,
         }
+    }
+
+    /// The same as what another structure leaves, which it is equal to.
+    pub(crate) fn with_structure(self, structure: Structure, train: &Capture, heldout: &Capture) -> Self {
+        let cost = |structure: &Structure| cost(structure, train, heldout);
+        Self { evidence: self.evidence + cost(&self.structure) - cost(&structure), structure, ..self }
     }
 
     /// Name of the effect that the structure has more than the one before.
@@ -130,6 +134,12 @@ impl Judged {
         gains.retain(|gain| gain.abs() > DIFFERS);
         if gains.len() < FEWEST_DIFFERING { 0.0 } else { mean_over_error(&gains) }
     }
+}
+
+/// What a structure's freedom costs, nats.
+#[allow(clippy::cast_precision_loss, reason = "a number of parameters")]
+fn cost(structure: &Structure, train: &Capture, heldout: &Capture) -> f64 {
+    0.5 * structure.freedom() as f64 * (train.weight + heldout.weight).ln()
 }
 
 /// Probability that by chance `after` is, stretch after stretch, as much smaller than `before` as it is; one where the two differ

@@ -297,18 +297,19 @@ impl<'a> Nonlinear<'a> {
     }
 }
 
-/// Measured minus simulated torque, in rows.
+/// Measured minus predicted torque, in rows.
 pub(crate) fn residual(structure: &Structure, capture: &Capture) -> Vec<f64> {
-    if let Some((bare, behind)) = twist::unwound(structure, capture) {
-        return residual(&bare, &behind);
-    }
-    left_by(&structure.model().readings_mnm(capture.motions()), &capture.target(structure.delay_s()), capture)
+    residuals(&[structure], capture).remove(0)
 }
 
 /// The same of several structures.
 fn residuals(structures: &[&Structure], capture: &Capture) -> Vec<Vec<f64>> {
-    if structures.iter().any(|structure| twist::has_shaft(structure)) {
-        return structures.iter().map(|structure| residual(structure, capture)).collect();
+    if structures.iter().any(|structure| twist::of(structure).is_some()) {
+        let unwound = structures.iter().map(|structure| match twist::unwound(structure, capture) {
+            Some((bare, behind)) => residual(&bare, &behind),
+            None => residual(structure, capture),
+        });
+        return unwound.collect();
     }
     let models: Vec<Model> = structures.iter().map(|structure| structure.model()).collect();
     let readings_mnm = models.chunks(TOGETHER).flat_map(|models| match models {

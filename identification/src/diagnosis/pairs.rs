@@ -44,9 +44,7 @@ impl Search<'_> {
         if !explains_enough(current, first) || self.disqualified(first).is_some() || self.is_nothing(first) {
             return None;
         }
-        let seconds =
-            if first.structure.is_coupled() { self.try_beside_coupling(first) } else { self.try_separable(first) };
-        let mut seconds = self.ranked(first, seconds);
+        let mut seconds = self.ranked(first, self.try_values(first));
         let place = seconds.iter().position(|second| {
             self.is_worth_a_name(first, second, found)
                 && self

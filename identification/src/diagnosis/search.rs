@@ -13,6 +13,7 @@ use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::null_test;
 use super::structure::Structure;
+use super::twist;
 use super::unequal;
 use super::verdict::{LEFT, TIE};
 use super::workflow::{DiagnoseOptions, Progress};
@@ -114,12 +115,12 @@ impl Search<'_> {
 
     /// A structure fitted from where it stands.
     pub(crate) fn settled(&self, structure: Structure) -> Judged {
-        if structure.is_coupled() {
-            let mut fit = Nonlinear::new(structure, self.train);
-            fit.refine();
-            return Judged::nonlinear(&fit, self.train, self.heldout);
+        if !structure.is_coupled() {
+            return Judged::separable(&unequal::settled(structure, self.train), self.heldout);
         }
-        Judged::separable(&unequal::settled(structure, self.train), self.heldout)
+        let mut fit = Nonlinear::new(twist::settled(structure, self.train), self.train);
+        fit.refine();
+        Judged::nonlinear(&fit, self.train, self.heldout)
     }
 
     pub(crate) fn check(&self, base: &Judged) -> Result<(), DiagnosisError> {
@@ -256,9 +257,10 @@ impl Search<'_> {
         tried.retain(|judged| judged.evidence.is_finite() && judged.heldout_rms_mnm.is_finite());
         tried.retain(|judged| !self.repeats_with_the_detents(judged));
         tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-        if !current.structure.is_coupled() {
+        if !current.structure.is_simulated() {
             // Beside an effect more all others have other values.
-            let promising = tried.iter_mut().filter(|judged| !judged.structure.is_coupled()).take(PROMISING);
+            let is_new = |judged: &Judged| judged.structure.is_coupled() == current.structure.is_coupled();
+            let promising = tried.iter_mut().filter(|judged| is_new(judged)).take(PROMISING);
             promising.par_bridge().for_each(|judged| *judged = self.settled(judged.structure.clone()));
             tried.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
         }

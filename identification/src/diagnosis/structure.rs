@@ -7,6 +7,7 @@ use dynamics::{Bristles, Effect, Model, Part, Regressors, Scene};
 
 use super::capture::Capture;
 use super::lobes::Lobes;
+use super::twist;
 
 /// A model while it is looked for.
 #[derive(Clone, Debug)]
@@ -59,6 +60,14 @@ impl Structure {
         more
     }
 
+    /// The structure with an effect without columns at an index.
+    pub(crate) fn with_at(&self, index: usize, effect: Effect) -> Self {
+        let mut more = self.clone();
+        more.effects.insert(index, effect);
+        more.columns.insert(index, 0);
+        more
+    }
+
     /// The structure without the effect at an index.
     pub(crate) fn without(&self, index: usize) -> Self {
         let mut less = self.clone();
@@ -107,6 +116,11 @@ impl Structure {
 
     pub(crate) fn model(&self) -> Model {
         Model { effects: self.effects.clone(), ..Model::default() }
+    }
+
+    /// Whether an inner body must be simulated: that behind a shaft which merely twists need not.
+    pub(crate) fn is_simulated(&self) -> bool {
+        self.is_coupled() && twist::of(self).is_none()
     }
 
     pub(crate) fn is_coupled(&self) -> bool {

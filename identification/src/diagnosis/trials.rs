@@ -40,11 +40,8 @@ fn is_coupling(kind: &EffectKind) -> bool {
 impl Search<'_> {
     /// The best fit with each effect of the catalogue more.
     pub(crate) fn try_all(&self, current: &Judged, found: &Found) -> Vec<Judged> {
-        if current.structure.is_coupled() {
-            return self.try_beside_coupling(current);
-        }
-        let mut tried = self.try_separable(current);
-        if !self.detents_are_equal {
+        let mut tried = self.try_values(current);
+        if !current.structure.is_coupled() && !self.detents_are_equal {
             self.try_couplings(current, found, &mut tried);
         }
         tried
@@ -52,24 +49,41 @@ impl Search<'_> {
 
     /// The same without the couplings that take a simulation to find.
     pub(crate) fn try_replacements(&self, current: &Judged) -> Vec<Judged> {
-        if current.structure.is_coupled() {
-            return self.try_beside_coupling(current);
+        let mut tried = self.try_values(current);
+        if !current.structure.is_coupled() {
+            let shafts = self.couplings(current).into_iter().filter(|kind| twist::has_no_gap(kind));
+            tried.extend(shafts.filter_map(|kind| self.coupled(kind, current, Effort::Short)));
         }
-        let mut tried = self.try_separable(current);
-        let shafts = self.couplings(current).into_iter().filter(|kind| twist::has_no_gap(kind));
-        tried.extend(shafts.filter_map(|kind| self.coupled(kind, current, Effort::Short)));
         tried
     }
 
-    pub(crate) fn try_beside_coupling(&self, current: &Judged) -> Vec<Judged> {
-        let kinds = self.candidates(&current.structure);
-        hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout)
-    }
-
-    pub(crate) fn try_separable(&self, current: &Judged) -> Vec<Judged> {
+    /// The same without couplings.
+    pub(crate) fn try_values(&self, current: &Judged) -> Vec<Judged> {
         let mut kinds = self.candidates(&current.structure);
+        if current.structure.is_simulated() {
+            return hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout);
+        }
         let of = kinds.len();
         kinds.retain(|kind| !is_coupling(kind));
+        let unwound = |capture| twist::unwound(&current.structure, capture);
+        let Some(((bare, train), (_, heldout))) = unwound(self.train).zip(unwound(self.heldout)) else {
+            return self.try_separable(&kinds, of, current);
+        };
+        let behind = Search { train: &train, heldout: &heldout, ..*self };
+        let bare = Judged::separable(&Separable::new(bare, &train), &heldout);
+        let tried = behind.try_separable(&kinds, of, &bare).into_iter();
+        let on_shaft = |judged: Judged| {
+            let (index, shaft) = twist::of(&current.structure)?;
+            // What was tried is the last, also where it took the place of the detents.
+            let last = judged.structure.effects.len() - 1;
+            let structure = judged.structure.with_at(index.min(last), shaft);
+            Some(judged.with_structure(structure, self.train, self.heldout))
+        };
+        tried.filter_map(on_shaft).collect()
+    }
+
+    /// The best fit with each of the `kinds` more, of so many that there are, and that with unequal detents.
+    fn try_separable(&self, kinds: &[&'static EffectKind], of: usize, current: &Judged) -> Vec<Judged> {
         let base = Separable::new(current.structure.clone(), self.train);
         let done = AtomicUsize::new(0);
         let one_more = || {

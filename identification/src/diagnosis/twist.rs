@@ -50,6 +50,14 @@ pub(crate) fn fitted(
     Some(stiff.with(best, 0))
 }
 
+/// A structure with all but its shaft fitted behind that; any other as it is.
+pub(crate) fn settled(structure: Structure, train: &Capture) -> Structure {
+    let Some(((index, effect), (bare, behind))) = of(&structure).zip(unwound(&structure, train)) else {
+        return structure;
+    };
+    unequal::settled(bare, &behind).structure.with_at(index, effect)
+}
+
 /// Whether a coupling has no gap: its bodies do not lose touch.
 pub(crate) fn has_no_gap(kind: &'static EffectKind) -> bool {
     shaft(&Effect::new(kind, &[1.0; dynamics::MAX_PARAMETERS])).is_some()
@@ -96,16 +104,16 @@ fn best_shaft(mut best: Effect, hypothesis: &Hypothesis, base: &Structure, train
     Some(best)
 }
 
-/// Whether a structure has a shaft that twists.
-pub(crate) fn has_shaft(structure: &Structure) -> bool {
-    structure.effects.iter().any(|effect| shaft(effect).is_some())
+/// Index of a structure's shaft that twists, and the shaft.
+pub(crate) fn of(structure: &Structure) -> Option<(usize, Effect)> {
+    structure.effects.iter().copied().enumerate().find(|(_, effect)| shaft(effect).is_some())
 }
 
-/// A structure on a shaft that twists as the same without the shaft, and the capture as it would be behind it; `None` if there is no such shaft.
+/// A structure on a shaft that twists as the same without the shaft, and a capture as it would be behind it; `None` if there is no such shaft.
 pub(crate) fn unwound(structure: &Structure, capture: &Capture) -> Option<(Structure, Capture)> {
-    let (index, shaft) = structure.effects.iter().enumerate().find_map(|(index, effect)| Some((index, shaft(effect)?)))?;
+    let (index, effect) = of(structure)?;
     let bare = structure.without(index);
-    let capture = behind(&shaft, &bare, capture);
+    let capture = behind(&shaft(&effect)?, &bare, capture);
     Some((bare, capture))
 }
 
