@@ -161,11 +161,20 @@ pub(crate) fn coupled<'a>(
     let grid = grid(kind, &hypothesis, &scene)?;
     let effects: Vec<Effect> = grid.iter().map(|point| effect_at(kind, &hypothesis, point)).collect();
     // The skew that the structure needed without the coupling tells nothing.
-    let unskewed = Structure { skew_s: 0.0, ..base.clone() };
+    let unskewed = Structure { skew_s: 0.0, shaft_is_simulated: false, ..base.clone() };
     if twist::has_no_gap(kind) {
-        let mut fit = Nonlinear::new(twist::fitted(&effects, &hypothesis, &unskewed, train)?, train);
-        fit.refine();
-        return Some(Judged::nonlinear(&fit, train, heldout));
+        let behind = twist::fitted(&effects, &hypothesis, &unskewed, train)?;
+        let simulated = Structure { shaft_is_simulated: true, ..behind.clone() };
+        let refined = |structure| {
+            let mut fit = Nonlinear::new(structure, train);
+            fit.refine();
+            Judged::nonlinear(&fit, train, heldout)
+        };
+        let behind = refined(behind);
+        if behind.most_over_floor() < CLOSED {
+            return Some(behind);
+        }
+        return [behind, refined(simulated)].into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence));
     }
     let structures: Vec<Structure> = effects.iter().map(|effect| unskewed.with(*effect, 0)).collect();
     let fits = Nonlinear::all(&structures, train).into_iter();

@@ -110,7 +110,12 @@ impl Search<'_> {
         let coupled = effects.iter().any(|effect| matches!(effect.kind().part, Part::Coupling(_)));
         let fitted: Vec<Effect> =
             effects.into_iter().filter(|effect| coupled || !matches!(effect.kind().part, Part::Stick(_))).collect();
-        Ok(self.settled(Structure::new(&fitted)))
+        let base = self.settled(Structure::new(&fitted));
+        if twist::of(&base.structure).is_none() {
+            return Ok(base);
+        }
+        let simulated = self.settled(Structure { shaft_is_simulated: true, ..base.structure.clone() });
+        Ok(if simulated.evidence > base.evidence { simulated } else { base })
     }
 
     /// A structure fitted from where it stands.

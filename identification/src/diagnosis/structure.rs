@@ -17,6 +17,8 @@ pub(crate) struct Structure {
     pub(crate) columns: Vec<usize>,
     /// Time by which the torque channel is late besides what a delay effect says, s: at most a fraction of a sample.
     pub(crate) skew_s: f64,
+    /// Whether the body behind a shaft that twists is simulated: there it may stick while the cap moves.
+    pub(crate) shaft_is_simulated: bool,
 }
 
 /// A parameter that columns depend on.
@@ -46,7 +48,7 @@ impl Searched {
 impl Structure {
     pub(crate) fn new(effects: &[Effect]) -> Self {
         let columns = effects.iter().map(Effect::columns).collect();
-        Self { effects: effects.to_vec(), columns, skew_s: 0.0 }
+        Self { effects: effects.to_vec(), columns, skew_s: 0.0, shaft_is_simulated: false }
     }
 
     /// The structure with one effect more, of which the first `columns` take part; a delay takes the place of the skew.
@@ -118,7 +120,7 @@ impl Structure {
         Model { effects: self.effects.clone(), ..Model::default() }
     }
 
-    /// Whether an inner body must be simulated: that behind a shaft which merely twists need not.
+    /// Whether an inner body is simulated.
     pub(crate) fn is_simulated(&self) -> bool {
         self.is_coupled() && twist::of(self).is_none()
     }

@@ -61,25 +61,39 @@ impl Search<'_> {
     pub(crate) fn try_values(&self, current: &Judged) -> Vec<Judged> {
         let mut kinds = self.candidates(&current.structure);
         if current.structure.is_simulated() {
-            return hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout);
+            let mut tried = hypotheses::with_coupling(&kinds, &current.structure, self.train, self.heldout);
+            if !self.detents_are_equal {
+                // A simulation does not fit detents one by one; behind a shaft they are.
+                let on_shaft = Structure { shaft_is_simulated: false, ..current.structure.clone() };
+                let unequal = self.behind_shaft(&on_shaft, |search, bare| Vec::from_iter(search.unequal_detents(bare)));
+                tried.extend(unequal.into_iter().flatten());
+            }
+            return tried;
         }
         let of = kinds.len();
         kinds.retain(|kind| !is_coupling(kind));
-        let unwound = |capture| twist::unwound(&current.structure, capture);
-        let Some(((bare, train), (_, heldout))) = unwound(self.train).zip(unwound(self.heldout)) else {
-            return self.try_separable(&kinds, of, current);
-        };
-        let behind = Search { train: &train, heldout: &heldout, ..*self };
+        let behind = self.behind_shaft(&current.structure, |search, bare| search.try_separable(&kinds, of, bare));
+        behind.unwrap_or_else(|| self.try_separable(&kinds, of, current))
+    }
+
+    /// What is tried behind a structure's shaft, on that shaft; `None` if there is none that merely twists.
+    fn behind_shaft(
+        &self,
+        structure: &Structure,
+        tried: impl Fn(&Search<'_>, &Judged) -> Vec<Judged>,
+    ) -> Option<Vec<Judged>> {
+        let (index, shaft) = twist::of(structure)?;
+        let (bare, train) = twist::unwound(structure, self.train)?;
+        let (_, heldout) = twist::unwound(structure, self.heldout)?;
         let bare = Judged::separable(&Separable::new(bare, &train), &heldout);
-        let tried = behind.try_separable(&kinds, of, &bare).into_iter();
+        let tried = tried(&Search { train: &train, heldout: &heldout, ..*self }, &bare).into_iter();
         let on_shaft = |judged: Judged| {
-            let (index, shaft) = twist::of(&current.structure)?;
             // What was tried is the last, also where it took the place of the detents.
             let last = judged.structure.effects.len() - 1;
             let structure = judged.structure.with_at(index.min(last), shaft);
-            Some(judged.with_structure(structure, self.train, self.heldout))
+            judged.with_structure(structure, self.train, self.heldout)
         };
-        tried.filter_map(on_shaft).collect()
+        Some(tried.map(on_shaft).collect())
     }
 
     /// The best fit with each of the `kinds` more, of so many that there are, and that with unequal detents.

@@ -104,8 +104,11 @@ fn best_shaft(mut best: Effect, hypothesis: &Hypothesis, base: &Structure, train
     Some(best)
 }
 
-/// Index of a structure's shaft that twists, and the shaft.
+/// Index of a structure's shaft that twists, and the shaft; `None` if the body behind it is simulated.
 pub(crate) fn of(structure: &Structure) -> Option<(usize, Effect)> {
+    if structure.shaft_is_simulated {
+        return None;
+    }
     structure.effects.iter().copied().enumerate().find(|(_, effect)| shaft(effect).is_some())
 }
 
@@ -163,8 +166,7 @@ fn passed(shaft: &Coupling, inertia: f64, frequency_hz: f64) -> Complex<f64> {
 /// inertia behind it.
 fn noise_power(passed: Complex<f64>, inertia: f64, frequency_hz: f64, capture: &Capture) -> f64 {
     let of_torque = capture.torque_density();
-    let of_angle =
-        inertia * inertia * capture.motion.acceleration_density(frequency_hz, capture.motion.angle_density);
+    let of_angle = inertia * inertia * capture.motion.acceleration_density(frequency_hz, capture.motion.angle_density);
     let without = of_torque + of_angle;
     if without > 0.0 { (of_torque + passed.norm_sqr() * of_angle) / without } else { 1.0 }
 }

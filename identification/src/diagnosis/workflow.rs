@@ -1,6 +1,6 @@
 //! The way from a capture and a model to a verdict.
 
-use dynamics::{Axis, Calibration, Model};
+use dynamics::{Axis, Calibration, Model, effects};
 
 use super::capture::{Capture, Stretches};
 use super::commanded::CommandedTorque;
@@ -79,6 +79,7 @@ pub fn diagnose(
     let mut zero = if may_be_moved { EncoderZero::of(&base, &captures) } else { None };
     let mut base = Some(base);
     let mut rounds = 0;
+    let mut are_unequal = false;
     loop {
         let moved = zero.map(|zero| zero.taken_out_of(given));
         let mut search = Search { heldout: moved.as_ref().unwrap_or(given), ..search };
@@ -87,12 +88,19 @@ pub fn diagnose(
             _ => search.base(train)?,
         };
         // Where each detent is different, those that the knob was not turned through are unknown.
-        let within = search.detents_are_unequal(&base).then(|| search.heldout.within(search.train)).flatten();
+        are_unequal = are_unequal || search.detents_are_unequal(&base);
+        let within = are_unequal.then(|| search.heldout.within(search.train)).flatten();
         if let Some(within) = &within {
             search.heldout = within;
             base = search.settled(base.structure);
         }
         let (found, verdict) = explained(&search, base)?;
+        let is_late = !are_unequal && found.added.contains(&effects::unequal_detents::KIND.name);
+        if is_late && search.heldout.within(search.train).is_some() {
+            // What hid it made the unknown detents count.
+            are_unequal = true;
+            continue;
+        }
         // With what was missing, the angle between the zeros is known better.
         let named = heldout.map(|_| found.named());
         let again = named.and_then(|named| EncoderZero::again(zero, &named.structure, given));
