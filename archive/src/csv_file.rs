@@ -44,7 +44,9 @@ pub(crate) fn axis_of(path: &Path) -> Result<Option<Axis>, ArchiveError> {
     let head = first_bytes(path, HEADER)?;
     let head = String::from_utf8_lossy(&head);
     let names = head.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
-    let is_there = |name: &str| names.split(',').any(|cell| cell.trim_matches([' ', '"', '\u{feff}']) == name);
+    let separator = char::from(foreign_files::separator(names.as_bytes()));
+    let cells = names.split(separator).map(|cell| cell.trim_matches([' ', '"', '\u{feff}']));
+    let is_there = |name: &str| cells.clone().any(|cell| cell.eq_ignore_ascii_case(name));
     let has_all =
         |axis: &Axis| MEASURED.iter().filter(|column| column.required).all(|column| is_there(column.name_on(*axis)));
     Ok([Axis::Rotary, Axis::Linear].into_iter().find(has_all))

@@ -1,13 +1,17 @@
-//! Tables of numbers as comma-separated text.
+//! Tables of numbers as text.
 //!
-//! A table begins with a line of column names and has one row of numbers a line. Columns may stand in any order. A byte
-//! order mark, Windows line ends, quotation marks, blanks around cells, empty lines, lines that begin with `#` and
-//! commas at the ends of lines are passed over. Numbers are written with a point and are finite.
+//! A table begins with a line of column names and has one row of numbers a line. Columns may stand in any order, and their names
+//! be written in capitals. A byte order mark, Windows line ends, quotation marks, blanks around cells, empty lines, lines that begin
+//! with `#` and separators at the ends of lines are passed over. Commas, semicolons or tabulators separate cells. Numbers are finite and
+//! written with a point, beside semicolons or tabulators also with a comma.
 
-use std::io::Read;
+use std::borrow::Cow;
+use std::io::{BufRead, BufReader, Read};
 
 /// Characters of somebody else's text that an error quotes.
 const QUOTED: usize = 200;
+/// Bytes at the beginning of a table from which its separator is determined.
+const HEAD: usize = 4096;
 
 /// A column that is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -43,14 +47,12 @@ pub enum Others {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// The first line does not name the columns.
-    #[error("it has the columns `{found}`, but they must be `{expected}`{hint}")]
+    #[error("it has the columns `{found}`, but they must be `{expected}`")]
     Header {
         /// The columns that were found, shortened.
         found: String,
         /// The columns as they should be, optional ones in brackets.
         expected: String,
-        /// What to do about another separator; empty where there is none.
-        hint: &'static str,
     },
     /// A line is no row of numbers.
     #[error("line {line}: {reason}")]
@@ -82,7 +84,14 @@ pub fn read_columns<const N: usize>(
     wanted: [Column; N],
     others: Others,
 ) -> Result<[Option<Vec<f64>>; N], TableError> {
-    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).flexible(true).from_reader(text);
+    let mut text = BufReader::with_capacity(HEAD, text);
+    let separator = separator(text.fill_buf().map_err(from_io)?);
+    let mut table = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .flexible(true)
+        .delimiter(separator)
+        .from_reader(text);
     let header = table.headers().map_err(from_csv)?.clone();
     let mut names: Vec<&str> = header.iter().map(|name| name.trim_start_matches('\u{feff}').trim()).collect();
     while names.last().is_some_and(|name| name.is_empty()) {
@@ -98,7 +107,7 @@ pub fn read_columns<const N: usize>(
         }
         for ((place, column), Column { name, .. }) in places.iter().zip(&mut columns).zip(&wanted) {
             if let (Some(place), Some(column)) = (place, column) {
-                column.push(number(&record[*place], name).map_err(wrong)?);
+                column.push(number(&record[*place], separator, name).map_err(wrong)?);
             }
         }
     }
@@ -111,9 +120,9 @@ fn places<const N: usize>(
     wanted: &[Column; N],
     others: Others,
 ) -> Result<[Option<usize>; N], TableError> {
-    let places = wanted.map(|column| names.iter().position(|name| *name == column.name));
+    let places = wanted.map(|column| names.iter().position(|name| name.eq_ignore_ascii_case(column.name)));
     let complete = wanted.iter().zip(&places).all(|(column, place)| place.is_some() || !column.required);
-    let count = |column: &Column| names.iter().filter(|name| **name == column.name).count();
+    let count = |column: &Column| names.iter().filter(|name| name.eq_ignore_ascii_case(column.name)).count();
     let unique = wanted.iter().all(|column| count(column) <= 1);
     let foreign = names.len() > places.iter().flatten().count();
     if complete && unique && (others == Others::PassedOver || !foreign) {
@@ -124,11 +133,33 @@ fn places<const N: usize>(
         if *required { format!("{comma}{name}") } else { format!("[{comma}{name}]") }
     });
     let found = names.join(",");
-    Err(TableError::Header { found: quoted(&found), expected: expected.collect(), hint: separator_hint(&found) })
+    Err(TableError::Header { found: quoted(&found), expected: expected.collect() })
 }
 
-fn number(cell: &str, column: &str) -> Result<f64, String> {
-    match cell.parse::<f64>() {
+/// What stands between the cells of a table, from its beginning: semicolons, beside which commas are decimal ones, or tabulators where
+/// the first line has no comma, or commas. Lines that begin with `#` do not count.
+#[must_use]
+pub fn separator(text: &[u8]) -> u8 {
+    let head = text.get(..HEAD).unwrap_or(text);
+    let mut lines = head.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#"));
+    let first = lines.clone().next().unwrap_or_default();
+    if lines.any(|line| line.contains(&b';')) {
+        b';'
+    } else if first.contains(&b'\t') && !first.contains(&b',') {
+        b'\t'
+    } else {
+        b','
+    }
+}
+
+/// A number as a table with this separator writes it, with a decimal point.
+#[must_use]
+pub fn with_point(cell: &str, separator: u8) -> Cow<'_, str> {
+    if separator == b',' { Cow::Borrowed(cell) } else { Cow::Owned(cell.replace(',', ".")) }
+}
+
+fn number(cell: &str, separator: u8, column: &str) -> Result<f64, String> {
+    match with_point(cell, separator).parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(value) => Err(format!("{column} is {value}, but it must be a finite number")),
         Err(_) => {
@@ -141,10 +172,6 @@ fn number(cell: &str, column: &str) -> Result<f64, String> {
 fn wrong_length(found: usize, expected: usize) -> String {
     let hint = if found > expected { "; write numbers with a point, as in 1.5" } else { "" };
     format!("it has {found} cells, but the header has {expected}{hint}")
-}
-
-fn separator_hint(found: &str) -> &'static str {
-    if found.contains([';', '\t']) { "; write commas between them, and numbers with a point" } else { "" }
 }
 
 /// The beginning of a text that may be a whole file.
@@ -160,8 +187,13 @@ fn quoted(text: &str) -> String {
 fn from_csv(error: csv::Error) -> TableError {
     let line = error.position().map_or(0, csv::Position::line);
     match error.into_kind() {
-        csv::ErrorKind::Io(error) => TableError::System { kind: error.kind(), reason: error.to_string() },
+        csv::ErrorKind::Io(error) => from_io(error),
         csv::ErrorKind::Utf8 { .. } => TableError::NotText,
         other => TableError::Line { line, reason: format!("{other:?}") },
     }
+}
+
+#[allow(clippy::needless_pass_by_value, reason = "an argument of `map_err`")]
+fn from_io(error: std::io::Error) -> TableError {
+    TableError::System { kind: error.kind(), reason: error.to_string() }
 }

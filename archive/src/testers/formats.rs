@@ -78,6 +78,8 @@ fn two_columns(table: &RawTable) -> Option<Layout> {
 fn ours(table: &RawTable) -> Option<Layout> {
     let time = match table.place("t_s") {
         Some(column) => Time::Column(source(column, Quantity::Time, "s")?),
+        // What the unit of another time is, its owner has to say.
+        None if table.header.iter().any(|name| is_time(name)) => return None,
         None => Time::None,
     };
     let pair = |position: &str, load: &str| Some((table.place(position)?, table.place(load)?));
@@ -88,4 +90,10 @@ fn ours(table: &RawTable) -> Option<Layout> {
     let plain = |column| Source { column, factor: 1.0 };
     let contact = table.place("contact").map(Contact::Flag);
     Some(Layout { axis, position: plain(position), load: plain(load), time, contact })
+}
+
+/// Whether a column's name is that of a time.
+fn is_time(name: &str) -> bool {
+    let name = name.trim().to_ascii_lowercase();
+    name == "t" || name.starts_with("t_") || name.starts_with("time")
 }

@@ -5,8 +5,6 @@ use std::path::Path;
 
 use crate::error::ArchiveError;
 
-/// Bytes at the beginning of a file from which its separator is determined.
-const HEAD: usize = 4096;
 /// Most columns, and letters of each, that an error quotes.
 const QUOTED: (usize, usize) = (20, 40);
 
@@ -21,8 +19,8 @@ pub(super) struct RawTable {
     pub(super) rows: Vec<csv::StringRecord>,
     /// Line of the first row, counted from 1, without empty ones.
     first_line: usize,
-    /// Whether numbers are written with a decimal comma.
-    decimal_comma: bool,
+    /// What stands between cells.
+    separator: u8,
 }
 
 impl RawTable {
@@ -34,7 +32,7 @@ impl RawTable {
         // Testers write units such as µm in whatever encoding their machine has.
         let text = String::from_utf8_lossy(&bytes);
         let text = text.trim_start_matches('\u{feff}');
-        let separator = separator(text);
+        let separator = foreign_files::separator(text.as_bytes());
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
@@ -48,7 +46,7 @@ impl RawTable {
                 records.push(record);
             }
         }
-        let mut table = Self { decimal_comma: separator == b';', ..Self::default() };
+        let mut table = Self { separator, ..Self::default() };
         let first = records
             .iter()
             .position(|record| record.iter().filter(|cell| table.number(cell).is_some()).count() > 1)
@@ -69,8 +67,7 @@ impl RawTable {
 
     /// A number as the table writes it; `None` for what is none.
     pub(super) fn number(&self, cell: &str) -> Option<f64> {
-        let value = if self.decimal_comma { cell.replace(',', ".").parse() } else { cell.parse() };
-        value.ok().filter(|value: &f64| value.is_finite())
+        foreign_files::with_point(cell, self.separator).parse().ok().filter(|value: &f64| value.is_finite())
     }
 
     /// The numbers of a column, each times `factor`.
@@ -115,17 +112,5 @@ impl RawTable {
         });
         let more = if self.header.len() > QUOTED.0 { " and more" } else { "" };
         format!("the columns {}{more}", shown.collect::<Vec<_>>().join(", "))
-    }
-}
-
-/// What stands between cells: whichever of comma, semicolon and tabulator is most frequent at the beginning.
-fn separator(text: &str) -> u8 {
-    let head = text.as_bytes().get(..HEAD).unwrap_or(text.as_bytes());
-    let count = |separator: u8| head.iter().filter(|byte| **byte == separator).count();
-    // Where cells stand between semicolons, commas are decimal ones.
-    match (count(b','), count(b';'), count(b'\t')) {
-        (_, semicolons, tabulators) if semicolons > 0 && semicolons >= tabulators => b';',
-        (commas, _, tabulators) if tabulators > commas => b'\t',
-        _ => b',',
     }
 }
