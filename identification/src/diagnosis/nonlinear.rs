@@ -24,6 +24,8 @@ const ROUNDS: usize = 14;
 const FIRST_ROUNDS: usize = UPDATES + 1;
 /// Relative change of a value for its derivative.
 const DIFFERENCE: f64 = 1e-4;
+/// The same for an interval, where a body is simulated.
+const SECANT: f64 = 1e-2;
 /// An improvement of the sum of squares below this share ends the whole band, …
 const SETTLED: f64 = 1e-4;
 /// … and one below this share a band of slow motion, which only has to lead into the right valley.
@@ -223,7 +225,7 @@ impl<'a> Nonlinear<'a> {
     pub(crate) fn tangents_of(&self, effect: usize) -> Vec<Vec<f64>> {
         let values: Vec<usize> =
             (0..self.values.len()).filter(|index| self.values[*index].searched.is_of(effect)).collect();
-        self.tangents_by(&values, 1.0)
+        self.tangents_by(&values, DIFFERENCE, 1.0)
     }
 
     /// A value of the last effect that would go beyond the bound of its search if it could: the fit stands on the bound,
@@ -266,14 +268,23 @@ impl<'a> Nonlinear<'a> {
     pub(crate) fn tangents(&self, share: f64) -> Vec<Vec<f64>> {
         let all: Vec<usize> = (0..self.values.len()).collect();
         let (left, right) = all.split_at(all.len() / 2);
-        let (mut all, rest) = rayon::join(|| self.tangents_by(left, share), || self.tangents_by(right, share));
+        let by = |values: &[usize]| self.tangents_by(values, DIFFERENCE, share);
+        let (mut all, rest) = rayon::join(|| by(left), || by(right));
         all.extend(rest);
         all
     }
 
+    /// The same over steps as large as a simulated body needs, since whether it touches or sticks at a moment makes its torque a step function
+    /// of the values: over small steps a single moment would count as all that the capture tells.
+    pub(crate) fn secants(&self) -> Vec<Vec<f64>> {
+        let difference = if self.structure.is_simulated() { SECANT } else { DIFFERENCE };
+        let all: Vec<usize> = (0..self.values.len()).collect();
+        self.tangents_by(&all, difference, 1.0)
+    }
+
     /// Rows of the derivatives by some of the values.
-    fn tangents_by(&self, values: &[usize], share: f64) -> Vec<Vec<f64>> {
-        let moved: Vec<(f64, Structure)> = values.iter().map(|index| self.moved_alone(*index)).collect();
+    fn tangents_by(&self, values: &[usize], difference: f64, share: f64) -> Vec<Vec<f64>> {
+        let moved: Vec<(f64, Structure)> = values.iter().map(|index| self.moved_alone(*index, difference)).collect();
         let structures: Vec<&Structure> = moved.iter().map(|(_, structure)| structure).collect();
         let there = residuals(&structures, self.capture);
         let tangent = |(there, (step, _)): (&Vec<f64>, &(f64, Structure))| {
@@ -284,13 +295,13 @@ impl<'a> Nonlinear<'a> {
     }
 
     /// The structure with one value moved for its derivative, and the step.
-    fn moved_alone(&self, index: usize) -> (f64, Structure) {
+    fn moved_alone(&self, index: usize, difference: f64) -> (f64, Structure) {
         let mut step = vec![0.0; self.values.len()];
-        step[index] = DIFFERENCE;
+        step[index] = difference;
         let mut moved = self.moved(&step);
         if moved.effects == self.structure.effects && moved.skew_s == self.structure.skew_s {
             // It stands at its upper bound.
-            step[index] = -DIFFERENCE;
+            step[index] = -difference;
             moved = self.moved(&step);
         }
         (step[index], moved)

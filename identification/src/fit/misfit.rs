@@ -3,8 +3,8 @@
 //! An interval for residuals that are correlated holds if the model is right. On a real machine it seldom is: friction that
 //! rises from near zero speed, a band in which something rings. The parameters then depend on which speeds and which
 //! frequencies they were fitted to. They are fitted again with the rows next to where the knob turns round without a rest, which the
-//! fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of the motion. Where an
-//! estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), the rest of the shift belongs
+//! fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of the motion; and without a
+//! delay that is too long for a trim. Where an estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), the rest of the shift belongs
 //! into its interval.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
@@ -95,7 +95,9 @@ impl Misfit {
         };
         let fitted = Rows { columns: trimmed.columns.clone(), target: trimmed.target.clone() };
         let rows = near.unwrap_or(&fitted);
+        let in_time = trimmed.without_refused_delay();
         let shifts = [
+            in_time.and_then(|in_time| Shift::of(trimmed, &in_time, at_zero, robust, <[f64]>::to_vec)),
             near.and_then(|near| Shift::of(trimmed, near, at_zero, robust, <[f64]>::to_vec)),
             Shift::of(trimmed, rows, at_zero, robust, |rows| narrow.decimate(rows, EVERY)),
             Shift::of(trimmed, rows, at_zero, robust, |rows| where_speed(&|speed| speed > typical, rows)),

@@ -4,7 +4,7 @@ use dynamics::{Calibration, Effect, Part, effects};
 use nalgebra::{DMatrix, RowDVector};
 
 use super::misfit::Misfit;
-use super::trimmed::{Rows, Trimmed};
+use super::trimmed::{RefusedDelay, Rows, Trimmed};
 use crate::estimate::{Covariance, Parameter, Parameters, Point};
 use crate::numerics::vector::{self, dot};
 use crate::preparation::motion::{Band, KnobMotion};
@@ -21,6 +21,8 @@ const NOISY_ACCELERATION: f64 = 0.2;
 const ONE_SPEED: f64 = 1e-3;
 /// Share of the speed's scatter that may be the encoder's noise: it would draw viscous friction towards zero.
 const NOISY_SPEED: f64 = 0.05;
+/// Difference of the Coulomb frictions of both directions, as a share of their sum, from which a constant torque is thought of.
+const ONE_SIDED: f64 = 0.25;
 /// A collinear column's share of another column from which both are not identifiable.
 const ENTANGLED: f64 = 0.01;
 
@@ -94,7 +96,8 @@ impl Report<'_> {
     /// What a reader should know besides.
     pub(crate) fn notes(&self, parameters: &Parameters) -> Vec<String> {
         let mut notes: Vec<String> = parameters.0.iter().filter_map(negative_friction).collect();
-        if let Some(delay_s) = self.trimmed.refused_delay_s {
+        notes.extend(one_sided_friction(parameters));
+        if let Some(RefusedDelay { delay_s, is_worth_a_note: true, .. }) = self.trimmed.refused {
             notes.push(format!(
                 "the torque seems to come {:.2} ms {} the motion, more than half a sample: calibrate the delay or diagnose the capture",
                 1e3 * delay_s.abs(),
@@ -133,6 +136,7 @@ impl Report<'_> {
             let linear = (!searched_any && position < range.len()).then(|| range.start + position);
             let reason = linear.and_then(|column| {
                 self.at_one_speed(column, robust, critical, misfit)
+                    .or_else(|| self.beside_a_load(column, kind.name, critical, misfit))
                     .or_else(|| self.why_not_identifiable(column, kind.name, half))
             });
             if let Some(reason) = reason {
@@ -218,6 +222,32 @@ impl Report<'_> {
             "{name} and {with} cannot be separated: the knob turned at one speed, {speed_rad_s:.4} rad/s, where both together \
              make {} mNm; vary the speed",
             plus_minus(together, half)
+        ))
+    }
+
+    /// Why a Coulomb friction cannot be told from a constant torque, and what is known of both directions together: without its bound one
+    /// of them would surely be negative, the other not.
+    fn beside_a_load(&self, column: usize, name: &str, critical: f64, misfit: &Misfit) -> Option<String> {
+        let Trimmed { columns, solution, problem, .. } = self.trimmed;
+        let ([negative, positive], _) = problem.both_ways()?;
+        let of = |levels: &[usize]| {
+            let mut derivatives = RowDVector::zeros(columns.len());
+            levels.iter().for_each(|level| derivatives[*level] = 1.0);
+            let at: f64 = levels.iter().map(|level| solution.coefficients[*level]).sum();
+            misfit.without_bounds(&derivatives, critical).map(|[low, high]| [at + low, at + high])
+        };
+        let [of_negative, of_positive] = [of(&[negative])?, of(&[positive])?];
+        let is_driven = |[_, high]: [f64; 2], [low, _]: [f64; 2]| high < 0.0 && low > 0.0;
+        if ![negative, positive].contains(&column)
+            || !(is_driven(of_negative, of_positive) || is_driven(of_positive, of_negative))
+        {
+            return None;
+        }
+        let [low, high] = of(&[negative, positive])?;
+        Some(format!(
+            "{name} cannot be told from a constant torque: the knob is driven in one direction, by its weight, a spring or the sensor's \
+             zero; the frictions of both directions add up to {} mNm; take the zero, or diagnose the capture",
+            plus_minus(0.5 * (low + high), 0.5 * (high - low))
         ))
     }
 
@@ -348,6 +378,20 @@ fn negative_friction(Parameter { name, ci95, .. }: &Parameter) -> Option<String>
             "{name} is negative, its whole 95 % interval is: friction that falls as the knob turns faster (Stribeck's), a torque \
              that is late, or a spring or gravity that the model lacks looks like this; diagnose the capture, and calibrate \
              the delay between torque and motion"
+        )
+    })
+}
+
+/// What friction that differs much between the directions may mean besides.
+fn one_sided_friction(parameters: &Parameters) -> Option<String> {
+    let known = |name: &str| parameters.get(name).and_then(|parameter| parameter.value.zip(parameter.ci95));
+    let ((negative, [low, high]), (positive, [from, to])) = (known("coulomb_negative")?, known("coulomb_positive")?);
+    let apart = low > to || from > high;
+    (apart && (positive - negative).abs() > ONE_SIDED * (positive + negative)).then(|| {
+        format!(
+            "the Coulomb friction differs by {:.4} mNm between the directions: a constant torque of half as much, such as a weight or \
+             the sensor's zero, looks the same",
+            (positive - negative).abs()
         )
     })
 }

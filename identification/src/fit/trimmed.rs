@@ -31,8 +31,16 @@ pub(crate) struct Trimmed<'a> {
     pub(crate) curves: Option<CurveProjection>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
-    /// Delay that the data ask for although it is too long for a trim, s.
-    pub(crate) refused_delay_s: Option<f64>,
+    pub(crate) refused: Option<RefusedDelay>,
+}
+
+/// A delay that the data ask for although it is too long for a trim.
+pub(crate) struct RefusedDelay {
+    pub(crate) delay_s: f64,
+    /// Its column, per second of delay.
+    column: Column,
+    /// Whether it explains enough to be told.
+    pub(crate) is_worth_a_note: bool,
 }
 
 /// Rows of torque and of every column.
@@ -53,7 +61,7 @@ impl<'a> Trimmed<'a> {
             instruments: None,
             curves: None,
             delay_s: 0.0,
-            refused_delay_s: None,
+            refused: None,
         }
     }
 
@@ -74,6 +82,13 @@ impl<'a> Trimmed<'a> {
             columns: self.columns.iter().zip(&columns).map(|(one, other)| sum(one, other)).collect(),
             target: sum(&self.problem.target, &target),
         }
+    }
+
+    /// The rows with a delay taken out that was too long for a trim.
+    pub(super) fn without_refused_delay(&self) -> Option<Rows> {
+        let RefusedDelay { delay_s, column, .. } = self.refused.as_ref()?;
+        let target = self.target.iter().zip(&**column).map(|(torque, value)| torque - delay_s * value).collect();
+        Some(Rows { columns: self.columns.clone(), target })
     }
 
     /// Solves again with another sensor's acceleration as the instrument for the inertia.
@@ -159,7 +174,6 @@ pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed
     let significant = delay_s.abs() > DELAY_SIGNIFICANCE * extended.robust_deviation(&columns, delay_index)
         && extended.improves(solution);
     let left = |solution: &LeastSquares| dot(&solution.residual, &solution.residual);
-    let worthwhile = left(&extended) < (1.0 - WORTH_A_NOTE) * left(solution);
     let small = delay_s.abs() <= LARGEST_DELAY_SAMPLES / problem.row_filter.rate_hz;
     if significant && small {
         // The delay shifts the searched parameters too: the column takes it out, then they settle again.
@@ -172,8 +186,12 @@ pub(super) fn trim<'a>(problem: Problem<'a>, solution: &LeastSquares) -> Trimmed
         further.push(delay_rows);
         return Trimmed { delay_s, ..Trimmed::with(problem, &further) };
     }
-    let refused_delay_s = (significant && worthwhile).then_some(delay_s);
-    Trimmed { refused_delay_s, ..Trimmed::with(problem, &tangents_alone) }
+    let refused = RefusedDelay {
+        delay_s,
+        column: columns[delay_index].clone(),
+        is_worth_a_note: left(&extended) < (1.0 - WORTH_A_NOTE) * left(solution),
+    };
+    Trimmed { refused: significant.then_some(refused), ..Trimmed::with(problem, &tangents_alone) }
 }
 
 /// The problem as it is, without a delay.
