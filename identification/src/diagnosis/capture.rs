@@ -90,6 +90,8 @@ pub(crate) struct Capture {
     angle_step_rad: f64,
     /// Whether the knob was turned too slowly for its speed to be estimated: then only effects of the angle can be named.
     pub(crate) is_map: bool,
+    /// Orthonormal rows of torques that say nothing about a model here, since the capture that it was fitted to leaves them open.
+    pub(crate) undetermined: Vec<Vec<f64>>,
     scene: Scene,
 }
 
@@ -145,6 +147,7 @@ impl Capture {
             row_filter,
             torque: [torque, rate, curvature],
             is_map: false,
+            undetermined: Vec::new(),
             scene: Scene::default(),
         };
         capture.scene = capture.measured_scene();
@@ -188,6 +191,7 @@ impl Capture {
             motion,
             torque: [torque_mnm, vec![0.0; count], vec![0.0; count]],
             is_map: true,
+            undetermined: Vec::new(),
             scene: Scene::default(),
         };
         capture.scene = capture.measured_scene();
@@ -310,6 +314,11 @@ impl Capture {
     /// Rows of the columns of a structure's effect.
     pub(crate) fn rows_of(&self, structure: &Structure, effect: usize) -> Vec<Vec<f64>> {
         structure.rows(effect, &self.motion, &self.row_filter)
+    }
+
+    /// Number of rows.
+    pub(crate) fn row_count(&self) -> usize {
+        self.motion.len().div_ceil(self.row_filter.step)
     }
 
     /// Rows of the torque as it would have been read `delay_s` earlier.

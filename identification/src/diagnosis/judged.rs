@@ -5,7 +5,7 @@ use super::capture::Capture;
 use super::nonlinear::{self, Nonlinear};
 use super::separable::Separable;
 use super::structure::Structure;
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{dot, subtract};
 use crate::regression::least_squares::residual;
 use crate::uncertainty::statistics::{mean_over_error, student_above};
 
@@ -167,8 +167,18 @@ fn stretches(before: &[f64], after: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// What a structure leaves of a capture that it was not fitted to; what belongs to a capture is fitted anew.
+/// What a structure leaves of a capture that it was not fitted to, without what the other capture leaves open; what belongs to a capture is
+/// fitted anew.
 fn residual_elsewhere(structure: &Structure, capture: &Capture) -> Vec<f64> {
+    let mut left = residual_as_fitted(structure, capture);
+    for open in &capture.undetermined {
+        let share = dot(open, &left);
+        subtract(&mut left, share, open);
+    }
+    left
+}
+
+fn residual_as_fitted(structure: &Structure, capture: &Capture) -> Vec<f64> {
     let of_capture = |index: &usize| {
         let kind = structure.effects[*index].kind();
         kind.hypothesis.is_some_and(|hypothesis| hypothesis.per_capture)

@@ -27,6 +27,7 @@ mod sticking;
 mod structure;
 mod trials;
 mod twist;
+mod undetermined;
 mod unequal;
 mod verdict;
 mod workflow;

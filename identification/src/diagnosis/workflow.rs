@@ -9,6 +9,7 @@ use super::error::DiagnosisError;
 use super::findings::{Diagnosis, Verdict};
 use super::judged::Judged;
 use super::search::{Found, Search};
+use super::undetermined::Undetermined;
 use crate::quasi_static::SlowMotion;
 use crate::{FitError, Samples};
 
@@ -70,10 +71,16 @@ pub fn diagnose(
     heldout: Option<&Samples<'_>>,
     options: &DiagnoseOptions<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let captures = prepare(train, heldout, options)?;
+    let mut captures = prepare(train, heldout, options)?;
+    let [train_capture, given] = &captures;
+    let base = Search { train: train_capture, heldout: given, options, detents_are_equal: false }.base(train)?;
+    let undetermined = Undetermined::of(&base.structure, train_capture, given);
+    if let Some(undetermined) = &undetermined {
+        captures[1].undetermined.clone_from(&undetermined.rows);
+    }
     let [train_capture, given] = &captures;
     let search = Search { train: train_capture, heldout: given, options, detents_are_equal: false };
-    let base = search.base(train)?;
+    let base = if undetermined.is_some() { search.settled(base.structure) } else { base };
     // Detents that differ from the model's seem to be elsewhere.
     let may_be_moved = heldout.is_some() && !search.detents_are_unequal(&base);
     let mut zero = if may_be_moved { EncoderZero::of(&base, &captures) } else { None };
@@ -109,6 +116,7 @@ pub fn diagnose(
             let mut diagnosis = search.report(&found, verdict, heldout.is_none());
             diagnosis.notes.extend(again.map(|zero| zero.note()));
             diagnosis.notes.extend(within.map(|_| BEYOND.to_owned()));
+            diagnosis.notes.extend(undetermined.as_ref().map(Undetermined::note));
             return Ok(diagnosis);
         }
         zero = again;

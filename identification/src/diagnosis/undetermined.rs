@@ -1,0 +1,100 @@
+//! What the training capture leaves open of a base model, and the held-out capture would count as a gap.
+//!
+//! A capture at constant speed tells next to nothing of the inertia. On another motion the base model is then wrong by more than noise, though
+//! nothing is missing, and whatever effect moves the prediction seems to explain it. With training columns X and held-out columns Y, a
+//! combination v of coefficients that is known to σ²·(XᵀX)⁻¹ adds σ²·vᵀYᵀYv / vᵀXᵀXv to the held-out sum of squares: the generalised
+//! eigenvectors tell which combinations add more than a share of the noise. The held-out capture is compared without them.
+
+use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
+
+use super::capture::Capture;
+use super::structure::Structure;
+use crate::numerics::vector;
+
+/// Share of the noise's mean square that what is open of one combination may add to the held-out residual's.
+const OPEN: f64 = 0.1;
+/// Share of each column's square that is added to it, so that collinear ones can be told apart.
+const RIDGE: f64 = 1e-9;
+/// Part of a combination from which a coefficient belongs to it.
+const BELONGS: f64 = 0.3;
+
+/// Combinations of a structure's coefficients that a training capture leaves open.
+pub(crate) struct Undetermined {
+    /// Torque of each combination in the held-out capture, rows of which are orthonormal.
+    pub(crate) rows: Vec<Vec<f64>>,
+    /// The coefficients that belong to them, by the names of parameters or effects.
+    names: Vec<&'static str>,
+}
+
+impl Undetermined {
+    /// Of a structure without coupling; `None` if the training capture determines it well enough for the other one.
+    pub(crate) fn of(structure: &Structure, train: &Capture, heldout: &Capture) -> Option<Self> {
+        if structure.is_coupled() {
+            return None;
+        }
+        let rows = |capture: &Capture| -> Vec<Vec<f64>> {
+            (0..structure.effects.len()).flat_map(|index| capture.rows_of(structure, index)).collect()
+        };
+        let (known, other) = (rows(train), rows(heldout));
+        let products = |columns: &[Vec<f64>]| {
+            let mut products = DMatrix::zeros(columns.len(), columns.len());
+            vector::products(columns, 0, &mut products);
+            products
+        };
+        let (known, products_there) = (products(&known), products(&other));
+        let scale = |column: usize| products_there[(column, column)].sqrt();
+        let shown: Vec<usize> = (0..other.len()).filter(|column| scale(*column) > 0.0).collect();
+        let scaled = |products: &DMatrix<f64>| {
+            DMatrix::from_fn(shown.len(), shown.len(), |row, column| {
+                let product = products[(shown[row], shown[column])] / (scale(shown[row]) * scale(shown[column]));
+                if row == column { product * (1.0 + RIDGE) } else { product }
+            })
+        };
+        let lower = Cholesky::new(scaled(&products_there))?.l();
+        let half = lower.solve_lower_triangular(&scaled(&known))?;
+        let determined = SymmetricEigen::new(lower.solve_lower_triangular(&half.transpose())?);
+        let is_open = |place: &usize| determined.eigenvalues[*place] * OPEN * heldout.weight < 1.0;
+        let open: Vec<usize> = (0..shown.len()).filter(is_open).collect();
+        let combinations = lower.transpose().solve_upper_triangular(&determined.eigenvectors)?;
+        let torque = |place: &usize| {
+            let mut sum = vec![0.0; heldout.row_count()];
+            for (part, column) in combinations.column(*place).iter().zip(&shown) {
+                vector::subtract(&mut sum, -part / scale(*column), &other[*column]);
+            }
+            sum
+        };
+        let belongs = |row: &usize| {
+            open.iter().any(|place| {
+                let combination = combinations.column(*place);
+                combination[*row].abs() > BELONGS * combination.amax()
+            })
+        };
+        let names = (0..shown.len()).filter(belongs).map(|row| name(structure, shown[row]));
+        let undetermined = Self { rows: open.iter().map(torque).collect(), names: names.collect() };
+        (!open.is_empty()).then_some(undetermined)
+    }
+
+    /// What a reader should know of them.
+    pub(crate) fn note(&self) -> String {
+        let mut names = self.names.clone();
+        names.dedup();
+        format!(
+            "the training capture does not determine {} well enough to predict the held-out one: what they do there counts neither for nor \
+             against an effect; train on a capture with more speeds and accelerations",
+            names.join(", ")
+        )
+    }
+}
+
+/// Name of the parameter that a column's coefficient is, or of its effect.
+fn name(structure: &Structure, column: usize) -> &'static str {
+    let ranges = structure.ranges();
+    let index = ranges.iter().position(|range| range.contains(&column)).unwrap_or(0);
+    let kind = structure.effects[index].kind();
+    match kind.regressors {
+        Some(regressors) if regressors.columns == kind.parameters.len() => {
+            kind.parameters[column - ranges[index].start].name
+        }
+        _ => kind.name,
+    }
+}
