@@ -147,12 +147,17 @@ fn samples(duration_s: f64, rate_hz: f64) -> usize {
     (duration_s * rate_hz).round() as usize
 }
 
-/// 0 at slow and at lost samples, at both ends, and as far around slow samples as `guard` says for the length of their run.
+/// 0 at slow and at lost samples, at both ends, and as far around slow samples as `guard` says for the length of their run. Where a measured
+/// velocity changes its sign from one sample to the next, both are slow, however fast they are.
 fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: impl Fn(usize) -> usize) -> Vec<f64> {
     let length = motion.len();
     let mut mask = vec![1.0; length];
     let settle = motion.reach.min(length);
-    blank_runs(&mut mask, &motion.velocity_rad_s, |velocity| velocity.abs() <= threshold_rad_s, guard);
+    let velocity = &motion.velocity_rad_s;
+    let mut is_slow: Vec<bool> = velocity.iter().map(|velocity| velocity.abs() <= threshold_rad_s).collect();
+    let turns = |after: &usize| !motion.exact && velocity[after - 1] * velocity[*after] < 0.0;
+    (1..length).filter(turns).for_each(|after| is_slow[after - 1..=after].fill(true));
+    blank_runs(&mut mask, &is_slow, |is_slow| *is_slow, guard);
     blank_runs(&mut mask, &uniform.present, |is_present| !is_present, |_| settle);
     mask[..settle].fill(0.0);
     mask[length - settle..].fill(0.0);
