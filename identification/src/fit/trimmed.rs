@@ -31,6 +31,7 @@ pub(crate) struct Trimmed<'a> {
     pub(crate) curves: Option<CurveProjection>,
     /// Delay of the torque behind the motion that was allowed for, s.
     pub(crate) delay_s: f64,
+    /// Delay that the data ask for besides.
     pub(crate) refused: Option<RefusedDelay>,
 }
 
