@@ -1,25 +1,55 @@
 //! `diagnose`: what a model lacks.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use analysis::{DiagnosisResult, diagnosed_model, refuse_drawn};
+use clap::Args;
 use dynamics::{Axis, Model};
 use identification::diagnosis::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use report::DiagnosisPage;
 
-use crate::command_line;
+use crate::command_line::ColumnOptions;
 use crate::diagnosis_text;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json_on};
 use crate::recording;
 
+/// Options of `diagnose`.
+#[derive(Debug, Args)]
+pub struct DiagnoseOptions {
+    /// The capture that models are fitted to: an archive, a CSV or an MDF file
+    #[arg(value_name = "CAPTURE")]
+    pub train: PathBuf,
+    /// A held-out capture of the same knob with another motion; without one, sections of the first are held out
+    #[arg(long, value_name = "CAPTURE")]
+    pub heldout: Option<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// The model to start from [default: inertia, friction and detents, fitted]
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Write the diagnosis as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the model with the added effects
+    #[arg(long, value_name = "MODEL.toml")]
+    pub out: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write a rerun file: measured and predicted torque, maps of the residual, each effect with its rivals
+    #[arg(long, value_name = "FILE.rrd")]
+    pub recording: Option<PathBuf>,
+}
+
 /// Diagnoses a capture and writes what was asked for.
 ///
 /// # Errors
 /// Why there can be no meaningful verdict, in one sentence, or what is wrong with a file.
-pub fn run(options: &command_line::DiagnoseOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &DiagnoseOptions) -> anyhow::Result<Outcome> {
     let load = |path: &Path| load::load_chosen(path, &options.columns);
     let train = load(&options.train)?;
     let heldout = options.heldout.as_deref().map(load).transpose()?;

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use analysis::{AverageResult, FitResult, common_truth, titles};
 use anyhow::Context as _;
 use archive::whole_file::Replace;
+use clap::Args;
 use dynamics::Model;
-use identification::{Fit, FitOptions, MeasuredCurve, PreparationMethod};
+use identification::{Fit, MeasuredCurve, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use report::{AveragePage, FigureNumbers};
 
-use crate::command_line;
+use crate::command_line::ColumnOptions;
 use crate::harmonic_table::harmonic_table;
 use crate::load;
 use crate::outcome::{Outcome, say};
@@ -18,18 +19,71 @@ use crate::outputs::{Kind, replace, to_output, write, write_json_on};
 use crate::parameter_table::{parameter_table, reasons};
 use crate::repeatability::{agreement_line, repeatability_table};
 
+/// Options of `fit`.
+#[derive(Debug, Args)]
+pub struct FitOptions {
+    /// The capture: an archive, a CSV or an MDF file; several of the same knob give one model
+    #[arg(required = true, value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the fitted model
+    #[arg(long, value_name = "MODEL.toml")]
+    pub out: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write the fitted parameters into a joint of this MuJoCo model, changing the file: armature, damping, frictionloss, detents
+    #[arg(long, value_name = "MUJOCO.xml")]
+    pub into: Option<PathBuf>,
+    /// The joint's name [default: the only one]
+    #[arg(long, requires = "into", value_name = "NAME")]
+    pub joint: Option<String>,
+    /// Measure the torque over the angle point by point instead of fitting detents; linear controls are always fitted this way
+    #[arg(long)]
+    pub characteristic: bool,
+    /// How the capture is filtered before the fit
+    #[arg(long, value_enum, default_value = "automatic")]
+    pub preparation: Preparation,
+}
+
+/// How a capture is filtered before a fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Preparation {
+    /// Every cut-off frequency from the signals' own spectra.
+    Automatic,
+    /// As Swindells and MacLean 2007 did.
+    Paper,
+    /// Angle through a 100 Hz Butterworth low-pass, differenced twice, decimated to 100 Hz: common for robots.
+    CentralDifferences,
+}
+
+impl From<Preparation> for identification::PreparationMethod {
+    fn from(preparation: Preparation) -> Self {
+        match preparation {
+            Preparation::Automatic => Self::Automatic,
+            Preparation::Paper => Self::Paper,
+            Preparation::CentralDifferences => Self::CentralDifferences,
+        }
+    }
+}
+
 /// Fits a capture and writes what was asked for.
 ///
 /// # Errors
 /// One sentence on what is wrong with the capture or a file.
-pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
     match options.captures.as_slice() {
         [capture] => fit_one(capture, options),
         captures => fit_several(captures, options),
     }
 }
 
-fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
+fn fit_one(capture: &Path, options: &FitOptions) -> anyhow::Result<Outcome> {
     let loaded = load::load_measured(capture, &options.columns)?;
     let fit = fit_as_asked(&loaded, options)?;
     if !to_output(options.json.as_deref()) {
@@ -48,14 +102,17 @@ fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result
     Ok(Outcome::Done)
 }
 
-fn fit_as_asked(loaded: &LoadedCapture, options: &command_line::FitOptions) -> anyhow::Result<Fit> {
+fn fit_as_asked(loaded: &LoadedCapture, options: &FitOptions) -> anyhow::Result<Fit> {
     let usual = analysis::fit_options(loaded);
     let characteristic = options.characteristic || usual.characteristic;
-    Ok(analysis::fit_with(loaded, &FitOptions { characteristic, preparation: options.preparation.into(), ..usual })?)
+    Ok(analysis::fit_with(
+        loaded,
+        &identification::FitOptions { characteristic, preparation: options.preparation.into(), ..usual },
+    )?)
 }
 
 /// One model of several captures of the same knob.
-fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
+fn fit_several(captures: &[PathBuf], options: &FitOptions) -> anyhow::Result<Outcome> {
     let loaded =
         captures.iter().map(|path| load::load_measured(path, &options.columns)).collect::<anyhow::Result<Vec<_>>>()?;
     let fits = loaded.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
@@ -84,7 +141,7 @@ fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyh
 }
 
 /// Writes the model into a joint of a MuJoCo file, if that was asked for.
-fn write_into(options: &command_line::FitOptions, model: &Model) -> anyhow::Result<()> {
+fn write_into(options: &FitOptions, model: &Model) -> anyhow::Result<()> {
     let Some(path) = &options.into else { return Ok(()) };
     let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
     let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)

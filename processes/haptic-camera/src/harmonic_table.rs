@@ -1,18 +1,17 @@
 //! The sinusoids of the angle that a fit found.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use identification::Fit;
+
+use crate::tables::table;
 
 /// The sinusoids, strongest first; `None` if there are none.
 pub fn harmonic_table(fit: &Fit) -> Option<Table> {
     let harmonics = &fit.detent_harmonics;
     let first = harmonics.first()?;
     let whole_model = first.relative_error_percent.is_some();
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    let mut header = vec!["per turn", "of the detent", "amplitude mNm", "phase rad"];
-    header.push(if whole_model { "relative error with it %" } else { "of the residual %" });
-    table.set_header(header);
+    let share = if whole_model { "relative error with it %" } else { "of the residual %" };
+    let mut table = table(["per turn", "of the detent", "amplitude mNm", "phase rad", share], 0..5);
     for harmonic in harmonics {
         // Where every harmonic is a whole number per turn, it is written as one.
         let digits = if harmonics.iter().all(|one| one.per_turn.fract() == 0.0) { 0 } else { 3 };
@@ -24,7 +23,6 @@ pub fn harmonic_table(fit: &Fit) -> Option<Table> {
             format!("{:.2}", harmonic.relative_error_percent.unwrap_or(harmonic.explains_percent)),
         ]);
     }
-    table.column_iter_mut().for_each(|column| column.set_cell_alignment(CellAlignment::Right));
     Some(table)
 }
 

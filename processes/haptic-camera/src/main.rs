@@ -37,6 +37,7 @@ mod smartknob;
 mod studies;
 mod supervision;
 mod table;
+mod tables;
 mod terminal;
 mod trend;
 mod tune;

@@ -1,11 +1,29 @@
 //! `completions` and `man`: what a shell and a pager are to know of this program.
 
-use anyhow::Context as _;
-use clap::CommandFactory as _;
+use std::path::PathBuf;
 
-use crate::command_line::{CommandLine, CompletionsOptions, ManOptions};
+use anyhow::Context as _;
+use clap::{Args, CommandFactory as _};
+
+use crate::command_line::CommandLine;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, write};
+
+/// Options of `completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsOptions {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Options of `man`.
+#[derive(Debug, Args)]
+pub struct ManOptions {
+    /// The folder for the pages; created if it does not exist
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}
 
 /// Prints the completions of a shell on standard output.
 ///

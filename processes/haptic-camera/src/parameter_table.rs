@@ -1,19 +1,19 @@
 //! A fit's parameters as a table for an 80-column terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use dynamics::effects::detent::canonical;
 use dynamics::{Model, effects};
 use identification::{Fit, Parameter};
 
+use crate::tables::{self, by_reason, table};
+
 /// Parameters with intervals, and the true values where they are known.
 pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
     let mut header = vec!["parameter", "fitted", "95 % interval", "unit"];
     if truth.is_some() {
         header.extend(["true", ""]);
     }
-    table.set_header(header);
+    let mut table = table(header, [1, 2, 4]);
     for parameter in &fit.parameters.0 {
         let digits = digits(parameter);
         let (value, interval) = match (parameter.value, parameter.ci95) {
@@ -29,25 +29,12 @@ pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
         }
         table.add_row(row);
     }
-    for column in [1, 2, 4] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
     table
 }
 
 /// Why parameters are not identifiable, a line for each reason.
 pub fn reasons(fit: &Fit) -> Vec<String> {
-    let missing = fit.parameters.0.iter().filter_map(|parameter| Some((parameter.name, parameter.reason.as_ref()?)));
-    let mut lines: Vec<(Vec<&str>, &String)> = Vec::new();
-    for (name, reason) in missing {
-        match lines.iter_mut().find(|(_, known)| *known == reason) {
-            Some((names, _)) => names.push(name),
-            None => lines.push((vec![name], reason)),
-        }
-    }
-    lines.into_iter().map(|(names, reason)| format!("{}: {reason}", names.join(", "))).collect()
+    by_reason(fit.parameters.0.iter().filter_map(|parameter| Some((parameter.name, parameter.reason.as_deref()?))))
 }
 
 /// The true value as the fit would write it: detents with positive amplitude.
@@ -75,12 +62,8 @@ fn truth_cells(parameter: &Parameter, model: &Model, digits: usize) -> [String; 
 
 /// Decimals that show the interval's width with two digits.
 fn digits(parameter: &Parameter) -> usize {
-    let width = match (parameter.ci95, parameter.value) {
+    tables::digits(match (parameter.ci95, parameter.value) {
         (Some([low, high]), _) if high > low => high - low,
-        (_, Some(value)) if value != 0.0 => value.abs() * 1e-3,
-        _ => return 4,
-    };
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
-    let digits = (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize;
-    digits
+        (_, value) => 1e-3 * value.unwrap_or(0.0).abs(),
+    })
 }

@@ -4,14 +4,25 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use archive::Capture;
+use clap::Args;
 use hal::Measurement;
 use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
 use shared_types::{LoopState, RunDescription, Sample};
 
-use crate::command_line::RecomputeOptions;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{to_output, write_json};
+
+/// Options of `recompute`.
+#[derive(Debug, Args)]
+pub struct RecomputeOptions {
+    /// The archive of a replay
+    #[arg(value_name = "CAPTURE")]
+    pub capture: PathBuf,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
 
 /// The result of computing a replay again.
 #[derive(Debug, Serialize)]

@@ -1,20 +1,20 @@
 //! How captures of the same knob repeat, as a table for an 80-column terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use identification::{Agreement, Average};
+
+use crate::tables::{digits, table};
 
 /// Most captures whose values stand side by side; of more, the differences alone.
 const SIDE_BY_SIDE: usize = 3;
 
 /// Each parameter's values, their difference, and what their intervals allow.
 pub fn repeatability_table(average: &Average) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
     let mut header = vec!["parameter".to_owned()];
     let shown = if average.captures <= SIDE_BY_SIDE { average.captures } else { 0 };
     header.extend((1..=shown).map(|number| format!("capture {number}")));
     header.extend(["difference", "allowed", "ratio", "unit"].map(str::to_owned));
-    table.set_header(header);
+    let mut table = table(header, 1..shown + 4);
     for parameter in &average.fit.parameters.0 {
         let Some(record) = average.repeatability.get(parameter.name) else { continue };
         let digits = digits(record.difference_ci95);
@@ -29,11 +29,6 @@ pub fn repeatability_table(average: &Average) -> Table {
         row.push(record.unit.to_owned());
         table.add_row(row);
     }
-    for column in 1..shown + 4 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
     table
 }
 
@@ -44,10 +39,4 @@ pub fn agreement_line(agreement: Agreement) -> String {
         "the captures {words} their intervals: chi-squared {:.1} over {} degrees of freedom (p = {:.2e}), Birge ratio {:.2}",
         agreement.chi_squared, agreement.degrees_of_freedom, agreement.probability, agreement.birge_ratio
     )
-}
-
-/// Decimals that show a width with two digits.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
-pub fn digits(width: f64) -> usize {
-    if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 }
 }

@@ -1,17 +1,43 @@
 //! `trend`: how parameters change over a table's captures.
 
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use analysis::{Cell, Row};
 use anyhow::{Context as _, ensure};
+use clap::Args;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 
-use crate::command_line::{TrendGroups, TrendOptions};
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
+
+/// Options of `trend`.
+#[derive(Debug, Args)]
+pub struct TrendOptions {
+    /// A file made by `table`
+    #[arg(value_name = "TABLE.parquet")]
+    pub table: PathBuf,
+    /// How captures are grouped
+    #[arg(long, value_enum, default_value = "knob")]
+    pub by: TrendGroups,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
+
+/// How captures are grouped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TrendGroups {
+    /// By knob, to show wear and compare batches.
+    Knob,
+    /// By rig, to show its drift.
+    Rig,
+}
 
 /// Nanoseconds of a day.
 const DAY_NS: f64 = 86_400e9;

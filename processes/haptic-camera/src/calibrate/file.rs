@@ -11,7 +11,7 @@ use loaded_capture::CALIBRATION_MARK;
 
 use super::table;
 use crate::outputs::replace;
-use crate::repeatability::digits;
+use crate::tables::digits;
 
 /// A calibration file as it was.
 pub struct Previous {

@@ -1,16 +1,14 @@
 //! What a calibration learnt, for a terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use dynamics::Calibration;
 use identification::calibration::{Calibrated, CoggingEstimate};
 
-use crate::repeatability::digits;
+use crate::tables::{self, digits};
 
 /// Each quantity as it was believed and as it was found, with its interval.
 pub fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["quantity", "before", "found", "95 %", "unit"]);
+    let mut table = tables::table(["quantity", "before", "found", "95 %", "unit"], 1..4);
     let before = toml::Table::try_from(known).unwrap_or_default();
     for estimate in &calibrated.estimates {
         // Delays are fractions of a sample: microseconds read better.
@@ -24,11 +22,6 @@ pub fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
             format!("±{:.digits$}", factor * estimate.half_width),
             unit.to_owned(),
         ]);
-    }
-    for column in 1..4 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
     }
     table
 }

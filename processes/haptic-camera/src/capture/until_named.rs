@@ -10,10 +10,10 @@ use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
 use rt_loop::request::{RigRequest, RunRequest};
 
+use super::CaptureOptions;
 use super::evidence::diagnosed;
 use super::next::{Experiment, Next, next};
 use super::{finish, supervised};
-use crate::command_line::CaptureOptions;
 use crate::diagnose;
 use crate::diagnosis_text;
 use crate::outcome::{Outcome, remark, say};

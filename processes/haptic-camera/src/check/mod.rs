@@ -3,16 +3,36 @@
 mod breakaway;
 mod table;
 
+use std::path::PathBuf;
+
+use clap::Args;
 use dynamics::{Axis, Model};
 use identification::checks::{DetentCount, FreeTravel, breakaways, count_detents, free_travel};
 use loaded_capture::LoadedCapture;
 use serde::Serialize;
 
-use crate::command_line::CheckOptions;
+use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{to_output, write_json_on};
 pub use breakaway::Threshold;
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+pub struct CheckOptions {
+    /// Captures to look at: a slow turn for the detents, a creep or a torque ramp for the breakaway
+    #[arg(required = true, value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// The fitted model to check
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
 
 /// What one capture shows.
 #[derive(Debug, Serialize)]

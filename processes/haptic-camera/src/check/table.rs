@@ -1,15 +1,13 @@
 //! The check for a terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 
 use super::Agreement;
-use crate::repeatability::digits;
+use crate::tables::{self, digits};
 
 /// What was seen beside what was fitted.
 pub fn table(agreement: &[Agreement]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"]);
+    let mut table = tables::table(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"], 1..5);
     for row in agreement {
         let width = row.ci95.map_or(1e-3 * row.checked.abs(), |[low, high]| high - low);
         let digits = digits(width);
@@ -21,11 +19,6 @@ pub fn table(agreement: &[Agreement]) -> Table {
             row.difference_percent.map_or_else(String::new, |percent| format!("{percent:+.1} %")),
             row.unit.to_owned(),
         ]);
-    }
-    for column in [1, 2, 3, 4] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
     }
     table
 }

@@ -4,8 +4,12 @@ use std::path::PathBuf;
 
 use archive::whole_file::Replace;
 
-use super::{CalibrateOptions, Command, ExportOptions, RigCommand, SimulateOptions};
+use super::Command;
+use crate::calibrate::CalibrateOptions;
+use crate::export::ExportOptions;
 use crate::outputs::{Files, Kind, is_same};
+use crate::rigs::RigCommand;
+use crate::simulate::SimulateOptions;
 
 impl Command {
     /// The files to check before the command starts.

@@ -1,63 +1,35 @@
-//! The command line: the commands, and the options of each in a separate file.
+//! The command line: the commands, whose options stand with what they do, and options that several take.
 
-mod calibrate;
-mod capture;
-mod check;
-mod columns;
-mod compare;
-mod compose;
-mod diagnose;
-mod doctor;
-mod export;
 mod files;
-mod fit;
-mod judge;
-mod list;
-mod manual;
-mod recompute;
-mod recover;
-mod replay;
-mod rig;
-mod rig_test;
-mod rigs;
-mod run;
-mod sheet;
-mod simulate;
-mod studies;
-mod table;
-mod trend;
-mod tune;
-mod view;
-
-pub use calibrate::{CalibrateOptions, CalibrationKind};
-pub use capture::CaptureOptions;
-pub use check::CheckOptions;
-pub use columns::ColumnOptions;
-pub use compare::CompareOptions;
-pub use compose::ComposeOptions;
-pub use diagnose::DiagnoseOptions;
-pub use doctor::DoctorOptions;
-pub use export::{ExportOptions, TableSpan};
-pub use fit::FitOptions;
-pub use judge::JudgeOptions;
-pub use list::ListOptions;
-pub use manual::{CompletionsOptions, ManOptions};
-pub use recompute::RecomputeOptions;
-pub use recover::RecoverOptions;
-pub use replay::ReplayOptions;
-pub use rig::RigOptions;
-pub use rig_test::RigTestOptions;
-pub use rigs::{RigCheckOptions, RigCommand, RigCommissionOptions, RigNewOptions, RigScanOptions};
-pub use run::RunOptions;
-pub use sheet::SheetOptions;
-pub use simulate::{SimulateOptions, SimulationDrive};
-pub use studies::{CapabilityOptions, GaugeOptions, StudyOptions};
-pub use table::TableOptions;
-pub use trend::{TrendGroups, TrendOptions};
-pub use tune::TuneOptions;
-pub use view::ViewOptions;
+mod options;
 
 use clap::{Parser, Subcommand};
+
+pub use self::options::{ColumnOptions, RigOptions, RunOptions};
+use crate::calibrate::CalibrateOptions;
+use crate::capture::CaptureOptions;
+use crate::check::CheckOptions;
+use crate::compare::CompareOptions;
+use crate::compose::ComposeOptions;
+use crate::diagnose::DiagnoseOptions;
+use crate::doctor::DoctorOptions;
+use crate::export::ExportOptions;
+use crate::fit::FitOptions;
+use crate::judge::JudgeOptions;
+use crate::list::ListOptions;
+use crate::manual::{CompletionsOptions, ManOptions};
+use crate::recompute::RecomputeOptions;
+use crate::recover::RecoverOptions;
+use crate::replay::ReplayOptions;
+use crate::rig_test::RigTestOptions;
+use crate::rigs::RigCommand;
+use crate::sheet::SheetOptions;
+use crate::simulate::SimulateOptions;
+use crate::studies::{CapabilityOptions, GaugeOptions};
+use crate::table::TableOptions;
+use crate::trend::TrendOptions;
+use crate::tune::TuneOptions;
+use crate::view::ViewOptions;
 
 /// Captures how a mechanical knob feels, as numbers.
 #[derive(Debug, Parser)]

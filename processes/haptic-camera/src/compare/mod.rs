@@ -7,18 +7,36 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use clap::Args;
 use dynamics::{Model, knobs};
 use identification::{Fit, Parameters};
 use loaded_capture::LoadedCapture;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::perceived_differences;
 
-use crate::command_line::{ColumnOptions, CompareOptions};
+use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json_on};
 use crate::parameter_table::true_value;
+
+/// Options of `compare`.
+#[derive(Debug, Args)]
+pub struct CompareOptions {
+    /// What to compare: captures, model files, or 1 to 5 for the paper's knobs; captures of one knob are averaged
+    #[arg(required = true, value_name = "CAPTURE|MODEL.toml")]
+    pub subjects: Vec<String>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
 
 /// Longest name of a model that stands over a column, letters.
 const LONGEST_NAME: usize = 24;

@@ -5,7 +5,7 @@ use anyhow::bail;
 use archive::whole_file::Replace;
 use dynamics::Model;
 
-use crate::command_line::ComposeOptions;
+use super::ComposeOptions;
 use crate::outputs::{Kind, is_same};
 
 /// What the model may replace; refuses a place where something would be lost.

@@ -1,16 +1,16 @@
 //! The composed model's parameters with where each comes from.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use dynamics::{Composition, Effect, Model};
+
+use crate::tables::table;
 
 /// Parameters of one effect beyond which zeros are left out: harmonics that are not there.
 const MANY: usize = 8;
 
 /// Effect by effect, every parameter with its value and where that comes from.
 pub fn parts(composition: &Composition, model: &Model) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["effect", "parameter", "value", "unit", "from"]);
+    let mut table = table(["effect", "parameter", "value", "unit", "from"], [2]);
     for effect in &model.effects {
         let mut name = effect.kind().name;
         for (parameter, value) in shown(effect) {
@@ -22,9 +22,6 @@ pub fn parts(composition: &Composition, model: &Model) -> Table {
             let points = format!("{} over {} rad", drawn.points().len(), drawn.period_rad().unwrap_or_default());
             table.add_row(["", "points", &points, "", ""]);
         }
-    }
-    if let Some(values) = table.column_mut(2) {
-        values.set_cell_alignment(CellAlignment::Right);
     }
     table
 }

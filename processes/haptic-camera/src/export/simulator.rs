@@ -6,7 +6,7 @@ use dynamics::excitation::{Drive, Excitation};
 use dynamics::{Axis, Motion, knobs};
 use simulators::{Export, fmi, isaac_lab, left_out_mnm};
 
-use crate::command_line::ExportOptions;
+use super::ExportOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, write};

@@ -5,11 +5,11 @@ use dynamics::{Model, knobs};
 use serde::Serialize;
 use simulators::left_out_by_mnm;
 
+use super::ExportOptions;
 use super::UsageError;
 use super::firmware::stiffest_end_stop_mnm_rad;
 use super::simulator::motion;
 use super::torque_over_angle::TorqueOverAngle;
-use crate::command_line::ExportOptions;
 use crate::outcome::{Outcome, say, tell_error};
 use crate::outputs::write_json;
 use crate::smartknob::{SmartKnob, Turned, V_PER_RAD};

@@ -4,13 +4,26 @@ mod entry;
 mod quality;
 mod table;
 
+use std::path::PathBuf;
+
 use anyhow::Context as _;
+use clap::Args;
 use serde::Serialize;
 
-use crate::command_line::ListOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{to_output, write_json};
 use entry::Entry;
+
+/// Options of `list`.
+#[derive(Debug, Args)]
+pub struct ListOptions {
+    /// The folder to list
+    #[arg(default_value = "captures", value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Write the list as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    pub json: Option<PathBuf>,
+}
 
 /// Endings of what lies beside a capture and was made of it: no captures, and no strangers.
 const RESULTS: [&str; 7] = ["toml", "json", "html", "rrd", "parquet", "h", "incomplete"];

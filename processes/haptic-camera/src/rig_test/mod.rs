@@ -8,23 +8,44 @@ mod table;
 
 use std::io::IsTerminal as _;
 use std::os::fd::AsFd as _;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use anyhow::Context as _;
+use clap::Args;
 use dynamics::Excitation;
 use loaded_capture::LoadedCapture;
 use nix::poll::{PollFd, PollFlags, poll};
 use report::{CaptureFacts, RigTest};
 use rt_loop::request::{Pace, RunRequest};
 
-use anyhow::Context as _;
-
-use crate::command_line::{RigOptions, RigTestOptions};
+use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use channel::{Channel, LAG_HZ};
+
+/// Options of `rig-test`.
+#[derive(Debug, Args)]
+pub struct RigTestOptions {
+    /// Interpretation of the paper's sweep: paper (as printed) or linear-chirp
+    #[arg(long, default_value = "paper")]
+    pub sweep: String,
+    /// Samples per second
+    #[arg(long, default_value_t = 5_000.0, allow_negative_numbers = true)]
+    pub rate_hz: f64,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// How the rig is turned
+    #[command(flatten)]
+    pub rig: RigOptions,
+}
 
 /// Length of the paper's sweep: 30,000 samples at 5 kHz, s.
 const SWEEP_S: f64 = 6.0;

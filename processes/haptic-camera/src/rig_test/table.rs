@@ -1,12 +1,13 @@
 //! The rig test for a terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use report::{ChannelDifference, ChannelLag};
+
+use crate::tables::table;
 
 /// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
 pub fn differences(differences: &[ChannelDifference]) -> Table {
-    let mut table = plain();
-    table.set_header(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"]);
+    let mut table = table(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"], 1..6);
     for row in differences {
         table.add_row([
             row.channel.to_owned(),
@@ -18,13 +19,12 @@ pub fn differences(differences: &[ChannelDifference]) -> Table {
             row.unit.to_owned(),
         ]);
     }
-    align(table, 6)
+    table
 }
 
 /// Phase lags at 30 Hz, beside what the paper says of its own.
 pub fn lags(lags: &[ChannelLag]) -> Table {
-    let mut table = plain();
-    table.set_header(["lag at 30 Hz", "rad", "ms", "gain", "paper"]);
+    let mut table = table(["lag at 30 Hz", "rad", "ms", "gain", "paper"], 1..5);
     for lag in lags {
         table.add_row([
             lag.channel.to_owned(),
@@ -33,21 +33,6 @@ pub fn lags(lags: &[ChannelLag]) -> Table {
             format!("{:.4}", lag.gain),
             format!("< {} rad", lag.paper_phase_rad_below),
         ]);
-    }
-    align(table, 5)
-}
-
-fn plain() -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table
-}
-
-fn align(mut table: Table, columns: usize) -> Table {
-    for column in 1..columns {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
     }
     table
 }

@@ -7,12 +7,39 @@ mod wall;
 use std::path::PathBuf;
 
 use analysis::{curve_files, curves, mean_fit};
+use clap::Args;
 use sheet::Sheet;
 
-use crate::command_line::SheetOptions;
+use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json};
+
+/// Options of `sheet`.
+#[derive(Debug, Args)]
+pub struct SheetOptions {
+    /// Captures or testers' files of one part, or a folder of them; several are averaged
+    #[arg(required_unless_present = "wall", value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// A capture of the same part at speed, for inertia, viscous friction and breakaway; give it again for further ones
+    #[arg(long, requires = "captures", value_name = "CAPTURE")]
+    pub dynamic: Vec<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the sheet as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the figures as a table
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, requires = "captures", value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write one page with the paper's five knobs and SmartKnob's default ones, for the wall
+    #[arg(long, value_name = "FILE.html")]
+    pub wall: Option<PathBuf>,
+}
 
 /// Reads the curves, makes the sheet, and writes what was asked for.
 ///
@@ -36,7 +63,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if !to_output(options.json.as_deref()) {
         say(table::heading(&sheet, &files));
         say(table::figures(&sheet));
-        table::reasons(&sheet).iter().for_each(say);
+        table::reasons(&sheet).iter().for_each(|reason| say(format!("- {reason}")));
         if !sheet.detents.is_empty() {
             say(format!("\n{}", table::detents(&sheet)));
         }

@@ -1,15 +1,30 @@
 //! `gauge`: whether a tester is good enough to tell the units apart.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
+use analysis::load_specification;
 use anyhow::{Context as _, bail};
+use clap::Args;
 use sheet::{Design, Gauge};
 
-use super::values::{Unit, column, studied, units};
-use crate::command_line::GaugeOptions;
+use super::values::{StudyOptions, Unit, column, studied, units};
 use crate::outcome::{Outcome, say};
 use crate::outputs::{to_output, write_json};
-use analysis::load_specification;
+
+/// Options of `gauge`.
+#[derive(Debug, Args)]
+pub struct GaugeOptions {
+    /// Captures in folders PART/OPERATOR/
+    #[command(flatten)]
+    pub study: StudyOptions,
+    /// Limits on the figures, for %GRR of the tolerance
+    #[arg(long, value_name = "SPEC.toml")]
+    pub spec: Option<PathBuf>,
+    /// Every operator measured different parts
+    #[arg(long)]
+    pub nested: bool,
+}
 
 /// %GRR up to which a gauge is good, and up to which it may do (AIAG, Measurement Systems Analysis, 4th edition).
 const GOOD_PERCENT: f64 = 10.0;

@@ -4,10 +4,31 @@ use std::path::{Path, PathBuf};
 
 use analysis::{curve_files, curves};
 use anyhow::{Context as _, bail};
+use clap::Args;
 use foreign_files::{Column, Others, read_columns};
 use sheet::{FigureKind, Limits, Sheet, Specification, kinds};
 
-use crate::command_line::StudyOptions;
+use crate::command_line::ColumnOptions;
+
+/// Units and the figures to study.
+#[derive(Debug, Args)]
+pub struct StudyOptions {
+    /// Captures or testers' files
+    #[arg(required_unless_present = "values", value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// A table of values instead of captures, with the columns part, operator (numbers) and value; needs --figure
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "captures", requires = "figure")]
+    pub values: Option<PathBuf>,
+    /// The figure to study, such as collapse_force [default: those that the specification limits]
+    #[arg(long, value_name = "NAME")]
+    pub figure: Option<String>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the study as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
 
 /// A figure that is studied, with its limits.
 pub type Studied = (&'static FigureKind, Limits);

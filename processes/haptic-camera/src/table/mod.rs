@@ -14,13 +14,30 @@ use std::sync::mpsc::sync_channel;
 
 use analysis::{Row, load_specification};
 use anyhow::ensure;
+use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use sheet::Specification;
 
-use crate::command_line::TableOptions;
 use crate::outcome::{Outcome, remark, say};
 use files::{Seen, captures};
 use journal::Journal;
+
+/// Options of `table`.
+#[derive(Debug, Args)]
+pub struct TableOptions {
+    /// Folders of captures, searched recursively
+    #[arg(required = true, value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Write the table here
+    #[arg(long, value_name = "FILE.parquet")]
+    pub out: PathBuf,
+    /// Limits, as for `judge`: adds the figures of the sheet and the verdict to every row
+    #[arg(long, value_name = "SPEC.toml")]
+    pub spec: Option<PathBuf>,
+    /// Captures to fit at once [default: one per core]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZero<usize>>,
+}
 
 /// Makes the table.
 ///

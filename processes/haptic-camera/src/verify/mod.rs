@@ -17,9 +17,9 @@ use rt_loop::plan::Plan;
 use rt_loop::request::HandRequest;
 use serde::Serialize;
 
-use crate::command_line::ReplayOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{Kind, to_output, write, write_json_on};
+use crate::replay::ReplayOptions;
 use crate::supervision::{Shown, SupervisedRun, archive_stem};
 use compare::Verified;
 

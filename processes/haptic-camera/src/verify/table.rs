@@ -1,22 +1,15 @@
 //! A verification in words, for an 80-column terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
 use identification::diagnosis::Verdict;
 
 use super::{Added, LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification, Verified};
+use crate::tables::table;
 
 /// The verification line by line.
 pub fn lines(verification: &Verification) -> Vec<String> {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["parameter", "intended", "rendered", "95 % interval", "off", ""]);
+    let mut table = table(["parameter", "intended", "rendered", "95 % interval", "off", ""], [1, 2, 4]);
     for parameter in &verification.parameters {
         table.add_row(row(parameter));
-    }
-    for column in [1, 2, 4] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
     }
     let Verification { torque_error_rms_mnm, torque_rms_mnm, torque_error_percent, .. } = verification;
     let mut lines = vec![table.to_string()];
