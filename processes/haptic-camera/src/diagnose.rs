@@ -12,8 +12,8 @@ use report::DiagnosisPage;
 use crate::command_line::ColumnOptions;
 use crate::diagnosis_text;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json_on};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{Kind, write, write_if_asked, write_json_on};
 use crate::recording;
 
 /// Options of `diagnose`.
@@ -60,12 +60,8 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<Outcome> {
     let found = analysis::diagnose(&train, heldout.as_ref(), model, Some(&progress));
     bar.finish_and_clear();
     let found = found?;
-    if !to_output(options.json.as_deref()) {
-        diagnosis_text::lines(&found).iter().for_each(|line| say(axis.words(line)));
-    }
-    if let Some(path) = &options.out {
-        write(path, Kind::DiagnosedModel, &diagnosed_model(&found, &train).to_toml())?;
-    }
+    show(diagnosis_text::lines(&found).iter().map(|line| axis.words(line)));
+    write_if_asked(options.out.as_ref(), Kind::DiagnosedModel, || diagnosed_model(&found, &train).to_toml())?;
     let page =
         DiagnosisPage { found: &found, train: analysis::facts(&train), heldout: heldout.as_ref().map(analysis::facts) };
     tell(axis, &page, options.json.as_deref(), options.report.as_deref())?;

@@ -8,8 +8,8 @@ use report::JudgedUnit;
 use sheet::{Sheet, Verdict};
 
 use crate::command_line::ColumnOptions;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{Kind, write_if_asked, write_json};
 
 /// Options of `judge`.
 #[derive(Debug, Args)]
@@ -43,15 +43,11 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
         let files = curve_files(std::slice::from_ref(unit))?;
         let sheet = Sheet::of(&curves(&files, choice.as_ref())?)?;
         let judged = judged(unit, &specification, &sheet);
-        if !to_output(options.json.as_deref()) {
-            say(line(&judged));
-        }
+        show([line(&judged)]);
         units.push(judged);
     }
     let judgements = Judgements::of(&specification, units);
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &judgements.page())?;
-    }
+    write_if_asked(options.report.as_ref(), Kind::Page, || judgements.page())?;
     write_json(options.json.as_deref(), &judgements)?;
     Ok(outcome(judgements.verdict))
 }

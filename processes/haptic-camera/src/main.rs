@@ -94,7 +94,7 @@ fn main() -> ExitCode {
         if !error.is::<supervision::LoopSaidWhy>() {
             outcome::tell_error(&error);
         }
-        if error.is::<outputs::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
+        if error.is::<outcome::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
     });
     outcome.if_output_was_taken().into()
 }

@@ -3,12 +3,13 @@
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
+use anyhow::{anyhow, bail};
 use archive::whole_file::{self, Replace, write_bytes};
 use dynamics::Axis;
 use loaded_capture::CALIBRATION_MARK;
 use serde::Serialize;
 
-use crate::outcome::print_json;
+use crate::outcome::{UsageError, print_json};
 
 /// What an output is, and so what it may replace: an earlier one of its kind, known by words that every one has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,30 +113,17 @@ impl Files {
     /// [`whole_file::check`] says.
     pub fn check(&self) -> anyhow::Result<()> {
         for (index, (path, replace)) in self.outputs.iter().enumerate() {
+            let shown = path.display();
             if self.inputs.iter().any(|input| is_same(path, input)) {
-                return Err(UsageError::Input(path.clone()).into());
+                bail!(UsageError(anyhow!("{shown} is also an input; name another file to write to")));
             }
             if self.outputs[..index].iter().any(|(other, _)| is_same(path, other)) {
-                return Err(UsageError::TwoOutputs(path.clone()).into());
+                bail!(UsageError(anyhow!("{shown} would be written twice; name a different file for each output")));
             }
             whole_file::check(path, *replace)?;
         }
         Ok(())
     }
-}
-
-/// Outputs that cannot be meant.
-#[derive(Debug, thiserror::Error)]
-pub enum UsageError {
-    /// An output is an input.
-    #[error("{} is also an input; name another file to write to", .0.display())]
-    Input(PathBuf),
-    /// The columns of a table cannot be found as given.
-    #[error("--columns and --units: {0}")]
-    Columns(String),
-    /// Two outputs are one.
-    #[error("{} would be written twice; name a different file for each output", .0.display())]
-    TwoOutputs(PathBuf),
 }
 
 /// Whether two paths lead to one regular file, that there is or that would be.
@@ -153,7 +141,7 @@ fn is_same_folder(one: &Path, other: &Path) -> bool {
 }
 
 /// Whether standard output is for the JSON alone.
-pub fn to_output(json: Option<&Path>) -> bool {
+fn to_output(json: Option<&Path>) -> bool {
     json == Some(Path::new("-"))
 }
 
@@ -187,7 +175,15 @@ pub fn write(path: &Path, kind: Kind, text: &str) -> anyhow::Result<()> {
     replace(path, kind.replaces(), text)
 }
 
-/// The same with what it may replace.
+/// Writes a text file if it was asked for.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_if_asked(path: Option<&PathBuf>, kind: Kind, text: impl FnOnce() -> String) -> anyhow::Result<()> {
+    path.map_or(Ok(()), |path| write(path, kind, &text()))
+}
+
+/// Writes a text file in the place of what it may replace.
 ///
 /// # Errors
 /// As [`write()`].

@@ -10,8 +10,8 @@ use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
 use shared_types::{LoopState, RunDescription, Sample};
 
-use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{to_output, write_json};
+use crate::outcome::{Outcome, remark, show};
+use crate::outputs::write_json;
 
 /// Options of `recompute`.
 #[derive(Debug, Args)]
@@ -75,9 +75,7 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
         ));
     }
     let recomputed = recompute(&capture, description)?;
-    if !to_output(options.json.as_deref()) {
-        lines(&recomputed, description.rate_hz).iter().for_each(say);
-    }
+    show(lines(&recomputed, description.rate_hz));
     write_json(options.json.as_deref(), &recomputed)?;
     Ok(match (recomputed.equal, recomputed.missing_from_sample) {
         (false, _) => Outcome::Failed,

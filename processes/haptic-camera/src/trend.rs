@@ -10,8 +10,8 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{Kind, write_if_asked, write_json};
 
 /// Options of `trend`.
 #[derive(Debug, Args)]
@@ -57,24 +57,20 @@ pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
         TrendGroups::Rig => "rig",
     };
     let trend = read(&options.table, by)?;
-    if !to_output(options.json.as_deref()) {
-        for group in &trend.groups {
-            let drifting = group.parameters.iter().filter(|one| one.drift.is_some_and(|drift| drift.is_significant()));
-            let names: Vec<&str> = drifting.map(|one| one.name.as_str()).collect();
-            let captures = group.parameters.iter().map(|one| one.captures).max().unwrap_or(0);
-            let words = if names.is_empty() {
-                "no significant drift".to_owned()
-            } else {
-                format!("drift of {}", names.join(", "))
-            };
-            let verdicts =
-                if group.verdicts.is_empty() { String::new() } else { format!("; {}", group.verdicts_in_words()) };
-            say(format!("{by} {}: {captures} captures; {words}{verdicts}", group.name));
-        }
-    }
+    show(trend.groups.iter().map(|group| words(by, group)));
     write_json(options.json.as_deref(), &trend)?;
-    options.report.as_ref().map_or(Ok(()), |path| write(path, Kind::Page, &report::trend_page(&trend)))?;
+    write_if_asked(options.report.as_ref(), Kind::Page, || report::trend_page(&trend))?;
     Ok(Outcome::Done)
+}
+
+fn words(by: &str, group: &TrendGroup) -> String {
+    let drifting = group.parameters.iter().filter(|one| one.drift.is_some_and(|drift| drift.is_significant()));
+    let names: Vec<&str> = drifting.map(|one| one.name.as_str()).collect();
+    let captures = group.parameters.iter().map(|one| one.captures).max().unwrap_or(0);
+    let drift =
+        if names.is_empty() { "no significant drift".to_owned() } else { format!("drift of {}", names.join(", ")) };
+    let verdicts = if group.verdicts.is_empty() { String::new() } else { format!("; {}", group.verdicts_in_words()) };
+    format!("{by} {}: {captures} captures; {drift}{verdicts}", group.name)
 }
 
 fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {

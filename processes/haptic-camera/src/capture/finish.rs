@@ -38,7 +38,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
             }
             say(format!("view     haptic-camera view {archive}"));
             say("");
-            fit::show(&loaded, &fitted);
+            fit::show_fit(loaded.truth.as_ref(), &fitted);
             if let Some(achieved) = &end.achieved {
                 let step_mnm = loaded.calibration.as_ref().map_or(0.0, |known| known.torque_step_mnm);
                 tell_precision(achieved, &fitted, step_mnm);

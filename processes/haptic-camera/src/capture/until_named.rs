@@ -16,8 +16,8 @@ use super::next::{Experiment, Next, next};
 use super::{finish, supervised};
 use crate::diagnose;
 use crate::diagnosis_text;
-use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{Kind, to_output, write};
+use crate::outcome::{Outcome, remark, say, show};
+use crate::outputs::{Kind, write};
 use crate::recording;
 use crate::supervision::{claim_archive, ending_signals};
 
@@ -159,10 +159,8 @@ fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
 fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> anyhow::Result<()> {
     let Some([first, held_out]) = taken.first_chunk() else { return Ok(()) };
     let axis = first.loaded.capture.axis;
-    if !to_output(options.json.as_deref()) {
-        say("");
-        diagnosis_text::lines(found).iter().for_each(|line| say(axis.words(line)));
-    }
+    show([""]);
+    show(diagnosis_text::lines(found).iter().map(|line| axis.words(line)));
     let beside = |extension: &str| {
         let stem = first.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         first.path.with_file_name(format!("{stem}-diagnosis.{extension}"))

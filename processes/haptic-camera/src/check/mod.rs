@@ -13,8 +13,8 @@ use serde::Serialize;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{to_output, write_json_on};
+use crate::outcome::{Outcome, is_output_json, say};
+use crate::outputs::write_json_on;
 pub use breakaway::Threshold;
 
 /// Options of `check`.
@@ -86,7 +86,7 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     let axis = load::common_axis(axes)?;
     withhold_breakaways(axis, &mut captures);
     let check = Check { agreement: agreement(axis, &captures, model.as_ref()), captures };
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         if check.agreement.is_empty() {
             say("found neither detents nor breakaways");
         } else {

@@ -6,7 +6,7 @@ use archive::testers::{Assignments, ColumnChoice};
 use clap::Args;
 use rt_loop::request::RigRequest;
 
-use crate::outputs::UsageError;
+use crate::outcome::UsageError;
 
 /// The columns of a file of unknown format.
 #[derive(Clone, Debug, Args)]
@@ -28,7 +28,7 @@ impl ColumnOptions {
     pub fn choice(&self) -> Result<Option<ColumnChoice>, UsageError> {
         let Some(columns) = self.columns.clone() else { return Ok(None) };
         let choice = ColumnChoice::new(columns, self.units.clone().unwrap_or_default());
-        choice.map(Some).map_err(|error| UsageError::Columns(error.to_string()))
+        choice.map(Some).map_err(|error| UsageError(anyhow::anyhow!("--columns and --units: {error}")))
     }
 }
 

@@ -17,8 +17,8 @@ use sheet::perception::perceived_differences;
 use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json_on};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{Kind, write_if_asked, write_json_on};
 use crate::parameter_table::true_value;
 
 /// Options of `compare`.
@@ -50,13 +50,10 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
     anyhow::ensure!(axes.all(|other| other == axis), "some of these are rotary and some linear; compare one kind");
-    if !to_output(options.json.as_deref()) {
-        table::lines(&compared).iter().for_each(|line| say(axis.words(line)));
-    }
+    show(table::lines(&compared).iter().map(|line| axis.words(line)));
     write_json_on(axis, options.json.as_deref(), &compared)?;
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &axis.words(&report::comparison_page(&compared)))?;
-    }
+    let page = || axis.words(&report::comparison_page(&compared)).into_owned();
+    write_if_asked(options.report.as_ref(), Kind::Page, page)?;
     Ok(Outcome::Done)
 }
 

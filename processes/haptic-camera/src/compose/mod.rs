@@ -10,7 +10,7 @@ use clap::Args;
 use dynamics::{Composition, CompositionError, Model, ModelError, Parts, Role, Source, composition_notes};
 
 pub use self::arguments::{Assignment, Extra};
-use crate::outcome::{Outcome, remark, say, tell_error};
+use crate::outcome::{Outcome, UsageError, remark, say};
 use crate::outputs::replace;
 
 /// Options of `compose`.
@@ -49,18 +49,11 @@ pub struct ComposeOptions {
 /// Composes a model and writes it.
 ///
 /// # Errors
-/// One sentence on what is wrong with a source or the output. Parts and values that do not fit are wrong usage, reported
-/// here.
+/// One sentence on what is wrong with a source or the output. Parts and values that do not fit are a [`UsageError`].
 pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let sources = Sources::load(options)?;
     let replaced = destination::replaced(options)?;
-    let composition = match composed(&sources, options) {
-        Ok(composition) => composition,
-        Err(error) => {
-            tell_error(&error.into());
-            return Ok(Outcome::WrongUsage);
-        }
-    };
+    let composition = composed(&sources, options).map_err(|error| UsageError(error.into()))?;
     let model = composition.model(&name(options), &sources.parts.description());
     replace(&options.out, replaced, &model.to_toml())?;
     say(model.axis.words(&table::parts(&composition, &model).to_string()));

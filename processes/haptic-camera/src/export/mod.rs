@@ -8,7 +8,7 @@ mod torque_over_angle;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow, bail};
 use archive::attachment;
 use archive::whole_file::write_bytes;
 use clap::Args;
@@ -16,7 +16,7 @@ use dynamics::knobs;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, say, tell_error};
+use crate::outcome::{Outcome, UsageError, say};
 use crate::outputs::{Kind, write};
 use torque_over_angle::TorqueOverAngle;
 
@@ -62,43 +62,32 @@ pub enum TableSpan {
     Turn,
 }
 
-/// What cannot be written as asked.
-#[derive(Debug, thiserror::Error)]
-enum UsageError {
-    #[error("{} has an unknown extension; a capture is exported as .csv or .parquet", .0.display())]
-    Capture(PathBuf),
-    #[error("{} has an unknown extension; a model is exported as .csv, .h, .xml, .urdf, .fmu or .json", .0.display())]
-    Model(PathBuf),
-    #[error("SmartKnob's strengths are in volts; give the motor's torque per volt as --motor-mnm-per-v")]
-    Motor,
-}
-
 /// Writes a capture or a model in another format.
 ///
 /// # Errors
-/// One sentence on what is wrong with the source or the output. An unknown file extension is wrong usage, reported here.
+/// One sentence on what is wrong with the source or the output. An unknown file extension is a [`UsageError`].
 pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let is_model = knobs::is_shipped(&options.source) || source.extension().is_some_and(|ending| ending == "toml");
-    let wrong = match (is_model, ending.as_str()) {
-        (true, "csv" | "h" | "xml" | "urdf" | "fmu" | "json") | (false, "csv" | "parquet") => None,
-        (true, _) => Some(UsageError::Model(options.out.clone())),
-        (false, _) => Some(UsageError::Capture(options.out.clone())),
-    };
-    if let Some(wrong) = wrong {
-        tell_error(&wrong.into());
-        return Ok(Outcome::WrongUsage);
-    }
     match (is_model, ending.as_str()) {
         (true, "h") => firmware_header(options),
         (true, "xml") => simulator::write_export(options, &simulators::mjcf(&knobs::named(&options.source)?)),
         (true, "urdf") => simulator::urdf(options),
         (true, "fmu") => simulator::fmu(options),
         (true, "json") => smartknob::write(options),
-        (true, _) => model_table(options),
+        (true, "csv") => model_table(options),
         (false, "parquet") => capture_as_parquet(source, options),
-        (false, _) => capture_as_csv(source, options),
+        (false, "csv") => capture_as_csv(source, options),
+        _ => {
+            let (what, known) = if is_model {
+                ("model", ".csv, .h, .xml, .urdf, .fmu or .json")
+            } else {
+                ("capture", ".csv or .parquet")
+            };
+            let out = options.out.display();
+            bail!(UsageError(anyhow!("{out} has an unknown extension; a {what} is exported as {known}")))
+        }
     }
 }
 

@@ -10,8 +10,8 @@ use anyhow::Context as _;
 use clap::Args;
 use serde::Serialize;
 
-use crate::outcome::{Outcome, say};
-use crate::outputs::{to_output, write_json};
+use crate::outcome::{Outcome, show};
+use crate::outputs::write_json;
 use entry::Entry;
 
 /// Options of `list`.
@@ -51,12 +51,10 @@ pub fn run(options: &ListOptions) -> anyhow::Result<Outcome> {
         }
     }
     entries.sort_by(|one, other| one.order().cmp(&other.order()));
-    if !to_output(options.json.as_deref()) {
-        if entries.is_empty() {
-            say(format!("{} holds no captures; `haptic-camera capture --out {0}` makes one", folder.display()));
-        } else {
-            table::lines(&entries).iter().for_each(say);
-        }
+    if entries.is_empty() {
+        show([format!("{} holds no captures; `haptic-camera capture --out {0}` makes one", folder.display())]);
+    } else {
+        show(table::lines(&entries));
     }
     write_json(options.json.as_deref(), &Listing { captures: &entries })?;
     Ok(Outcome::Done)

@@ -21,8 +21,8 @@ use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outcome::{Outcome, is_output_json, say};
+use crate::outputs::{Kind, write_if_asked, write_json};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use channel::{Channel, LAG_HZ};
@@ -107,7 +107,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         test.lag_at_30_hz.push(channel.lag(tone, &commanded_tone));
         test.traces.push(channel.trace((sweep, &commanded), (tone, &commanded_tone)));
     }
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         say("");
         let scaled = if axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
         say(format!("original minus measured; filtered: its SD after the paper's low-pass filters{scaled}"));
@@ -116,9 +116,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         say(table::lags(&test.lag_at_30_hz));
     }
     write_json(options.json.as_deref(), &test)?;
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &report::rig_test_page(&test))?;
-    }
+    write_if_asked(options.report.as_ref(), Kind::Page, || report::rig_test_page(&test))?;
     Ok(outcome)
 }
 

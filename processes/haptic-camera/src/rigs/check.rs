@@ -11,8 +11,8 @@ use serde::Serialize;
 use super::torque_run;
 use crate::command_line::RigOptions;
 use crate::load;
-use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{to_output, write_json_on};
+use crate::outcome::{Outcome, is_output_json, remark, say};
+use crate::outputs::write_json_on;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use crate::tables::table;
@@ -88,7 +88,7 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let axis = capture.axis;
     let mut found = check(&capture);
     found.doubts.extend(doubts(&RigFile::load(&options.file)?)?);
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         tell(&found, axis);
     }
     write_json_on(axis, options.json.as_deref(), &found)?;

@@ -12,8 +12,8 @@ use sheet::Sheet;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outcome::{Outcome, is_output_json, say};
+use crate::outputs::{Kind, write, write_if_asked, write_json};
 
 /// Options of `sheet`.
 #[derive(Debug, Args)]
@@ -60,7 +60,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if let Some(fit) = mean_fit(&captures)? {
         sheet = sheet.with_dynamics(&fit)?;
     }
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         say(table::heading(&sheet, &files));
         say(table::figures(&sheet));
         table::reasons(&sheet).iter().for_each(|reason| say(format!("- {reason}")));
@@ -69,11 +69,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
         }
     }
     write_json(options.json.as_deref(), &sheet)?;
-    if let Some(path) = &options.csv {
-        write(path, Kind::Figures, &csv::text(&sheet))?;
-    }
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &analysis::sheet_page(&sheet, &files))?;
-    }
+    write_if_asked(options.csv.as_ref(), Kind::Figures, || csv::text(&sheet))?;
+    write_if_asked(options.report.as_ref(), Kind::Page, || analysis::sheet_page(&sheet, &files))?;
     Ok(Outcome::Done)
 }

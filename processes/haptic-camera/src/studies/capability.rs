@@ -10,8 +10,8 @@ use comfy_table::Table;
 use sheet::{Capability, Index, QdasRow};
 
 use super::values::{StudyOptions, Unit, column, studied, units};
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{Kind, write_if_asked, write_json};
 use crate::tables;
 
 /// Options of `capability`.
@@ -44,14 +44,12 @@ pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
         let values = column(&units, index, &studied)?;
         results.insert(kind.name, Capability::of(&values, options.subgroup, *limits).context(kind.name)?);
     }
-    if !to_output(options.study.json.as_deref()) {
-        say(table(&results));
-    }
+    show([table(&results)]);
     write_json(options.study.json.as_deref(), &results)?;
-    if let Some(path) = &options.dfq {
+    write_if_asked(options.dfq.as_ref(), Kind::Qdas, || {
         let rows: Vec<QdasRow> = units.iter().map(row).collect();
-        write(path, Kind::Qdas, &sheet::qdas(&specification.name, &studied, &rows))?;
-    }
+        sheet::qdas(&specification.name, &studied, &rows)
+    })?;
     Ok(Outcome::Done)
 }
 

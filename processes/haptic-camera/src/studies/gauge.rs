@@ -9,8 +9,8 @@ use clap::Args;
 use sheet::{Design, Gauge};
 
 use super::values::{StudyOptions, Unit, column, studied, units};
-use crate::outcome::{Outcome, say};
-use crate::outputs::{to_output, write_json};
+use crate::outcome::{Outcome, show};
+use crate::outputs::write_json;
 
 /// Options of `gauge`.
 #[derive(Debug, Args)]
@@ -47,9 +47,7 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
         let tolerance = limits.min.zip(limits.max).map(|(min, max)| max - min);
         results.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
     }
-    if !to_output(options.study.json.as_deref()) {
-        results.iter().for_each(|(name, gauge)| say(words(name, gauge)));
-    }
+    show(results.iter().map(|(name, gauge)| words(name, gauge)));
     write_json(options.study.json.as_deref(), &results)?;
     Ok(Outcome::Done)
 }

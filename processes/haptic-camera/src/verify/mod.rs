@@ -17,8 +17,8 @@ use rt_loop::plan::Plan;
 use rt_loop::request::HandRequest;
 use serde::Serialize;
 
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json_on};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{Kind, write, write_json_on};
 use crate::replay::ReplayOptions;
 use crate::supervision::{Shown, SupervisedRun, archive_stem};
 use compare::Verified;
@@ -185,9 +185,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         };
     let captured = captures::verify(&model, options.pace.rate_hz, &mut make)?;
     let verification = &captured.verification;
-    if !to_output(options.json.as_deref()) {
-        table::lines(verification).iter().for_each(|line| say(model.axis.words(line)));
-    }
+    show(table::lines(verification).iter().map(|line| model.axis.words(line)));
     write_json_on(
         model.axis,
         options.json.as_deref(),
@@ -195,9 +193,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     )?;
     if let Some(path) = &options.report {
         write(path, Kind::Page, &model.axis.words(&page::page(&model, &captured)))?;
-        if !to_output(options.json.as_deref()) {
-            say(format!("report   {}", path.display()));
-        }
+        show([format!("report   {}", path.display())]);
     }
     Ok(if verification.passed { whole } else { Outcome::Failed })
 }
