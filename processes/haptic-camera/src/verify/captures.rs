@@ -2,19 +2,20 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 use dynamics::excitation::PRESSED_MM;
 use dynamics::{Axis, Model, Motion};
 use identification::checks::breakaways;
-use identification::diagnosis::{DiagnoseOptions, diagnose};
+use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
 use identification::{Fit, FitOptions};
 use loaded_capture::LoadedCapture;
+use report::HeldStill;
 use rt_loop::request::HandRequest;
 use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};
 use super::two_bodies;
-use super::{Added, HeldStill, Limits, Verification, passes};
+use super::{Compared, Limits, Verification, added, passes};
 use crate::check::Threshold;
 use crate::load;
 
@@ -77,22 +78,13 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         None => None,
     };
     let fit = fit(&train, model)?;
-    if model.coupling().is_some() {
-        let verification = two_bodies::verification(model, rate_hz, captures, [&train, &heldout, &creep], held_still)?;
-        return Ok(Captured { verification, train, fit });
-    }
-    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
-    let parameters = parameters(model, &fit, &thresholds);
-    let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, &fit);
+    let Compared { parameters, torque_rms_mnm: [torque_error_rms_mnm, torque_rms_mnm], lost_motion, added, notes } =
+        if model.coupling().is_some() {
+            two_bodies::compared(model, [&train, &heldout, &creep])?
+        } else {
+            one_body(model, &fit, [&train, &heldout, &creep])?
+        };
     let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
-    let mut notes = fit.notes.clone();
-    let added = match added(model, &train, &heldout) {
-        Ok(added) => Some(added),
-        Err(error) => {
-            notes.push(format!("what the rendering adds cannot be determined: {error:#}"));
-            None
-        }
-    };
     let passed = passes(&parameters, torque_error_percent, held_still.as_ref());
     let verification = Verification {
         model: model.name.clone(),
@@ -102,7 +94,7 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         torque_error_rms_mnm,
         torque_rms_mnm,
         torque_error_percent,
-        lost_motion: None,
+        lost_motion,
         held_still,
         added,
         limits: Limits::default(),
@@ -112,6 +104,32 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
     Ok(Captured { verification, train, fit })
 }
 
+/// Compares the captures of a sweep, another motion and a creep with a model of one body.
+fn one_body(model: &Model, fit: &Fit, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Compared> {
+    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
+    let mut notes = fit.notes.clone();
+    let is_drawn = model.effects.iter().any(|effect| effect.table().is_some());
+    let found = if is_drawn {
+        Err(anyhow!("a diagnosis cannot start from a model with a drawn table"))
+    } else {
+        diagnosed(model, train, heldout)
+    };
+    let added = match found {
+        Ok(found) => Some(added(&found)),
+        Err(error) => {
+            notes.push(format!("what the rendering adds cannot be determined: {error:#}"));
+            None
+        }
+    };
+    Ok(Compared {
+        parameters: parameters(model, fit, &thresholds),
+        torque_rms_mnm: torque_error_mnm(model, fit),
+        lost_motion: None,
+        added,
+        notes,
+    })
+}
+
 fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
     // The model says what the torque over the angle is: nothing is left to be measured.
     let options =
@@ -119,20 +137,15 @@ fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
     identification::fit(&train.samples(), &options).context("the rendered knob cannot be fitted")
 }
 
-/// What the rendering does that the model does not say.
-fn added(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Added> {
-    anyhow::ensure!(
-        model.effects.iter().all(|effect| effect.table().is_none()),
-        "a diagnosis cannot start from a model with a drawn table"
-    );
+/// A diagnosis of the rendered knob that starts from a model.
+pub(super) fn diagnosed(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Diagnosis> {
     let options = DiagnoseOptions {
         calibration: train.calibration.clone(),
         axis: train.capture.axis,
         model: Some(model.clone()),
         ..DiagnoseOptions::default()
     };
-    let found = diagnose(&train.samples(), Some(&heldout.samples()), &options)?;
-    Ok(Added::of(&found))
+    Ok(diagnose(&train.samples(), Some(&heldout.samples()), &options)?)
 }
 
 /// A torque in the middle of what the knob bears at the angle at which it starts; `None` where it bears none.

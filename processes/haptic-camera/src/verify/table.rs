@@ -1,8 +1,9 @@
 //! A verification in words, for an 80-column terminal.
 
 use identification::diagnosis::Verdict;
+use report::{AddedByRendering, RenderedParameter};
 
-use super::{Added, LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification, Verified};
+use super::{LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification};
 use crate::tables::table;
 
 /// The verification line by line.
@@ -40,7 +41,7 @@ pub fn lines(verification: &Verification) -> Vec<String> {
     lines
 }
 
-fn row(parameter: &Verified) -> [String; 6] {
+fn row(parameter: &RenderedParameter) -> [String; 6] {
     let number = |value: f64| format!("{value:.*}", decimals(parameter.intended));
     [
         parameter.name.to_owned(),
@@ -82,8 +83,8 @@ pub(super) fn lost_motion_in_words(lost: &LostMotion) -> [String; 2] {
     ]
 }
 
-fn in_words(added: &Added) -> String {
-    let Added { heldout_rms_before, heldout_rms_after, noise_floor_rms, .. } = added;
+fn in_words(added: &AddedByRendering) -> String {
+    let AddedByRendering { heldout_rms_before, heldout_rms_after, noise_floor_rms, .. } = added;
     match added.verdict {
         Verdict::None => {
             format!("nothing: residual {heldout_rms_before:.3} mNm on another motion, noise {noise_floor_rms:.3}")
