@@ -11,13 +11,13 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context as _;
 use archive::claim;
 use dynamics::Model;
+use identification::Fit;
 use identification::diagnosis::Diagnosis;
 use report::{AddedByRendering, CaptureFacts, HeldStill, RenderedParameter, RenderingPage};
 use rt_loop::plan::Plan;
 use rt_loop::request::HandRequest;
 use serde::Serialize;
 
-use self::captures::Captured;
 use crate::outcome::{Outcome, show};
 use crate::outputs::{Kind, write, write_json_on};
 use crate::replay::ReplayOptions;
@@ -30,7 +30,7 @@ pub const LARGEST_STATIC_DIFFERENCE_PERCENT: f64 = 5.0;
 /// Largest torque error that passes, as a share of the model's RMS torque, %.
 pub const LARGEST_TORQUE_ERROR_PERCENT: f64 = 5.0;
 
-/// How a rendered knob compares with its model.
+/// How a rendered knob compares with its model, as `replay --verify --json` writes it.
 #[derive(Debug, Serialize)]
 pub struct Verification {
     /// The model's name.
@@ -59,17 +59,10 @@ pub struct Verification {
     /// What a reader of the numbers should know.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Whether all of it is within what passes.
+    /// Whether all of it is within what passes: parameters, torque, and how still the knob is held.
     pub passed: bool,
-}
-
-/// The result, as `replay --verify --json` writes it.
-#[derive(Serialize)]
-struct VerificationResult<'a> {
-    #[serde(flatten)]
-    verification: &'a Verification,
     /// The capture of the rendered knob that was fitted.
-    capture: CaptureFacts,
+    pub capture: CaptureFacts,
 }
 
 /// What passes.
@@ -116,13 +109,6 @@ struct Compared {
     notes: Vec<String>,
 }
 
-/// Whether a rendered knob is its model's: in its parameters, in its torque, and in how still it is held.
-fn passes(parameters: &[RenderedParameter], torque_error_percent: f64, held_still: Option<&HeldStill>) -> bool {
-    parameters.iter().all(|parameter| parameter.passed != Some(false))
-        && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
-        && held_still.is_none_or(|held| held.encoder_steps < 1.0)
-}
-
 /// What a diagnosis that starts from the intended model found.
 fn added(found: &Diagnosis) -> AddedByRendering {
     AddedByRendering {
@@ -166,29 +152,24 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
             asked.rendering.iter_mut().for_each(|rendering| rendering.without_remarks = true);
             Ok(archive)
         };
-    let captured = captures::verify(&model, options.pace.rate_hz, &mut make)?;
-    let verification = &captured.verification;
-    show(table::lines(verification).iter().map(|line| model.axis.words(line)));
-    write_json_on(
-        model.axis,
-        options.json.as_deref(),
-        &VerificationResult { verification, capture: analysis::facts(&captured.train) },
-    )?;
+    let (verification, fit) = captures::verify(&model, options.pace.rate_hz, &mut make)?;
+    show(table::lines(&verification).iter().map(|line| model.axis.words(line)));
+    write_json_on(model.axis, options.json.as_deref(), &verification)?;
     if let Some(path) = &options.report {
-        write(path, Kind::Page, &model.axis.words(&page(&model, &captured)))?;
+        write(path, Kind::Page, &model.axis.words(&page(&model, &fit, &verification)))?;
         show([format!("report   {}", path.display())]);
     }
     Ok(if verification.passed { whole } else { Outcome::Failed })
 }
 
 /// The report page.
-fn page(model: &Model, Captured { verification, train, fit }: &Captured) -> String {
+fn page(model: &Model, fit: &Fit, verification: &Verification) -> String {
     let file_name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let gap = verification.lost_motion.iter().flat_map(table::lost_motion_in_words);
     report::rendering_page(&RenderingPage {
         intended: model,
         fit,
-        capture: CaptureFacts { title: model.name.clone(), ..analysis::facts(train) },
+        capture: CaptureFacts { title: model.name.clone(), ..verification.capture.clone() },
         sources: verification.captures.iter().map(file_name).collect(),
         rate_hz: verification.rate_hz,
         parameters: verification.parameters.clone(),
