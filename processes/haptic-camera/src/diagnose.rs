@@ -13,7 +13,7 @@ use crate::command_line::ColumnOptions;
 use crate::diagnosis_text;
 use crate::load;
 use crate::outcome::{Outcome, show};
-use crate::outputs::{Kind, write, write_if_asked, write_json_on};
+use crate::outputs::{kind, write, write_if_asked, write_json_on};
 use crate::recording;
 
 /// Options of `diagnose`.
@@ -61,7 +61,7 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     let found = found?;
     show(diagnosis_text::lines(&found).iter().map(|line| axis.words(line)));
-    write_if_asked(options.out.as_ref(), Kind::DiagnosedModel, || diagnosed_model(&found, &train).to_toml())?;
+    write_if_asked(options.out.as_ref(), kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &train).to_toml())?;
     let page =
         DiagnosisPage { found: &found, train: analysis::facts(&train), heldout: heldout.as_ref().map(analysis::facts) };
     tell(axis, &page, options.json.as_deref(), options.report.as_deref())?;
@@ -79,7 +79,7 @@ pub fn tell(axis: Axis, page: &DiagnosisPage<'_>, json: Option<&Path>, report: O
     let made = report.map(|path| (path, report::diagnosis_page_with_numbers(page)));
     let figures = made.as_ref().map(|(_, (_, figures))| figures.clone()).unwrap_or_default();
     write_json_on(axis, json, &DiagnosisResult::of(page, figures))?;
-    made.map_or(Ok(()), |(path, (html, _))| write(path, Kind::Page, &axis.words(&html)))
+    made.map_or(Ok(()), |(path, (html, _))| write(path, kind::PAGE, &axis.words(&html)))
 }
 
 /// The model to start from.

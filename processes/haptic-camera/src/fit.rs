@@ -15,7 +15,7 @@ use crate::command_line::ColumnOptions;
 use crate::harmonic_table::harmonic_table;
 use crate::load;
 use crate::outcome::{Outcome, is_output_json, say};
-use crate::outputs::{Kind, replace, write_if_asked, write_json_on};
+use crate::outputs::{kind, write, write_if_asked, write_json_on};
 use crate::parameter_table::{parameter_table, reasons};
 use crate::repeatability::{agreement_line, repeatability_table};
 
@@ -84,9 +84,9 @@ pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
         ([capture], [fit]) => of_one(capture, fit, options)?,
         _ => of_several(&captures, &fits, options)?,
     };
-    write_if_asked(options.out.as_ref(), Kind::FittedModel, || model.to_toml())?;
+    write_if_asked(options.out.as_ref(), kind::FITTED_MODEL, || model.to_toml())?;
     write_into(options, &model)?;
-    write_if_asked(options.report.as_ref(), Kind::Page, || page)?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, || page)?;
     Ok(Outcome::Done)
 }
 
@@ -133,7 +133,7 @@ fn write_into(options: &FitOptions, model: &Model) -> anyhow::Result<()> {
     let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
     let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)
         .with_context(|| format!("the fitted parameters cannot be written into {}", path.display()))?;
-    replace(path, Replace::Anything, &changed)?;
+    write(path, Replace::Anything, &changed)?;
     say(format!(
         "{}: armature, damping, frictionloss and detents; the armature is the whole inertia, so give the body almost \
          none",

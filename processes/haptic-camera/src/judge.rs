@@ -9,7 +9,7 @@ use sheet::{Sheet, Verdict};
 
 use crate::command_line::ColumnOptions;
 use crate::outcome::{Outcome, show};
-use crate::outputs::{Kind, write_if_asked, write_json};
+use crate::outputs::{kind, write_if_asked, write_json};
 
 /// Options of `judge`.
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
         units.push(judged);
     }
     let judgements = Judgements::of(&specification, units);
-    write_if_asked(options.report.as_ref(), Kind::Page, || judgements.page())?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, || judgements.page())?;
     write_json(options.json.as_deref(), &judgements)?;
     Ok(outcome(judgements.verdict))
 }

@@ -7,7 +7,7 @@ use clap::{Args, CommandFactory as _};
 
 use crate::command_line::CommandLine;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 
 /// Options of `completions`.
 #[derive(Debug, Args)]
@@ -52,7 +52,7 @@ pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
     for page in std::fs::read_dir(&made)? {
         let page = page?;
         let text = std::fs::read_to_string(page.path())?;
-        write(&folder.join(page.file_name()), Kind::ManualPage, &text).with_context(refused)?;
+        write(&folder.join(page.file_name()), kind::MANUAL_PAGE, &text).with_context(refused)?;
     }
     say(format!("the manual pages are in {}; `man {0}/haptic-camera.1` shows the first", folder.display()));
     Ok(Outcome::Done)

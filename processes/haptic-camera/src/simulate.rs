@@ -9,7 +9,7 @@ use clap::Args;
 use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::Kind;
+use crate::outputs::kind;
 
 /// Options of `simulate`.
 #[derive(Debug, Args)]
@@ -63,7 +63,7 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         if options.writes_table() {
             capture.write_csv(out)?;
         } else {
-            whole_file::write_whole(out, Kind::Simulation.replaces(), |place| capture.write_mcap_to(place))?;
+            whole_file::write_whole(out, kind::SIMULATION, |place| capture.write_mcap_to(place))?;
         }
         say(format!("{}: {} samples", out.display(), capture.len()));
     }

@@ -11,7 +11,7 @@ use parquet::record::Field;
 use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 
 use crate::outcome::{Outcome, show};
-use crate::outputs::{Kind, write_if_asked, write_json};
+use crate::outputs::{kind, write_if_asked, write_json};
 
 /// Options of `trend`.
 #[derive(Debug, Args)]
@@ -59,7 +59,7 @@ pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
     let trend = read(&options.table, by)?;
     show(trend.groups.iter().map(|group| words(by, group)));
     write_json(options.json.as_deref(), &trend)?;
-    write_if_asked(options.report.as_ref(), Kind::Page, || report::trend_page(&trend))?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, || report::trend_page(&trend))?;
     Ok(Outcome::Done)
 }
 

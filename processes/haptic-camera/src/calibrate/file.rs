@@ -10,7 +10,7 @@ use identification::calibration::Calibrated;
 use loaded_capture::CALIBRATION_MARK;
 
 use super::table;
-use crate::outputs::replace;
+use crate::outputs;
 use crate::tables::digits;
 
 /// A calibration file as it was.
@@ -82,5 +82,5 @@ pub fn write(
         )
     })?;
     text += &learnt.to_toml();
-    replace(path, replaced, &text)
+    outputs::write(path, replaced, &text)
 }

@@ -11,7 +11,7 @@ use loaded_capture::LoadedCapture;
 use crate::fit;
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 use crate::supervision::{Archived, RunEnd};
 use crate::until_ci::{Achieved, Known};
 
@@ -54,20 +54,19 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
 fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     let archive = &loaded.capture.source;
     let stem = archive.file_stem().unwrap_or_default().to_string_lossy();
-    let results = [("toml", Kind::FittedModel), ("html", Kind::Page), ("json", Kind::Json)];
+    let results = [("toml", kind::FITTED_MODEL), ("html", kind::PAGE), ("json", kind::JSON)];
     let named = |number, ending: &str| archive.with_file_name(format!("{}.{ending}", numbered(&stem, number)));
     let is_free = |number: &u32| {
-        let mut checked =
-            results.iter().map(|(ending, kind)| whole_file::check(&named(*number, ending), kind.replaces()));
+        let mut checked = results.iter().map(|(ending, kind)| whole_file::check(&named(*number, ending), *kind));
         checked.all(|free| free.is_ok())
     };
     let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
     let beside = |extension| named(number, extension);
     let (model, report) = (beside("toml"), beside("html"));
-    write(&model, Kind::FittedModel, &fitted.model(&analysis::title(loaded)).to_toml())?;
+    write(&model, kind::FITTED_MODEL, &fitted.model(&analysis::title(loaded)).to_toml())?;
     say(format!("model    {}", model.display()));
     let (page, figures) = analysis::fit_page(loaded, fitted);
-    write(&report, Kind::Page, &page)?;
+    write(&report, kind::PAGE, &page)?;
     say(format!("report   {}", report.display()));
     // For `list`, and for whoever computes with the intervals.
     fit::write_numbers(Some(&beside("json")), loaded, fitted, figures)

@@ -17,7 +17,7 @@ use super::{finish, supervised};
 use crate::diagnose;
 use crate::diagnosis_text;
 use crate::outcome::{Outcome, remark, say, show};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 use crate::recording;
 use crate::supervision::{claim_archive, ending_signals};
 
@@ -172,7 +172,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         effects: found.model.effects.clone(),
         axis,
     };
-    write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
+    write(&beside("toml"), kind::DIAGNOSED_MODEL, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
     let page = DiagnosisPage {
         found,

@@ -7,7 +7,7 @@ use archive::whole_file::Replace;
 use super::Command;
 use crate::calibrate::CalibrateOptions;
 use crate::export::ExportOptions;
-use crate::outputs::{Files, Kind, is_same};
+use crate::outputs::{Files, is_same, kind};
 use crate::rigs::RigCommand;
 use crate::simulate::SimulateOptions;
 
@@ -21,68 +21,68 @@ impl Command {
                 .reading(&options.spec)
                 .reading(&options.request.rig.rig)
                 .reading(&options.request.rig.calibration)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page)
-                .writing(options.recording.as_ref(), Kind::Recording),
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.report.as_ref(), kind::PAGE)
+                .writing(options.recording.as_ref(), kind::RECORDING),
             Self::Replay(options) => files
                 .reading([&options.model, &options.hand.hand])
                 .reading(&options.rig.rig)
                 .reading(&options.rig.calibration)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.report.as_ref(), kind::PAGE),
             Self::Fit(options) => files
                 .reading(&options.captures)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.out.as_ref(), Kind::FittedModel)
-                .writing(options.report.as_ref(), Kind::Page)
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.out.as_ref(), kind::FITTED_MODEL)
+                .writing(options.report.as_ref(), kind::PAGE)
                 // The file is changed in place.
-                .replacing(options.into.as_ref(), Replace::Anything),
+                .writing(options.into.as_ref(), Replace::Anything),
             Self::Diagnose(options) => files
                 .reading([&options.train])
                 .reading(&options.heldout)
                 .reading(&options.model)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.out.as_ref(), Kind::DiagnosedModel)
-                .writing(options.report.as_ref(), Kind::Page)
-                .writing(options.recording.as_ref(), Kind::Recording),
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.out.as_ref(), kind::DIAGNOSED_MODEL)
+                .writing(options.report.as_ref(), kind::PAGE)
+                .writing(options.recording.as_ref(), kind::RECORDING),
             Self::Calibrate(options) => {
                 // The given calibration may be overwritten.
-                files.reading(&options.captures).replacing(Some(&options.out), options.replaced())
+                files.reading(&options.captures).writing(Some(&options.out), options.replaced())
             }
             Self::RigTest(options) => files
                 .reading(&options.rig.request.calibration)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.report.as_ref(), kind::PAGE),
             Self::Check(options) => {
-                files.reading(&options.captures).reading(&options.model).writing(options.json.as_ref(), Kind::Json)
+                files.reading(&options.captures).reading(&options.model).writing(options.json.as_ref(), kind::JSON)
             }
             Self::Compare(options) => files
                 .reading(&options.subjects)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.report.as_ref(), kind::PAGE),
             Self::Judge(options) => files
                 .reading(&options.captures)
                 .reading([&options.spec])
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.report.as_ref(), kind::PAGE),
             Self::Capability(options) => files
                 .reading(&options.study.captures)
                 .reading(&options.study.values)
                 .reading([&options.spec])
-                .writing(options.study.json.as_ref(), Kind::Json)
-                .writing(options.dfq.as_ref(), Kind::Qdas),
+                .writing(options.study.json.as_ref(), kind::JSON)
+                .writing(options.dfq.as_ref(), kind::QDAS),
             Self::Gauge(options) => files
                 .reading(&options.study.captures)
                 .reading(&options.study.values)
                 .reading(&options.spec)
-                .writing(options.study.json.as_ref(), Kind::Json),
+                .writing(options.study.json.as_ref(), kind::JSON),
             Self::Sheet(options) => files
                 .reading(&options.captures)
                 .reading(&options.dynamic)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.csv.as_ref(), Kind::Figures)
-                .writing(options.wall.as_ref(), Kind::Page)
-                .writing(options.report.as_ref(), Kind::Page),
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.csv.as_ref(), kind::FIGURES)
+                .writing(options.wall.as_ref(), kind::PAGE)
+                .writing(options.report.as_ref(), kind::PAGE),
             Self::Simulate(options) => {
                 files.reading([&options.model, &options.like]).writing(options.out.as_ref(), options.kind())
             }
@@ -90,17 +90,17 @@ impl Command {
                 .reading([&options.source])
                 .reading(&options.along)
                 .writing(Some(&options.out), options.kind())
-                .writing(options.isaac_lab().as_ref(), Kind::Json),
-            Self::Table(options) => files.reading(&options.spec).writing(Some(&options.out), Kind::Data),
+                .writing(options.isaac_lab().as_ref(), kind::JSON),
+            Self::Table(options) => files.reading(&options.spec).writing(Some(&options.out), kind::DATA),
             Self::Trend(options) => files
                 .reading([&options.table])
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
-            Self::List(options) => files.writing(options.json.as_ref(), Kind::Json),
-            Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), Kind::Json),
-            Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), Kind::Data),
+                .writing(options.json.as_ref(), kind::JSON)
+                .writing(options.report.as_ref(), kind::PAGE),
+            Self::List(options) => files.writing(options.json.as_ref(), kind::JSON),
+            Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), kind::JSON),
+            Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), kind::DATA),
             Self::Rig(RigCommand::Check(options)) => {
-                files.reading([&options.file]).writing(options.json.as_ref(), Kind::Json)
+                files.reading([&options.file]).writing(options.json.as_ref(), kind::JSON)
             }
             // `compose` checks its own output, because of `--overwrite`; `man` writes into a folder.
             Self::Compose(_)
@@ -119,7 +119,7 @@ impl CalibrateOptions {
     #[must_use]
     pub fn replaced(&self) -> Replace {
         let is_given = self.rig.request.calibration.as_deref().is_some_and(|given| is_same(given, &self.out));
-        if is_given { Replace::Anything } else { Kind::Calibration.replaces() }
+        if is_given { Replace::Anything } else { kind::CALIBRATION }
     }
 }
 
@@ -130,8 +130,8 @@ impl SimulateOptions {
         self.out.as_ref().is_some_and(|out| out.extension().is_some_and(|extension| extension == "csv"))
     }
 
-    fn kind(&self) -> Kind {
-        if self.writes_table() { Kind::Data } else { Kind::Simulation }
+    fn kind(&self) -> Replace {
+        if self.writes_table() { kind::DATA } else { kind::SIMULATION }
     }
 }
 
@@ -143,13 +143,13 @@ impl ExportOptions {
         is_urdf.then(|| self.out.with_extension("isaac.json"))
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> Replace {
         let ending = self.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         match ending.as_deref() {
-            Some("h") => Kind::Header,
-            Some("xml" | "urdf" | "fmu") => Kind::Simulator,
-            Some("json") => Kind::Json,
-            _ => Kind::Data,
+            Some("h") => kind::HEADER,
+            Some("xml" | "urdf" | "fmu") => kind::SIMULATOR,
+            Some("json") => kind::JSON,
+            _ => kind::DATA,
         }
     }
 }

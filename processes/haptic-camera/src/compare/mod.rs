@@ -18,7 +18,7 @@ use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
 use crate::load;
 use crate::outcome::{Outcome, show};
-use crate::outputs::{Kind, write_if_asked, write_json_on};
+use crate::outputs::{kind, write_if_asked, write_json_on};
 use crate::parameter_table::true_value;
 
 /// Options of `compare`.
@@ -53,7 +53,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     show(table::lines(&compared).iter().map(|line| axis.words(line)));
     write_json_on(axis, options.json.as_deref(), &compared)?;
     let page = || axis.words(&report::comparison_page(&compared)).into_owned();
-    write_if_asked(options.report.as_ref(), Kind::Page, page)?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, page)?;
     Ok(Outcome::Done)
 }
 

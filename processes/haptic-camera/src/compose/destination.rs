@@ -6,7 +6,7 @@ use archive::whole_file::Replace;
 use dynamics::Model;
 
 use super::ComposeOptions;
-use crate::outputs::{Kind, is_same};
+use crate::outputs::{is_same, kind};
 
 /// What the model may replace; refuses a place where something would be lost.
 ///
@@ -29,7 +29,7 @@ pub fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
         }
         Some(Err(_)) => bail!("{shown} exists and is not a model; choose another name for --out, or give --overwrite"),
     }
-    Ok(Kind::ComposedModel.replaces())
+    Ok(kind::COMPOSED_MODEL)
 }
 
 fn sources(options: &ComposeOptions) -> impl Iterator<Item = &String> {

@@ -11,7 +11,7 @@ use dynamics::{Composition, CompositionError, Model, ModelError, Parts, Role, So
 
 pub use self::arguments::{Assignment, Extra};
 use crate::outcome::{Outcome, UsageError, remark, say};
-use crate::outputs::replace;
+use crate::outputs::write;
 
 /// Options of `compose`.
 #[derive(Debug, Args)]
@@ -55,7 +55,7 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let replaced = destination::replaced(options)?;
     let composition = composed(&sources, options).map_err(|error| UsageError(error.into()))?;
     let model = composition.model(&name(options), &sources.parts.description());
-    replace(&options.out, replaced, &model.to_toml())?;
+    write(&options.out, replaced, &model.to_toml())?;
     say(model.axis.words(&table::parts(&composition, &model).to_string()));
     say(format!(
         "{}: {}; {}",

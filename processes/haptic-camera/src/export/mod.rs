@@ -17,7 +17,7 @@ use dynamics::knobs;
 use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{Outcome, UsageError, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 use torque_over_angle::TorqueOverAngle;
 
 /// Options of `export`.
@@ -109,14 +109,14 @@ fn capture_as_parquet(source: &Path, options: &ExportOptions) -> anyhow::Result<
     let loaded = load::load_chosen(source, columns)?;
     let (bytes, columns) =
         parquet_file::bytes(&loaded).with_context(|| format!("{} cannot be written as Parquet", source.display()))?;
-    write_bytes(out, Kind::Data.replaces(), &bytes)?;
+    write_bytes(out, kind::DATA, &bytes)?;
     say(format!("{}: {} samples, {columns} columns with their units", out.display(), loaded.capture.len()));
     Ok(Outcome::Done)
 }
 
 fn model_table(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let table = TorqueOverAngle::of(&knobs::named(&options.source)?, options.points, options.over)?;
-    write(&options.out, Kind::Data, &table.to_csv())?;
+    write(&options.out, kind::DATA, &table.to_csv())?;
     say(format!("{}: {}", options.out.display(), table.in_words()));
     Ok(Outcome::Done)
 }
@@ -127,7 +127,7 @@ fn firmware_header(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
     let table = has_table.then(|| TorqueOverAngle::of(&model, options.points, options.over)).transpose()?;
     let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    write(&options.out, Kind::Header, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
+    write(&options.out, kind::HEADER, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
     let words = table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words());
     say(format!("{}: {words}", options.out.display()));
     Ok(Outcome::Done)

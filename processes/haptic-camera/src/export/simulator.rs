@@ -9,7 +9,7 @@ use simulators::{Export, fmi, isaac_lab, left_out_mnm};
 use super::ExportOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 use crate::supervision::program_path;
 
 /// The library of the crate `knob-fmu`, which is built beside the programs.
@@ -26,7 +26,7 @@ pub(super) fn write_export<Content: AsRef<[u8]>>(
 ) -> anyhow::Result<Outcome> {
     let model = knobs::named(&options.source)?;
     let (motions, motion) = motion(options, model.axis)?;
-    write_bytes(&options.out, Kind::Simulator.replaces(), export.content.as_ref())?;
+    write_bytes(&options.out, kind::SIMULATOR, export.content.as_ref())?;
     let left_out_mnm = left_out_mnm(&model, &export.said, &motions);
     let left_out = model.axis.words(&format!("leaves out {left_out_mnm:.6} mNm RMS")).into_owned();
     say(format!("{}: {left_out} along {motion}", options.out.display()));
@@ -39,7 +39,7 @@ pub(super) fn urdf(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let model = knobs::named(&options.source)?;
     let done = write_export(options, &simulators::urdf(&model))?;
     let Some(beside) = options.isaac_lab() else { return Ok(done) };
-    write(&beside, Kind::Json, &isaac_lab(&model))?;
+    write(&beside, kind::JSON, &isaac_lab(&model))?;
     say(format!("{}: armature and friction as Isaac Lab's ImplicitActuatorCfg takes them", beside.display()));
     Ok(done)
 }

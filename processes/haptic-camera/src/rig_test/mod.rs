@@ -22,7 +22,7 @@ use rt_loop::request::{Pace, RunRequest};
 use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, is_output_json, say};
-use crate::outputs::{Kind, write_if_asked, write_json};
+use crate::outputs::{kind, write_if_asked, write_json};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use channel::{Channel, LAG_HZ};
@@ -116,7 +116,7 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         say(table::lags(&test.lag_at_30_hz));
     }
     write_json(options.json.as_deref(), &test)?;
-    write_if_asked(options.report.as_ref(), Kind::Page, || report::rig_test_page(&test))?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, || report::rig_test_page(&test))?;
     Ok(outcome)
 }
 

@@ -14,7 +14,7 @@ use rt_loop::request::{Pace, RigRequest, RunRequest};
 use self::check::RigCheckOptions;
 use self::commission::RigCommissionOptions;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 use crate::supervision::{listen_for_interrupt, program};
 
 /// The commands about rigs.
@@ -76,12 +76,12 @@ fn new(options: &RigNewOptions) -> anyhow::Result<Outcome> {
     let kind = rt_loop::rigs::ALL.into_iter().find(|kind| kind.name == options.driver);
     let names = || rt_loop::rigs::ALL.map(|kind| kind.name).join(", ");
     let kind = kind.with_context(|| format!("there is no driver '{}'; known are {}", options.driver, names()))?;
-    write(&options.out, Kind::Data, kind.template)?;
+    write(&options.out, kind::DATA, kind.template)?;
     say(format!("rig file {}", options.out.display()));
     if kind.name == "plugin" {
         let header = options.out.with_file_name("haptic_rig.h");
         if !header.exists() {
-            write(&header, Kind::Data, hal::plugin::HEADER)?;
+            write(&header, kind::DATA, hal::plugin::HEADER)?;
             say(format!("header   {}", header.display()));
         }
     }
@@ -104,7 +104,7 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
     found.lines.iter().for_each(say);
     match (&options.out, &found.rig_file) {
         (Some(out), Some(text)) => {
-            write(out, Kind::Data, text)?;
+            write(out, kind::DATA, text)?;
             say(format!("rig file {}", out.display()));
             Ok(Outcome::Done)
         }

@@ -13,7 +13,7 @@ use sheet::Sheet;
 use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{Outcome, is_output_json, say};
-use crate::outputs::{Kind, write, write_if_asked, write_json};
+use crate::outputs::{kind, write, write_if_asked, write_json};
 
 /// Options of `sheet`.
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ pub struct SheetOptions {
 /// One sentence on what is wrong with a file.
 pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if let Some(path) = &options.wall {
-        write(path, Kind::Page, &report::wall_page(&wall::page()?))?;
+        write(path, kind::PAGE, &report::wall_page(&wall::page()?))?;
     }
     if options.captures.is_empty() {
         return Ok(Outcome::Done);
@@ -69,7 +69,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
         }
     }
     write_json(options.json.as_deref(), &sheet)?;
-    write_if_asked(options.csv.as_ref(), Kind::Figures, || csv::text(&sheet))?;
-    write_if_asked(options.report.as_ref(), Kind::Page, || analysis::sheet_page(&sheet, &files))?;
+    write_if_asked(options.csv.as_ref(), kind::FIGURES, || csv::text(&sheet))?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, || analysis::sheet_page(&sheet, &files))?;
     Ok(Outcome::Done)
 }

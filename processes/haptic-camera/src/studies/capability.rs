@@ -11,7 +11,7 @@ use sheet::{Capability, Index, QdasRow};
 
 use super::values::{StudyOptions, Unit, column, studied, units};
 use crate::outcome::{Outcome, show};
-use crate::outputs::{Kind, write_if_asked, write_json};
+use crate::outputs::{kind, write_if_asked, write_json};
 use crate::tables;
 
 /// Options of `capability`.
@@ -46,7 +46,7 @@ pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
     }
     show([table(&results)]);
     write_json(options.study.json.as_deref(), &results)?;
-    write_if_asked(options.dfq.as_ref(), Kind::Qdas, || {
+    write_if_asked(options.dfq.as_ref(), kind::QDAS, || {
         let rows: Vec<QdasRow> = units.iter().map(row).collect();
         sheet::qdas(&specification.name, &studied, &rows)
     })?;

@@ -19,7 +19,7 @@ use rt_loop::request::HandRequest;
 use serde::Serialize;
 
 use crate::outcome::{Outcome, show};
-use crate::outputs::{Kind, write, write_json_on};
+use crate::outputs::{kind, write, write_json_on};
 use crate::replay::ReplayOptions;
 use crate::supervision::{Shown, SupervisedRun, archive_stem};
 
@@ -156,7 +156,7 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
     show(table::lines(&verification).iter().map(|line| model.axis.words(line)));
     write_json_on(model.axis, options.json.as_deref(), &verification)?;
     if let Some(path) = &options.report {
-        write(path, Kind::Page, &model.axis.words(&page(&model, &fit, &verification)))?;
+        write(path, kind::PAGE, &model.axis.words(&page(&model, &fit, &verification)))?;
         show([format!("report   {}", path.display())]);
     }
     Ok(if verification.passed { whole } else { Outcome::Failed })
