@@ -65,14 +65,20 @@ impl Files {
 
     /// With a file that is written, if it was asked for, and what it may replace; standard output is none.
     #[must_use]
-    pub fn writing(mut self, path: Option<&PathBuf>, replace: Replace) -> Self {
-        let Some(path) = path else { return self };
+    pub fn writing<'path>(mut self, path: impl Into<Option<&'path PathBuf>>, replace: Replace) -> Self {
+        let Some(path) = path.into() else { return self };
         if to_output(path) {
             self.gives_json |= replace == kind::JSON;
         } else {
             self.outputs.push((path.clone(), replace));
         }
         self
+    }
+
+    /// With a result as JSON and as a page, what of them was asked for.
+    #[must_use]
+    pub fn telling(self, json: &Option<PathBuf>, page: &Option<PathBuf>) -> Self {
+        self.writing(json, kind::JSON).writing(page, kind::PAGE)
     }
 
     /// Whether standard output is for the result as JSON.

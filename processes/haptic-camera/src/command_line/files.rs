@@ -21,87 +21,72 @@ impl Command {
                 .reading(&options.spec)
                 .reading(&options.request.rig.rig)
                 .reading(&options.request.rig.calibration)
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.report.as_ref(), kind::PAGE)
-                .writing(options.recording.as_ref(), kind::RECORDING),
+                .telling(&options.json, &options.report)
+                .writing(&options.recording, kind::RECORDING),
             Self::Replay(options) => files
                 .reading([&options.model, &options.hand.hand])
                 .reading(&options.rig.rig)
                 .reading(&options.rig.calibration)
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.report.as_ref(), kind::PAGE),
+                .telling(&options.json, &options.report),
             Self::Fit(options) => files
                 .reading(&options.captures)
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.out.as_ref(), kind::FITTED_MODEL)
-                .writing(options.report.as_ref(), kind::PAGE)
+                .telling(&options.json, &options.report)
+                .writing(&options.out, kind::FITTED_MODEL)
                 // The file is changed in place.
-                .writing(options.into.as_ref(), Replace::Anything),
+                .writing(&options.into, Replace::Anything),
             Self::Diagnose(options) => files
                 .reading([&options.train])
                 .reading(&options.heldout)
                 .reading(&options.model)
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.out.as_ref(), kind::DIAGNOSED_MODEL)
-                .writing(options.report.as_ref(), kind::PAGE)
-                .writing(options.recording.as_ref(), kind::RECORDING),
+                .telling(&options.json, &options.report)
+                .writing(&options.out, kind::DIAGNOSED_MODEL)
+                .writing(&options.recording, kind::RECORDING),
             Self::Calibrate(options) => {
                 // The given calibration may be overwritten.
-                files.reading(&options.captures).writing(Some(&options.out), options.replaced())
+                files.reading(&options.captures).writing(&options.out, options.replaced())
             }
-            Self::RigTest(options) => files
-                .reading(&options.rig.request.calibration)
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.report.as_ref(), kind::PAGE),
+            Self::RigTest(options) => {
+                files.reading(&options.rig.request.calibration).telling(&options.json, &options.report)
+            }
             Self::Check(options) => {
-                files.reading(&options.captures).reading(&options.model).writing(options.json.as_ref(), kind::JSON)
+                files.reading(&options.captures).reading(&options.model).writing(&options.json, kind::JSON)
             }
-            Self::Compare(options) => files
-                .reading(&options.subjects)
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.report.as_ref(), kind::PAGE),
-            Self::Judge(options) => files
-                .reading(&options.captures)
-                .reading([&options.spec])
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.report.as_ref(), kind::PAGE),
+            Self::Compare(options) => files.reading(&options.subjects).telling(&options.json, &options.report),
+            Self::Judge(options) => {
+                files.reading(&options.captures).reading([&options.spec]).telling(&options.json, &options.report)
+            }
             Self::Capability(options) => files
                 .reading(&options.study.captures)
                 .reading(&options.study.values)
                 .reading([&options.spec])
-                .writing(options.study.json.as_ref(), kind::JSON)
-                .writing(options.dfq.as_ref(), kind::QDAS),
+                .writing(&options.study.json, kind::JSON)
+                .writing(&options.dfq, kind::QDAS),
             Self::Gauge(options) => files
                 .reading(&options.study.captures)
                 .reading(&options.study.values)
                 .reading(&options.spec)
-                .writing(options.study.json.as_ref(), kind::JSON),
+                .writing(&options.study.json, kind::JSON),
             Self::Sheet(options) => files
                 .reading(&options.captures)
                 .reading(&options.dynamic)
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.csv.as_ref(), kind::FIGURES)
-                .writing(options.wall.as_ref(), kind::PAGE)
-                .writing(options.report.as_ref(), kind::PAGE),
+                .writing(&options.json, kind::JSON)
+                .writing(&options.csv, kind::FIGURES)
+                .writing(&options.wall, kind::PAGE)
+                .writing(&options.report, kind::PAGE),
             Self::Simulate(options) => {
-                files.reading([&options.model, &options.like]).writing(options.out.as_ref(), options.kind())
+                files.reading([&options.model, &options.like]).writing(&options.out, options.kind())
             }
             Self::Export(options) => files
                 .reading([&options.source])
                 .reading(&options.along)
-                .writing(Some(&options.out), options.kind())
+                .writing(&options.out, options.kind())
                 .writing(options.isaac_lab().as_ref(), kind::JSON),
-            Self::Table(options) => files.reading(&options.spec).writing(Some(&options.out), kind::DATA),
-            Self::Trend(options) => files
-                .reading([&options.table])
-                .writing(options.json.as_ref(), kind::JSON)
-                .writing(options.report.as_ref(), kind::PAGE),
-            Self::List(options) => files.writing(options.json.as_ref(), kind::JSON),
-            Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), kind::JSON),
-            Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), kind::DATA),
-            Self::Rig(RigCommand::Check(options)) => {
-                files.reading([&options.file]).writing(options.json.as_ref(), kind::JSON)
-            }
+            Self::Table(options) => files.reading(&options.spec).writing(&options.out, kind::DATA),
+            Self::Trend(options) => files.reading([&options.table]).telling(&options.json, &options.report),
+            Self::List(options) => files.writing(&options.json, kind::JSON),
+            Self::Recompute(options) => files.reading([&options.capture]).writing(&options.json, kind::JSON),
+            Self::Recover(options) => files.reading([&options.broken]).writing(&options.out, kind::DATA),
+            Self::Rig(RigCommand::Check(options)) => files.reading([&options.file]).writing(&options.json, kind::JSON),
             // `compose` checks its own output, because of `--overwrite`; `man` writes into a folder.
             Self::Compose(_)
             | Self::Man(_)
