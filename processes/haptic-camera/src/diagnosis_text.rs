@@ -6,7 +6,7 @@ use comfy_table::{ContentArrangement, Table};
 use dynamics::effects;
 use identification::diagnosis::{Characteristic, Diagnosis, FORWARD_WINDOW_S, Location, Step, Value, Verdict};
 
-use crate::tables::{self, WIDTH};
+use crate::terminal::{self, WIDTH};
 
 /// Coordinates that are named.
 const NAMED: usize = 3;
@@ -39,14 +39,14 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
              and with as many parameters.",
             found.noise_floor_rms
         ));
-        lines.extend(tables::lines(&steps(&found.steps, decimals)));
+        lines.extend(terminal::lines(&steps(&found.steps, decimals)));
         lines.push(String::new());
-        lines.extend(tables::lines(&parameters(&found.steps)));
+        lines.extend(terminal::lines(&parameters(&found.steps)));
         found
             .steps
             .iter()
             .filter(|step| !step.detents.is_empty())
-            .for_each(|step| lines.extend(tables::lines(&detents(step))));
+            .for_each(|step| lines.extend(terminal::lines(&detents(step))));
         lines.extend(ties(&found.steps));
     }
     lines.extend(
@@ -200,11 +200,11 @@ fn decimals(width: f64) -> usize {
 
 /// A table that fits the terminal.
 fn table<const COLUMNS: usize>(header: [&str; COLUMNS], right: Range<usize>) -> Table {
-    let mut table = tables::table(header, right);
+    let mut table = terminal::table(header, right);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table
 }
 
 fn paragraph(mark: &str, text: &str) -> Vec<String> {
-    tables::paragraph(mark, text, WIDTH)
+    terminal::paragraph(mark, text, WIDTH)
 }

@@ -14,7 +14,7 @@ use shared_types::shared_memory::NEEDED_BYTES;
 
 use crate::outcome::{Outcome, say};
 use crate::supervision::program_path;
-use crate::tables::{self, WIDTH};
+use crate::terminal::{self, WIDTH};
 
 /// Options of `doctor`.
 #[derive(Debug, Args)]
@@ -47,7 +47,7 @@ pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     if let Some(path) = &options.rig {
         findings.extend(rig_file(path));
     }
-    let mut table = tables::bare(WIDTH);
+    let mut table = terminal::bare(WIDTH);
     for (subject, finding) in &findings {
         let (Ok(found) | Err(found)) = finding;
         table.add_row([if finding.is_ok() { "ok" } else { "!!" }, subject, found]);

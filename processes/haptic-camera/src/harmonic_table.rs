@@ -3,7 +3,7 @@
 use comfy_table::Table;
 use identification::Fit;
 
-use crate::tables::table;
+use crate::terminal::table;
 
 /// The sinusoids, strongest first; `None` if there are none.
 pub fn harmonic_table(fit: &Fit) -> Option<Table> {

@@ -37,7 +37,6 @@ mod smartknob;
 mod studies;
 mod supervision;
 mod table;
-mod tables;
 mod terminal;
 mod trend;
 mod tune;

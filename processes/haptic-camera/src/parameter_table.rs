@@ -5,7 +5,7 @@ use dynamics::effects::detent::canonical;
 use dynamics::{Model, effects};
 use identification::{Fit, Parameter};
 
-use crate::tables::{self, by_reason, table};
+use crate::terminal::{self, by_reason, table};
 
 /// Parameters with intervals, and the true values where they are known.
 pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
@@ -62,7 +62,7 @@ fn truth_cells(parameter: &Parameter, model: &Model, digits: usize) -> [String; 
 
 /// Decimals that show the interval's width with two digits.
 fn digits(parameter: &Parameter) -> usize {
-    tables::digits(match (parameter.ci95, parameter.value) {
+    terminal::digits(match (parameter.ci95, parameter.value) {
         (Some([low, high]), _) if high > low => high - low,
         (_, value) => 1e-3 * value.unwrap_or(0.0).abs(),
     })

@@ -25,7 +25,7 @@ pub struct RecomputeOptions {
 }
 
 /// The result of computing a replay again.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Recomputed {
     /// The archive.
     pub capture: PathBuf,
@@ -93,16 +93,7 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
     let flags = capture.flags.as_ref().with_context(|| lacks("flags"))?;
     let state = capture.state.as_ref().with_context(|| lacks("state"))?;
     let mut step = Recomputation::new(run)?;
-    let mut result = Recomputed {
-        capture: capture.source.clone(),
-        ticks: 0,
-        models: 1,
-        equal: true,
-        first_difference: None,
-        different_ticks: 0,
-        largest_difference_mnm: 0.0,
-        missing_from_sample: None,
-    };
+    let mut result = Recomputed { capture: capture.source.clone(), models: 1, equal: true, ..Recomputed::default() };
     for row in 0..capture.len() {
         let tick = capture.tick[row];
         if capture.seq[row] != row as u64 {

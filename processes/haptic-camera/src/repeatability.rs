@@ -3,7 +3,7 @@
 use comfy_table::Table;
 use identification::{Agreement, Average};
 
-use crate::tables::{digits, table};
+use crate::terminal::{digits, table};
 
 /// Most captures whose values stand side by side; of more, the differences alone.
 const SIDE_BY_SIDE: usize = 3;

@@ -11,7 +11,7 @@ use loaded_capture::CALIBRATION_MARK;
 
 use super::table;
 use crate::outputs;
-use crate::tables::digits;
+use crate::terminal::digits;
 
 /// A calibration file as it was.
 pub struct Previous {

@@ -4,11 +4,11 @@ use comfy_table::Table;
 use dynamics::Calibration;
 use identification::calibration::{Calibrated, CoggingEstimate};
 
-use crate::tables::{self, digits};
+use crate::terminal::{self, digits};
 
 /// Each quantity as it was believed and as it was found, with its interval.
 pub fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
-    let mut table = tables::table(["quantity", "before", "found", "95 %", "unit"], 1..4);
+    let mut table = terminal::table(["quantity", "before", "found", "95 %", "unit"], 1..4);
     let before = toml::Table::try_from(known).unwrap_or_default();
     for estimate in &calibrated.estimates {
         // Delays are fractions of a sample: microseconds read better.

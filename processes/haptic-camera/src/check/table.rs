@@ -3,11 +3,11 @@
 use comfy_table::Table;
 
 use super::Agreement;
-use crate::tables::{self, digits};
+use crate::terminal::{self, digits};
 
 /// What was seen beside what was fitted.
 pub fn table(agreement: &[Agreement]) -> Table {
-    let mut table = tables::table(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"], 1..5);
+    let mut table = terminal::table(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"], 1..5);
     for row in agreement {
         let width = row.ci95.map_or(1e-3 * row.checked.abs(), |[low, high]| high - low);
         let digits = digits(width);

@@ -4,7 +4,7 @@ use comfy_table::Table;
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::PerceivedDifference;
 
-use crate::tables::{self, WIDTH, by_reason, digits};
+use crate::terminal::{self, WIDTH, by_reason, digits};
 
 /// Digits of a value without an interval, and of one that the paper prints.
 const DIGITS: usize = 4;
@@ -26,7 +26,7 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
         let fitting =
             (1..=rest.len()).rev().find(|count| width(&table(&rest[..*count])) <= usize::from(WIDTH)).unwrap_or(1);
         let (shown, later) = rest.split_at(fitting);
-        lines.extend(tables::lines(&table(shown)));
+        lines.extend(terminal::lines(&table(shown)));
         lines.push(String::new());
         rest = later;
     }
@@ -57,13 +57,13 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
 }
 
 fn width(table: &Table) -> usize {
-    tables::lines(table).iter().map(|line| line.chars().count()).max().unwrap_or(0)
+    terminal::lines(table).iter().map(|line| line.chars().count()).max().unwrap_or(0)
 }
 
 fn table(knobs: &[ComparedKnob]) -> Table {
     let names = knobs.iter().map(|knob| knob.name.clone());
     let header: Vec<String> = ["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]).collect();
-    let mut table = tables::table(header, 1..=knobs.len());
+    let mut table = terminal::table(header, 1..=knobs.len());
     let kinds = dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);
     for kind in kinds {
         let own = knobs.iter().map(|knob| knob.parameters.get(kind.name));
@@ -147,5 +147,5 @@ fn origins(knob: &ComparedKnob) -> Vec<String> {
 
 /// A note in lines that fit the terminal, under the knob's name.
 fn paragraph(text: &str) -> Vec<String> {
-    tables::paragraph("  -", text, WIDTH - 1)
+    terminal::paragraph("  -", text, WIDTH - 1)
 }

@@ -3,7 +3,7 @@
 use comfy_table::Table;
 use dynamics::{Composition, Effect, Model};
 
-use crate::tables::table;
+use crate::terminal::table;
 
 /// Parameters of one effect beyond which zeros are left out: harmonics that are not there.
 const MANY: usize = 8;

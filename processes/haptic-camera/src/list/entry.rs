@@ -12,10 +12,11 @@ use shared_types::RunDescription;
 use super::quality::Quality;
 
 /// What a file is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Health {
     /// Every sample is there.
+    #[default]
     Whole,
     /// Samples are missing.
     SamplesLost,
@@ -32,7 +33,7 @@ pub(super) enum Health {
 }
 
 /// A file of the folder.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Entry {
     /// Name in the folder.
     pub(super) file: String,
@@ -105,7 +106,6 @@ impl Entry {
         Self {
             file: name(path),
             health,
-            problem: None,
             captured_at: date(captured_at_ns),
             replay: description.as_ref().is_some_and(RunDescription::is_rendered),
             knob: description.map(|run| run.knob),
@@ -120,6 +120,7 @@ impl Entry {
             recovered,
             quality: Quality::of(path, samples),
             captured_at_ns,
+            ..Self::default()
         }
     }
 
@@ -141,19 +142,8 @@ impl Entry {
             health,
             problem: Some(one_line(&error.to_string())),
             captured_at: date(captured_at_ns),
-            knob: None,
-            replay: false,
-            duration_s: None,
-            rate_hz: None,
-            samples: None,
-            gaps: None,
-            lost_samples: None,
-            missed_ticks: None,
-            stale_ticks: None,
-            clock_drift_ppm: None,
-            recovered: false,
-            quality: Quality::default(),
             captured_at_ns,
+            ..Self::default()
         }
     }
 

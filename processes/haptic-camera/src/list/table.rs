@@ -3,7 +3,7 @@
 use operator::one_line;
 
 use super::entry::{Entry, Health};
-use crate::tables;
+use crate::terminal;
 
 /// Most of a name that fits.
 const NAME_LETTERS: usize = 27;
@@ -12,7 +12,7 @@ const KNOB_LETTERS: usize = 7;
 
 /// The table, and a sentence on each file that is no whole capture.
 pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
-    let mut table = tables::table(["file", "knob", "captured", "s", "error", "95 %", "health"], 3..6);
+    let mut table = terminal::table(["file", "knob", "captured", "s", "error", "95 %", "health"], 3..6);
     for entry in entries {
         let number = |value: Option<f64>, digits: usize| {
             value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
@@ -31,7 +31,7 @@ pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
     table.column_iter_mut().for_each(|column| {
         column.set_padding((0, 1));
     });
-    let mut lines = tables::lines(&table);
+    let mut lines = terminal::lines(&table);
     lines.push("s: length; error: residual, share of torque; 95 %: mean half width, mNm or N".to_owned());
     lines.extend(entries.iter().filter_map(remark));
     lines

@@ -3,7 +3,7 @@
 use comfy_table::Table;
 use report::{ChannelDifference, ChannelLag};
 
-use crate::tables::table;
+use crate::terminal::table;
 
 /// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
 pub fn differences(differences: &[ChannelDifference]) -> Table {

@@ -15,7 +15,7 @@ use crate::outcome::{Outcome, is_output_json, remark, say};
 use crate::outputs::write_json_on;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
-use crate::tables::table;
+use crate::terminal::table;
 
 /// Options of `rig check`.
 #[derive(Debug, Args)]

@@ -24,7 +24,7 @@ use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::rig_run;
 use crate::supervision::{EndedInFault, listen_for_interrupt};
-use crate::tables::digits;
+use crate::terminal::digits;
 
 /// Options of `rig commission`.
 #[derive(Debug, Args)]

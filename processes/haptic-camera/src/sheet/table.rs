@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use comfy_table::Table;
 use sheet::{Figure, Sheet};
 
-use crate::tables::{by_reason, digits, table};
+use crate::terminal::{by_reason, digits, table};
 
 /// What the sheet is of.
 pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {

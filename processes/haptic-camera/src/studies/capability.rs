@@ -12,7 +12,7 @@ use sheet::{Capability, Index, QdasRow};
 use super::values::{StudyOptions, Unit, column, studied, units};
 use crate::outcome::{Outcome, show};
 use crate::outputs::{kind, write_if_asked, write_json};
-use crate::tables;
+use crate::terminal;
 
 /// Options of `capability`.
 #[derive(Debug, Args)]
@@ -65,7 +65,7 @@ fn measured_at(file: Option<&Path>) -> String {
 }
 
 fn table(results: &BTreeMap<&'static str, Capability>) -> Table {
-    let mut table = tables::table(["figure", "units", "Cp", "Cpk", "Pp", "Ppk"], 1..6);
+    let mut table = terminal::table(["figure", "units", "Cp", "Cpk", "Pp", "Ppk"], 1..6);
     let index = |index: &Index| format!("{:.2} ({:.2} to {:.2})", index.value, index.ci95[0], index.ci95[1]);
     for (name, Capability { number, cp, cpk, pp, ppk, .. }) in results {
         let or_dash = |of: &Option<Index>| of.as_ref().map_or_else(|| "–".to_owned(), index);

@@ -7,7 +7,7 @@ use identification::live::{Convergence, USUAL_SHARE};
 use shared_types::{FitUpdate, LATENESS_BIN_EDGES_NS, LoopStatus, ProcessKind};
 
 use super::loop_link::LoopLink;
-use crate::tables::digits;
+use crate::terminal::digits;
 use crate::until_ci::{Knowledge, Known, Share};
 
 /// Lines of the panel: the bar, the table's head, eight parameters, and what follows.

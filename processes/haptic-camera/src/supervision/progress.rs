@@ -9,7 +9,7 @@ use super::lines::{fit_line, rendering_line, time_line};
 use super::loop_link::LoopLink;
 use super::panel::{self, FIT_LINES};
 use crate::outcome::{hold_panel, release_panel, say};
-use crate::terminal;
+use crate::terminal::{self, WIDTH};
 use crate::until_ci::Share;
 
 /// Time between two plain lines, at least …
@@ -49,7 +49,8 @@ impl Progress {
         let duration_s = (!run.request.is_open_ended()).then_some(run.request.duration_s);
         let size = terminal::size();
         // A panel that does not fit would scroll instead of staying where it is.
-        let whole_panel = shown == Shown::Fit && size.is_some_and(|size| size.rows > FIT_LINES && size.columns >= 80);
+        let whole_panel =
+            shown == Shown::Fit && size.is_some_and(|(rows, columns)| rows > FIT_LINES && columns >= WIDTH);
         let bar = size.map(|_| {
             let bar = duration_s.map_or_else(ProgressBar::no_length, |duration_s| ProgressBar::new(steps(duration_s)));
             let template = match (duration_s, whole_panel) {

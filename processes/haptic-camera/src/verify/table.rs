@@ -4,7 +4,7 @@ use identification::diagnosis::Verdict;
 use report::{AddedByRendering, RenderedParameter};
 
 use super::{LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification};
-use crate::tables::table;
+use crate::terminal::table;
 
 /// The verification line by line.
 pub fn lines(verification: &Verification) -> Vec<String> {
