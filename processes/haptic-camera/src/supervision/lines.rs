@@ -10,7 +10,7 @@ use crate::until_ci::{Knowledge, Share};
 
 /// How far run and fit are, how late the loop was and what was lost.
 pub(super) fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
-    let axis = link.rig().axis;
+    let axis = link.rig.axis;
     let known = link.fit().map_or_else(String::new, |fit| {
         let residual = if fit.residual_rms_mnm.is_finite() {
             axis.words(&format!(", residual {:.*} mNm", 2 + finer(axis), fit.residual_rms_mnm)).into_owned()
@@ -47,10 +47,10 @@ fn finer(axis: Axis) -> usize {
 /// What a hand does to a rendered model, and what it feels.
 #[allow(clippy::cast_precision_loss, reason = "for display")]
 pub(super) fn rendering_line(link: &LoopLink) -> String {
-    let status = link.status();
+    let status = &link.status;
     let contact = if status.flags & Sample::STUCK == 0 { "sliding" } else { "stuck" };
-    let model = link.models().last().map_or("", |model| model.name.as_str());
-    let axis = link.rig().axis;
+    let model = link.models.last().map_or("", |model| model.name.as_str());
+    let axis = link.rig.axis;
     let felt =
         format!("{:+.3} rad, {contact}, hand {:+.*} mNm", status.angle_rad, 1 + finer(axis), link.hand_torque_mnm());
     format!(

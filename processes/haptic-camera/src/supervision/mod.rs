@@ -149,14 +149,14 @@ impl SupervisedRun {
     /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
     fn supervise(&self, control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
-        let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status().core)?;
+        let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status.core)?;
         let ready_by = Instant::now() + RECORDER_READY;
         while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
             std::thread::sleep(CYCLE);
             link.listen();
             consumers.revive(&link);
         }
-        self.tell_start(link.status());
+        self.tell_start(&link.status);
 
         if let Err(error) = link.request(CommandKind::Start) {
             let had_ended = control_loop.has_ended();
@@ -180,7 +180,7 @@ impl SupervisedRun {
             }
             let has_ended = control_loop.has_ended();
             link.listen();
-            if link.status().finished == 1 {
+            if link.status.finished == 1 {
                 break;
             }
             if has_ended {
@@ -188,7 +188,7 @@ impl SupervisedRun {
                 remark(format!(
                     "the control loop ended in the middle of the run ({}){}; what was recorded so far is kept",
                     control_loop.end_in_words(),
-                    driving(link.rig())
+                    driving(&link.rig)
                 ));
                 loop_failed = true;
                 break;
@@ -213,20 +213,9 @@ impl SupervisedRun {
             !control_loop.has_ended()
         });
         let restarts = consumers.end();
-        let interrupted = stopped_by_operator;
-        let models = link.models().to_vec();
-        let rig = link.rig().clone();
-        let achieved = rule.map(StopRule::achieved);
-        Ok(Some(RunEnd {
-            status: *link.status(),
-            recorder_exit,
-            restarts,
-            rig,
-            models,
-            interrupted,
-            achieved,
-            loop_failed,
-        }))
+        let LoopLink { status, rig, models, .. } = link;
+        let (interrupted, achieved) = (stopped_by_operator, rule.map(StopRule::achieved));
+        Ok(Some(RunEnd { status, recorder_exit, restarts, rig, models, interrupted, achieved, loop_failed }))
     }
 
     fn tell_start(&self, status: &LoopStatus) {
@@ -241,7 +230,7 @@ impl SupervisedRun {
 fn is_enough_known(rule: Option<&mut StopRule>, link: &LoopLink) -> bool {
     let Some((rule, fit)) = rule.filter(|rule| !rule.has_ended()).zip(link.fit()) else { return false };
     #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
-    let time_s = fit.latest_tick as f64 / link.status().rate_hz.max(1.0);
+    let time_s = fit.latest_tick as f64 / link.status.rate_hz.max(1.0);
     rule.take(time_s, Knowledge::from(fit))
 }
 
@@ -304,12 +293,12 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
             None => {}
             Some(open) => {
                 open.listen();
-                match LoopState::from_code(open.status().state) {
+                match LoopState::from_code(open.status.state) {
                     Some(LoopState::Armed) => return Ok(link),
                     // The description comes a little after the status.
-                    Some(LoopState::Fault) if open.rig().name.is_empty() && Instant::now() < deadline => {}
+                    Some(LoopState::Fault) if open.rig.name.is_empty() && Instant::now() < deadline => {}
                     Some(LoopState::Fault) => {
-                        let fault = open.rig().fault_words(open.status()).unwrap_or_default();
+                        let fault = open.rig.fault_words(&open.status).unwrap_or_default();
                         remark(format!("the run did not begin: {fault}"));
                         return Ok(None);
                     }
