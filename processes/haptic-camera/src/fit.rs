@@ -12,12 +12,10 @@ use loaded_capture::LoadedCapture;
 use report::{AveragePage, FigureNumbers};
 
 use crate::command_line::ColumnOptions;
-use crate::harmonic_table::harmonic_table;
+use crate::fit_tables::{agreement_line, harmonic_table, parameter_table, reasons, repeatability_table};
 use crate::load;
 use crate::outcome::{Outcome, is_output_json, say};
 use crate::outputs::{kind, write, write_if_asked, write_json_on};
-use crate::parameter_table::{parameter_table, reasons};
-use crate::repeatability::{agreement_line, repeatability_table};
 
 /// Options of `fit`.
 #[derive(Debug, Args)]

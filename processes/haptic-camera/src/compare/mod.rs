@@ -16,10 +16,10 @@ use sheet::perception::perceived_differences;
 
 use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
+use crate::fit_tables::true_value;
 use crate::load;
 use crate::outcome::{Outcome, show};
 use crate::outputs::{kind, write_if_asked, write_json_on};
-use crate::parameter_table::true_value;
 
 /// Options of `compare`.
 #[derive(Debug, Args)]

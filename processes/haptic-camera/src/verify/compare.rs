@@ -8,7 +8,7 @@ use report::RenderedParameter;
 
 use super::{LARGEST_DIFFERENCE_PERCENT, LARGEST_STATIC_DIFFERENCE_PERCENT};
 use crate::check::Threshold;
-use crate::parameter_table::true_value;
+use crate::fit_tables::true_value;
 
 /// A parameter with its value in the rendered knob and the interval of that, or why there is none.
 pub(super) fn verified(
