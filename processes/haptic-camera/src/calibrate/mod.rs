@@ -1,14 +1,14 @@
 //! `calibrate`: what is known of the rig, found out from captures.
 
 mod file;
-mod table;
 
 use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
+use comfy_table::Table;
 use dynamics::Calibration;
-use identification::calibration::{self, CalibrateError, Calibrated};
+use identification::calibration::{self, CalibrateError, Calibrated, CoggingEstimate};
 use loaded_capture::LoadedCapture;
 use rt_loop::request::{Pace, RunRequest};
 
@@ -17,6 +17,7 @@ use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
+use crate::terminal::{self, digits};
 
 /// Options of `calibrate`.
 #[derive(Debug, Args)]
@@ -104,9 +105,9 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
         anyhow::bail!("there is no capture to calibrate from");
     };
     if !calibrated.estimates.is_empty() {
-        say(known.axis.words(&table::table(&known, &calibrated).to_string()));
+        say(known.axis.words(&table(&known, &calibrated).to_string()));
     }
-    for line in calibrated.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
+    for line in calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging)) {
         say(known.axis.words(&format!("cogging  {line}")));
     }
     for note in &calibrated.notes {
@@ -180,4 +181,40 @@ impl CalibrationKind {
         let interrupted = listen_for_interrupt()?;
         rig_run::archive(request, rig, &format!("calibrate-{}", self.subject()), &interrupted)
     }
+}
+
+/// Each quantity as it was believed and as it was found, with its interval.
+fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
+    let mut table = terminal::table(["quantity", "before", "found", "95 %", "unit"], 1..4);
+    let before = toml::Table::try_from(known).unwrap_or_default();
+    for estimate in &calibrated.estimates {
+        // Delays are fractions of a sample: microseconds read better.
+        let (factor, unit) = if estimate.unit == "s" { (1e6, "µs") } else { (1.0, estimate.unit) };
+        let digits = digits(factor * estimate.half_width);
+        let believed = before.get(estimate.quantity).and_then(toml::Value::as_float);
+        table.add_row([
+            estimate.quantity.to_owned(),
+            believed.map_or_else(String::new, |value| format!("{:.digits$}", factor * value)),
+            format!("{:.digits$}", factor * estimate.value),
+            format!("±{:.digits$}", factor * estimate.half_width),
+            unit.to_owned(),
+        ]);
+    }
+    table
+}
+
+/// Each harmonic of a motor's cogging with its intervals; one line that says so where there is none.
+fn cogging_lines(cogging: &[CoggingEstimate]) -> Vec<String> {
+    if cogging.is_empty() {
+        return vec!["none".to_owned()];
+    }
+    let line = |harmonic: &CoggingEstimate| {
+        let CoggingEstimate { per_turn, torque_mnm, torque_half_width_mnm, phase_rad, phase_half_width_rad } = harmonic;
+        let (of_torque, of_phase) = (digits(*torque_half_width_mnm), digits(*phase_half_width_rad));
+        format!(
+            "{per_turn} per turn of {torque_mnm:.of_torque$} ± {torque_half_width_mnm:.of_torque$} mNm, phase \
+             {phase_rad:.of_phase$} ± {phase_half_width_rad:.of_phase$} rad"
+        )
+    };
+    cogging.iter().map(line).collect()
 }

@@ -1,17 +1,19 @@
 //! `compose`: one knob's inertia, another's friction, a third one's detents, and any number changed.
 
 mod arguments;
-mod destination;
-mod table;
 
 use std::path::PathBuf;
 
+use anyhow::bail;
+use archive::whole_file::Replace;
 use clap::Args;
-use dynamics::{Composition, CompositionError, Model, ModelError, Parts, Role, Source, composition_notes};
+use comfy_table::Table;
+use dynamics::{Composition, CompositionError, Effect, Model, ModelError, Parts, Role, Source, composition_notes};
 
 pub use self::arguments::{Assignment, Extra};
 use crate::outcome::{Outcome, UsageError, remark, say};
-use crate::outputs::write;
+use crate::outputs::{is_same, kind, write};
+use crate::terminal::table;
 
 /// Options of `compose`.
 #[derive(Debug, Args)]
@@ -52,11 +54,11 @@ pub struct ComposeOptions {
 /// One sentence on what is wrong with a source or the output. Parts and values that do not fit are a [`UsageError`].
 pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let sources = Sources::load(options)?;
-    let replaced = destination::replaced(options)?;
+    let replaced = replaced(options)?;
     let composition = composed(&sources, options).map_err(|error| UsageError(error.into()))?;
     let model = composition.model(&name(options), &sources.parts.description());
     write(&options.out, replaced, &model.to_toml())?;
-    say(model.axis.words(&table::parts(&composition, &model).to_string()));
+    say(model.axis.words(&parts_table(&composition, &model).to_string()));
     say(format!(
         "{}: {}; {}",
         options.out.display(),
@@ -115,4 +117,61 @@ fn effects(model: &Model) -> String {
         1 => "1 effect".to_owned(),
         count => format!("{count} effects"),
     }
+}
+
+/// What the model may replace: one that was composed before, so that a number is changed and felt again. Refuses a place where
+/// something would be lost: a fitted model, a drawn table or a capture costs more to have again.
+///
+/// # Errors
+/// One sentence that says what lies there and what to do.
+fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
+    let out = &options.out;
+    if options.overwrite {
+        return Ok(Replace::Anything);
+    }
+    let shown = out.display();
+    if sources(options).any(|source| is_same(source.as_ref(), out)) {
+        bail!("{shown} is itself a source of the model; choose another name for --out, or give --overwrite");
+    }
+    match out.is_file().then(|| Model::load(out)) {
+        None => {}
+        Some(Ok(model)) if model.effects.iter().any(|effect| effect.origin().is_some()) => {}
+        Some(Ok(_)) => {
+            bail!("{shown} exists and was not composed; choose another name for --out, or give --overwrite")
+        }
+        Some(Err(_)) => bail!("{shown} exists and is not a model; choose another name for --out, or give --overwrite"),
+    }
+    Ok(kind::COMPOSED_MODEL)
+}
+
+fn sources(options: &ComposeOptions) -> impl Iterator<Item = &String> {
+    let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
+    let parts = [inertia, friction, detents].into_iter().flatten();
+    parts.chain(extra.iter().map(|extra| &extra.source)).chain(from.iter().map(|from| &from.value))
+}
+
+/// Parameters of one effect beyond which zeros are left out: harmonics that are not there.
+const MANY: usize = 8;
+
+/// Effect by effect, every parameter with its value and where that comes from.
+fn parts_table(composition: &Composition, model: &Model) -> Table {
+    let mut table = table(["effect", "parameter", "value", "unit", "from"], [2]);
+    for effect in &model.effects {
+        let mut name = effect.kind().name;
+        for (parameter, value) in shown(effect) {
+            let from = composition.origin_of(parameter.name).unwrap_or_default();
+            table.add_row([name, parameter.name, &value.to_string(), parameter.unit, from]);
+            name = "";
+        }
+        if let Some(drawn) = effect.table() {
+            let points = format!("{} over {} rad", drawn.points().len(), drawn.period_rad().unwrap_or_default());
+            table.add_row(["", "points", &points, "", ""]);
+        }
+    }
+    table
+}
+
+fn shown(effect: &Effect) -> impl Iterator<Item = (&'static dynamics::ParameterKind, f64)> + '_ {
+    let many = effect.values().len() > MANY;
+    effect.parameters().filter(move |(_, value)| !many || *value != 0.0)
 }

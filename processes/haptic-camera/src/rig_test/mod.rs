@@ -4,7 +4,6 @@
 //! locked gripper under a torque sweep; and both once more at 30 Hz, where the paper speaks of a lag.
 
 mod channel;
-mod table;
 
 use std::io::IsTerminal as _;
 use std::os::fd::AsFd as _;
@@ -13,10 +12,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context as _;
 use clap::Args;
+use comfy_table::Table;
 use dynamics::Excitation;
 use loaded_capture::LoadedCapture;
 use nix::poll::{PollFd, PollFlags, poll};
-use report::{CaptureFacts, RigTest};
+use report::{CaptureFacts, ChannelDifference, ChannelLag, RigTest};
 use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
@@ -25,6 +25,7 @@ use crate::outcome::{Outcome, is_output_json, say};
 use crate::outputs::{kind, write_if_asked, write_json};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
+use crate::terminal::table;
 use channel::{Channel, LAG_HZ};
 
 /// Options of `rig-test`.
@@ -111,9 +112,9 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         say("");
         let scaled = if axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
         say(format!("original minus measured; filtered: its SD after the paper's low-pass filters{scaled}"));
-        say(table::differences(&test.differences));
+        say(differences(&test.differences));
         say("");
-        say(table::lags(&test.lag_at_30_hz));
+        say(lags(&test.lag_at_30_hz));
     }
     write_json(options.json.as_deref(), &test)?;
     write_if_asked(options.report.as_ref(), kind::PAGE, || report::rig_test_page(&test))?;
@@ -150,4 +151,36 @@ fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
 fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
     let description = loaded.capture.description.as_ref().context("the run has no description")?;
     Ok(description.excitation()?)
+}
+
+/// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
+fn differences(differences: &[ChannelDifference]) -> Table {
+    let mut table = table(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"], 1..6);
+    for row in differences {
+        table.add_row([
+            row.channel.to_owned(),
+            format!("{:.5}", row.mean),
+            format!("{:.5}", row.sd),
+            format!("{:.5}", row.sd_filtered),
+            format!("{:.4}", row.paper_mean),
+            format!("{:.4}", row.paper_sd),
+            row.unit.to_owned(),
+        ]);
+    }
+    table
+}
+
+/// Phase lags at 30 Hz, beside what the paper says of its own.
+fn lags(lags: &[ChannelLag]) -> Table {
+    let mut table = table(["lag at 30 Hz", "rad", "ms", "gain", "paper"], 1..5);
+    for lag in lags {
+        table.add_row([
+            lag.channel.to_owned(),
+            format!("{:.4}", lag.phase_rad),
+            format!("{:.3}", lag.delay_ms),
+            format!("{:.4}", lag.gain),
+            format!("< {} rad", lag.paper_phase_rad_below),
+        ]);
+    }
+    table
 }

@@ -1,9 +1,9 @@
 //! `sheet`: the figures of a data sheet, from captures or from other people's testers' files.
 
-mod csv;
 mod table;
 mod wall;
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use analysis::{curve_files, curves, mean_fit};
@@ -13,7 +13,7 @@ use sheet::Sheet;
 use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{Outcome, is_output_json, say};
-use crate::outputs::{kind, write, write_if_asked, write_json};
+use crate::outputs::{FIGURES_HEADER, kind, write, write_if_asked, write_json};
 
 /// Options of `sheet`.
 #[derive(Debug, Args)]
@@ -69,7 +69,28 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
         }
     }
     write_json(options.json.as_deref(), &sheet)?;
-    write_if_asked(options.csv.as_ref(), kind::FIGURES, || csv::text(&sheet))?;
+    write_if_asked(options.csv.as_ref(), kind::FIGURES, || figures_csv(&sheet))?;
     write_if_asked(options.report.as_ref(), kind::PAGE, || analysis::sheet_page(&sheet, &files))?;
     Ok(Outcome::Done)
+}
+
+/// One row a figure; after those of the whole control, those of each detent with its angle and direction.
+fn figures_csv(sheet: &Sheet) -> String {
+    let mut text = FIGURES_HEADER.to_owned();
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    // Writing to a string does not fail.
+    for figure in sheet.in_order() {
+        let kind = figure.kind;
+        let [low, high] = [0, 1].map(|end| number(figure.ci95.map(|ends| ends[end])));
+        let definition = kind.definition.replace('"', "\"\"");
+        let _ = writeln!(text, "{},,,{},{},{low},{high},\"{definition}\"", kind.name, number(figure.value), kind.unit);
+    }
+    for detent in &sheet.detents {
+        for (name, figure) in &detent.figures {
+            let [low, high] = figure.ci95;
+            let (angle, direction) = (detent.angle_rad, detent.direction);
+            let _ = writeln!(text, "{name},{angle},{direction},{},{},{low},{high},", figure.value, figure.unit);
+        }
+    }
+    text
 }

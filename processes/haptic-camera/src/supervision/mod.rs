@@ -5,7 +5,6 @@ mod child;
 mod consumer;
 mod consumers;
 mod heard;
-mod lines;
 mod loop_link;
 mod panel;
 mod progress;
