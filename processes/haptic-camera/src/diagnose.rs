@@ -6,7 +6,7 @@ use analysis::{DiagnosisResult, diagnosed_model, refuse_drawn};
 use clap::Args;
 use dynamics::{Axis, Model};
 use identification::diagnosis::Progress;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use report::DiagnosisPage;
 
 use crate::command_line::ColumnOptions;
@@ -15,6 +15,7 @@ use crate::load;
 use crate::outcome::{Outcome, show};
 use crate::outputs::{kind, write, write_if_asked, write_json_on};
 use crate::recording;
+use crate::terminal;
 
 /// Options of `diagnose`.
 #[derive(Debug, Args)]
@@ -89,12 +90,12 @@ fn starting_model(path: &Path) -> anyhow::Result<Model> {
     Ok(model)
 }
 
+/// A bar for [`show_progress`].
 pub fn progress_bar() -> ProgressBar {
-    let style =
-        ProgressStyle::with_template("{bar:24} {pos}/{len} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(1).with_style(style)
+    terminal::bar(1, "{bar:24} {pos}/{len} {msg}")
 }
 
+/// Shows how far a diagnosis is.
 pub fn show_progress(bar: &ProgressBar, progress: Progress) {
     match progress {
         Progress::Tried { effect, done, of } => {

@@ -66,7 +66,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
         },
         models,
         interrupted: stop.load(Ordering::Acquire),
-        achieved: watch.map(|watch| watch.rule.achieved()),
+        achieved: watch.map(|watch| watch.rule),
         loop_failed: false,
     })
 }

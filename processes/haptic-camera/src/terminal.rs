@@ -3,6 +3,7 @@
 use std::io::IsTerminal as _;
 
 use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets};
+use indicatif::{ProgressBar, ProgressStyle};
 
 /// Columns of the terminal.
 pub const WIDTH: u16 = 80;
@@ -15,6 +16,12 @@ pub fn size() -> Option<(u16, u16)> {
         return None;
     }
     console::Term::stderr().size_checked()
+}
+
+/// A progress bar of that many steps.
+pub fn bar(steps: u64, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(steps).with_style(style)
 }
 
 /// A table without lines, under a header, with the columns at these places aligned to the right.

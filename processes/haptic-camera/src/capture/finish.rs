@@ -13,7 +13,7 @@ use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{kind, write};
 use crate::supervision::{Archived, RunEnd};
-use crate::until_ci::{Achieved, Known};
+use crate::until_ci::{Known, StopRule};
 
 /// Names that are tried for what is made of a capture.
 const NAMES_TRIED: u32 = 1_000;
@@ -73,7 +73,7 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
 }
 
 /// What a run that goes on until enough is known came to, and how long it took of the planned sweep.
-pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
+pub(super) fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
     let share = achieved.asked;
     let Some(ended_s) = achieved.ended_s else {
         let open: Vec<String> = achieved.open().iter().map(share_words).collect();
@@ -90,7 +90,7 @@ pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
 }
 
 /// Holds the fit of the archive against what the sweep was ended for.
-fn tell_precision(achieved: &Achieved, fitted: &Fit, torque_step_mnm: f64) {
+fn tell_precision(achieved: &StopRule, fitted: &Fit, torque_step_mnm: f64) {
     let Some(knowledge) = achieved.verify(fitted, torque_step_mnm) else { return };
     let share = achieved.asked;
     let open: Vec<String> = knowledge.open().iter().map(share_words).collect();

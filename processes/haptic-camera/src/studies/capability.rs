@@ -9,7 +9,7 @@ use clap::Args;
 use comfy_table::Table;
 use sheet::{Capability, Index, QdasRow};
 
-use super::values::{StudyOptions, Unit, column, studied, units};
+use super::values::{StudyOptions, Unit, columns, studied, units};
 use crate::outcome::{Outcome, show};
 use crate::outputs::{kind, write_if_asked, write_json};
 use crate::terminal;
@@ -39,10 +39,9 @@ pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
     let studied = studied(&options.study, Some(&specification))?;
     let units = units(&options.study, &studied)?;
-    let mut results: BTreeMap<&'static str, Capability> = BTreeMap::new();
-    for (index, (kind, limits)) in studied.iter().enumerate() {
-        let values = column(&units, index, &studied)?;
-        results.insert(kind.name, Capability::of(&values, options.subgroup, *limits).context(kind.name)?);
+    let mut results = BTreeMap::new();
+    for ((kind, limits), values) in columns(&units, &studied)? {
+        results.insert(kind.name, Capability::of(&values, options.subgroup, limits).context(kind.name)?);
     }
     show([table(&results)]);
     write_json(options.study.json.as_deref(), &results)?;

@@ -8,7 +8,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use sheet::{Design, Gauge};
 
-use super::values::{StudyOptions, Unit, column, studied, units};
+use super::values::{StudyOptions, Unit, columns, studied, units};
 use crate::outcome::{Outcome, show};
 use crate::outputs::write_json;
 
@@ -41,9 +41,9 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
     let studied = studied(&options.study, specification.as_ref())?;
     let units = units(&options.study, &studied)?;
     let design = if options.nested { Design::Nested } else { Design::Crossed };
-    let mut results: BTreeMap<&'static str, Gauge> = BTreeMap::new();
-    for (index, (kind, limits)) in studied.iter().enumerate() {
-        let values = by_operator(&units, &column(&units, index, &studied)?, design)?;
+    let mut results = BTreeMap::new();
+    for ((kind, limits), values) in columns(&units, &studied)? {
+        let values = by_operator(&units, &values, design)?;
         let tolerance = limits.min.zip(limits.max).map(|(min, max)| max - min);
         results.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
     }

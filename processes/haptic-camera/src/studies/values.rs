@@ -109,16 +109,17 @@ fn of_table(table: &Path) -> anyhow::Result<Vec<Unit>> {
     Ok(values.iter().enumerate().map(unit).collect())
 }
 
-/// The values of one studied figure.
+/// The values of each studied figure.
 ///
 /// # Errors
-/// For a unit whose curve does not tell it.
-pub fn column(units: &[Unit], index: usize, studied: &[Studied]) -> anyhow::Result<Vec<f64>> {
-    let value = |unit: &Unit| {
+/// For a unit whose curve does not tell one.
+pub fn columns(units: &[Unit], studied: &[Studied]) -> anyhow::Result<Vec<(Studied, Vec<f64>)>> {
+    let value = |unit: &Unit, index: usize| {
         unit.values[index].with_context(|| {
             let file = unit.file.as_ref().map(|file| file.display().to_string()).unwrap_or_default();
             format!("{file} has no {}; `haptic-camera sheet` gives the reason", studied[index].0.name)
         })
     };
-    units.iter().map(value).collect()
+    let column = |index| units.iter().map(|unit| value(unit, index)).collect::<anyhow::Result<Vec<f64>>>();
+    studied.iter().enumerate().map(|(index, studied)| Ok((*studied, column(index)?))).collect()
 }

@@ -6,8 +6,7 @@ use std::time::{Duration, Instant};
 use rt_loop::realtime::OffCore;
 use shared_types::{ProcessKind, rig};
 
-use super::child::{Child, program};
-use super::heard::Heard;
+use super::child::{Child, Heard, program};
 use super::loop_link::LoopLink;
 use super::words::Words;
 use crate::outcome::remark;

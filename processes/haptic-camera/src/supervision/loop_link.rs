@@ -10,7 +10,7 @@ use shared_types::{
     CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig,
 };
 
-use super::heard::Heard;
+use super::child::Heard;
 use super::{ModelStart, RigWords};
 
 /// Longest wait for the loop's answer to a request.

@@ -4,7 +4,6 @@ mod account;
 mod child;
 mod consumer;
 mod consumers;
-mod heard;
 mod loop_link;
 mod panel;
 mod progress;
@@ -213,7 +212,7 @@ impl SupervisedRun {
         });
         let restarts = consumers.end();
         let LoopLink { status, rig, models, .. } = link;
-        let (interrupted, achieved) = (stopped_by_operator, rule.map(StopRule::achieved));
+        let (interrupted, achieved) = (stopped_by_operator, rule);
         Ok(Some(RunEnd { status, recorder_exit, restarts, rig, models, interrupted, achieved, loop_failed }))
     }
 

@@ -15,10 +15,11 @@ use std::sync::mpsc::sync_channel;
 use analysis::{Row, load_specification};
 use anyhow::ensure;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use sheet::Specification;
 
 use crate::outcome::{Outcome, remark, say};
+use crate::terminal;
 use files::{Seen, captures};
 use journal::Journal;
 
@@ -57,7 +58,8 @@ pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
             journal.place().display()
         ));
     }
-    let bar = progress_bar(files.len(), files.len() - left.len());
+    let bar = terminal::bar(files.len() as u64, "{bar:24} {pos}/{len} captures, {per_sec}, {eta} left");
+    bar.set_position((files.len() - left.len()) as u64);
     let added = add_rows(&left, specification.as_ref(), jobs(options.jobs), &mut journal, &bar);
     bar.finish_and_clear();
     added?;
@@ -105,12 +107,6 @@ fn add_rows(
         }
         Ok(())
     })
-}
-
-fn progress_bar(captures: usize, done: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:24} {pos}/{len} captures, {per_sec}, {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(captures as u64).with_style(style).with_position(done as u64)
 }
 
 /// The place of a table's journal.

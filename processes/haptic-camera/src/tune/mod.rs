@@ -66,14 +66,9 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
 /// What `present` is to become.
 fn wanted(options: &TuneOptions, present: &Model) -> anyhow::Result<Model> {
     let mut wanted = match &options.model {
-        Some(name) => chosen(name)?,
+        Some(name) => knobs::named(name).context("nothing was changed")?,
         None => present.clone(),
     };
     settings::apply(&options.settings, &mut wanted)?;
     Ok(wanted)
-}
-
-/// The model that the operator named.
-fn chosen(name: &str) -> anyhow::Result<Model> {
-    knobs::named(name).context("nothing was changed")
 }
