@@ -74,7 +74,13 @@ pub fn by_reason<'a>(named: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec
 }
 
 /// Decimals that show a width with two digits.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
 pub fn digits(width: f64) -> usize {
-    if width > 0.0 { (1.0 - width.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 }
+    if width > 0.0 { decimals(width, 2.0, [0.0, 9.0]) } else { 4 }
+}
+
+/// Decimals that show a value with so many digits, within bounds.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
+pub fn decimals(value: f64, digits: f64, [least, most]: [f64; 2]) -> usize {
+    let order = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    (digits - 1.0 - order).clamp(least, most) as usize
 }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
-use analysis::{Cell, Row};
+use analysis::Row;
 use anyhow::{Context as _, ensure};
 use clap::Args;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
@@ -100,9 +100,14 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
     let mut verdicts: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for row in rows.get_row_iter(None).with_context(foreign)? {
         let row = row.with_context(foreign)?;
-        let cells: BTreeMap<&str, Cell> =
-            row.get_column_iter().map(|(name, field)| (name.as_str(), cell(field))).collect();
-        let text = |name: &str| if let Some(Cell::Text(text)) = cells.get(name) { text.clone() } else { None };
+        let cells: BTreeMap<&str, &Field> = row.get_column_iter().map(|(name, field)| (name.as_str(), field)).collect();
+        let text = |name: &str| if let Some(Field::Str(text)) = cells.get(name) { Some(text.clone()) } else { None };
+        #[allow(clippy::cast_precision_loss, reason = "a time of which microseconds matter at most")]
+        let real = |name: &str| match cells.get(name)? {
+            Field::Double(real) => Some(*real),
+            Field::Long(count) => u64::try_from(*count).ok().map(|count| count as f64),
+            _ => None,
+        };
         if text("error").is_some() {
             trend.with_error += 1;
             continue;
@@ -111,11 +116,11 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         if let Some(verdict) = text("verdict") {
             *verdicts.entry(name.clone()).or_default().entry(verdict).or_default() += 1;
         }
-        let captured_at_ns = real(cells.get("captured_at_ns")).unwrap_or(0.0);
+        let captured_at_ns = real("captured_at_ns").unwrap_or(0.0);
         let group = groups.entry(name).or_insert_with(|| vec![Vec::new(); parameters.len()]);
         for (points, name) in group.iter_mut().zip(&parameters) {
-            let [low, high] = ENDS.map(|end| real(cells.get(format!("{name}{end}").as_str())));
-            points.push((captured_at_ns, [real(cells.get(name.as_str())), low, high]));
+            let [low, high] = ENDS.map(|end| real(&format!("{name}{end}")));
+            points.push((captured_at_ns, [real(name), low, high]));
         }
     }
     let times = groups.values().flatten().flatten().map(|(captured_at_ns, _)| *captured_at_ns);
@@ -137,22 +142,4 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         })
         .collect();
     Ok(trend)
-}
-
-fn cell(field: &Field) -> Cell {
-    match field {
-        Field::Str(text) => Cell::Text(Some(text.clone())),
-        Field::Long(count) => Cell::Count(u64::try_from(*count).ok()),
-        Field::Double(real) => Cell::Real(Some(*real)),
-        _ => Cell::Text(None),
-    }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "a time of which microseconds matter at most")]
-fn real(cell: Option<&Cell>) -> Option<f64> {
-    match cell {
-        Some(Cell::Real(real)) => *real,
-        Some(Cell::Count(count)) => count.map(|count| count as f64),
-        _ => None,
-    }
 }

@@ -4,11 +4,11 @@ use comfy_table::Table;
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::PerceivedDifference;
 
-use crate::terminal::{self, WIDTH, by_reason, digits};
+use crate::terminal::{self, WIDTH, by_reason, decimals, digits};
 
 /// Digits of a value without an interval, and of one that the paper prints.
-const DIGITS: usize = 4;
-const PAPER_DIGITS: usize = 2;
+const DIGITS: f64 = 4.0;
+const PAPER_DIGITS: f64 = 2.0;
 /// Rows on the fits themselves, as the JSON names them.
 type Quality = (&'static str, &'static str, fn(&ComparedQuality) -> String);
 const QUALITIES: [Quality; 4] = [
@@ -117,12 +117,8 @@ fn interval_digits(half_width: f64) -> usize {
 }
 
 /// A value with so many significant digits.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
-fn significant(value: f64, digits: usize) -> String {
-    let order = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    #[allow(clippy::cast_precision_loss, reason = "a handful of digits")]
-    let decimals = (digits as f64 - 1.0 - order).clamp(0.0, 9.0) as usize;
-    format!("{value:.decimals$}")
+fn significant(value: f64, digits: f64) -> String {
+    format!("{value:.*}", decimals(value, digits, [0.0, 9.0]))
 }
 
 /// The captures or the model file of a column, and what a reader should know of it.

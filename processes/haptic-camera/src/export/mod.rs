@@ -72,7 +72,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let is_model = knobs::is_shipped(&options.source) || source.extension().is_some_and(|ending| ending == "toml");
     match (is_model, ending.as_str()) {
         (true, "h") => firmware_header(options),
-        (true, "xml") => simulator::write_export(options, &simulators::mjcf(&knobs::named(&options.source)?)),
+        (true, "xml") => simulator::mjcf(options),
         (true, "urdf") => simulator::urdf(options),
         (true, "fmu") => simulator::fmu(options),
         (true, "json") => smartknob::write(options),

@@ -22,6 +22,7 @@ use crate::outcome::{Outcome, remark, say};
 use crate::terminal;
 use files::{Seen, captures};
 use journal::Journal;
+pub(crate) use parquet_file::write_column;
 
 /// Options of `table`.
 #[derive(Debug, Args)]

@@ -4,7 +4,7 @@ use identification::diagnosis::Verdict;
 use report::{AddedByRendering, RenderedParameter};
 
 use super::{LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification};
-use crate::terminal::table;
+use crate::terminal::{self, table};
 
 /// The verification line by line.
 pub fn lines(verification: &Verification) -> Vec<String> {
@@ -58,10 +58,8 @@ fn row(parameter: &RenderedParameter) -> [String; 6] {
 }
 
 /// Four decimals, or as many as give a small number four digits.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most twelve digits")]
 fn decimals(value: f64) -> usize {
-    let size = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    (3.0 - size).clamp(4.0, 12.0) as usize
+    terminal::decimals(value, 4.0, [4.0, 12.0])
 }
 
 /// What was seen of a gap.
