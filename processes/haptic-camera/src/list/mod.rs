@@ -1,7 +1,6 @@
 //! `list`: what captures a folder holds, of which knob, how good their fits are and whether they are whole.
 
 mod entry;
-mod quality;
 mod table;
 
 use std::path::PathBuf;

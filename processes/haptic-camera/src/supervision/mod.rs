@@ -8,10 +8,10 @@ mod loop_link;
 mod panel;
 mod progress;
 mod run_end;
-mod signals;
 mod words;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -22,6 +22,7 @@ use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::fault_injection::{self, FaultInjection};
 use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime, rig};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::large_job;
 use crate::offline_run;
@@ -36,7 +37,6 @@ use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;
 pub(crate) use run_end::{EndedInFault, ModelStart, RigWords, RunEnd};
-pub(crate) use signals::{ending_signals, listen_for_interrupt};
 
 /// Longest wait for the loop to be ready, beside the time that its rig may take to come up.
 const LOOP_READY: Duration = Duration::from_secs(10);
@@ -312,4 +312,29 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
         );
         std::thread::sleep(CYCLE);
     }
+}
+
+/// Ctrl-C, SIGTERM and, unless this program was started to outlive its terminal (`nohup`), the terminal's end.
+pub(crate) fn ending_signals() -> Vec<i32> {
+    [SIGINT, SIGTERM].into_iter().chain((!is_ignored(SIGHUP)).then_some(SIGHUP)).collect()
+}
+
+/// Set by the signals that end a run in order.
+///
+/// # Errors
+/// When the system refuses.
+pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in ending_signals() {
+        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
+    }
+    Ok(interrupted)
+}
+
+/// Whether whoever started this program has it ignore a signal (proc(5)).
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
