@@ -1,11 +1,13 @@
 //! A diagnosis as text for a terminal.
 
-use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
+use std::ops::Range;
+
+use comfy_table::{ContentArrangement, Table};
 use dynamics::effects;
 use identification::diagnosis::{Characteristic, Diagnosis, FORWARD_WINDOW_S, Location, Step, Value, Verdict};
 
-/// Width of the text, columns.
-const WIDTH: u16 = 80;
+use crate::terminal::{self, WIDTH};
+
 /// Coordinates that are named.
 const NAMED: usize = 3;
 
@@ -37,10 +39,14 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
              and with as many parameters.",
             found.noise_floor_rms
         ));
-        lines.extend(rows(&steps(&found.steps, decimals)));
+        lines.extend(terminal::lines(&steps(&found.steps, decimals)));
         lines.push(String::new());
-        lines.extend(rows(&parameters(&found.steps)));
-        found.steps.iter().filter(|step| !step.detents.is_empty()).for_each(|step| lines.extend(rows(&detents(step))));
+        lines.extend(terminal::lines(&parameters(&found.steps)));
+        found
+            .steps
+            .iter()
+            .filter(|step| !step.detents.is_empty())
+            .for_each(|step| lines.extend(terminal::lines(&detents(step))));
         lines.extend(ties(&found.steps));
     }
     lines.extend(
@@ -61,14 +67,14 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         };
         lines.extend(paragraph("", of));
         for partial in &found.partial {
-            lines.extend(paragraph("- ", &format!("{} {:.0} %", partial.effect, partial.explains_percent)));
+            lines.extend(paragraph("-", &format!("{} {:.0} %", partial.effect, partial.explains_percent)));
         }
     }
     if let Some(next) = &found.next_experiment {
         let [one, other] = &next.tells_apart;
         lines.extend(paragraph("", &format!("To discriminate between {one} and {other}: {}.", next.reason)));
     }
-    found.notes.iter().for_each(|note| lines.extend(paragraph("- ", note)));
+    found.notes.iter().for_each(|note| lines.extend(paragraph("-", note)));
     lines
 }
 
@@ -130,19 +136,16 @@ fn ties(steps: &[Step]) -> Vec<String> {
 }
 
 fn steps(steps: &[Step], decimals: usize) -> Table {
-    let mut table = table(["added", "before", "after", "null", "closest rival"]);
+    let mut table = table(["added", "before", "after", "null", "closest rival"], 1..4);
     for step in steps {
         let rival = step.rivals.iter().find(|rival| rival.disqualified.is_none());
-        let rms_mnm = |value: f64| Cell::new(format!("{value:.decimals$}")).set_alignment(CellAlignment::Right);
+        let rms_mnm = |value: f64| format!("{value:.decimals$}");
         table.add_row([
-            Cell::new(step.effect),
+            step.effect.to_owned(),
             rms_mnm(step.heldout_rms_before),
             rms_mnm(step.heldout_rms_after),
             rms_mnm(step.placebo_rms),
-            Cell::new(rival.map_or_else(
-                || "none".to_owned(),
-                |one| format!("{} {:.decimals$}", one.effect, one.heldout_rms_after),
-            )),
+            rival.map_or_else(|| "none".to_owned(), |one| format!("{} {}", one.effect, rms_mnm(one.heldout_rms_after))),
         ]);
     }
     table
@@ -150,7 +153,7 @@ fn steps(steps: &[Step], decimals: usize) -> Table {
 
 /// The parameters of what was added, each effect's in the order of its law.
 fn parameters(steps: &[Step]) -> Table {
-    let mut table = table(["parameter", "value", "95 % interval", "unit"]);
+    let mut table = table(["parameter", "value", "95 % interval", "unit"], 1..3);
     for step in steps {
         let kind = effects::by_name(step.effect);
         let place = |name: &str| {
@@ -162,12 +165,7 @@ fn parameters(steps: &[Step]) -> Table {
             let digits = decimals(value.ci95.map_or(0.01 * value.value, |[low, high]| high - low));
             let interval =
                 value.ci95.map_or_else(|| "–".to_owned(), |[low, high]| format!("{low:.digits$} … {high:.digits$}"));
-            table.add_row([
-                Cell::new(name),
-                Cell::new(format!("{:.digits$}", value.value)).set_alignment(CellAlignment::Right),
-                Cell::new(interval).set_alignment(CellAlignment::Right),
-                Cell::new(value.unit),
-            ]);
+            table.add_row([*name, &format!("{:.digits$}", value.value), &interval, value.unit]);
         }
     }
     table
@@ -175,12 +173,12 @@ fn parameters(steps: &[Step]) -> Table {
 
 /// Unequal detents one by one.
 fn detents(step: &Step) -> Table {
-    let mut table = table(["rest, °", "pitch, °", "peak, mNm", "trough, mNm"]);
+    let mut table = table(["rest, °", "pitch, °", "peak, mNm", "trough, mNm"], 0..4);
     let cell = |value: &Value, factor: f64| {
         let half = value.ci95.map(|[low, high]| 0.5 * factor * (high - low));
         let digits = decimals(half.unwrap_or(0.01));
         let interval = half.map_or_else(String::new, |half| format!(" ± {half:.digits$}"));
-        Cell::new(format!("{:.digits$}{interval}", factor * value.value)).set_alignment(CellAlignment::Right)
+        format!("{:.digits$}{interval}", factor * value.value)
     };
     for detent in &step.detents {
         let degrees = 1.0_f64.to_degrees();
@@ -200,36 +198,13 @@ fn decimals(width: f64) -> usize {
     (0..12).take_while(|decimals| f64::from(*decimals) + order < 1.0).count()
 }
 
-fn table<const COLUMNS: usize>(header: [&str; COLUMNS]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
-    let right =
-        |name: &str| matches!(name, "before" | "after" | "null" | "value" | "95 % interval") || name.contains(", ");
-    let cell = |name: &str| {
-        Cell::new(name).set_alignment(if right(name) { CellAlignment::Right } else { CellAlignment::Left })
-    };
-    table.set_header(header.map(cell));
+/// A table that fits the terminal.
+fn table<const COLUMNS: usize>(header: [&str; COLUMNS], right: Range<usize>) -> Table {
+    let mut table = terminal::table(header, right);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table
 }
 
-/// A sentence in lines; those after the first are indented by as much as `mark` takes.
 fn paragraph(mark: &str, text: &str) -> Vec<String> {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
-    if mark.is_empty() {
-        table.add_row([text]);
-    } else {
-        table.add_row([mark.trim_end(), text]);
-    }
-    table.column_iter_mut().for_each(|column| {
-        column.set_padding((0, 0));
-    });
-    if !mark.is_empty() {
-        table.column_mut(0).map(|column| column.set_padding((0, 1)));
-    }
-    rows(&table)
-}
-
-fn rows(table: &Table) -> Vec<String> {
-    table.lines().map(|line| line.trim_end().to_owned()).collect()
+    terminal::paragraph(mark, text, WIDTH)
 }

@@ -5,91 +5,133 @@ use std::path::{Path, PathBuf};
 use analysis::{AverageResult, FitResult, common_truth, titles};
 use anyhow::Context as _;
 use archive::whole_file::Replace;
+use clap::Args;
 use dynamics::Model;
-use identification::{Fit, FitOptions, MeasuredCurve, PreparationMethod};
+use identification::{Fit, MeasuredCurve, PreparationMethod};
 use loaded_capture::LoadedCapture;
 use report::{AveragePage, FigureNumbers};
 
-use crate::command_line;
-use crate::harmonic_table::harmonic_table;
+use crate::command_line::ColumnOptions;
+use crate::fit_tables::{agreement_line, harmonic_table, parameter_table, reasons, repeatability_table};
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, replace, to_output, write, write_json_on};
-use crate::parameter_table::{parameter_table, reasons};
-use crate::repeatability::{agreement_line, repeatability_table};
+use crate::outcome::{Outcome, is_output_json, say};
+use crate::outputs::{kind, write, write_if_asked, write_json_on};
 
-/// Fits a capture and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with the capture or a file.
-pub fn run(options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    match options.captures.as_slice() {
-        [capture] => fit_one(capture, options),
-        captures => fit_several(captures, options),
+/// Options of `fit`.
+#[derive(Debug, Args)]
+pub struct FitOptions {
+    /// The capture: an archive, a CSV or an MDF file; several of the same knob give one model
+    #[arg(required = true, value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the fitted model
+    #[arg(long, value_name = "MODEL.toml")]
+    pub out: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write the fitted parameters into a joint of this MuJoCo model, changing the file: armature, damping, frictionloss, detents
+    #[arg(long, value_name = "MUJOCO.xml")]
+    pub into: Option<PathBuf>,
+    /// The joint's name [default: the only one]
+    #[arg(long, requires = "into", value_name = "NAME")]
+    pub joint: Option<String>,
+    /// Measure the torque over the angle point by point instead of fitting detents; linear controls are always fitted this way
+    #[arg(long)]
+    pub characteristic: bool,
+    /// How the capture is filtered before the fit
+    #[arg(long, value_enum, default_value = "automatic")]
+    pub preparation: Preparation,
+}
+
+/// How a capture is filtered before a fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Preparation {
+    /// Every cut-off frequency from the signals' own spectra.
+    Automatic,
+    /// As Swindells and MacLean 2007 did.
+    Paper,
+    /// Angle through a 100 Hz Butterworth low-pass, differenced twice, decimated to 100 Hz: common for robots.
+    CentralDifferences,
+}
+
+impl From<Preparation> for identification::PreparationMethod {
+    fn from(preparation: Preparation) -> Self {
+        match preparation {
+            Preparation::Automatic => Self::Automatic,
+            Preparation::Paper => Self::Paper,
+            Preparation::CentralDifferences => Self::CentralDifferences,
+        }
     }
 }
 
-fn fit_one(capture: &Path, options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded = load::load_measured(capture, &options.columns)?;
-    let fit = fit_as_asked(&loaded, options)?;
-    if !to_output(options.json.as_deref()) {
-        show(&loaded, &fit);
-    }
-    let page = options.report.as_ref().map(|_| analysis::fit_page(&loaded, &fit));
-    let (page, figures) = page.unwrap_or_default();
-    write_numbers(options.json.as_deref(), &loaded, &fit, figures)?;
-    if let Some(path) = &options.out {
-        write(path, Kind::FittedModel, &fit.model(&analysis::title(&loaded)).to_toml())?;
-    }
-    write_into(options, &fit.model(&analysis::title(&loaded)))?;
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &page)?;
-    }
+/// Fits a capture, or one model to several captures of the same knob, and writes what was asked for.
+///
+/// # Errors
+/// One sentence on what is wrong with a capture or a file.
+pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
+    let captures = options.captures.iter().map(|path| load::load_measured(path, &options.columns));
+    let captures = captures.collect::<anyhow::Result<Vec<_>>>()?;
+    let fits = captures.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
+    let (model, page) = match (captures.as_slice(), fits.as_slice()) {
+        ([capture], [fit]) => of_one(capture, fit, options)?,
+        _ => of_several(&captures, &fits, options)?,
+    };
+    write_if_asked(options.out.as_ref(), kind::FITTED_MODEL, || model.to_toml())?;
+    write_into(options, &model)?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, || page)?;
     Ok(Outcome::Done)
 }
 
-fn fit_as_asked(loaded: &LoadedCapture, options: &command_line::FitOptions) -> anyhow::Result<Fit> {
+fn fit_as_asked(loaded: &LoadedCapture, options: &FitOptions) -> anyhow::Result<Fit> {
     let usual = analysis::fit_options(loaded);
     let characteristic = options.characteristic || usual.characteristic;
-    Ok(analysis::fit_with(loaded, &FitOptions { characteristic, preparation: options.preparation.into(), ..usual })?)
+    let preparation = options.preparation.into();
+    Ok(analysis::fit_with(loaded, &identification::FitOptions { characteristic, preparation, ..usual })?)
 }
 
-/// One model of several captures of the same knob.
-fn fit_several(captures: &[PathBuf], options: &command_line::FitOptions) -> anyhow::Result<Outcome> {
-    let loaded =
-        captures.iter().map(|path| load::load_measured(path, &options.columns)).collect::<anyhow::Result<Vec<_>>>()?;
-    let fits = loaded.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
-    let average = identification::average(&fits).context("there is no capture to fit")?;
-    let each: Vec<&LoadedCapture> = loaded.iter().collect();
+/// Tells the fit of one capture; gives the model, and the page if it was asked for.
+fn of_one(capture: &LoadedCapture, fit: &Fit, options: &FitOptions) -> anyhow::Result<(Model, String)> {
+    if !is_output_json() {
+        show_fit(capture.truth.as_ref(), fit);
+    }
+    let (page, figures) = options.report.as_ref().map(|_| analysis::fit_page(capture, fit)).unwrap_or_default();
+    write_numbers(options.json.as_deref(), capture, fit, figures)?;
+    Ok((fit.model(&analysis::title(capture)), page))
+}
+
+/// Tells what several captures have in common; gives the model, and the page if it was asked for.
+fn of_several(captures: &[LoadedCapture], fits: &[Fit], options: &FitOptions) -> anyhow::Result<(Model, String)> {
+    let average = identification::average(fits).context("there is no capture to fit")?;
+    let each: Vec<&LoadedCapture> = captures.iter().collect();
     let truth = common_truth(&each);
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         show_fit(truth, &average.fit);
-        if let Some(agreement) = average.agreement {
-            say(agreement_line(agreement));
-        }
+        average.agreement.map(agreement_line).into_iter().for_each(say);
         say("");
         say(repeatability_table(&average));
     }
-    write_json_on(average.fit.axis, options.json.as_deref(), &AverageResult::of(&average, &each, &fits))?;
-    if let Some(path) = &options.out {
-        write(path, Kind::FittedModel, &average.model(&titles(&each)).to_toml())?;
-    }
-    write_into(options, &average.model(&titles(&each)))?;
-    if let Some(path) = &options.report {
-        let captures = loaded.iter().map(analysis::facts).collect();
-        let page = report::average_page(&AveragePage { average: &average, fits: &fits, captures, truth });
-        write(path, Kind::Page, &average.fit.axis.words(&page))?;
-    }
-    Ok(Outcome::Done)
+    write_json_on(average.fit.axis, options.json.as_deref(), &AverageResult::of(&average, &each, fits))?;
+    let page = options.report.as_ref().map(|_| {
+        let captures = captures.iter().map(analysis::facts).collect();
+        let page = report::average_page(&AveragePage { average: &average, fits, captures, truth });
+        average.fit.axis.words(&page).into_owned()
+    });
+    Ok((average.model(&titles(&each)), page.unwrap_or_default()))
 }
 
 /// Writes the model into a joint of a MuJoCo file, if that was asked for.
-fn write_into(options: &command_line::FitOptions, model: &Model) -> anyhow::Result<()> {
+fn write_into(options: &FitOptions, model: &Model) -> anyhow::Result<()> {
     let Some(path) = &options.into else { return Ok(()) };
     let file = foreign_files::read_text(path).with_context(|| format!("{} cannot be read", path.display()))?;
     let changed = simulators::into_mjcf(&file, options.joint.as_deref(), model)
         .with_context(|| format!("the fitted parameters cannot be written into {}", path.display()))?;
-    replace(path, Replace::Anything, &changed)?;
+    write(path, Replace::Anything, &changed)?;
     say(format!(
         "{}: armature, damping, frictionloss and detents; the armature is the whole inertia, so give the body almost \
          none",
@@ -119,12 +161,8 @@ pub fn fit_capture(loaded: &LoadedCapture) -> anyhow::Result<Fit> {
     Ok(analysis::fit(loaded, PreparationMethod::default())?)
 }
 
-/// Prints the fit for people.
-pub fn show(loaded: &LoadedCapture, fit: &Fit) {
-    show_fit(loaded.truth.as_ref(), fit);
-}
-
-fn show_fit(truth: Option<&Model>, fit: &Fit) {
+/// Prints the fit for people, beside the true values where they are known.
+pub fn show_fit(truth: Option<&Model>, fit: &Fit) {
     let say = |text: &dyn std::fmt::Display| say(fit.axis.words(&text.to_string()));
     say(&parameter_table(fit, truth));
     let decimals = decimals(fit.mean_ci95_mnm);

@@ -1,12 +1,35 @@
 //! `judge`: whether units are as their specification says.
 
+use std::path::PathBuf;
+
 use analysis::{Judgements, curve_files, curves, judged, load_specification};
+use clap::Args;
 use report::JudgedUnit;
 use sheet::{Sheet, Verdict};
 
-use crate::command_line::JudgeOptions;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::command_line::ColumnOptions;
+use crate::outcome::{Outcome, show};
+use crate::outputs::{kind, write_if_asked, write_json};
+
+/// Options of `judge`.
+#[derive(Debug, Args)]
+pub struct JudgeOptions {
+    /// Units: for each a capture, a tester's file, or a folder of repeated captures
+    #[arg(required = true, value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// Limits on the figures and an envelope for the curve
+    #[arg(long, value_name = "SPEC.toml")]
+    pub spec: PathBuf,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the verdicts as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
 
 /// Reads the specification, judges each unit, and writes what was asked for.
 ///
@@ -20,15 +43,11 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
         let files = curve_files(std::slice::from_ref(unit))?;
         let sheet = Sheet::of(&curves(&files, choice.as_ref())?)?;
         let judged = judged(unit, &specification, &sheet);
-        if !to_output(options.json.as_deref()) {
-            say(line(&judged));
-        }
+        show([line(&judged)]);
         units.push(judged);
     }
     let judgements = Judgements::of(&specification, units);
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &judgements.page())?;
-    }
+    write_if_asked(options.report.as_ref(), kind::PAGE, || judgements.page())?;
     write_json(options.json.as_deref(), &judgements)?;
     Ok(outcome(judgements.verdict))
 }

@@ -13,7 +13,7 @@ mod diagnosis_text;
 mod doctor;
 mod export;
 mod fit;
-mod harmonic_table;
+mod fit_tables;
 mod judge;
 mod large_job;
 mod list;
@@ -22,11 +22,9 @@ mod manual;
 mod offline_run;
 mod outcome;
 mod outputs;
-mod parameter_table;
 mod recompute;
 mod recording;
 mod recover;
-mod repeatability;
 mod replay;
 mod rig_run;
 mod rig_test;
@@ -93,7 +91,7 @@ fn main() -> ExitCode {
         if !error.is::<supervision::LoopSaidWhy>() {
             outcome::tell_error(&error);
         }
-        if error.is::<outputs::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
+        if error.is::<outcome::UsageError>() { Outcome::WrongUsage } else { Outcome::Failed }
     });
     outcome.if_output_was_taken().into()
 }

@@ -1,11 +1,29 @@
 //! `completions` and `man`: what a shell and a pager are to know of this program.
 
-use anyhow::Context as _;
-use clap::CommandFactory as _;
+use std::path::PathBuf;
 
-use crate::command_line::{CommandLine, CompletionsOptions, ManOptions};
+use anyhow::Context as _;
+use clap::{Args, CommandFactory as _};
+
+use crate::command_line::CommandLine;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
+
+/// Options of `completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsOptions {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Options of `man`.
+#[derive(Debug, Args)]
+pub struct ManOptions {
+    /// The folder for the pages; created if it does not exist
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}
 
 /// Prints the completions of a shell on standard output.
 ///
@@ -34,7 +52,7 @@ pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
     for page in std::fs::read_dir(&made)? {
         let page = page?;
         let text = std::fs::read_to_string(page.path())?;
-        write(&folder.join(page.file_name()), Kind::ManualPage, &text).with_context(refused)?;
+        write(&folder.join(page.file_name()), kind::MANUAL_PAGE, &text).with_context(refused)?;
     }
     say(format!("the manual pages are in {}; `man {0}/haptic-camera.1` shows the first", folder.display()));
     Ok(Outcome::Done)

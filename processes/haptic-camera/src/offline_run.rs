@@ -44,14 +44,14 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
     if until.is_none() {
         large_job::admit(planned, rate_hz, path)?;
     }
-    let armed = ArmedRig::of(plan)?;
+    let armed = armed(plan)?;
     let status = whole_file::write_whole(path, Replace::Nothing, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;
         if let Some(model) = description.first_model() {
             writer.model(&model)?;
         }
         let keep = |sample: &Sample| writer.sample(&dated(sample, &description)).map(drop);
-        let status = armed.turn(stop, watch.as_mut(), keep)?;
+        let status = turn(armed, rate_hz, stop, watch.as_mut(), keep)?;
         writer.finish()?;
         Ok(status)
     })?;
@@ -66,7 +66,7 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
         },
         models,
         interrupted: stop.load(Ordering::Acquire),
-        achieved: watch.map(|watch| watch.rule.achieved()),
+        achieved: watch.map(|watch| watch.rule),
         loop_failed: false,
     })
 }
@@ -115,66 +115,57 @@ fn dated(sample: &Sample, run: &RunDescription) -> Sample {
 }
 
 /// The simulated rig with its amplifier switched on, and the control step that drives it.
-struct ArmedRig {
-    apparatus: Box<dyn Apparatus>,
-    state: ControlState,
-    rate_hz: f64,
+fn armed(plan: Plan) -> anyhow::Result<(Box<dyn Apparatus>, ControlState)> {
+    let Plan { mut apparatus, rig, control, rendering, .. } = plan;
+    let mut state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
+    if let Some(rendering) = rendering {
+        state = state.with_renderer(rendering.renderer);
+    }
+    apparatus.enable()?;
+    state.arm();
+    Ok((apparatus, state))
 }
 
-impl ArmedRig {
-    fn of(plan: Plan) -> anyhow::Result<Self> {
-        let Plan { mut apparatus, rig, control, rendering, .. } = plan;
-        let state = ControlState::new(control, &rig.calibration).context("the rate is too low for the filters")?;
-        let mut state = match rendering {
-            Some(rendering) => state.with_renderer(rendering.renderer),
-            None => state,
-        };
-        apparatus.enable()?;
-        state.arm();
-        Ok(Self { apparatus, state, rate_hz: control.rate_hz })
-    }
-
-    /// Makes the run tick by tick; every sample goes to `keep` as it comes, so that memory does not grow with the run.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "ticks of a run of a day"
-    )]
-    fn turn(
-        self,
-        stop: &AtomicBool,
-        mut watch: Option<&mut Watch>,
-        mut keep: impl FnMut(&Sample) -> Result<(), ArchiveError>,
-    ) -> Result<LoopStatus, ArchiveError> {
-        let Self { mut apparatus, mut state, rate_hz } = self;
-        let start = (ARMED_S * rate_hz) as u64;
-        let mut made = LoopStatus { finished: 1, ..LoopStatus::default() };
-        for tick in 0.. {
-            if tick == start {
-                state.request(Request::Start);
-            }
-            if stop.load(Ordering::Acquire) {
+/// Makes the run tick by tick; every sample goes to `keep` as it comes, so that memory does not grow with the run.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "ticks of a run of a day"
+)]
+fn turn(
+    (mut apparatus, mut state): (Box<dyn Apparatus>, ControlState),
+    rate_hz: f64,
+    stop: &AtomicBool,
+    mut watch: Option<&mut Watch>,
+    mut keep: impl FnMut(&Sample) -> Result<(), ArchiveError>,
+) -> Result<LoopStatus, ArchiveError> {
+    let start = (ARMED_S * rate_hz) as u64;
+    let mut made = LoopStatus { finished: 1, ..LoopStatus::default() };
+    for tick in 0.. {
+        if tick == start {
+            state.request(Request::Start);
+        }
+        if stop.load(Ordering::Acquire) {
+            state.request(Request::Stop);
+        }
+        let measurement = apparatus.exchange((tick as f64 * 1e9 / rate_hz).round() as u64, 0.0);
+        let output = state.step(&Reading { elapsed_ticks: 1, measurement });
+        let _ = apparatus.write_torque(output.torque_mnm);
+        if let Some(sample) = &output.sample {
+            if watch.as_mut().is_some_and(|watch| watch.take(sample)) {
                 state.request(Request::Stop);
             }
-            let measurement = apparatus.exchange((tick as f64 * 1e9 / rate_hz).round() as u64, 0.0);
-            let output = state.step(&Reading { elapsed_ticks: 1, measurement });
-            let _ = apparatus.write_torque(output.torque_mnm);
-            if let Some(sample) = &output.sample {
-                if watch.as_mut().is_some_and(|watch| watch.take(sample)) {
-                    state.request(Request::Stop);
-                }
-                made.published_samples += 1;
-                made.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
-                keep(sample)?;
-            }
-            match state.state() {
-                LoopState::Armed | LoopState::Running | LoopState::Stopping => {}
-                LoopState::Idle | LoopState::Fault => break,
-            }
+            made.published_samples += 1;
+            made.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
+            keep(sample)?;
         }
-        apparatus.disable();
-        made.fault = state.fault().map_or(0, Fault::code);
-        Ok(made)
+        match state.state() {
+            LoopState::Armed | LoopState::Running | LoopState::Stopping => {}
+            LoopState::Idle | LoopState::Fault => break,
+        }
     }
+    apparatus.disable();
+    made.fault = state.fault().map_or(0, Fault::code);
+    Ok(made)
 }

@@ -70,6 +70,11 @@ impl From<Outcome> for ExitCode {
     }
 }
 
+/// A call that cannot be meant as it is.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct UsageError(pub anyhow::Error);
+
 /// Reserves standard output for the result as JSON: everything else goes to standard error.
 pub fn keep_output_for_json() {
     OUTPUT_IS_JSON.store(true, Ordering::Relaxed);
@@ -92,6 +97,13 @@ pub fn say(lines: impl std::fmt::Display) {
         with_panel_suspended(|| drop(writeln!(std::io::stderr(), "{trimmed}")));
     } else {
         print(&trimmed);
+    }
+}
+
+/// Prints a result line by line, unless standard output is reserved for it as JSON.
+pub fn show<Line: std::fmt::Display>(lines: impl IntoIterator<Item = Line>) {
+    if !is_output_json() {
+        lines.into_iter().for_each(say);
     }
 }
 

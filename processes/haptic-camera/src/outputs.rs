@@ -3,67 +3,45 @@
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
+use anyhow::{anyhow, bail};
 use archive::whole_file::{self, Replace, write_bytes};
 use dynamics::Axis;
-use loaded_capture::CALIBRATION_MARK;
 use serde::Serialize;
 
-use crate::outcome::print_json;
+use crate::outcome::{UsageError, print_json};
 
-/// What an output is, and so what it may replace: an earlier one of its kind, known by words that every one has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+/// Kinds of output, each as what it may replace: an earlier one of its kind, known by words that every one has.
+pub mod kind {
+    use archive::whole_file::Replace::{self, Marked, Nothing};
+
     /// A result as JSON.
-    Json,
+    pub const JSON: Replace = Marked("\"made_by\": \"haptic-camera\"");
     /// A report page.
-    Page,
+    pub const PAGE: Replace = Marked("<meta name=\"generator\" content=\"haptic-camera\">");
     /// The figures of a data sheet as a table.
-    Figures,
+    pub const FIGURES: Replace = Marked(super::FIGURES_HEADER);
     /// Figures of many units as a Q-DAS file.
-    Qdas,
+    pub const QDAS: Replace = Marked(sheet::QDAS_REMARK);
     /// A model that was fitted.
-    FittedModel,
+    pub const FITTED_MODEL: Replace = Marked(" samples: residual ");
     /// A model with what a diagnosis found.
-    DiagnosedModel,
+    pub const DIAGNOSED_MODEL: Replace = Marked("\ndescription = \"diagnosed from ");
     /// A model that was composed.
-    ComposedModel,
+    pub const COMPOSED_MODEL: Replace = Marked("\norigin = ");
     /// What is known of a rig.
-    Calibration,
+    pub const CALIBRATION: Replace = Marked(loaded_capture::CALIBRATION_MARK);
     /// A model for firmware.
-    Header,
+    pub const HEADER: Replace = Marked(" as numbers, made by haptic-camera ");
     /// A model for a simulator.
-    Simulator,
+    pub const SIMULATOR: Replace = Marked(". SI units: N m, rad, s.\n");
     /// A capture that was simulated.
-    Simulation,
+    pub const SIMULATION: Replace = Marked("\"apparatus\": \"simulation\"");
     /// A manual page.
-    ManualPage,
-    /// A diagnosis as a rerun file.
-    Recording,
+    pub const MANUAL_PAGE: Replace = Marked(".TH haptic-camera");
+    /// A diagnosis as a rerun file: the application's name, which rerun writes first.
+    pub const RECORDING: Replace = Marked("haptic-camera-diagnosis");
     /// An archive or a table, in which nothing tells ours from others': the name must be free.
-    Data,
-}
-
-impl Kind {
-    /// What such a file may replace.
-    pub fn replaces(self) -> Replace {
-        match self {
-            Self::Json => Replace::Marked("\"made_by\": \"haptic-camera\""),
-            Self::Page => Replace::Marked("<meta name=\"generator\" content=\"haptic-camera\">"),
-            Self::Figures => Replace::Marked(FIGURES_HEADER),
-            Self::Qdas => Replace::Marked(sheet::QDAS_REMARK),
-            Self::FittedModel => Replace::Marked(" samples: residual "),
-            Self::DiagnosedModel => Replace::Marked("\ndescription = \"diagnosed from "),
-            Self::ComposedModel => Replace::Marked("\norigin = "),
-            Self::Calibration => Replace::Marked(CALIBRATION_MARK),
-            Self::Header => Replace::Marked(" as numbers, made by haptic-camera "),
-            Self::Simulator => Replace::Marked(". SI units: N m, rad, s.\n"),
-            Self::Simulation => Replace::Marked("\"apparatus\": \"simulation\""),
-            Self::ManualPage => Replace::Marked(".TH haptic-camera"),
-            // The application's name, which rerun writes first.
-            Self::Recording => Replace::Marked("haptic-camera-diagnosis"),
-            Self::Data => Replace::Nothing,
-        }
-    }
+    pub const DATA: Replace = Nothing;
 }
 
 /// The first line of a table of figures.
@@ -85,24 +63,28 @@ impl Files {
         self
     }
 
-    /// With a file that is written, if it was asked for; standard output is none.
+    /// With a file that is written, if it was asked for, and what it may replace; standard output is none.
     #[must_use]
-    pub fn writing(mut self, path: Option<&PathBuf>, kind: Kind) -> Self {
-        self.gives_json |= kind == Kind::Json && to_output(path.map(PathBuf::as_path));
-        self.replacing(path, kind.replaces())
+    pub fn writing<'path>(mut self, path: impl Into<Option<&'path PathBuf>>, replace: Replace) -> Self {
+        let Some(path) = path.into() else { return self };
+        if to_output(path) {
+            self.gives_json |= replace == kind::JSON;
+        } else {
+            self.outputs.push((path.clone(), replace));
+        }
+        self
+    }
+
+    /// With a result as JSON and as a page, what of them was asked for.
+    #[must_use]
+    pub fn telling(self, json: &Option<PathBuf>, page: &Option<PathBuf>) -> Self {
+        self.writing(json, kind::JSON).writing(page, kind::PAGE)
     }
 
     /// Whether standard output is for the result as JSON.
     #[must_use]
     pub fn give_json(&self) -> bool {
         self.gives_json
-    }
-
-    /// The same with what it may replace.
-    #[must_use]
-    pub fn replacing(mut self, path: Option<&PathBuf>, replace: Replace) -> Self {
-        self.outputs.extend(path.filter(|path| !to_output(Some(path))).map(|path| (path.clone(), replace)));
-        self
     }
 
     /// Refuses outputs that would cost something, before any work is done.
@@ -112,30 +94,17 @@ impl Files {
     /// [`whole_file::check`] says.
     pub fn check(&self) -> anyhow::Result<()> {
         for (index, (path, replace)) in self.outputs.iter().enumerate() {
+            let shown = path.display();
             if self.inputs.iter().any(|input| is_same(path, input)) {
-                return Err(UsageError::Input(path.clone()).into());
+                bail!(UsageError(anyhow!("{shown} is also an input; name another file to write to")));
             }
             if self.outputs[..index].iter().any(|(other, _)| is_same(path, other)) {
-                return Err(UsageError::TwoOutputs(path.clone()).into());
+                bail!(UsageError(anyhow!("{shown} would be written twice; name a different file for each output")));
             }
             whole_file::check(path, *replace)?;
         }
         Ok(())
     }
-}
-
-/// Outputs that cannot be meant.
-#[derive(Debug, thiserror::Error)]
-pub enum UsageError {
-    /// An output is an input.
-    #[error("{} is also an input; name another file to write to", .0.display())]
-    Input(PathBuf),
-    /// The columns of a table cannot be found as given.
-    #[error("--columns and --units: {0}")]
-    Columns(String),
-    /// Two outputs are one.
-    #[error("{} would be written twice; name a different file for each output", .0.display())]
-    TwoOutputs(PathBuf),
 }
 
 /// Whether two paths lead to one regular file, that there is or that would be.
@@ -152,9 +121,9 @@ fn is_same_folder(one: &Path, other: &Path) -> bool {
     matches!((one, other), (Ok(one), Ok(other)) if one == other)
 }
 
-/// Whether standard output is for the JSON alone.
-pub fn to_output(json: Option<&Path>) -> bool {
-    json == Some(Path::new("-"))
+/// Whether standard output is meant.
+fn to_output(path: &Path) -> bool {
+    path == Path::new("-")
 }
 
 /// Writes a result as JSON, if it was asked for: to a file, or to standard output for `-`.
@@ -172,25 +141,25 @@ pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Resul
 pub fn write_json_on(axis: Axis, path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
     let text = analysis::to_json_on(axis, result)?;
-    if to_output(Some(path)) {
+    if to_output(path) {
         print_json(&text);
         return Ok(());
     }
-    write(path, Kind::Json, &(text + "\n"))
+    write(path, kind::JSON, &(text + "\n"))
 }
 
-/// Writes a text file; whole or not at all.
+/// Writes a text file in the place of what it may replace; whole or not at all.
 ///
 /// # Errors
 /// When something lies there that is not to be replaced, or the folder cannot be written to.
-pub fn write(path: &Path, kind: Kind, text: &str) -> anyhow::Result<()> {
-    replace(path, kind.replaces(), text)
+pub fn write(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
+    Ok(write_bytes(path, replace, text.as_bytes())?)
 }
 
-/// The same with what it may replace.
+/// Writes a text file if it was asked for.
 ///
 /// # Errors
 /// As [`write()`].
-pub fn replace(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
-    Ok(write_bytes(path, replace, text.as_bytes())?)
+pub fn write_if_asked(path: Option<&PathBuf>, replace: Replace, text: impl FnOnce() -> String) -> anyhow::Result<()> {
+    path.map_or(Ok(()), |path| write(path, replace, &text()))
 }

@@ -4,17 +4,28 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use archive::Capture;
+use clap::Args;
 use hal::Measurement;
 use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
 use shared_types::{LoopState, RunDescription, Sample};
 
-use crate::command_line::RecomputeOptions;
-use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{to_output, write_json};
+use crate::outcome::{Outcome, remark, show};
+use crate::outputs::write_json;
+
+/// Options of `recompute`.
+#[derive(Debug, Args)]
+pub struct RecomputeOptions {
+    /// The archive of a replay
+    #[arg(value_name = "CAPTURE")]
+    pub capture: PathBuf,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
 
 /// The result of computing a replay again.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Recomputed {
     /// The archive.
     pub capture: PathBuf,
@@ -64,9 +75,7 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
         ));
     }
     let recomputed = recompute(&capture, description)?;
-    if !to_output(options.json.as_deref()) {
-        lines(&recomputed, description.rate_hz).iter().for_each(say);
-    }
+    show(lines(&recomputed, description.rate_hz));
     write_json(options.json.as_deref(), &recomputed)?;
     Ok(match (recomputed.equal, recomputed.missing_from_sample) {
         (false, _) => Outcome::Failed,
@@ -84,16 +93,7 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
     let flags = capture.flags.as_ref().with_context(|| lacks("flags"))?;
     let state = capture.state.as_ref().with_context(|| lacks("state"))?;
     let mut step = Recomputation::new(run)?;
-    let mut result = Recomputed {
-        capture: capture.source.clone(),
-        ticks: 0,
-        models: 1,
-        equal: true,
-        first_difference: None,
-        different_ticks: 0,
-        largest_difference_mnm: 0.0,
-        missing_from_sample: None,
-    };
+    let mut result = Recomputed { capture: capture.source.clone(), models: 1, equal: true, ..Recomputed::default() };
     for row in 0..capture.len() {
         let tick = capture.tick[row];
         if capture.seq[row] != row as u64 {

@@ -6,9 +6,23 @@ use anyhow::Context as _;
 use archive::Unchecked;
 use archive::parts::{self, fallback_dirs};
 use archive::whole_file::folder_of;
+use clap::Args;
 
-use crate::command_line::RecoverOptions;
 use crate::outcome::{Outcome, remark, say};
+
+/// Options of `recover`.
+#[derive(Debug, Args)]
+pub struct RecoverOptions {
+    /// The truncated or damaged archive, or one that a killed recorder left in parts; it is not changed
+    #[arg(value_name = "BROKEN.mcap")]
+    pub broken: PathBuf,
+    /// Write the recovered archive here
+    #[arg(long, value_name = "FIXED.mcap")]
+    pub out: PathBuf,
+    /// Also keep the samples of a truncated chunk, which no checksum covers
+    #[arg(long)]
+    pub keep_unchecked: bool,
+}
 
 /// Recovers what is sound and says what was kept and lost.
 ///

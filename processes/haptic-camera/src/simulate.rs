@@ -1,12 +1,44 @@
 //! `simulate`: a model along a capture's motion or torque.
 
+use std::path::PathBuf;
+
 use analysis::{Drive, Simulation};
 use archive::whole_file;
+use clap::Args;
 
-use crate::command_line::{SimulateOptions, SimulationDrive};
+use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::Kind;
+use crate::outputs::kind;
+
+/// Options of `simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateOptions {
+    /// The model
+    #[arg(value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// The capture that gives the motion or torque
+    #[arg(long, value_name = "CAPTURE")]
+    pub like: PathBuf,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Where to write the simulated capture: an archive, or CSV if the name ends in .csv
+    #[arg(long, value_name = "CAPTURE")]
+    pub out: Option<PathBuf>,
+    /// The input from the capture: its motion, to simulate the torque, or its torque, to simulate the motion
+    #[arg(long, value_enum, default_value = "motion")]
+    pub drive: SimulationDrive,
+}
+
+/// What a simulation takes from a capture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SimulationDrive {
+    /// The motion: the model's torque is simulated.
+    Motion,
+    /// The torque: the model's motion is simulated forward.
+    Torque,
+}
 
 /// Simulates the model, says how far it is from the capture, and writes one of the same length and rate if asked to.
 ///
@@ -31,7 +63,7 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         if options.writes_table() {
             capture.write_csv(out)?;
         } else {
-            whole_file::write_whole(out, Kind::Simulation.replaces(), |place| capture.write_mcap_to(place))?;
+            whole_file::write_whole(out, kind::SIMULATION, |place| capture.write_mcap_to(place))?;
         }
         say(format!("{}: {} samples", out.display(), capture.len()));
     }

@@ -1,22 +1,86 @@
-//! Whether there is a terminal to draw on, and how large it is.
+//! The terminal: whether there is one to draw on, and tables and numbers for one of 80 columns.
 
 use std::io::IsTerminal as _;
 
-/// Size in characters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
-    /// Lines.
-    pub rows: u16,
-    /// Characters in a line.
-    pub columns: u16,
-}
+use comfy_table::{CellAlignment, ContentArrangement, Row, Table, presets};
+use indicatif::{ProgressBar, ProgressStyle};
 
-/// The size of the terminal that both results and remarks go to; `None` where either goes elsewhere, or the terminal cannot
-/// move its cursor.
-pub fn size() -> Option<Size> {
+/// Columns of the terminal.
+pub const WIDTH: u16 = 80;
+
+/// Lines, and characters in a line, of the terminal that both results and remarks go to; `None` where either goes elsewhere, or the
+/// terminal cannot move its cursor.
+pub fn size() -> Option<(u16, u16)> {
     let dumb = std::env::var_os("TERM").is_none_or(|name| name == "dumb");
     if dumb || !std::io::stdout().is_terminal() || !std::io::stderr().is_terminal() {
         return None;
     }
-    console::Term::stderr().size_checked().map(|(rows, columns)| Size { rows, columns })
+    console::Term::stderr().size_checked()
+}
+
+/// A progress bar of that many steps.
+pub fn bar(steps: u64, template: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(steps).with_style(style)
+}
+
+/// A table without lines, under a header, with the columns at these places aligned to the right.
+pub fn table(header: impl Into<Row>, right: impl IntoIterator<Item = usize>) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_header(header);
+    for index in right {
+        if let Some(column) = table.column_mut(index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+/// A table without lines or header that takes at most so many columns.
+pub fn bare(width: u16) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
+    table
+}
+
+/// A sentence behind a mark, in lines of at most so many columns; those after the first are indented by as much as the mark takes.
+pub fn paragraph(mark: &str, text: &str, width: u16) -> Vec<String> {
+    let mut table = bare(width);
+    table.add_row([mark, text].into_iter().skip(usize::from(mark.is_empty())));
+    table.column_iter_mut().for_each(|column| {
+        column.set_padding((0, 0));
+    });
+    if !mark.is_empty() {
+        table.column_mut(0).map(|column| column.set_padding((0, 1)));
+    }
+    lines(&table)
+}
+
+/// A table line by line, without trailing blanks.
+pub fn lines(table: &Table) -> Vec<String> {
+    table.lines().map(|line| line.trim_end().to_owned()).collect()
+}
+
+/// Names with the reason that they have in common: one line for each reason.
+pub fn by_reason<'a>(named: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<String> {
+    let mut lines: Vec<(Vec<&str>, &str)> = Vec::new();
+    for (name, reason) in named {
+        match lines.iter_mut().find(|(_, known)| *known == reason) {
+            Some((names, _)) => names.push(name),
+            None => lines.push((vec![name], reason)),
+        }
+    }
+    lines.into_iter().map(|(names, reason)| format!("{}: {reason}", names.join(", "))).collect()
+}
+
+/// Decimals that show a width with two digits.
+pub fn digits(width: f64) -> usize {
+    if width > 0.0 { decimals(width, 2.0, [0.0, 9.0]) } else { 4 }
+}
+
+/// Decimals that show a value with so many digits, within bounds.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
+pub fn decimals(value: f64, digits: f64, [least, most]: [f64; 2]) -> usize {
+    let order = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    (digits - 1.0 - order).clamp(least, most) as usize
 }

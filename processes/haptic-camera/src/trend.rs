@@ -1,17 +1,43 @@
 //! `trend`: how parameters change over a table's captures.
 
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use analysis::{Cell, Row};
+use analysis::Row;
 use anyhow::{Context as _, ensure};
+use clap::Args;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 
-use crate::command_line::{TrendGroups, TrendOptions};
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{kind, write_if_asked, write_json};
+
+/// Options of `trend`.
+#[derive(Debug, Args)]
+pub struct TrendOptions {
+    /// A file made by `table`
+    #[arg(value_name = "TABLE.parquet")]
+    pub table: PathBuf,
+    /// How captures are grouped
+    #[arg(long, value_enum, default_value = "knob")]
+    pub by: TrendGroups,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
+
+/// How captures are grouped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TrendGroups {
+    /// By knob, to show wear and compare batches.
+    Knob,
+    /// By rig, to show its drift.
+    Rig,
+}
 
 /// Nanoseconds of a day.
 const DAY_NS: f64 = 86_400e9;
@@ -31,24 +57,20 @@ pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
         TrendGroups::Rig => "rig",
     };
     let trend = read(&options.table, by)?;
-    if !to_output(options.json.as_deref()) {
-        for group in &trend.groups {
-            let drifting = group.parameters.iter().filter(|one| one.drift.is_some_and(|drift| drift.is_significant()));
-            let names: Vec<&str> = drifting.map(|one| one.name.as_str()).collect();
-            let captures = group.parameters.iter().map(|one| one.captures).max().unwrap_or(0);
-            let words = if names.is_empty() {
-                "no significant drift".to_owned()
-            } else {
-                format!("drift of {}", names.join(", "))
-            };
-            let verdicts =
-                if group.verdicts.is_empty() { String::new() } else { format!("; {}", group.verdicts_in_words()) };
-            say(format!("{by} {}: {captures} captures; {words}{verdicts}", group.name));
-        }
-    }
+    show(trend.groups.iter().map(|group| words(by, group)));
     write_json(options.json.as_deref(), &trend)?;
-    options.report.as_ref().map_or(Ok(()), |path| write(path, Kind::Page, &report::trend_page(&trend)))?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, || report::trend_page(&trend))?;
     Ok(Outcome::Done)
+}
+
+fn words(by: &str, group: &TrendGroup) -> String {
+    let drifting = group.parameters.iter().filter(|one| one.drift.is_some_and(|drift| drift.is_significant()));
+    let names: Vec<&str> = drifting.map(|one| one.name.as_str()).collect();
+    let captures = group.parameters.iter().map(|one| one.captures).max().unwrap_or(0);
+    let drift =
+        if names.is_empty() { "no significant drift".to_owned() } else { format!("drift of {}", names.join(", ")) };
+    let verdicts = if group.verdicts.is_empty() { String::new() } else { format!("; {}", group.verdicts_in_words()) };
+    format!("{by} {}: {captures} captures; {drift}{verdicts}", group.name)
 }
 
 fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
@@ -78,9 +100,14 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
     let mut verdicts: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for row in rows.get_row_iter(None).with_context(foreign)? {
         let row = row.with_context(foreign)?;
-        let cells: BTreeMap<&str, Cell> =
-            row.get_column_iter().map(|(name, field)| (name.as_str(), cell(field))).collect();
-        let text = |name: &str| if let Some(Cell::Text(text)) = cells.get(name) { text.clone() } else { None };
+        let cells: BTreeMap<&str, &Field> = row.get_column_iter().map(|(name, field)| (name.as_str(), field)).collect();
+        let text = |name: &str| if let Some(Field::Str(text)) = cells.get(name) { Some(text.clone()) } else { None };
+        #[allow(clippy::cast_precision_loss, reason = "a time of which microseconds matter at most")]
+        let real = |name: &str| match cells.get(name)? {
+            Field::Double(real) => Some(*real),
+            Field::Long(count) => u64::try_from(*count).ok().map(|count| count as f64),
+            _ => None,
+        };
         if text("error").is_some() {
             trend.with_error += 1;
             continue;
@@ -89,11 +116,11 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         if let Some(verdict) = text("verdict") {
             *verdicts.entry(name.clone()).or_default().entry(verdict).or_default() += 1;
         }
-        let captured_at_ns = real(cells.get("captured_at_ns")).unwrap_or(0.0);
+        let captured_at_ns = real("captured_at_ns").unwrap_or(0.0);
         let group = groups.entry(name).or_insert_with(|| vec![Vec::new(); parameters.len()]);
         for (points, name) in group.iter_mut().zip(&parameters) {
-            let [low, high] = ENDS.map(|end| real(cells.get(format!("{name}{end}").as_str())));
-            points.push((captured_at_ns, [real(cells.get(name.as_str())), low, high]));
+            let [low, high] = ENDS.map(|end| real(&format!("{name}{end}")));
+            points.push((captured_at_ns, [real(name), low, high]));
         }
     }
     let times = groups.values().flatten().flatten().map(|(captured_at_ns, _)| *captured_at_ns);
@@ -115,22 +142,4 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         })
         .collect();
     Ok(trend)
-}
-
-fn cell(field: &Field) -> Cell {
-    match field {
-        Field::Str(text) => Cell::Text(Some(text.clone())),
-        Field::Long(count) => Cell::Count(u64::try_from(*count).ok()),
-        Field::Double(real) => Cell::Real(Some(*real)),
-        _ => Cell::Text(None),
-    }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "a time of which microseconds matter at most")]
-fn real(cell: Option<&Cell>) -> Option<f64> {
-    match cell {
-        Some(Cell::Real(real)) => *real,
-        Some(Cell::Count(count)) => count.map(|count| count as f64),
-        _ => None,
-    }
 }

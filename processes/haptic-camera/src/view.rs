@@ -1,12 +1,27 @@
 //! `view`: the live view of the running capture, or a finished one.
 
 use std::os::unix::process::CommandExt as _;
+use std::path::PathBuf;
 
 use anyhow::Context as _;
+use clap::Args;
 
-use crate::command_line::ViewOptions;
 use crate::outcome::Outcome;
 use crate::supervision::program_path;
+
+/// Options of `view`.
+#[derive(Debug, Args)]
+pub struct ViewOptions {
+    /// A finished capture [default: the running one]
+    #[arg(value_name = "CAPTURE")]
+    pub capture: Option<PathBuf>,
+    /// Show it in a window instead of a web page
+    #[arg(long)]
+    pub native: bool,
+    /// Also print the ssh command to see the page from another machine; nothing is opened to the network
+    #[arg(long, conflicts_with = "native")]
+    pub remote: bool,
+}
 
 /// Becomes the viewer, which so has the terminal's Ctrl-C to itself and gives its own exit status.
 ///

@@ -1,9 +1,12 @@
 //! `capture --diagnose` on the simulated rig offline: the rig runs experiments until one name is left.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program;
 
+use std::path::Path;
+use std::process::Output;
+
+use program::{call, command, files, json, words};
 use serde_json::Value;
 
 /// Inertia, friction and detents without Karnopp's stick.
@@ -38,46 +41,31 @@ fn capture(folder: &Path, effects: &str, options: &[&str]) -> Output {
     std::fs::write(folder.join("knob.toml"), format!("{BASE}{effects}")).unwrap();
     let common = "capture --diagnose --offline --knob knob.toml --rate-hz 4000 --duration-s 8 --amplitude 0.5 \
                   --out out --json diagnosis.json";
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-        .args(common.split_whitespace())
-        .args(options)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-fn said(output: &Output) -> String {
-    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
-}
-
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
-    let all = std::fs::read_dir(folder.join("out")).unwrap().flatten().map(|entry| entry.path());
-    all.filter(|path| path.extension().is_some_and(|found| found == extension)).collect()
-}
-
-fn diagnosis(folder: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(folder.join("diagnosis.json")).unwrap()).unwrap()
+    command(folder, common).args(options).output().unwrap()
 }
 
 #[test]
 fn rivals_that_the_first_captures_cannot_distinguish_are_distinguished_by_one_more() {
     let folder = tempfile::tempdir().unwrap();
     let output = capture(folder.path(), IMBALANCE, &["--reach", "1.5", "--budget", "4"]);
-    let said = said(&output);
+    let said = words(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("a tie") && said.contains("capture 3: to discriminate between"), "{said}");
-    let found = diagnosis(folder.path());
+    let found = json(&folder.path().join("diagnosis.json"));
     assert_eq!(found["verdict"], "effects");
     assert_eq!(found["effects"], serde_json::json!(["mass-imbalance"]), "{said}");
     assert_eq!(found["steps"][0]["ties"], serde_json::json!([]));
     let value = found["steps"][0]["parameters"]["imbalance_torque"]["value"].as_f64().unwrap();
     assert!((value - 0.15).abs() < 0.03, "{value} mNm");
-    let archives = files(folder.path(), "mcap");
+    let archives = files(&folder.path().join("out"), "mcap");
     assert!(archives.len() > 2, "every capture is a file of its own: {archives:?}");
     for archive in archives {
         assert_eq!(archive::Capture::load(&archive).unwrap().len(), 32_000, "{}", archive.display());
     }
-    assert_eq!((files(folder.path(), "html").len(), files(folder.path(), "toml").len()), (1, 1));
+    assert_eq!(
+        (files(&folder.path().join("out"), "html").len(), files(&folder.path().join("out"), "toml").len()),
+        (1, 1)
+    );
     let errors = found["forward_from_command"]["angle_rms_rad"].as_array().unwrap();
     assert_eq!(errors.len(), 2, "before the effect and after it");
     assert!(errors[1].as_f64() < errors[0].as_f64(), "{errors:?}");
@@ -91,11 +79,11 @@ fn rivals_stay_tied_where_the_budget_is_spent_or_nothing_within_reach_tells_them
     ] {
         let folder = tempfile::tempdir().unwrap();
         let output = capture(folder.path(), IMBALANCE, &options);
-        let said = said(&output);
+        let said = words(&output);
         assert_eq!(output.status.code(), Some(0), "{said}");
         assert!(said.contains(expected), "{said}");
-        assert_eq!(files(folder.path(), "mcap").len(), 2);
-        let found = diagnosis(folder.path());
+        assert_eq!(files(&folder.path().join("out"), "mcap").len(), 2);
+        let found = json(&folder.path().join("diagnosis.json"));
         assert_ne!(found["steps"][0]["ties"], serde_json::json!([]), "{said}");
     }
 }
@@ -104,11 +92,11 @@ fn rivals_stay_tied_where_the_budget_is_spent_or_nothing_within_reach_tells_them
 fn a_knob_that_lacks_nothing_is_settled_after_two_captures() {
     let folder = tempfile::tempdir().unwrap();
     let output = capture(folder.path(), "", &[]);
-    let said = said(&output);
+    let said = words(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert_eq!(diagnosis(folder.path())["verdict"], "none", "{said}");
+    assert_eq!(json(&folder.path().join("diagnosis.json"))["verdict"], "none", "{said}");
     assert!(said.contains("settled after 2 captures"), "{said}");
-    assert_eq!(files(folder.path(), "mcap").len(), 2);
+    assert_eq!(files(&folder.path().join("out"), "mcap").len(), 2);
 }
 
 #[test]
@@ -119,14 +107,10 @@ fn backlash_and_harmonics_of_the_papers_knob_5_are_named_where_it_does_not_stick
     std::fs::write(folder.path().join("knob.toml"), knob.to_toml()).unwrap();
     let options = "capture --diagnose --offline --knob knob.toml --rate-hz 4000 --duration-s 4 --out out \
                    --json diagnosis.json";
-    let output = Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-        .args(options.split_whitespace())
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    let said = said(&output);
+    let output = call(folder.path(), options);
+    let said = words(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
-    let found = diagnosis(folder.path());
+    let found = json(&folder.path().join("diagnosis.json"));
     let mut names: Vec<&str> = found["effects"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     names.sort_unstable();
     assert_eq!(names, ["backlash", "detent-harmonics"], "{said}");
@@ -151,6 +135,6 @@ fn what_makes_no_sense_is_refused() {
     ] {
         let output = capture(folder.path(), "", &options);
         assert_eq!(output.status.code(), Some(status), "{options:?}");
-        assert!(said(&output).contains(expected), "{options:?}: {}", said(&output));
+        assert!(words(&output).contains(expected), "{options:?}: {}", words(&output));
     }
 }

@@ -2,51 +2,26 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "figures for who asks for them")]
 
-use std::path::Path;
-use std::process::{Command, Output};
+mod program;
 
+use std::path::Path;
+
+use program::{call, done, errors, json, only};
 use serde_json::Value;
 
 /// A slotted motor of 12 slots and 16 poles: 1.4 % of a rated torque of 100 mNm, and what its making left unequal.
-const COGGING: [&str; 3] = ["--motor-cogging=48:1.4:0.4", "--motor-cogging=12:0.6:-1.1", "--motor-cogging=16:0.3:2.0"];
-
-fn haptic_camera(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-        .args(arguments)
-        .arg("--offline")
-        .args(COGGING)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
+const COGGING: &str = "--offline --motor-cogging=48:1.4:0.4 --motor-cogging=12:0.6:-1.1 --motor-cogging=16:0.3:2.0";
 
 /// The fit of the only archive in a folder.
 fn fitted(folder: &Path) -> Value {
-    let archive = std::fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path());
-    let archive = archive.into_iter().find(|path| path.extension().is_some_and(|end| end == "mcap")).unwrap();
-    let program = env!("CARGO_BIN_EXE_haptic-camera");
-    let output = Command::new(program).args(["fit", "--json", "-"]).arg(archive).output().unwrap();
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)))
+    let archive = only(folder, "mcap");
+    serde_json::from_str(&done(folder, &format!("fit --json - {}", archive.display()))).unwrap()
 }
 
 /// Knob 3, felt through a sweep whose speed its friction does not drive; its fit.
-fn felt(folder: &Path, out: &str, further: &[&str]) -> Value {
-    let arguments = [
-        "replay",
-        "3",
-        "--hand",
-        "linear-chirp",
-        "--amplitude",
-        "0.45",
-        "--grip",
-        "6",
-        "--duration-s",
-        "10",
-        "--out",
-        out,
-    ];
-    let output = haptic_camera(folder, &[&arguments, further].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+fn felt(folder: &Path, out: &str, further: &str) -> Value {
+    let hand = "--hand linear-chirp --amplitude 0.45 --grip 6 --duration-s 10";
+    done(folder, &format!("replay 3 {hand} --out {out} {further} {COGGING}"));
     fitted(&folder.join(out))
 }
 
@@ -54,8 +29,7 @@ fn felt(folder: &Path, out: &str, further: &[&str]) -> Value {
 fn a_rig_that_cogs_renders_as_one_that_does_not_once_its_cogging_is_calibrated() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let output = haptic_camera(folder, &["calibrate", "cogging", "--out", "rig.toml"]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    done(folder, &format!("calibrate cogging --out rig.toml {COGGING}"));
     let text = std::fs::read_to_string(folder.join("rig.toml")).unwrap();
     let calibration: toml::Table = text.parse().unwrap();
     let harmonics = calibration["motor_cogging"].as_array().unwrap();
@@ -67,7 +41,7 @@ fn a_rig_that_cogs_renders_as_one_that_does_not_once_its_cogging_is_calibrated()
     assert!(text.contains("# motor_cogging: 48 per turn of 1.4") && text.contains("± "), "{text}");
 
     // Without compensation the motor's teeth are felt beside the knob's detents.
-    let (without, with) = (felt(folder, "without", &[]), felt(folder, "with", &["--calibration", "rig.toml"]));
+    let (without, with) = (felt(folder, "without", ""), felt(folder, "with", "--calibration rig.toml"));
     let percent = |fit: &Value| fit["relative_error_percent"].as_f64().unwrap();
     println!(
         "the fit leaves {:.1} % of the torque without compensation, {:.1} % with it",
@@ -78,15 +52,14 @@ fn a_rig_that_cogs_renders_as_one_that_does_not_once_its_cogging_is_calibrated()
     let detents = without["parameters"]["detent_amplitude"]["value"].as_f64().unwrap();
     assert!((detents / 1.1 - 1.0).abs() > 0.1, "the motor's torque is taken for detents: {detents} mNm");
 
-    let output =
-        haptic_camera(folder, &["replay", "3", "--verify", "--calibration", "rig.toml", "--json", "result.json"]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let verify = format!("replay 3 --verify --calibration rig.toml --json result.json {COGGING}");
+    let said = errors(&call(folder, &verify));
     assert_eq!(
         said.matches("friction would drive").count(),
         1,
         "a remark is printed once, not for each capture: {said}"
     );
-    let verified: Value = serde_json::from_slice(&std::fs::read(folder.join("result.json")).unwrap()).unwrap();
+    let verified = json(&folder.join("result.json"));
     for parameter in verified["parameters"].as_array().unwrap() {
         assert_eq!(parameter["passed"], true, "{parameter}");
     }
@@ -100,8 +73,7 @@ fn a_capture_does_not_show_the_cogging_of_the_motor_that_turns_the_knob() {
     // The torque sensor sits between motor and knob: what the magnets do to the rotor is the servo's trouble alone.
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let output = haptic_camera(folder, &["capture", "--knob", "3", "--duration-s", "10", "--out", "out"]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    done(folder, &format!("capture --knob 3 --duration-s 10 --out out {COGGING}"));
     let fit = fitted(&folder.join("out"));
     let residual_mnm = fit["residual_rms_mnm"].as_f64().unwrap();
     println!("residual {residual_mnm} mNm");
@@ -119,12 +91,8 @@ fn a_capture_does_not_show_the_cogging_of_the_motor_that_turns_the_knob() {
 fn a_cogging_that_is_none_is_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
     for wrong in ["48", "48:much", "-3:1", "48:1:2:3"] {
-        let output = Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-            .args(["replay", "3", "--offline", &format!("--motor-cogging={wrong}")])
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
+        let output = call(folder.path(), &format!("replay 3 --offline --motor-cogging={wrong}"));
         assert_eq!(output.status.code(), Some(2), "{wrong}");
-        assert!(String::from_utf8_lossy(&output.stderr).contains("as in 48:1.5:0.3"), "{wrong}");
+        assert!(errors(&output).contains("as in 48:1.5:0.3"), "{wrong}");
     }
 }

@@ -2,30 +2,25 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::cast_precision_loss, reason = "a number of samples")]
 
+mod program;
+
 use std::path::Path;
-use std::process::{Command, Output};
 
 use dynamics::{Model, Motion};
-
-fn haptic_camera(folder: &Path, arguments: &str) -> Output {
-    let program = env!("CARGO_BIN_EXE_haptic-camera");
-    Command::new(program).args(arguments.split_whitespace()).current_dir(folder).output().unwrap()
-}
+use program::{call, done, errors, only};
 
 /// What is written on standard output and on standard error.
 fn composed(folder: &Path, arguments: &str) -> (String, String) {
-    let output = haptic_camera(folder, &format!("compose {arguments}"));
-    let printed = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", printed(&output.stderr));
-    (printed(&output.stdout), printed(&output.stderr))
+    let output = call(folder, &format!("compose {arguments}"));
+    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", errors(&output));
+    (String::from_utf8_lossy(&output.stdout).into_owned(), errors(&output))
 }
 
 /// The one line of error, and the exit status.
 fn refused(folder: &Path, arguments: &str) -> (String, i32) {
-    let output = haptic_camera(folder, &format!("compose {arguments}"));
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    let output = call(folder, &format!("compose {arguments}"));
     assert!(output.stdout.is_empty(), "{arguments}: {}", String::from_utf8_lossy(&output.stdout));
-    (error, output.status.code().unwrap())
+    (errors(&output), output.status.code().unwrap())
 }
 
 const DRAWN: &str = "angle_rad,torque_mnm\n0.0,0.0\n0.05,6.0\n0.1,0.0\n0.15,-6.0\n0.2,0.0\n";
@@ -157,11 +152,8 @@ fn the_rig_turns_a_composed_knob_with_drawn_detents() {
     std::fs::write(folder.path().join("drawn.csv"), DRAWN).unwrap();
     composed(folder.path(), "--inertia 3 --friction 3 --detents drawn.csv --out drawn.toml");
     let arguments = "capture --knob drawn.toml --offline --no-viewer --sweep slow-turn --duration-s 4 --out captures";
-    let output = haptic_camera(folder.path(), arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let files = std::fs::read_dir(folder.path().join("captures")).unwrap().flatten().map(|entry| entry.path());
-    let archive = files.into_iter().find(|path| path.extension().is_some_and(|extension| extension == "mcap")).unwrap();
-    let capture = archive::Capture::load(&archive).unwrap();
+    done(folder.path(), arguments);
+    let capture = archive::Capture::load(&only(&folder.path().join("captures"), "mcap")).unwrap();
     // Half of the mean difference between angles a quarter of a period before and after the drawn zeros: friction,
     // zero offset and noise drop out. Within 1 % of the period around the peaks.
     let at_phase = |phase: f64| {
@@ -188,8 +180,6 @@ fn a_drawn_table_is_nothing_that_a_diagnosis_can_start_from() {
     composed(folder.path(), "--inertia 3 --friction 3 --detents drawn.csv --out drawn.toml");
     std::fs::write(folder.path().join("capture.csv"), "t_s,angle_rad,torque_mnm\n0,0,0\n0.001,0,0\n0.002,0,0\n")
         .unwrap();
-    let output = haptic_camera(folder.path(), "diagnose capture.csv --model drawn.toml");
-    let error = String::from_utf8_lossy(&output.stderr);
+    let error = program::refused(folder.path(), "diagnose capture.csv --model drawn.toml");
     assert!(error.contains("drawn.toml has a torque-table, which is drawn and cannot be fitted"), "{error}");
-    assert_eq!(output.status.code(), Some(1));
 }

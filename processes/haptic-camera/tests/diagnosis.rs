@@ -1,9 +1,10 @@
 //! `diagnose` as an operator uses it, on captures of a knob whose law is written here.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod program;
+
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::Command;
 
 use dynamics::{Drive, Excitation};
 
@@ -34,22 +35,11 @@ fn capture(path: &Path, name: &str, seconds: f64) {
 #[test]
 fn a_spring_that_the_model_lacks_is_on_the_terminal_and_on_the_page() {
     let folder = tempfile::tempdir().unwrap();
-    let [train, heldout, page] = ["train.csv", "heldout.csv", "page.html"].map(|name| folder.path().join(name));
-    capture(&train, "linear-chirp", 6.0);
-    capture(&heldout, "multisine", 4.0);
-    let output = Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-        .arg("diagnose")
-        .arg(&train)
-        .arg("--heldout")
-        .arg(&heldout)
-        .arg("--report")
-        .arg(&page)
-        .output()
-        .unwrap();
-    let (said, error) =
-        (String::from_utf8(output.stdout).unwrap(), String::from_utf8_lossy(&output.stderr).into_owned());
-    assert_eq!(output.status.code(), Some(0), "{error}");
-    let page = std::fs::read_to_string(page).unwrap();
+    let folder = folder.path();
+    capture(&folder.join("train.csv"), "linear-chirp", 6.0);
+    capture(&folder.join("heldout.csv"), "multisine", 4.0);
+    let said = program::done(folder, "diagnose train.csv --heldout heldout.csv --report page.html");
+    let page = std::fs::read_to_string(folder.join("page.html")).unwrap();
     for words in ["return-spring", "spring_stiffness", "mNm/rad"] {
         assert!(said.contains(words), "{words} is not in:\n{said}");
         assert!(page.contains(words), "{words} is not on the page");

@@ -1,35 +1,27 @@
 //! Captures and models in the formats of other programs, and folders of captures listed.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod program;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Stdio};
 
 use archive::Capture;
 use dynamics::{Motion, knobs};
+use program::{call, command, done, errors, json};
 use serde_json::Value;
 
-fn haptic_camera(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = haptic_camera(folder, arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-fn refused(folder: &Path, arguments: &[&str], status: i32, words: &str) {
-    let output = haptic_camera(folder, arguments);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {said}");
-    assert!(said.contains(words), "{arguments:?}: '{words}' is missing in {said}");
+fn refused(folder: &Path, line: &str, status: i32, words: &str) {
+    let output = call(folder, line);
+    let said = errors(&output);
+    assert_eq!(output.status.code(), Some(status), "{line}: {said}");
+    assert!(said.contains(words), "{line}: '{words}' is missing in {said}");
     assert_eq!(said.lines().filter(|line| line.starts_with("error:")).count(), 1, "reported once: {said}");
 }
 
 /// Captures a knob offline and gives the archive's name.
 fn captured(folder: &Path, knob: &str) -> String {
-    let capture = ["capture", "--offline", "--knob", knob, "--duration-s", "3", "--rate-hz", "5000", "--out", "."];
-    let said = done(folder, &capture);
+    let said = done(folder, &format!("capture --offline --knob {knob} --duration-s 3 --rate-hz 5000 --out ."));
     let line = said.lines().find(|line| line.starts_with("archive")).unwrap().to_owned();
     line.split_whitespace().nth(1).unwrap().trim_start_matches("./").to_owned()
 }
@@ -39,25 +31,25 @@ fn an_exported_table_has_the_contract_s_columns_and_is_fitted_like_the_archive()
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let archive = captured(folder, "3");
-    done(folder, &["export", &archive, "--out", "table.csv"]);
+    done(folder, &format!("export {archive} --out table.csv"));
     let text = std::fs::read_to_string(folder.join("table.csv")).unwrap();
     assert_eq!(text.lines().next().unwrap(), "t_s,angle_rad,velocity_rad_s,acceleration_rad_s2,torque_mnm");
     let (whole, table) =
         (Capture::load(&folder.join(&archive)).unwrap(), Capture::load(&folder.join("table.csv")).unwrap());
     assert_eq!((&whole.t_s, &whole.angle_rad, &whole.torque_mnm), (&table.t_s, &table.angle_rad, &table.torque_mnm));
-    done(folder, &["fit", &archive, "--json", "archive.json"]);
-    done(folder, &["fit", "table.csv", "--json", "table.json"]);
+    done(folder, &format!("fit {archive} --json archive.json"));
+    done(folder, "fit table.csv --json table.json");
     let [of_archive, of_table] = ["archive.json", "table.json"].map(|name| fitted(folder, name));
     assert_eq!(of_archive, of_table);
     // Without the rig's calibration there would be another inertia: the file beside the table counts.
     std::fs::remove_file(folder.join("table.calibration.toml")).unwrap();
-    done(folder, &["fit", "table.csv", "--json", "bare.json"]);
+    done(folder, "fit table.csv --json bare.json");
     assert_ne!(fitted(folder, "bare.json"), of_table);
 }
 
 /// A fit's numbers, without what an archive knows besides: where it comes from and what was mounted.
-fn fitted(folder: &Path, name: &str) -> serde_json::Value {
-    let mut json: serde_json::Value = serde_json::from_slice(&std::fs::read(folder.join(name)).unwrap()).unwrap();
+fn fitted(folder: &Path, name: &str) -> Value {
+    let mut json = json(&folder.join(name));
     let all = json.as_object_mut().unwrap();
     assert!(all.contains_key("parameters") && all.contains_key("residual_rms_mnm"));
     all.remove("capture");
@@ -83,7 +75,7 @@ fn pyarrow_reads_an_exported_parquet_file_to_the_last_bit_with_its_units() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let archive = captured(folder, "3");
-    done(folder, &["export", &archive, "--out", "capture.parquet"]);
+    done(folder, &format!("export {archive} --out capture.parquet"));
     let script = "import pyarrow.parquet as parquet, json, sys\n\
         table = parquet.read_table('capture.parquet')\n\
         real = [name for name in table.column_names if str(table.schema.field(name).type) == 'double']\n\
@@ -125,7 +117,7 @@ fn an_exported_header_compiles_and_gives_the_model_s_torque() {
     let folder = folder.path();
     for (knob, prefix) in [(3, "KNOB_3"), (4, "KNOB_4")] {
         let name = format!("knob-{knob}.h");
-        done(folder, &["export", &knob.to_string(), "--out", &name, "--points", "200"]);
+        done(folder, &format!("export {knob} --out {name} --points 200"));
         let lower = prefix.to_lowercase();
         let program = format!(
             "#include <stdio.h>\n#include \"{name}\"\n\
@@ -163,7 +155,7 @@ fn an_exported_header_compiles_and_gives_the_model_s_torque() {
         }
     }
     // A knob without detents has inertia and friction all the same.
-    done(folder, &["export", "1", "--out", "knob-1.h"]);
+    done(folder, "export 1 --out knob-1.h");
     let header = std::fs::read_to_string(folder.join("knob-1.h")).unwrap();
     assert!(header.contains("KNOB_1_COULOMB_NEGATIVE_MNM 46.0f") && !header.contains("TABLE"), "{header}");
 }
@@ -172,8 +164,8 @@ fn an_exported_header_compiles_and_gives_the_model_s_torque() {
 fn an_exported_torque_table_is_a_detent_that_compose_takes() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    done(folder, &["export", "4", "--out", "detents.csv", "--points", "100"]);
-    done(folder, &["compose", "--inertia", "4", "--friction", "4", "--detents", "detents.csv", "--out", "again.toml"]);
+    done(folder, "export 4 --out detents.csv --points 100");
+    done(folder, "compose --inertia 4 --friction 4 --detents detents.csv --out again.toml");
     let (original, again) = (knobs::paper_knob(4).unwrap(), dynamics::Model::load(&folder.join("again.toml")).unwrap());
     for step in 0..500 {
         let motion = Motion { angle_rad: 0.01 * f64::from(step), ..Motion::default() };
@@ -186,14 +178,14 @@ fn an_exported_torque_table_is_a_detent_that_compose_takes() {
 fn what_cannot_be_exported_so_is_reported_with_what_can() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    refused(folder, &["export", "3", "--out", "knob.xyz"], 2, "exported as .csv, .h, .xml, .urdf, .fmu or .json");
-    refused(folder, &["export", "capture.mcap", "--out", "capture.h"], 2, "exported as .csv or .parquet");
-    refused(folder, &["export", "3", "--out", "knob.h", "--points", "1"], 2, "4..=65536");
-    refused(folder, &["export", "nowhere.mcap", "--out", "capture.csv"], 1, "does not exist");
-    refused(folder, &["export", "1", "--out", "knob.csv"], 1, "no torque that depends on the angle");
-    refused(folder, &["export", "1", "--out", "knob.csv", "--over", "period"], 1, "--over turn");
+    refused(folder, "export 3 --out knob.xyz", 2, "exported as .csv, .h, .xml, .urdf, .fmu or .json");
+    refused(folder, "export capture.mcap --out capture.h", 2, "exported as .csv or .parquet");
+    refused(folder, "export 3 --out knob.h --points 1", 2, "4..=65536");
+    refused(folder, "export nowhere.mcap --out capture.csv", 1, "does not exist");
+    refused(folder, "export 1 --out knob.csv", 1, "no torque that depends on the angle");
+    refused(folder, "export 1 --out knob.csv --over period", 1, "--over turn");
     std::fs::write(folder.join("same.csv"), "t_s,angle_rad,torque_mnm\n0,0,0\n1,1,1\n2,2,2\n").unwrap();
-    refused(folder, &["export", "same.csv", "--out", "./same.csv"], 2, "name another file");
+    refused(folder, "export same.csv --out ./same.csv", 2, "name another file");
     assert_eq!(std::fs::read_dir(folder).unwrap().count(), 1, "nothing is left behind");
 }
 
@@ -214,11 +206,11 @@ fn a_folder_is_listed_by_time_with_what_is_damaged_and_what_is_foreign() {
     flipped[middle] ^= 0x10;
     std::fs::write(folder.join("flipped.mcap"), flipped).unwrap();
     std::fs::write(folder.join("notes.txt"), "knob bought in May").unwrap();
-    let text = done(folder, &["list", "."]);
+    let text = done(folder, "list .");
     assert!(text.lines().all(|line| line.starts_with("- ") || line.chars().count() <= 80), "{text}");
     assert!(!text.contains('\u{1b}'), "no colours where it is no terminal: {text}");
     assert!(text.contains("haptic-camera recover ./cut.mcap"), "{text}");
-    let listing: Value = serde_json::from_str(&done(folder, &["list", ".", "--json"])).unwrap();
+    let listing: Value = serde_json::from_str(&done(folder, "list . --json")).unwrap();
     let entries = listing["captures"].as_array().unwrap();
     let of =
         |file: &str| entries.iter().find(|entry| entry["file"] == file).unwrap_or_else(|| panic!("{file}: {text}"));
@@ -228,7 +220,7 @@ fn a_folder_is_listed_by_time_with_what_is_damaged_and_what_is_foreign() {
     assert_eq!(of("z-first.mcap")["knob"], "3");
     assert_eq!(of("z-first.mcap")["samples"], 15_000);
     assert_eq!(of("z-first.mcap")["lost_samples"], 0);
-    let fit: Value = serde_json::from_slice(&std::fs::read(folder.join("z-first.json")).unwrap()).unwrap();
+    let fit = json(&folder.join("z-first.json"));
     assert_eq!(of("z-first.mcap")["relative_error_percent"], fit["relative_error_percent"]);
     // Without the JSON beside it a capture is fitted for the list.
     assert!(of("a-second.mcap")["mean_ci95_mnm"].as_f64().unwrap() > 0.0);
@@ -236,9 +228,9 @@ fn a_folder_is_listed_by_time_with_what_is_damaged_and_what_is_foreign() {
     assert_eq!(of("flipped.mcap")["health"], "damaged");
     assert_eq!(of("notes.txt")["health"], "foreign");
     assert_eq!(entries.len(), 5, "results of a fit are no captures: {text}");
-    refused(folder, &["list", "nowhere"], 1, "nowhere");
+    refused(folder, "list nowhere", 1, "nowhere");
     std::fs::create_dir(folder.join("empty")).unwrap();
-    assert!(done(folder, &["list", "empty"]).contains("holds no captures"));
+    assert!(done(folder, "list empty").contains("holds no captures"));
 }
 
 #[test]
@@ -256,21 +248,19 @@ fn captures_begun_at_once_into_one_folder_are_all_kept_each_with_its_own_results
     let begun: Vec<_> = (1..=6)
         .map(|seed: u64| {
             let line = format!("capture --offline --knob 3 --duration-s 2 --rate-hz 2000 --seed {seed} --out shared");
-            let mut command = Command::new(env!("CARGO_BIN_EXE_haptic-camera"));
-            command.args(line.split(' ')).current_dir(folder);
-            (seed, command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap())
+            (seed, command(folder, &line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
         })
         .collect();
     for (seed, capture) in begun {
         let output = capture.wait_with_output().unwrap();
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
         let archive = said.lines().find_map(|line| line.strip_prefix("archive  ")).unwrap();
         let archive = folder.join(archive.split(" (").next().unwrap());
         let capture = Capture::load(&archive).unwrap();
         let notes = capture.description.unwrap().notes;
         assert!(notes.iter().any(|(name, value)| name == "seed" && *value == seed.to_string()), "{seed}: {notes:?}");
-        let json: Value = serde_json::from_slice(&std::fs::read(archive.with_extension("json")).unwrap()).unwrap();
+        let json = json(&archive.with_extension("json"));
         assert_eq!(json["capture"]["source"].as_str(), archive.file_name().unwrap().to_str());
         assert!(archive.with_extension("toml").exists() && archive.with_extension("html").exists());
     }

@@ -1,26 +1,17 @@
 //! `--json -`: standard output is one JSON document, whatever else the command has to say.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod program;
+
 use std::path::Path;
-use std::process::{Command, Output};
 
+use program::{call, done, only, words};
 use serde_json::Value;
-
-fn run(folder: &Path, line: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(line.split(' ')).current_dir(folder).output().unwrap()
-}
-
-fn errors(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
 
 /// Makes an archive of that name.
 fn archive(folder: &Path, line: &str, name: &str) {
-    let output = run(folder, &format!("{line} --offline --rate-hz 5000 --out made"));
-    assert_eq!(output.status.code(), Some(0), "{line}: {}", errors(&output));
-    let made = std::fs::read_dir(folder.join("made")).unwrap().map(|entry| entry.unwrap().path());
-    let made = made.into_iter().find(|path| path.extension().is_some_and(|ending| ending == "mcap")).unwrap();
-    std::fs::rename(made, folder.join(name)).unwrap();
+    done(folder, &format!("{line} --offline --rate-hz 5000 --out made"));
+    std::fs::rename(only(&folder.join("made"), "mcap"), folder.join(name)).unwrap();
     std::fs::remove_dir_all(folder.join("made")).unwrap();
 }
 
@@ -59,20 +50,18 @@ fn standard_output_is_the_json_alone() {
     ] {
         std::fs::write(folder.join(name), text).unwrap();
     }
-    assert_eq!(run(folder, "table . --out table.parquet").status.code(), Some(0));
+    done(folder, "table . --out table.parquet");
     let tested = LINES.map(|line| line.split(' ').next().unwrap());
-    let help = String::from_utf8(run(folder, "--help").stdout).unwrap();
+    let help = done(folder, "--help");
     let names = help.lines().filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next());
     for name in names.filter(|name| *name != "help" && !tested.contains(name)) {
-        let help = String::from_utf8(run(folder, &format!("{name} --help")).stdout).unwrap();
+        let help = words(&call(folder, &format!("{name} --help")));
         assert!(!help.contains("--json"), "`{name}` takes --json and is not tested");
     }
     for line in LINES {
-        let output = run(folder, &format!("{line} --json -"));
+        let output = call(folder, &format!("{line} --json -"));
         let said: Result<Value, _> = serde_json::from_slice(&output.stdout);
-        let said = said.unwrap_or_else(|error| {
-            panic!("{line}: {error} in\n{}\n{}", String::from_utf8_lossy(&output.stdout), errors(&output))
-        });
+        let said = said.unwrap_or_else(|error| panic!("{line}: {error} in\n{}", words(&output)));
         assert_eq!(said["made_by"], "haptic-camera", "{line}");
     }
 }

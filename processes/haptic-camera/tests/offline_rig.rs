@@ -1,29 +1,11 @@
 //! Commands that turn the rig by themselves, on the simulated rig offline: no clock, no other process.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod program;
+
 use std::path::Path;
-use std::process::{Command, Output};
 
-use serde_json::Value;
-
-fn haptic_camera(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = haptic_camera(folder, arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-fn refused(folder: &Path, arguments: &[&str]) -> String {
-    let output = haptic_camera(folder, arguments);
-    assert_eq!(output.status.code(), Some(1), "{arguments:?}");
-    let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-    assert_eq!(said.lines().count(), 1, "one sentence: {said}");
-    said
-}
+use program::{done, json, refused};
 
 /// The only archive whose folder's name holds `purpose`.
 fn archive(folder: &Path, purpose: &str) -> String {
@@ -60,7 +42,7 @@ fn a_rig_is_calibrated_step_by_step_and_the_next_run_carries_the_calibration() {
     }
     std::fs::write(folder.join("rig.toml"), first.to_string()).unwrap();
     for what in ["gravity", "latency", "gravity", "zero", "gripper", "friction"] {
-        done(folder, &["calibrate", what, "--offline", "--calibration", "rig.toml", "--out", "rig.toml"]);
+        done(folder, &format!("calibrate {what} --offline --calibration rig.toml --out rig.toml"));
     }
     let text = std::fs::read_to_string(folder.join("rig.toml")).unwrap();
     let found: toml::Table = text.parse().unwrap();
@@ -71,7 +53,7 @@ fn a_rig_is_calibrated_step_by_step_and_the_next_run_carries_the_calibration() {
         assert_eq!(comments, 1, "{quantity} says where it is from, once:\n{text}");
     }
 
-    done(folder, &["rig-test", "--offline", "--calibration", "rig.toml"]);
+    done(folder, "rig-test --offline --calibration rig.toml");
     let capture = archive::Capture::load(&folder.join(archive(folder, "rig-test-free-30"))).unwrap();
     let carried: toml::Table = capture.attached_text("calibration.toml").unwrap().parse().unwrap();
     assert_eq!(carried["torque_zero_mnm"], found["torque_zero_mnm"]);
@@ -81,9 +63,9 @@ fn a_rig_is_calibrated_step_by_step_and_the_next_run_carries_the_calibration() {
 fn a_calibration_takes_captures_that_were_made_before() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    done(folder, &["calibrate", "zero", "--offline", "--out", "first.toml"]);
+    done(folder, "calibrate zero --offline --out first.toml");
     let capture = archive(folder, "calibrate-zeros");
-    let said = done(folder, &["calibrate", "zero", &capture, &capture, "--out", "second.toml"]);
+    let said = done(folder, &format!("calibrate zero {capture} {capture} --out second.toml"));
     assert!(said.contains("torque_zero_mnm"), "{said}");
     let zero = |file: &str| {
         let table: toml::Table = std::fs::read_to_string(folder.join(file)).unwrap().parse().unwrap();
@@ -91,7 +73,7 @@ fn a_calibration_takes_captures_that_were_made_before() {
     };
     assert!((zero("first.toml") - zero("second.toml")).abs() < 1e-9);
 
-    let message = refused(folder, &["calibrate", "gravity", &capture, "--out", "third.toml"]);
+    let message = refused(folder, &format!("calibrate gravity {capture} --out third.toml"));
     assert!(message.contains("slow-turn") || message.contains("did not move"), "{message}");
     assert!(!folder.join("third.toml").exists());
 }
@@ -100,11 +82,11 @@ fn a_calibration_takes_captures_that_were_made_before() {
 fn the_rig_test_has_the_papers_table_3_beside_this_rigs_figures() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let said = done(folder, &["rig-test", "--offline", "--json", "test.json"]);
+    let said = done(folder, "rig-test --offline --json test.json");
     for expected in ["position", "velocity", "acceleration", "torque", "0.0032", "lag at 30 Hz"] {
         assert!(said.contains(expected), "'{expected}' is missing in\n{said}");
     }
-    let test: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("test.json")).unwrap()).unwrap();
+    let test = json(&folder.join("test.json"));
     let differences = test["differences"].as_array().unwrap();
     assert_eq!(differences.len(), 4);
     assert!(differences[0]["sd"].as_f64().unwrap() < 0.0032, "the servo follows as closely as the paper's");
@@ -124,17 +106,17 @@ fn bad_input_gets_one_sentence() {
         gravity_amplitude_rad_s2 = 0.0\ngravity_phase_rad = 0.0\nangle_step_rad = 0.0\ntorque_step_mnm = 0.0\n\
         acceleration_step_rad_s2 = 0.0\n";
     std::fs::write(folder.join("negative.toml"), negative).unwrap();
-    let cases: [(&[&str], &str); 7] = [
-        (&["rig-test", "--offline", "--calibration", "negative.toml"], "motor_inertia of -1"),
-        (&["calibrate", "zero", "--offline", "--calibration", "absent.toml", "--out", "rig.toml"], "absent.toml"),
-        (&["calibrate", "zero", "--offline", "--calibration", "broken.toml", "--out", "rig.toml"], "broken.toml"),
-        (&["calibrate", "zero", "table.csv", "--out", "rig.toml"], "--calibration"),
-        (&["calibrate", "zero", "absent.mcap", "--out", "rig.toml"], "absent.mcap"),
-        (&["rig-test", "--offline", "--sweep", "waltz"], "waltz"),
-        (&["check", "table.csv"], "3 samples"),
+    let cases = [
+        ("rig-test --offline --calibration negative.toml", "motor_inertia of -1"),
+        ("calibrate zero --offline --calibration absent.toml --out rig.toml", "absent.toml"),
+        ("calibrate zero --offline --calibration broken.toml --out rig.toml", "broken.toml"),
+        ("calibrate zero table.csv --out rig.toml", "--calibration"),
+        ("calibrate zero absent.mcap --out rig.toml", "absent.mcap"),
+        ("rig-test --offline --sweep waltz", "waltz"),
+        ("check table.csv", "3 samples"),
     ];
     for (arguments, expected) in cases {
         let message = refused(folder, arguments);
-        assert!(message.contains(expected), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{arguments}: {message}");
     }
 }

@@ -1,6 +1,8 @@
 //! A command replaces no file without being asked to, and reports what cannot be written.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test fails by panicking; a skipped one says so")]
 
+mod program;
+
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read as _;
@@ -8,23 +10,10 @@ use std::os::unix::fs::FileTypeExt as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-fn command(folder: &Path, line: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_haptic-camera"));
-    command.args(line.split(' ')).current_dir(folder);
-    command
-}
-
-fn run(folder: &Path, line: &str) -> Output {
-    command(folder, line).output().unwrap()
-}
+use program::{call, command, done};
 
 fn said(output: &Output) -> String {
     format!("{:?}: {}", output.status, String::from_utf8_lossy(&output.stderr))
-}
-
-fn done(folder: &Path, line: &str) {
-    let output = run(folder, line);
-    assert_eq!(output.status.code(), Some(0), "{line}: {}", said(&output));
 }
 
 /// A folder with one file of every kind that commands read or write, and a foreign one of each.
@@ -110,7 +99,7 @@ fn no_output_takes_the_place_of_an_input_or_of_a_file_of_another_kind_or_making(
                     _ => {}
                 }
                 let line = line.replace("OUT", &out);
-                let output = run(folder, &line);
+                let output = call(folder, &line);
                 let printed = said(&output);
                 assert!(matches!(output.status.code(), Some(1 | 2)), "{line}: {printed}");
                 assert_eq!(printed.lines().filter(|line| line.contains("error: ")).count(), 1, "{line}: {printed}");
@@ -149,7 +138,7 @@ fn an_earlier_output_of_the_same_kind_is_replaced() {
     // A name made by `mktemp` holds nothing yet.
     File::create(folder.join("empty.json")).unwrap();
     done(folder, "fit two.mcap --json empty.json");
-    let output = run(folder, "fit one.mcap --json both --out both");
+    let output = call(folder, "fit one.mcap --json both --out both");
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(!folder.join("both").exists());
 }

@@ -1,9 +1,9 @@
 //! A pressed control is captured, fitted, reported, rendered and judged in mm and N.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program;
 
+use program::{call, done, json, only, words};
 use serde_json::Value;
 
 /// A dome of another size than the shipped one, damped more.
@@ -51,33 +51,15 @@ detent_period = 0.3
 detent_phase = 0.3
 "#;
 
-fn haptic_camera(folder: &Path, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-        .args(arguments.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-fn words(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
-}
-
-fn only(folder: &Path, ending: &str) -> PathBuf {
-    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    files.into_iter().find(|path| path.extension().is_some_and(|found| found == ending)).unwrap()
-}
-
 #[test]
 fn a_dome_is_captured_on_the_linear_rig_and_reported_in_its_own_units() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let output = haptic_camera(folder, "capture --apparatus sim-linear --duration-s 4 --offline --no-viewer --out cap");
+    let output = call(folder, "capture --apparatus sim-linear --duration-s 4 --offline --no-viewer --out cap");
     assert!(output.status.success(), "{}", words(&output));
     let printed = words(&output);
     assert!(!printed.contains("mNm") && printed.contains("N s²/mm") && printed.contains("of the force"), "{printed}");
-    let fit: Value =
-        serde_json::from_str(&std::fs::read_to_string(only(&folder.join("cap"), "json")).unwrap()).unwrap();
+    let fit = json(&only(&folder.join("cap"), "json"));
     let inertia = &fit["parameters"]["inertia"];
     assert!((inertia["value"].as_f64().unwrap() / 4e-6 - 1.0).abs() < 0.08, "{inertia}");
     assert_eq!(inertia["unit"], "N s²/mm");
@@ -86,13 +68,11 @@ fn a_dome_is_captured_on_the_linear_rig_and_reported_in_its_own_units() {
     assert!(page.contains("travel (mm)") && !page.contains("mNm"), "a page in other units");
 
     let archive = only(&folder.join("cap"), "mcap");
-    let output = haptic_camera(folder, &format!("export {} --out table.csv", archive.display()));
-    assert!(output.status.success(), "{}", words(&output));
+    done(folder, &format!("export {} --out table.csv", archive.display()));
     let table = std::fs::read_to_string(folder.join("table.csv")).unwrap();
     assert!(table.starts_with("t_s,travel_mm,velocity_mm_s,acceleration_mm_s2,force_n,contact\n"), "{}", &table[..80]);
-    let again = haptic_camera(folder, "fit table.csv --json again.json");
-    assert!(again.status.success(), "{}", words(&again));
-    let again: Value = serde_json::from_str(&std::fs::read_to_string(folder.join("again.json")).unwrap()).unwrap();
+    done(folder, "fit table.csv --json again.json");
+    let again = json(&folder.join("again.json"));
     assert_eq!(again["parameters"]["inertia"]["value"], inertia["value"]);
 }
 
@@ -100,7 +80,7 @@ fn a_dome_is_captured_on_the_linear_rig_and_reported_in_its_own_units() {
 fn what_moves_along_the_other_axis_is_refused_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     for arguments in ["capture --apparatus sim-linear --knob 3 --offline", "capture --knob dome --offline"] {
-        let output = haptic_camera(folder.path(), arguments);
+        let output = call(folder.path(), arguments);
         let printed = words(&output);
         assert_eq!(output.status.code(), Some(1), "{printed}");
         assert!(printed.contains("rotary") && printed.contains("linear"), "{printed}");
@@ -120,10 +100,8 @@ fn the_intervals_of_a_domes_mass_friction_and_curve_hold_them_as_often_as_they_s
     let (mut of_mass, mut of_friction, mut points) = (0, 0, [0.0, 0.0]);
     for seed in 1..=SEEDS {
         let arguments = "capture --apparatus sim-linear --duration-s 4 --offline --no-viewer";
-        let output = haptic_camera(folder.path(), &format!("{arguments} --seed {seed} --out {seed}"));
-        assert!(output.status.success(), "{}", words(&output));
-        let json = std::fs::read_to_string(only(&folder.path().join(seed.to_string()), "json")).unwrap();
-        let fit: Value = serde_json::from_str(&json).unwrap();
+        done(folder.path(), &format!("{arguments} --seed {seed} --out {seed}"));
+        let fit = json(&only(&folder.path().join(seed.to_string()), "json"));
         let holds = |interval: &Value, truth: f64| {
             let [low, high] = [0, 1].map(|end| interval[end].as_f64().unwrap());
             (low..=high).contains(&truth)
@@ -159,14 +137,13 @@ fn what_is_pressed_or_slid_is_rendered_and_verified_as_knobs_are() {
     std::fs::write(folder.join("button.toml"), BUTTON).unwrap();
     std::fs::write(folder.join("slider.toml"), SLIDER).unwrap();
     for model in ["dome --nearest --seed 1", "dome --nearest --seed 2", "button.toml", "slider.toml"] {
-        let output =
-            haptic_camera(folder, &format!("replay {model} --apparatus sim-linear --verify --offline --out ver"));
+        let output = call(folder, &format!("replay {model} --apparatus sim-linear --verify --offline --out ver"));
         let printed = words(&output);
         assert!(output.status.success(), "{model}: {printed}");
         assert!(!printed.contains("mNm") && !printed.contains("knob"), "{model}: {printed}");
     }
     // The plunger of the rig alone weighs more than the dome's.
-    let output = haptic_camera(folder, "replay dome --apparatus sim-linear --verify --offline --out ver");
+    let output = call(folder, "replay dome --apparatus sim-linear --verify --offline --out ver");
     let printed = words(&output);
     assert_eq!(output.status.code(), Some(1), "{printed}");
     assert!(printed.contains("0.000004 N·s²/mm") && printed.contains("5.000e-5"), "{printed}");
@@ -179,7 +156,7 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
     std::fs::write(folder.join("slider.toml"), SLIDER).unwrap();
     for (sweep, name) in [("linear-chirp", "sweep"), ("stepped-amplitude", "heldout")] {
         let arguments = "capture --apparatus sim-linear --knob slider.toml --duration-s 4 --offline --no-viewer";
-        assert!(haptic_camera(folder, &format!("{arguments} --sweep {sweep} --out {name}")).status.success());
+        done(folder, &format!("{arguments} --sweep {sweep} --out {name}"));
     }
     let [sweep, heldout] = ["sweep", "heldout"].map(|name| only(&folder.join(name), "mcap").display().to_string());
     let said = [
@@ -197,7 +174,7 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
         "rig-test --apparatus sim-linear --offline --json rig-test.json --report rig-test.html".to_owned(),
     ];
     for arguments in &said {
-        let output = haptic_camera(folder, arguments);
+        let output = call(folder, arguments);
         let printed = words(&output);
         assert!(output.status.success(), "{arguments}: {printed}");
         let foreign = ["mNm", "torque", "angle", "rad/s", "°"].into_iter().find(|word| printed.contains(word));
@@ -227,14 +204,14 @@ fn whatever_is_said_of_a_linear_axis_is_in_its_words_and_units() {
     };
     let calibration = std::fs::read_to_string(folder.join("latency.toml")).unwrap();
     assert!((number(&calibration, "command_delay_s") - 53e-6).abs() < 8e-6, "{calibration}");
-    let rig_test: Value = serde_json::from_slice(&std::fs::read(folder.join("rig-test.json")).unwrap()).unwrap();
+    let rig_test = json(&folder.join("rig-test.json"));
     for lag in rig_test["lag_at_30_hz"].as_array().unwrap() {
         assert!(lag["phase_rad"].as_f64().unwrap().abs() < 0.5, "{lag}");
         assert!((lag["gain"].as_f64().unwrap() - 1.0).abs() < 0.1, "{lag}");
     }
-    let list = words(&haptic_camera(folder, "list sweep"));
+    let list = words(&call(folder, "list sweep"));
     assert!(list.contains("mNm or N") && !list.lines().nth(1).unwrap().contains(" - "), "{list}");
-    let output = haptic_camera(folder, "calibrate gravity --apparatus sim-linear --offline --out gravity.toml");
+    let output = call(folder, "calibrate gravity --apparatus sim-linear --offline --out gravity.toml");
     assert!(words(&output).contains("calibrate zero"), "{}", words(&output));
 }
 
@@ -243,11 +220,11 @@ fn the_contact_of_a_dome_is_in_the_archive_and_in_its_sheet_and_may_fail_a_unit(
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let capture = "capture --apparatus sim-linear --sweep slow-turn --duration-s 45 --offline --no-viewer --out cap";
-    assert!(haptic_camera(folder, capture).status.success());
+    done(folder, capture);
     let archive = only(&folder.join("cap"), "mcap").display().to_string();
-    let sheet = haptic_camera(folder, &format!("sheet {archive} --json sheet.json"));
+    let sheet = call(folder, &format!("sheet {archive} --json sheet.json"));
     assert!(sheet.status.success(), "{}", words(&sheet));
-    let told: Value = serde_json::from_slice(&std::fs::read(folder.join("sheet.json")).unwrap()).unwrap();
+    let told = json(&folder.join("sheet.json"));
     // As the rig's file has it.
     let truths = [
         ("contact_closing_travel", 3.1),
@@ -262,7 +239,7 @@ fn the_contact_of_a_dome_is_in_the_archive_and_in_its_sheet_and_may_fail_a_unit(
     }
     assert_eq!(told["presses"].as_array().unwrap().len(), 3);
     std::fs::write(folder.join("spec.toml"), "[figures.contact_closing_bounce]\nmax = 0.5\nunit = \"ms\"\n").unwrap();
-    let judged = haptic_camera(folder, &format!("judge {archive} --spec spec.toml"));
+    let judged = call(folder, &format!("judge {archive} --spec spec.toml"));
     assert_eq!(judged.status.code(), Some(4), "{}", words(&judged));
 }
 
@@ -273,10 +250,8 @@ fn a_unit_is_turned_until_its_verdict_is_certain() {
     std::fs::write(folder.join("wide.toml"), "[figures.collapse_force]\nmin = 0.3\nmax = 0.8\n").unwrap();
     std::fs::write(folder.join("low.toml"), "[figures.collapse_force]\nmax = 0.3\n").unwrap();
     for (spec, status) in [("wide.toml", 0), ("low.toml", 4)] {
-        let output = haptic_camera(
-            folder,
-            &format!("capture --apparatus sim-linear --spec {spec} --offline --no-viewer --out out"),
-        );
+        let output =
+            call(folder, &format!("capture --apparatus sim-linear --spec {spec} --offline --no-viewer --out out"));
         assert_eq!(output.status.code(), Some(status), "{}", words(&output));
         assert!(words(&output).contains("after the first slow turn"), "{}", words(&output));
     }
@@ -295,16 +270,13 @@ fn a_diagnosis_starts_from_the_curve_that_was_measured_and_names_what_hides_besi
             let arguments = "--apparatus sim-linear --duration-s 6 --offline --no-viewer";
             let command =
                 format!("capture {arguments} --knob {name}.toml --sweep {sweep} --seed {seed} --out {name}-{seed}");
-            let output = haptic_camera(folder, &command);
-            assert!(output.status.success(), "{}", words(&output));
+            done(folder, &command);
         }
         let [train, heldout] = [1, 2].map(|seed| only(&folder.join(format!("{name}-{seed}")), "mcap"));
         let command = format!("diagnose {} --heldout {} --json {name}.json", train.display(), heldout.display());
-        let output = haptic_camera(folder, &command);
-        assert!(output.status.success(), "{}", words(&output));
-        let found: Value =
-            serde_json::from_str(&std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap()).unwrap();
-        assert_eq!(found["effects"], serde_json::json!(hidden), "{}", words(&output));
-        assert_eq!(found["complete"], true, "{}", words(&output));
+        let said = done(folder, &command);
+        let found = json(&folder.join(format!("{name}.json")));
+        assert_eq!(found["effects"], serde_json::json!(hidden), "{said}");
+        assert_eq!(found["complete"], true, "{said}");
     }
 }

@@ -1,33 +1,25 @@
 //! `recompute`: a replay's torques from what its archive recorded.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod program;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use archive::Capture;
+use program::{call, done, errors, only};
 use serde_json::Value;
-
-fn haptic_camera(folder: &Path, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-        .args(arguments.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
 
 /// A replay without a clock; its archive.
 fn replayed(folder: &Path, arguments: &str) -> PathBuf {
-    let output = haptic_camera(folder, &format!("replay --offline --out {arguments}"));
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let out = arguments.split_whitespace().next().unwrap();
-    std::fs::read_dir(folder.join(out)).unwrap().flatten().map(|entry| entry.path()).next().unwrap()
+    done(folder, &format!("replay --offline --out {arguments}"));
+    only(&folder.join(arguments.split_whitespace().next().unwrap()), "mcap")
 }
 
 /// Exit status and JSON of `recompute`.
 fn recomputed(folder: &Path, archive: &Path) -> (Option<i32>, Value) {
-    let output = haptic_camera(folder, &format!("recompute {} --json -", archive.display()));
+    let output = call(folder, &format!("recompute {} --json -", archive.display()));
     let json = serde_json::from_slice(&output.stdout);
-    (output.status.code(), json.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr))))
+    (output.status.code(), json.unwrap_or_else(|_| panic!("{}", errors(&output))))
 }
 
 #[test]
@@ -83,10 +75,8 @@ fn what_cannot_be_computed_again_is_refused_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let refused = |arguments: &str, expected: &str| {
-        let output = haptic_camera(folder, arguments);
-        let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-        assert_eq!(output.status.code(), Some(1), "{arguments}: {said}");
-        assert!(said.lines().count() == 1 && said.contains(expected), "'{expected}' is missing in: {said}");
+        let said = program::refused(folder, arguments);
+        assert!(said.contains(expected), "'{expected}' is missing in: {said}");
     };
     let archive = replayed(folder, "one 4 --duration-s 0.1");
     std::fs::write(folder.join("table.csv"), "t_s,angle_rad,torque_mnm\n0,1,1\n0.1,1,1\n0.2,1,1\n").unwrap();

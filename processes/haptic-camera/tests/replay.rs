@@ -2,19 +2,16 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod pages;
+mod program;
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
+use program::{call, errors, json};
 use serde_json::Value;
 
 fn replay(folder: &Path, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-        .args(["replay", "--offline"])
-        .args(arguments.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    call(folder, &format!("replay --offline {arguments}"))
 }
 
 /// A model of an inertia and of what is given besides.
@@ -24,10 +21,7 @@ fn model(folder: &Path, inertia: &str, besides: &str) {
 }
 
 fn refused(folder: &Path, arguments: &str) -> String {
-    let output = replay(folder, arguments);
-    let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-    assert_eq!(output.status.code(), Some(1), "{arguments}: {said}");
-    assert_eq!(said.lines().count(), 1, "one sentence: {said}");
+    let said = program::refused(folder, &format!("replay --offline {arguments}"));
     assert!(!folder.join("captures").read_dir().is_ok_and(|mut files| files.next().is_some()), "nothing is captured");
     said
 }
@@ -36,7 +30,7 @@ fn refused(folder: &Path, arguments: &str) -> String {
 fn a_rendered_knob_captured_from_its_replay_is_its_model() {
     let folder = tempfile::tempdir().unwrap();
     let output = replay(folder.path(), "4 --verify --json result.json --report page.html");
-    let result: Value = serde_json::from_slice(&std::fs::read(folder.path().join("result.json")).unwrap()).unwrap();
+    let result = json(&folder.path().join("result.json"));
     let parameters = result["parameters"].as_array().unwrap();
     assert_eq!(parameters.len(), 10, "all of the model's but the stick velocity, which shows in no torque");
     for parameter in parameters {
@@ -127,7 +121,7 @@ fn what_the_rig_cannot_render_is_refused_with_the_nearest_that_would_do() {
 fn a_rate_at_which_the_rig_must_hold_the_model_softly_is_reported_with_a_firmer_one() {
     let folder = tempfile::tempdir().unwrap();
     let output = replay(folder.path(), "3 --rate-hz 3000 --duration-s 0.5");
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = errors(&output);
     assert!(output.status.success() && said.contains("--rate-hz 10000 couples it more firmly"), "{said}");
 }
 
@@ -136,7 +130,7 @@ fn the_nearest_that_the_rig_renders_is_rendered_and_reported_on_request() {
     let folder = tempfile::tempdir().unwrap();
     refused(folder.path(), "5");
     let output = replay(folder.path(), "5 --nearest --duration-s 1");
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = errors(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("inertia = 0.02085 mNm s²/rad instead of 0.0019"), "{said}");
     let archive = folder.path().join("captures").read_dir().unwrap().next().unwrap().unwrap().path();

@@ -2,40 +2,28 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod pages;
+mod program;
 
 use std::path::Path;
-use std::process::Command;
 
 use pages::{compared, not_in_json};
+use program::{done, json, only, refused};
 use serde_json::Value;
 
 /// Columns of a terminal.
 const TERMINAL: usize = 80;
 
-fn done(folder: &Path, arguments: &str) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-        .args(arguments.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{arguments}: {said}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
 /// An archive of a shipped knob on the simulated rig.
 fn captured(folder: &Path, name: &str, options: &str) -> String {
     done(folder, &format!("capture --offline --duration-s 4 --rate-hz 5000 --out {name} {options}"));
-    let files = std::fs::read_dir(folder.join(name)).unwrap().flatten().map(|entry| entry.path());
-    let archive = files.into_iter().find(|path| path.extension().is_some_and(|extension| extension == "mcap")).unwrap();
+    let archive = only(&folder.join(name), "mcap");
     format!("{name}/{}", archive.file_name().unwrap().to_str().unwrap())
 }
 
 /// What a command writes as `page.html` and `page.json`.
 fn written(folder: &Path, command: &str) -> (String, Value) {
     done(folder, &format!("{command} --json page.json --report page.html"));
-    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    (read("page.html"), serde_json::from_str(&read("page.json")).unwrap())
+    (std::fs::read_to_string(folder.join("page.html")).unwrap(), json(&folder.join("page.json")))
 }
 
 fn same(command: &str, (page, json): &(String, Value), fewest: usize) {
@@ -120,13 +108,6 @@ fn captures_of_one_knob_share_a_column_beside_what_the_paper_prints() {
 fn what_cannot_be_compared_gets_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     for subject in ["6", "missing.mcap", "missing.toml"] {
-        let output = Command::new(env!("CARGO_BIN_EXE_haptic-camera"))
-            .args(["compare", subject])
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-        assert_eq!(output.status.code(), Some(1), "{subject}: {said}");
-        assert_eq!(said.lines().count(), 1, "one sentence: {said}");
+        refused(folder.path(), &format!("compare {subject}"));
     }
 }

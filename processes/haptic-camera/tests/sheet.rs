@@ -1,17 +1,11 @@
 //! `sheet`, `judge`, `capability` and `gauge` as a user calls them.
 #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
+mod program;
+
 use std::fmt::Write as _;
-use std::path::Path;
-use std::process::{Command, Output};
 
-fn run(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn words(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
-}
+use program::{call, done, words};
 
 /// A press of a made-up dome with its collapse at 1 mm, and its return: travel in mm, force in gf.
 fn dome(collapse_gf: f64) -> String {
@@ -38,10 +32,8 @@ fn a_dome_has_its_sheet_as_table_json_csv_and_page() {
     for run in 1..4 {
         std::fs::write(folder.path().join(format!("dome/DataLog_{run}.csv")), dome(60.0 + f64::from(run))).unwrap();
     }
-    let files = ["--json", "s.json", "--csv", "s.csv", "--report", "s.html"];
-    let output = run(&[&["sheet", "dome"][..], &files].concat(), folder.path());
-    assert!(output.status.success(), "{}", words(&output));
-    let printed = words(&output);
+    let sheet = "sheet dome --json s.json --csv s.csv --report s.html";
+    let printed = done(folder.path(), sheet);
     assert!(printed.starts_with("mean of 3 curves of dome, 95 % prediction intervals for another one"), "{printed}");
     assert!(printed.lines().take(18).all(|line| line.chars().count() <= 80), "{printed}");
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
@@ -60,7 +52,7 @@ fn a_dome_has_its_sheet_as_table_json_csv_and_page() {
     );
     assert!(read("s.html").contains("Force over travel as measured"));
     // What was written before may be written again.
-    assert!(run(&[&["sheet", "dome"][..], &files].concat(), folder.path()).status.success());
+    done(folder.path(), sheet);
 }
 
 #[test]
@@ -70,25 +62,24 @@ fn verdicts_are_exit_statuses_and_one_line_a_unit() {
     write("good.csv", &dome(60.0));
     write("weak.csv", &dome(40.0));
     write("spec.toml", "name = \"dome\"\n[figures.collapse_force]\nmin = 55\nmax = 75\nunit = \"gf\"\n");
-    let judge = |units: &[&str], spec: &str| {
-        let output = run(&[&["judge"][..], units, &["--spec", spec, "--report", "j.html"]].concat(), folder.path());
+    let judge = |units: &str, spec: &str| {
+        let output = call(folder.path(), &format!("judge {units} --spec {spec} --report j.html"));
         (output.status.code().unwrap(), words(&output))
     };
-    assert_eq!(judge(&["good.csv"], "spec.toml"), (0, "pass       good.csv\n".to_owned()));
-    let (status, printed) = judge(&["good.csv", "weak.csv"], "spec.toml");
+    assert_eq!(judge("good.csv", "spec.toml"), (0, "pass       good.csv\n".to_owned()));
+    let (status, printed) = judge("good.csv weak.csv", "spec.toml");
     assert_eq!((status, printed.lines().count()), (4, 2), "{printed}");
     assert!(
         printed.contains("fail       weak.csv: collapse_force 0.44243 N (")
             && printed.contains("is outside 0.5394 to 0.7355 N")
     );
-    let output = run(&["sheet", "good.csv", "--json", "-"], folder.path());
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&done(folder.path(), "sheet good.csv --json -")).unwrap();
     write("edge.toml", &format!("[figures.collapse_force]\nmin = {}\n", json["figures"]["collapse_force"]["value"]));
-    let (status, printed) = judge(&["good.csv"], "edge.toml");
+    let (status, printed) = judge("good.csv", "edge.toml");
     assert!(status == 5 && printed.starts_with("undecided  good.csv: collapse_force"), "{printed}");
-    let (status, printed) = judge(&["good.csv"], "good.csv");
+    let (status, printed) = judge("good.csv", "good.csv");
     assert!(status == 1 && printed.contains("good.csv is no specification"), "{printed}");
-    let (status, printed) = judge(&["spec.toml"], "spec.toml");
+    let (status, printed) = judge("spec.toml", "spec.toml");
     assert!(status == 1 && printed.lines().count() == 1, "{printed}");
 }
 
@@ -109,33 +100,28 @@ fn capability_and_gauge_take_captures_and_tables() {
     }
     let captures: Vec<String> =
         (0..3).flat_map(|part| ["A", "B"].map(|operator| format!("study/{part}/{operator}"))).collect();
-    let captures: Vec<&str> = captures.iter().map(String::as_str).collect();
-    let output = run(&[&["gauge"][..], &captures, &["--spec", "spec.toml"]].concat(), folder.path());
-    assert!(output.status.success(), "{}", words(&output));
-    assert!(words(&output).contains("2 operators, 3 parts, 2 trials"), "{}", words(&output));
-    let output = run(
-        &[&["capability"][..], &captures, &["--spec", "spec.toml", "--dfq", "d.dfq", "--json", "-"]].concat(),
-        folder.path(),
-    );
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(json["collapse_force"]["number"], 12, "{}", words(&output));
+    let captures = captures.join(" ");
+    let said = done(folder.path(), &format!("gauge {captures} --spec spec.toml"));
+    assert!(said.contains("2 operators, 3 parts, 2 trials"), "{said}");
+    let said = done(folder.path(), &format!("capability {captures} --spec spec.toml --dfq d.dfq --json -"));
+    let json: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(json["collapse_force"]["number"], 12, "{said}");
     assert!(std::fs::read_to_string(folder.path().join("d.dfq")).unwrap().contains("K2002/1 collapse_force"));
     let rows = (0..12).fold("part,operator,value\n".to_owned(), |mut text, row| {
         writeln!(text, "{},{},{}", row / 4, row / 2 % 2, f64::from(row / 4) + 0.1 * f64::from(row % 2)).unwrap();
         text
     });
     write("values.csv", &rows);
-    let output = run(&["gauge", "--values", "values.csv", "--figure", "peak_torque"], folder.path());
-    assert!(output.status.success() && words(&output).contains("peak_torque: %GRR "), "{}", words(&output));
-    let output = run(&["gauge", "--values", "values.csv", "--figure", "peak"], folder.path());
+    let said = done(folder.path(), "gauge --values values.csv --figure peak_torque");
+    assert!(said.contains("peak_torque: %GRR "), "{said}");
+    let output = call(folder.path(), "gauge --values values.csv --figure peak");
     assert!(!output.status.success() && words(&output).contains("`peak` is not a figure"), "{}", words(&output));
 }
 
 #[test]
 fn the_wall_has_the_papers_knobs_and_those_of_smartknob() {
     let folder = tempfile::tempdir().unwrap();
-    let output = run(&["sheet", "--wall", "wall.html"], folder.path());
-    assert!(output.status.success(), "{}", words(&output));
+    done(folder.path(), "sheet --wall wall.html");
     let page = std::fs::read_to_string(folder.path().join("wall.html")).unwrap();
     assert_eq!(page.matches("<svg").count(), 15);
     assert!(page.contains("Knob 5") && page.contains("Coarse values, magnetic detents"));

@@ -1,10 +1,11 @@
 //! `simulate` on tables whose motion is known by formula.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod program;
+
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::Command;
 
 const SAMPLE_S: f64 = 1e-3;
 const SAMPLES: usize = 4_000;
@@ -21,7 +22,7 @@ fn motion(time_s: f64) -> (f64, f64, f64) {
 }
 
 /// Simulates the model along a capture of [`motion`] and [`rigid_mnm`]; gives what is said on standard output.
-fn simulated(folder: &Path, model: &str, more: &[&str]) -> String {
+fn simulated(folder: &Path, model: &str, more: &str) -> String {
     let mut like = "t_s,angle_rad,velocity_rad_s,acceleration_rad_s2,torque_mnm\n".to_owned();
     for index in 0..SAMPLES {
         let time_s = index as f64 * SAMPLE_S;
@@ -31,16 +32,12 @@ fn simulated(folder: &Path, model: &str, more: &[&str]) -> String {
     }
     std::fs::write(folder.join("like.csv"), like).unwrap();
     std::fs::write(folder.join("model.toml"), model).unwrap();
-    let arguments = ["simulate", "model.toml", "--like", "like.csv"].iter().chain(more);
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_haptic-camera")).args(arguments).current_dir(folder).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
+    program::done(folder, &format!("simulate model.toml --like like.csv {more}"))
 }
 
 /// The torque column that `simulate` writes for the model along [`motion`].
 fn simulated_mnm(folder: &Path, model: &str) -> Vec<f64> {
-    simulated(folder, model, &["--out", "out.csv"]);
+    simulated(folder, model, "--out out.csv");
     let table = std::fs::read_to_string(folder.join("out.csv")).unwrap();
     let mut lines = table.lines();
     let column = lines.next().unwrap().split(',').position(|name| name == "torque_mnm").unwrap();
@@ -139,7 +136,7 @@ fn a_knob_behind_a_shaft_is_simulated_with_its_own_motion() {
 fn a_models_relative_error_on_a_capture_is_reported_without_writing_anything() {
     let folder = tempfile::tempdir().unwrap();
     let error_percent = |model: &str| -> f64 {
-        let said = simulated(folder.path(), model, &[]);
+        let said = simulated(folder.path(), model, "");
         let number = said.split("relative error ").nth(1).and_then(|rest| rest.split(' ').next());
         number.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("no relative error in {said}"))
     };

@@ -1,10 +1,13 @@
 //! Sweeps that end once enough is known, on the simulated rig offline.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program;
+
+use std::path::Path;
+use std::process::Output;
 
 use dynamics::effects::detent::canonical;
+use program::{call, errors, json, only};
 use serde_json::Value;
 
 const PLANNED_S: f64 = 20.0;
@@ -20,16 +23,7 @@ const JUDGED: [&str; 8] = [
 ];
 
 fn capture(folder: &Path, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_haptic-camera"));
-    command.args(["capture", "--offline", "--out", "out"]).args(arguments.split_whitespace());
-    command.current_dir(folder).output().unwrap()
-}
-
-fn only(folder: &Path, ending: &str) -> PathBuf {
-    let files = std::fs::read_dir(folder.join("out")).unwrap().flatten().map(|entry| entry.path());
-    let mut found: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|own| own == ending)).collect();
-    assert_eq!(found.len(), 1, "{found:?}");
-    found.remove(0)
+    call(folder, &format!("capture --offline --out out {arguments}"))
 }
 
 /// Half widths as shares of their values, of a phase as such, and whether each interval holds the truth.
@@ -62,12 +56,12 @@ fn a_sweep_ends_early_and_the_archive_s_own_fit_knows_what_was_asked_for() {
             format!("--knob {knob} --seed {seed} --amplitude {amplitude} --duration-s {PLANNED_S} --until-ci 3%");
         let output = capture(folder.path(), &asked);
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert_eq!(output.status.code(), Some(0), "{said}{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(output.status.code(), Some(0), "{said}{}", errors(&output));
         assert!(said.contains("known within 3 % after") && said.contains("s saved"), "{said}");
-        let archive = archive::Overview::read(&only(folder.path(), "mcap")).unwrap();
+        let archive = archive::Overview::read(&only(&folder.path().join("out"), "mcap")).unwrap();
         assert!(archive.duration_s < 0.7 * PLANNED_S, "it took {} s", archive.duration_s);
         assert_eq!((archive.lost_samples, archive.fault), (0, false));
-        let fit: Value = serde_json::from_slice(&std::fs::read(only(folder.path(), "json")).unwrap()).unwrap();
+        let fit = json(&only(&folder.path().join("out"), "json"));
         let judged = judged(knob, &fit);
         assert_eq!(judged.len(), parameters, "{judged:?}");
         for (name, share, _) in &judged {
@@ -87,7 +81,7 @@ fn a_sweep_that_comes_to_its_end_first_says_what_is_not_known() {
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("not known within 0.1 % by the end: ") && said.contains("viscous_negative ±"), "{said}");
-    let samples = archive::Overview::read(&only(folder.path(), "mcap")).unwrap().samples;
+    let samples = archive::Overview::read(&only(&folder.path().join("out"), "mcap")).unwrap().samples;
     assert_eq!(samples, 40_000);
 }
 
@@ -96,7 +90,7 @@ fn a_share_that_is_none_is_wrong_usage_with_what_to_give_instead() {
     let folder = tempfile::tempdir().unwrap();
     for wrong in ["0", "0%", "abc", "200%", "-1%", "1"] {
         let output = capture(folder.path(), &format!("--until-ci {wrong}"));
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let said = errors(&output);
         assert_eq!(output.status.code(), Some(2), "{wrong}: {said}");
         assert!(said.contains("as in 1% or 0.5%") && said.contains(wrong), "{wrong}: {said}");
         assert!(!folder.path().join("out").exists(), "nothing is begun");

@@ -90,30 +90,20 @@ fn fit_update(run_id: u64, newest: &Sample, noise: &mut Noise) -> FitUpdate {
             convergence: u32::from(enough),
         }
     });
-    let [
-        inertia,
-        coulomb_negative,
-        coulomb_positive,
-        viscous_negative,
-        viscous_positive,
-        detent_amplitude,
-        detent_period,
-        detent_phase,
-    ] = estimates;
     FitUpdate {
         run_id,
         monotonic_time_ns: newest.monotonic_time_ns,
         latest_tick: newest.tick,
         samples: newest.seq,
         residual_rms_mnm: 0.104,
-        inertia,
-        coulomb_negative,
-        coulomb_positive,
-        viscous_negative,
-        viscous_positive,
-        detent_amplitude,
-        detent_period,
-        detent_phase,
+        inertia: estimates[0],
+        coulomb_negative: estimates[1],
+        coulomb_positive: estimates[2],
+        viscous_negative: estimates[3],
+        viscous_positive: estimates[4],
+        detent_amplitude: estimates[5],
+        detent_period: estimates[6],
+        detent_phase: estimates[7],
         ..FitUpdate::default()
     }
 }

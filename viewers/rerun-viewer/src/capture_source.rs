@@ -53,7 +53,8 @@ impl CaptureSource {
 
     /// What is laid out: the columns that the capture has.
     pub fn subject(&self) -> Subject {
-        Subject::Capture {
+        Subject {
+            is_live: false,
             axis: self.capture.axis,
             velocity: self.capture.velocity_rad_s.is_some(),
             acceleration: self.capture.acceleration_rad_s2.is_some(),
@@ -197,10 +198,8 @@ mod tests {
             (t_s, sine, -0.2 * 9.0 * sine + 4.0 * cosine.signum())
         });
         let mut source = CaptureSource::open(table(rows).path()).unwrap();
-        assert_eq!(
-            source.subject(),
-            Subject::Capture { axis: dynamics::Axis::Rotary, velocity: false, acceleration: false, contact: false }
-        );
+        let Subject { axis, velocity, acceleration, contact, .. } = source.subject();
+        assert_eq!((axis, velocity, acceleration, contact), (dynamics::Axis::Rotary, false, false, false));
         let (readings, torques, text) = everything(&mut source);
         assert_eq!(readings.len(), 50_000);
         assert!(readings.iter().zip(0..).all(|(reading, row)| reading.time_ns == row * 1_000_000));

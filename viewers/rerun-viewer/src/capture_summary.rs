@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use archive::Capture;
 use identification::{Fit, Parameter};
 
-use crate::summary::{alarmed, grouped, knob_title, three_digits, with_half_width};
+use crate::summary::{self, alarmed, grouped, knob_title, three_digits, with_half_width};
 
 /// Largest difference between the halves of an interval that is written as value ± half width, as a share of it.
 const SYMMETRIC: f64 = 0.01;
@@ -21,7 +21,7 @@ pub fn markdown(capture: &Capture, fit: &Result<Fit, String>) -> String {
             let _ = writeln!(text, "**No model:** {reason}\n");
         }
     }
-    ranges(&mut text, capture);
+    summary::ranges(&mut text, "signal", columns(capture));
     if let Ok(fit) = fit {
         remarks(&mut text, fit);
     }
@@ -86,20 +86,18 @@ fn value_and_interval(parameter: &Parameter) -> String {
     }
 }
 
-fn ranges(text: &mut String, capture: &Capture) {
+fn columns(capture: &Capture) -> [(&'static str, Option<(f64, f64)>); 4] {
     let columns = [
         ("angle_rad", Some(&capture.angle_rad)),
         ("velocity_rad_s", capture.velocity_rad_s.as_ref()),
         ("acceleration_rad_s2", capture.acceleration_rad_s2.as_ref()),
         ("torque_mnm", Some(&capture.torque_mnm)),
     ];
-    let _ = writeln!(text, "| signal | from | to |\n|---|---:|---:|");
-    for (name, column) in columns.into_iter().filter_map(|(name, column)| Some((name, column?))) {
-        let low = column.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let _ = writeln!(text, "| {name} | {} | {} |", three_digits(low), three_digits(high));
-    }
-    text.push('\n');
+    let range = |column: &Vec<f64>| {
+        let range = (f64::INFINITY, f64::NEG_INFINITY);
+        column.iter().fold(range, |(low, high), value| (low.min(*value), high.max(*value)))
+    };
+    columns.map(|(name, column)| (name, column.map(range)))
 }
 
 /// Why parameters are not identifiable, grouped by reason, and other remarks.

@@ -5,7 +5,7 @@ use rerun::{BarChart, RecordingStream, RecordingStreamResult, Scalars, TextDocum
 use shared_types::LATENESS_BIN_EDGES_NS;
 
 use crate::entities;
-use crate::frame::{Frame, Lateness, SeriesRows};
+use crate::frame::{Frame, SeriesRows};
 use crate::palette::MEASURED;
 use crate::plot_drawing::PlotPen;
 use crate::slider_drawing::Slider;
@@ -52,8 +52,8 @@ impl Pen {
         for plot in &frame.plots {
             plots.draw(recording, plot)?;
         }
-        if let Some(lateness) = &frame.lateness {
-            draw_histogram(recording, lateness)?;
+        if let Some(counts) = &frame.lateness {
+            draw_histogram(recording, counts)?;
         }
         if let Some(knob) = &frame.knob {
             match slider {
@@ -90,15 +90,14 @@ fn draw_series(recording: &RecordingStream, rows: &SeriesRows, axis: Axis) -> an
 }
 
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "drawn on a logarithmic scale")]
-fn draw_histogram(recording: &RecordingStream, lateness: &Lateness) -> RecordingStreamResult<()> {
+fn draw_histogram(recording: &RecordingStream, counts: &[u64; 12]) -> RecordingStreamResult<()> {
     // A bar for each bin, at the middle of its edges; the outer two are half a decade wide.
     let edges: Vec<f64> = LATENESS_BIN_EDGES_NS.iter().map(|edge| (*edge as f64).log10()).collect();
     let lower = edges.first().map(|first| first - 0.5).into_iter().chain(edges.iter().copied());
     let upper = edges.iter().copied().chain(edges.last().map(|last| last + 0.5));
     let (middles, widths): (Vec<f64>, Vec<f32>) =
         lower.zip(upper).map(|(low, high)| (f64::midpoint(low, high), (high - low) as f32 * 0.92)).unzip();
-    let heights: Vec<f64> =
-        lateness.counts.iter().map(|count| (*count as f64).ln_1p() / std::f64::consts::LN_10).collect();
+    let heights: Vec<f64> = counts.iter().map(|count| (*count as f64).ln_1p() / std::f64::consts::LN_10).collect();
     recording.log(
         entities::LATENESS_HISTOGRAM,
         &BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(MEASURED.opaque()),

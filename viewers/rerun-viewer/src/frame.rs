@@ -1,7 +1,5 @@
 //! What goes to the screen at once.
 
-use shared_types::LoopStatus;
-
 use crate::decimation::Points;
 use crate::knob_track::KnobUpdate;
 use crate::scatter::PlotUpdate;
@@ -17,8 +15,8 @@ pub struct Frame {
     pub series: Vec<SeriesRows>,
     /// The x-y plots, when it is their turn.
     pub plots: Vec<PlotUpdate>,
-    /// Ticks by lateness, when it is their turn.
-    pub lateness: Option<Lateness>,
+    /// Ticks by lateness so far, when it is their turn; see [`shared_types::LATENESS_BIN_EDGES_NS`].
+    pub lateness: Option<[u64; 12]>,
     /// The knob itself, when it has moved or changed.
     pub knob: Option<KnobUpdate>,
     /// Texts as Markdown by the entities that show them, when they have changed.
@@ -43,18 +41,5 @@ impl SeriesRows {
     pub fn of_points(entity: String, points: Points) -> Option<Self> {
         let Points { times_ns, values } = points;
         (!times_ns.is_empty()).then_some(Self { entity, times_ns, values, values_per_row: 1 })
-    }
-}
-
-/// The control loop's lateness so far.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lateness {
-    /// Ticks by lateness; see [`shared_types::LATENESS_BIN_EDGES_NS`].
-    pub counts: [u64; 12],
-}
-
-impl From<&LoopStatus> for Lateness {
-    fn from(status: &LoopStatus) -> Self {
-        Self { counts: status.lateness_counts }
     }
 }

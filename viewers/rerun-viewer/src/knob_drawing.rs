@@ -4,16 +4,14 @@
 //! counter-clockwise, seen from above.
 
 use rerun::components::{FillMode, RotationAxisAngle};
-use rerun::{
-    Angle, Boxes3D, Cylinders3D, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult, TimeColumn,
-    Transform3D,
-};
+use rerun::{Angle, Boxes3D, Cylinders3D, Points3D, RecordingStream, RecordingStreamResult, TimeColumn, Transform3D};
 
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
 use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, Rgb, STICKING, WHITE};
 use crate::plot_axes::round_step;
+use crate::strokes::{dots, labels, lines, single};
 use crate::summary::three_digits;
 
 /// Radius of the knob's body.
@@ -23,7 +21,9 @@ const BODY_HEIGHT: f64 = 0.34;
 /// Radius of the ring of detents where the detent torque is nothing.
 const RING_RADIUS: f64 = 0.8;
 /// Depth of a detent whose torque is a whole step of its scale.
-pub(crate) const FULL_DEPTH: f64 = 0.13;
+const FULL_DEPTH: f64 = 0.13;
+/// Where the text on the detents lies.
+pub(crate) const DETENTS_LABEL: &str = "knob/detents/label";
 /// Largest angle that the dial has a label for, rad.
 const LAST_LABEL_HALF_RAD: i32 = 6;
 
@@ -32,30 +32,21 @@ const LAST_LABEL_HALF_RAD: i32 = 6;
 /// # Errors
 /// When rerun refuses a part of it.
 pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
-    let rim: Vec<[f32; 3]> = (0..=180).map(|step| place(f64::from(step).to_radians() * 2.0, 1.0, 0.0)).collect();
+    let circle = |radius: f64| -> Vec<[f32; 3]> {
+        (0..=180).map(|step| place(f64::from(step).to_radians() * 2.0, radius, 0.0)).collect()
+    };
     let tenths = (-31..=31).map(|tenth| {
         let length = if tenth % 5 == 0 { 0.09 } else { 0.04 };
         let angle = f64::from(tenth) / 10.0;
         vec![place(angle, 1.0, 0.0), place(angle, 1.0 + length, 0.0)]
     });
-    recording.log_static(
-        format!("{KNOB}/dial"),
-        &LineStrips3D::new(std::iter::once(rim).chain(tenths))
-            .with_colors([NEUTRAL.opaque()])
-            .with_radii([Radius::new_ui_points(0.9)]),
-    )?;
+    let dial = std::iter::once(circle(1.0)).chain(tenths);
+    recording.log_static(format!("{KNOB}/dial"), &lines(dial, NEUTRAL, 0.9))?;
     let labelled = (-LAST_LABEL_HALF_RAD..=LAST_LABEL_HALF_RAD).filter(|half| half % 2 == 0);
-    let (places, labels): (Vec<_>, Vec<_>) = labelled
+    let (places, texts): (Vec<_>, Vec<_>) = labelled
         .map(|half| (place(f64::from(half) / 2.0, 1.2, 0.0), format!("{} rad", half / 2).replace('-', "\u{2212}")))
         .unzip();
-    recording.log_static(
-        format!("{KNOB}/dial/labels"),
-        &Points3D::new(places)
-            .with_labels(labels)
-            .with_show_labels(true)
-            .with_colors([WHITE.opaque()])
-            .with_radii([Radius::new_ui_points(0.0)]),
-    )?;
+    recording.log_static(format!("{KNOB}/dial/labels"), &labels(places, texts))?;
     recording.log_static(
         format!("{KNOB}/turning/pointer"),
         &Boxes3D::from_centers_and_half_sizes(
@@ -68,12 +59,7 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
         .with_colors([WHITE.opaque()])
         .with_fill_mode(FillMode::Solid),
     )?;
-    let circle: Vec<[f32; 3]> =
-        (0..=180).map(|step| place(f64::from(step).to_radians() * 2.0, RING_RADIUS, 0.0)).collect();
-    recording.log_static(
-        format!("{KNOB}/no_detents"),
-        &LineStrips3D::new([circle]).with_colors([NEUTRAL.opaque()]).with_radii([Radius::new_ui_points(0.6)]),
-    )
+    recording.log_static(format!("{KNOB}/no_detents"), &lines([circle(RING_RADIUS)], NEUTRAL, 0.6))
 }
 
 /// Draws what is new at the recording's current time; angles have times of their own.
@@ -83,10 +69,9 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
 pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
     if !update.turns.times_ns.is_empty() {
         let times = TimeColumn::new_duration_nanos(TIMELINE, update.turns.times_ns.iter().copied());
-        #[allow(clippy::cast_possible_truncation, reason = "rerun draws in single precision")]
         let turns = update.turns.values.iter().map(|angle| {
             let within_a_turn = angle.rem_euclid(std::f64::consts::TAU);
-            RotationAxisAngle::new([0.0, 0.0, 1.0], Angle::from_radians(within_a_turn as f32))
+            RotationAxisAngle::new([0.0, 0.0, 1.0], Angle::from_radians(single(within_a_turn)))
         });
         let turned = Transform3D::update_fields().with_many_rotation_axis_angle(turns);
         recording.send_columns(format!("{KNOB}/turning"), [times], turned.columns_of_unit_batches()?)?;
@@ -95,7 +80,10 @@ pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<
         draw_body(recording, motion)?;
     }
     if let Some(ring) = &update.detents {
-        draw_detents(recording, ring)?;
+        let depth = depth(ring);
+        let at = |[angle, share]: [f64; 2]| Some(place(angle, RING_RADIUS - depth * share, 0.0));
+        draw_detents(recording, ring, "ring", at)?;
+        recording.log_static(DETENTS_LABEL, &label([0.0, -1.5, 0.0], detents_in_words(ring)))?;
     }
     Ok(())
 }
@@ -118,24 +106,23 @@ pub(crate) const fn color(motion: Motion) -> Rgb {
     }
 }
 
-/// Like the plots' axes they belong to no time, so that a page that is opened late has them first.
-fn draw_detents(recording: &RecordingStream, ring: &DetentRing) -> RecordingStreamResult<()> {
-    let DetentRing { depths, stable_rad, amplitude_mnm, .. } = ring;
-    let scale_mnm = round_step(*amplitude_mnm);
-    let depth = FULL_DEPTH * amplitude_mnm / scale_mnm;
-    let outline: Vec<[f32; 3]> =
-        depths.iter().map(|[angle, share]| place(*angle, RING_RADIUS - depth * share, 0.0)).collect();
-    recording.log_static(
-        format!("{KNOB}/detents/ring"),
-        &LineStrips3D::new([outline]).with_colors([MODEL.opaque()]).with_radii([Radius::new_ui_points(1.8)]),
-    )?;
-    recording.log_static(
-        format!("{KNOB}/detents/stable"),
-        &Points3D::new(stable_rad.iter().map(|angle| place(*angle, RING_RADIUS - depth, 0.0)))
-            .with_colors([MODEL.opaque()])
-            .with_radii([Radius::new_ui_points(3.5)]),
-    )?;
-    recording.log_static(format!("{KNOB}/detents/label"), &label([0.0, -1.5, 0.0], detents_in_words(ring)))
+/// How deep the detents are drawn.
+pub(crate) fn depth(ring: &DetentRing) -> f64 {
+    FULL_DEPTH * ring.amplitude_mnm / round_step(ring.amplitude_mnm)
+}
+
+/// Draws the line of the detents and the places of rest where `at` puts an angle with a share of the depth, if anywhere. Like the
+/// plots' axes they belong to no time, so that a page that is opened late has them first.
+pub(crate) fn draw_detents(
+    recording: &RecordingStream,
+    ring: &DetentRing,
+    line: &str,
+    at: impl Fn([f64; 2]) -> Option<[f32; 3]>,
+) -> RecordingStreamResult<()> {
+    let outline: Vec<_> = ring.depths.iter().copied().filter_map(&at).collect();
+    recording.log_static(format!("{KNOB}/detents/{line}"), &lines([outline], MODEL, 1.8))?;
+    let rests = ring.stable_rad.iter().filter_map(|angle| at([*angle, 1.0]));
+    recording.log_static(format!("{KNOB}/detents/stable"), &dots(rests, MODEL, 3.5))
 }
 
 /// How deep the detents are and how far apart.
@@ -144,23 +131,13 @@ pub(crate) fn detents_in_words(ring: &DetentRing) -> String {
     format!("detents: {deep} mNm deep, {apart} rad apart")
 }
 
-/// A text at a place; its ground is between light and dark in either theme.
+/// A text at a place.
 pub(crate) fn label(place: [f64; 3], text: String) -> Points3D {
-    Points3D::new([place.map(single)])
-        .with_labels([text])
-        .with_show_labels(true)
-        .with_colors([WHITE.opaque()])
-        .with_radii([Radius::new_ui_points(0.0)])
+    labels([place.map(single)], [text])
 }
 
 /// Where an angle lies at some radius and height.
 fn place(angle_rad: f64, radius: f64, height: f64) -> [f32; 3] {
     let (sine, cosine) = angle_rad.sin_cos();
     [single(-radius * sine), single(radius * cosine), single(height)]
-}
-
-/// rerun draws in single precision.
-#[allow(clippy::cast_possible_truncation, reason = "the screen has fewer digits than an f32")]
-pub(crate) const fn single(value: f64) -> f32 {
-    value as f32
 }

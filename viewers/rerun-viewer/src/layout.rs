@@ -2,10 +2,10 @@
 
 use dynamics::Axis;
 use rerun::RecordingStream;
-use rerun::blueprint::components::{BackgroundKind, LinkAxis, LockRangeDuringZoom, PanelState, PlayState};
+use rerun::blueprint::components::{BackgroundKind, LinkAxis, LockRangeDuringZoom, PlayState};
 use rerun::blueprint::{
-    BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView,
-    Spatial3DView, Tabs, TextDocumentView, TimePanel, TimeSeriesView, Vertical,
+    BarChartView, ContainerLike, Grid, Horizontal, Spatial2DView, Spatial3DView, Tabs, TextDocumentView, TimePanel,
+    TimeSeriesView, Vertical,
 };
 use rerun::components::Visible;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
@@ -30,54 +30,28 @@ const LOOK_TARGET: [f32; 3] = [0.0, -0.12, 0.0];
 
 /// What is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
-    /// The running capture: its last seconds.
-    Live {
-        /// Whether the rig turns.
-        axis: Axis,
-        /// Whether it watches a contact.
-        contact: bool,
-    },
-    /// A finished capture: all of it, as far as it has the columns.
-    Capture {
-        /// Whether the rig turned.
-        axis: Axis,
-        /// Whether it has a velocity.
-        velocity: bool,
-        /// Whether it has an acceleration.
-        acceleration: bool,
-        /// Whether it has a contact.
-        contact: bool,
-    },
+pub struct Subject {
+    /// Whether it is the running capture, of which the last seconds are shown; of a finished one, all is.
+    pub is_live: bool,
+    /// Whether the rig turns.
+    pub axis: Axis,
+    /// Whether there is a velocity.
+    pub velocity: bool,
+    /// Whether there is an acceleration.
+    pub acceleration: bool,
+    /// Whether a contact is watched.
+    pub contact: bool,
 }
 
 impl Subject {
-    /// Whether it turns, or is pressed or slid.
-    pub const fn axis(self) -> Axis {
-        match self {
-            Self::Live { axis, .. } | Self::Capture { axis, .. } => axis,
-        }
+    /// The running capture, which has a velocity and an acceleration.
+    pub const fn live(axis: Axis, contact: bool) -> Self {
+        Self { is_live: true, axis, velocity: true, acceleration: true, contact }
     }
 
     /// What the signals' plots reach back, s; `None` for everything.
     const fn window_s(self) -> Option<i64> {
-        match self {
-            Self::Live { .. } => Some(LIVE_WINDOW_S),
-            Self::Capture { .. } => None,
-        }
-    }
-
-    const fn has_velocity(self) -> bool {
-        matches!(self, Self::Live { .. } | Self::Capture { velocity: true, .. })
-    }
-
-    const fn has_contact(self) -> bool {
-        let (Self::Live { contact, .. } | Self::Capture { contact, .. }) = self;
-        contact
-    }
-
-    const fn has_acceleration(self) -> bool {
-        matches!(self, Self::Live { .. } | Self::Capture { acceleration: true, .. })
+        if self.is_live { Some(LIVE_WINDOW_S) } else { None }
     }
 }
 
@@ -89,31 +63,21 @@ pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()>
     let mut properties = Properties::default();
     let knob = knob(&mut properties, subject);
     let signals = signals(&mut properties, subject);
-    let tabs = match subject {
-        Subject::Live { axis, .. } => {
-            Tabs::new([knob, signals, parameters(&mut properties, axis), timing_and_processes(&mut properties)])
-        }
+    let tabs = if subject.is_live {
+        let parameters = parameters(&mut properties, subject.axis);
+        Tabs::new([knob, signals, parameters, timing_and_processes(&mut properties)])
+    } else {
         // The text tells the parameters; how the processes fared is not in the archive's columns.
-        Subject::Capture { .. } => Tabs::new([signals, knob]),
+        Tabs::new([signals, knob])
     };
-    let blueprint = Blueprint::new(tabs)
-        .with_auto_views(false)
-        .with_auto_layout(false)
-        .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
-        .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
-        .with_time_panel(
-            TimePanel::new()
-                .with_state(PanelState::Collapsed)
-                .with_timeline(TIMELINE)
-                .with_play_state(PlayState::Following),
-        );
-    layout_properties::send(recording, &blueprint, &properties)
+    let following = TimePanel::new().with_play_state(PlayState::Following);
+    layout_properties::send(recording, tabs, following, &properties)
 }
 
 /// The knob itself, large, with its torque and its angle.
 fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let title = "knob: green slips positive, rose slips negative, violet sticks; orange: detents of the model";
-    let space: ContainerLike = Spatial3DView::new(subject.axis().words(title)).with_origin(entities::KNOB).into();
+    let space: ContainerLike = Spatial3DView::new(subject.axis.words(title)).with_origin(entities::KNOB).into();
     let from_above = EyeControls3D::new().with_position(EYE).with_look_target(LOOK_TARGET).with_eye_up([0.0, 0.0, 1.0]);
     properties.of_view(&space, "EyeControls3D", from_above);
     let ground = Background::new(BackgroundKind::SolidColor).with_color(GROUND.opaque());
@@ -123,11 +87,11 @@ fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let angle = signal_plot(properties, subject, "angle_rad", &["angle_rad"]);
     let mut columns = vec![space, Vertical::new([torque, angle]).into()];
     let mut shares = vec![4.5, 3.3];
-    if matches!(subject, Subject::Live { .. }) {
+    if subject.is_live {
         columns.push(TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT).into());
         shares.push(4.7);
     }
-    Horizontal::new(columns).with_column_shares(shares).with_name(subject.axis().words("Knob")).into()
+    Horizontal::new(columns).with_column_shares(shares).with_name(subject.axis.words("Knob")).into()
 }
 
 fn torque_plot(properties: &mut Properties, subject: Subject) -> ContainerLike {
@@ -137,26 +101,22 @@ fn torque_plot(properties: &mut Properties, subject: Subject) -> ContainerLike {
 
 fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
     let mut signals = Vec::new();
-    let single = [("angle_rad", true), ("velocity_rad_s", subject.has_velocity())]
-        .into_iter()
-        .chain([("acceleration_rad_s2", subject.has_acceleration())]);
-    for (field, _) in single.filter(|(_, is_there)| *is_there) {
+    let single =
+        [("angle_rad", true), ("velocity_rad_s", subject.velocity), ("acceleration_rad_s2", subject.acceleration)];
+    for (field, _) in single.into_iter().filter(|(_, is_there)| *is_there) {
         signals.push((3.0, signal_plot(properties, subject, field, &[field])));
     }
     signals.push((4.0, torque_plot(properties, subject)));
-    if subject.has_contact() {
+    if subject.contact {
         signals.push((2.5, signal_plot(properties, subject, "contact (1: closed)", &["contact"])));
     }
     let (shares, signals): (Vec<f32>, Vec<ContainerLike>) = signals.into_iter().unzip();
 
     let mut plots = vec![plot(properties, Abscissa::Angle, subject)];
-    if subject.has_velocity() {
+    if subject.velocity {
         plots.push(plot(properties, Abscissa::Velocity, subject));
     }
-    let (tab, text) = match subject {
-        Subject::Live { .. } => ("Signals and model", "run"),
-        Subject::Capture { .. } => ("Capture", "capture"),
-    };
+    let (tab, text) = if subject.is_live { ("Signals and model", "run") } else { ("Capture", "capture") };
     let summary = TextDocumentView::new(text).with_origin(entities::SUMMARY);
     Horizontal::new([
         Vertical::new(signals).with_row_shares(shares).into(),
@@ -169,7 +129,7 @@ fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
 }
 
 fn signal_plot(properties: &mut Properties, subject: Subject, title: &str, fields: &[&str]) -> ContainerLike {
-    let axis = subject.axis();
+    let axis = subject.axis;
     let fields = fields.iter().map(|field| axis.words(&entities::signal(field)).into_owned());
     let view = series(properties, &axis.words(title), fields, subject.window_s());
     if subject.window_s().is_none() {
@@ -264,7 +224,7 @@ fn without_legend(properties: &mut Properties, view: ContainerLike) -> Container
 }
 
 fn plot(properties: &mut Properties, abscissa: Abscissa, subject: Subject) -> ContainerLike {
-    let axis = subject.axis();
+    let axis = subject.axis;
     let origin = axis.words(&entities::plot(abscissa)).into_owned();
     let title = format!("torque_mnm over {} (green turning positive, rose negative)", abscissa.name());
     let view: ContainerLike = Spatial2DView::new(axis.words(&title)).with_origin(origin.as_str()).into();

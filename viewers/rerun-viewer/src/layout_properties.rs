@@ -5,10 +5,15 @@
 //! same recording before both are sent.
 
 use anyhow::Context as _;
-use rerun::blueprint::{Blueprint, BlueprintActivation, ContainerLike};
+use rerun::blueprint::components::PanelState;
+use rerun::blueprint::{
+    Blueprint, BlueprintActivation, BlueprintPanel, ContainerLike, SelectionPanel, Tabs, TimePanel,
+};
 use rerun::external::re_log_types::{BlueprintActivationCommand, StoreKind};
 use rerun::log::LogMsg;
 use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder};
+
+use crate::drawing::TIMELINE;
 
 /// Properties by the path at which they belong.
 #[derive(Default)]
@@ -28,11 +33,22 @@ impl Properties {
     }
 }
 
-/// Sends views and properties as one layout and makes it the active one.
+/// Sends views and properties as one layout, with rerun's own panels out of the way, and makes it the active one.
 ///
 /// # Errors
 /// When rerun refuses a part of the layout.
-pub fn send(recording: &RecordingStream, blueprint: &Blueprint, properties: &Properties) -> anyhow::Result<()> {
+pub fn send(
+    recording: &RecordingStream,
+    tabs: Tabs,
+    time_panel: TimePanel,
+    properties: &Properties,
+) -> anyhow::Result<()> {
+    let blueprint = Blueprint::new(tabs)
+        .with_auto_views(false)
+        .with_auto_layout(false)
+        .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
+        .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
+        .with_time_panel(time_panel.with_state(PanelState::Collapsed).with_timeline(TIMELINE));
     let application = recording.store_info().context("the recording has no identity")?.application_id().clone();
     let (stage, staged) = RecordingStreamBuilder::new(application).send_properties(false).memory()?;
     blueprint.send(&stage, BlueprintActivation::default())?;

@@ -63,6 +63,7 @@ pub mod series_styles;
 pub mod signals;
 pub mod slider_drawing;
 pub mod source;
+pub mod strokes;
 pub mod summary;
 pub mod waiting_rows;
 #[cfg(test)]

@@ -80,7 +80,7 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     let shown = screen.show_from(Arc::clone(&outbox))?;
     let is_over = || stop.is_asked() || outbox.is_closed();
     follow(source, picture, &outbox, &glance, &is_over, ends_with_run)?;
-    if in_foreground && matches!(subject, Subject::Live { .. }) {
+    if in_foreground && subject.is_live {
         // There is no supervisor to do it.
         shared_types::clean_up::clear_shared_memory()?;
     }
@@ -117,7 +117,7 @@ fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subj
         }
         let axis = picture.axis().unwrap_or_default();
         let contact = picture.has_contact();
-        return Ok((Box::new(source), picture, Subject::Live { axis, contact }));
+        return Ok((Box::new(source), picture, Subject::live(axis, contact)));
     };
     if let Some(file) = arguments.save.as_deref().filter(|file| is_same_file(file, path)) {
         anyhow::bail!("{} is the capture itself; give --save another name", file.display());
@@ -171,10 +171,7 @@ fn announce_tunnel(command: &str, port: u16) {
 /// Tells the operator where to look: the only line on standard output.
 #[allow(clippy::print_stdout, reason = "the address is this program's output")]
 fn announce(place: &str, subject: Subject, in_foreground: bool) {
-    let what = match subject {
-        Subject::Live { .. } => "live view",
-        Subject::Capture { .. } => "view of the capture",
-    };
+    let what = if subject.is_live { "live view" } else { "view of the capture" };
     let how_to_end = if in_foreground { " (Ctrl-C ends it)" } else { "" };
     println!("{what}: {place}{how_to_end}");
 }

@@ -8,7 +8,7 @@ use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescrip
 use crate::consumers::Consumers;
 use crate::decimation::{Decimator, Keep};
 use crate::entities::{self, HEALTH};
-use crate::frame::{Frame, Lateness, SeriesRows};
+use crate::frame::{Frame, SeriesRows};
 use crate::glance::Glance;
 use crate::knob_track::KnobTrack;
 use crate::model_torque::{KnobModel, finite_value};
@@ -63,7 +63,7 @@ pub struct Picture {
     /// Share of a finished capture's samples that the x-y plots show.
     whole_scatter_share: Option<f64>,
     newest: Option<Newest>,
-    histogram_shown: Option<Lateness>,
+    histogram_shown: Option<[u64; 12]>,
     text: Option<String>,
     texts_shown: [String; 3],
     knob: KnobTrack,
@@ -327,7 +327,7 @@ impl Picture {
         if is_due(&mut self.next_tabs, now, TABS_PERIOD) || finished {
             frame.series.extend(self.waiting.take());
             frame.series.extend(self.timing_rows());
-            let histogram = self.status.as_ref().map(Lateness::from);
+            let histogram = self.status.map(|status| status.lateness_counts);
             if histogram != std::mem::replace(&mut self.histogram_shown, histogram) {
                 frame.lateness = histogram;
             }

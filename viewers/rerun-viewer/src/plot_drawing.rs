@@ -3,12 +3,13 @@
 use std::borrow::Cow;
 
 use dynamics::Axis;
-use rerun::{LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, Scale3D, Transform3D};
+use rerun::{Points2D, Radius, RecordingStream, RecordingStreamResult, Scale3D, Transform3D};
 
 use crate::entities;
 use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE};
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH, PlotAxes};
 use crate::scatter::{Abscissa, ModelCurves, PlotUpdate};
+use crate::strokes::{plane_labels, plane_lines, single};
 
 /// Draws plots and remembers which axes they have: axes are drawn again only when they change.
 ///
@@ -67,24 +68,13 @@ fn draw_model(recording: &RecordingStream, root: &str, axis: Axis, model: &Model
         [("model", &model.curves, 1.3, 20.0), ("model_ci95", &model.borders, 0.5, 19.0)]
     {
         let strips = curves.iter().map(|curve| curve.iter().map(|point| point.map(single)).collect::<Vec<_>>());
-        recording.log(
-            format!("{root}/quantities/{name}"),
-            &LineStrips2D::new(strips)
-                .with_colors([MODEL.opaque()])
-                .with_radii([Radius::new_ui_points(radius)])
-                .with_draw_order(order),
-        )?;
+        let lines = plane_lines(strips, MODEL, radius).with_draw_order(order);
+        recording.log(format!("{root}/quantities/{name}"), &lines)?;
     }
     let label =
         model.half_width_mnm.map(|half_width| axis.words(&format!("model ± {half_width:.3} mNm (95 %)")).into_owned());
-    recording.log(
-        format!("{root}/model_label"),
-        &Points2D::new([[0.82 * single(BOX_WIDTH), -0.095 * single(BOX_HEIGHT)]])
-            .with_labels(label)
-            .with_show_labels(true)
-            .with_colors([MODEL.opaque()])
-            .with_radii([Radius::new_ui_points(0.0)]),
-    )
+    let place = [0.82 * single(BOX_WIDTH), -0.095 * single(BOX_HEIGHT)];
+    recording.log(format!("{root}/model_label"), &plane_labels([place], label, MODEL))
 }
 
 fn draw_axes(
@@ -100,35 +90,18 @@ fn draw_axes(
 
     let verticals = x_ticks.iter().map(|(value, _)| vec![[x_at(*value), 0.0], [x_at(*value), height]]);
     let horizontals = y_ticks.iter().map(|(value, _)| vec![[0.0, y_at(*value)], [width, y_at(*value)]]);
-    recording.log_static(
-        format!("{root}/grid"),
-        &LineStrips2D::new(verticals.chain(horizontals).collect::<Vec<_>>())
-            // Thin rather than translucent: rerun draws a translucent line black where it fills a pixel.
-            .with_colors([NEUTRAL.opaque()])
-            .with_radii([Radius::new_ui_points(0.3)])
-            .with_draw_order(0.0),
-    )?;
-    recording.log_static(
-        format!("{root}/frame"),
-        &LineStrips2D::new([[[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]]])
-            .with_colors([NEUTRAL.opaque()])
-            .with_radii([Radius::new_ui_points(0.7)])
-            .with_draw_order(1.0),
-    )?;
+    // Thin rather than translucent: rerun draws a translucent line black where it fills a pixel.
+    let grid = plane_lines(verticals.chain(horizontals), NEUTRAL, 0.3).with_draw_order(0.0);
+    recording.log_static(format!("{root}/grid"), &grid)?;
+    let frame = [[[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]]];
+    recording.log_static(format!("{root}/frame"), &plane_lines(frame, NEUTRAL, 0.7).with_draw_order(1.0))?;
 
     let x_labels = x_ticks.into_iter().map(|(value, label)| ([x_at(value), height * 1.005], label));
     let y_labels = y_ticks.into_iter().map(|(value, label)| ([-0.055 * width, y_at(value) - 0.045 * height], label));
     let titles =
         [([width / 2.0, height * 1.085], abscissa.into_owned()), ([0.0, -0.095 * height], ordinate.into_owned())];
     let (places, labels): (Vec<[f32; 2]>, Vec<String>) = x_labels.chain(y_labels).chain(titles).unzip();
-    recording.log_static(
-        format!("{root}/labels"),
-        &Points2D::new(places)
-            .with_labels(labels)
-            .with_show_labels(true)
-            .with_colors([NEUTRAL.opaque()])
-            .with_radii([Radius::new_ui_points(0.0)]),
-    )?;
+    recording.log_static(format!("{root}/labels"), &plane_labels(places, labels, NEUTRAL))?;
 
     // Points stay in their own quantities: when the axes change, only this transform does.
     let ([scale_x, scale_y], [offset_x, offset_y]) = (axes.scale(), axes.offset());
@@ -139,10 +112,4 @@ fn draw_axes(
             Scale3D::from([single(scale_x), single(scale_y), 1.0]),
         ),
     )
-}
-
-/// rerun draws in single precision.
-#[allow(clippy::cast_possible_truncation, reason = "the screen has fewer digits than an f32")]
-fn single(value: f64) -> f32 {
-    value as f32
 }

@@ -116,15 +116,12 @@ impl Screen {
         if let Destination::Native { grpc_port, memory_limit } = &destination {
             open_window(*grpc_port, *memory_limit)?;
         }
-        let memory_limit = match &destination {
-            Destination::Web { memory_limit, .. } => memory_limit.as_u64(),
-            Destination::Native { .. } | Destination::File(_) => 0,
+        let (memory_limit, file) = match &destination {
+            Destination::Web { memory_limit, .. } => (memory_limit.as_u64(), None),
+            Destination::Native { .. } => (0, None),
+            Destination::File(path) => (0, Some(RecordingFile::create(path)?)),
         };
         let drawn = Drawn::new(memory_limit);
-        let file = match &destination {
-            Destination::File(path) => Some(RecordingFile::create(path)?),
-            Destination::Web { .. } | Destination::Native { .. } => None,
-        };
         let carrier = carrier(&destination, subject, &drawn, file.as_ref())?;
         if let Destination::Web { taken, patience, .. } = &mut destination
             && let Some(listener) = taken.take()
@@ -144,19 +141,17 @@ impl Screen {
     }
 
     /// The port of the web page, if it is one.
-    pub const fn port(&self) -> Option<u16> {
-        match &self.destination {
-            Destination::Web { address, .. } => Some(address.port()),
-            Destination::Native { .. } | Destination::File(_) => None,
-        }
+    pub fn port(&self) -> Option<u16> {
+        self.address().map(|address| address.port())
     }
 
     /// The address to show to the operator.
     pub fn place(&self) -> Option<String> {
-        match &self.destination {
-            Destination::Web { address, .. } => Some(url(*address)),
-            Destination::Native { .. } | Destination::File(_) => None,
-        }
+        self.address().map(url)
+    }
+
+    const fn address(&self) -> Option<SocketAddr> {
+        if let Destination::Web { address, .. } = &self.destination { Some(*address) } else { None }
     }
 
     /// Shows frames from `outbox` on a thread of its own until it is closed and empty.
@@ -223,9 +218,9 @@ impl Screen {
             Some((shown, pen)) if shown == run_id => pen,
             // A file and a window begin with the run itself.
             None if !matches!(self.destination, Destination::Web { .. }) => {
-                Pen::new(self.carrier.clone(), self.subject.axis())?
+                Pen::new(self.carrier.clone(), self.subject.axis)?
             }
-            _ => Pen::new(recording_of(run_id, &self.carrier)?, self.subject.axis())?,
+            _ => Pen::new(recording_of(run_id, &self.carrier)?, self.subject.axis)?,
         };
         Ok(&mut self.shown.insert((run_id, pen)).1)
     }

@@ -4,16 +4,15 @@
 
 use dynamics::Axis as MotionAxis;
 use rerun::components::FillMode;
-use rerun::{
-    Boxes3D, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult, Scale3D, TimeColumn, Transform3D,
-};
+use rerun::{Boxes3D, RecordingStream, RecordingStreamResult, Scale3D, TimeColumn, Transform3D};
 
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
-use crate::knob_drawing::{FULL_DEPTH, color, detents_in_words, label, single};
+use crate::knob_drawing::{self, DETENTS_LABEL, color, depth, detents_in_words, label};
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
-use crate::palette::{MODEL, NEUTRAL, WHITE};
-use crate::plot_axes::{Axis, round_step};
+use crate::palette::NEUTRAL;
+use crate::plot_axes::Axis;
+use crate::strokes::{labels, lines, single};
 
 /// Half of the rail's length.
 const HALF_RAIL: f64 = 1.2;
@@ -82,22 +81,10 @@ fn draw_rail(recording: &RecordingStream, scale: &Axis) -> RecordingStreamResult
     let ticks = scale.ticks();
     let rail = vec![at(scale.low, 0.0), at(scale.high, 0.0)];
     let strips = ticks.iter().map(|(travel_mm, _)| vec![at(*travel_mm, -0.3), at(*travel_mm, -0.36)]);
-    recording.log_static(
-        format!("{KNOB}/rail"),
-        &LineStrips3D::new(std::iter::once(rail).chain(strips))
-            .with_colors([NEUTRAL.opaque()])
-            .with_radii([Radius::new_ui_points(0.9)]),
-    )?;
-    let (places, labels): (Vec<_>, Vec<_>) =
+    recording.log_static(format!("{KNOB}/rail"), &lines(std::iter::once(rail).chain(strips), NEUTRAL, 0.9))?;
+    let (places, texts): (Vec<_>, Vec<_>) =
         ticks.into_iter().map(|(travel_mm, label)| (at(travel_mm, -0.5), format!("{label} mm"))).unzip();
-    recording.log_static(
-        format!("{KNOB}/rail/labels"),
-        &Points3D::new(places)
-            .with_labels(labels)
-            .with_show_labels(true)
-            .with_colors([WHITE.opaque()])
-            .with_radii([Radius::new_ui_points(0.0)]),
-    )?;
+    recording.log_static(format!("{KNOB}/rail/labels"), &labels(places, texts))?;
     recording.log_static(
         format!("{KNOB}/travel"),
         &Transform3D::from_translation_scale(
@@ -118,21 +105,12 @@ fn draw_body(recording: &RecordingStream, motion: Motion, scale: &Axis) -> Recor
 }
 
 fn draw_detents(recording: &RecordingStream, ring: &DetentRing, scale: &Axis) -> RecordingStreamResult<()> {
-    let depth = FULL_DEPTH * ring.amplitude_mnm / round_step(ring.amplitude_mnm);
-    let on_rail = |travel_mm: &f64| (scale.low..=scale.high).contains(travel_mm);
-    let at = |travel_mm: f64, share: f64| [single(place(scale, travel_mm)), single(DETENTS_Y - depth * share), 0.0];
-    let outline: Vec<_> =
-        ring.depths.iter().filter(|[travel, _]| on_rail(travel)).map(|[travel, share]| at(*travel, *share)).collect();
-    recording.log_static(
-        format!("{KNOB}/detents/line"),
-        &LineStrips3D::new([outline]).with_colors([MODEL.opaque()]).with_radii([Radius::new_ui_points(1.8)]),
-    )?;
-    recording.log_static(
-        format!("{KNOB}/detents/stable"),
-        &Points3D::new(ring.stable_rad.iter().copied().filter(|travel| on_rail(travel)).map(|travel| at(travel, 1.0)))
-            .with_colors([MODEL.opaque()])
-            .with_radii([Radius::new_ui_points(3.5)]),
-    )?;
+    let depth = depth(ring);
+    let at = |[travel, share]: [f64; 2]| {
+        let is_on_rail = (scale.low..=scale.high).contains(&travel);
+        is_on_rail.then(|| [single(place(scale, travel)), single(DETENTS_Y - depth * share), 0.0])
+    };
+    knob_drawing::draw_detents(recording, ring, "line", at)?;
     let text = MotionAxis::Linear.words(&detents_in_words(ring)).into_owned();
-    recording.log_static(format!("{KNOB}/detents/label"), &label([0.0, -0.9, 0.0], text))
+    recording.log_static(DETENTS_LABEL, &label([0.0, -0.9, 0.0], text))
 }

@@ -52,7 +52,7 @@ pub fn markdown(facts: &Facts<'_>) -> String {
     if let Some(rendered) = facts.rendered {
         rendered.markdown(&mut text);
     }
-    ranges(&mut text, facts);
+    ranges(&mut text, "last 10 s", facts.ranges);
     text
 }
 
@@ -153,15 +153,15 @@ enough: half the 95 % interval is as small a share of the value as was asked \
     )
 }
 
-fn ranges(text: &mut String, facts: &Facts<'_>) {
-    if facts.ranges.iter().all(|(_, range)| range.is_none()) {
+/// The smallest and the largest value of each signal as a table; nothing where there is no value.
+pub fn ranges(text: &mut String, of: &str, ranges: impl IntoIterator<Item = (&'static str, Option<(f64, f64)>)>) {
+    let mut ranges = ranges.into_iter().filter_map(|(signal, range)| Some((signal, range?))).peekable();
+    if ranges.peek().is_none() {
         return;
     }
-    let _ = writeln!(text, "| last 10 s | from | to |\n|---|---:|---:|");
-    for (signal, range) in facts.ranges {
-        if let Some((low, high)) = range {
-            let _ = writeln!(text, "| {signal} | {} | {} |", three_digits(low), three_digits(high));
-        }
+    let _ = writeln!(text, "| {of} | from | to |\n|---|---:|---:|");
+    for (signal, (low, high)) in ranges {
+        let _ = writeln!(text, "| {signal} | {} | {} |", three_digits(low), three_digits(high));
     }
     text.push('\n');
 }

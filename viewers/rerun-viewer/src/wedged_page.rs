@@ -61,7 +61,7 @@ fn frame(number: usize) -> Frame {
     Frame { run_id: 1, time_ns, series: vec![rows], plots: Vec::new(), lateness: None, knob: None, texts: Vec::new() }
 }
 
-fn resident_mib() -> f64 {
+pub(crate) fn resident_mib() -> f64 {
     let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
     statm.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 4096.0 / f64::from(1 << 20)
 }
@@ -76,12 +76,8 @@ fn pages_that_never_read_stop_no_other_and_cost_a_bounded_memory() {
         memory_limit: ByteSize::mib(KEPT_MIB as u64),
         patience: Duration::from_secs(1),
     };
-    let screen = Screen::open(
-        destination,
-        Subject::Live { axis: dynamics::Axis::Rotary, contact: false },
-        SharedGlance::default(),
-    )
-    .unwrap();
+    let subject = Subject::live(dynamics::Axis::Rotary, false);
+    let screen = Screen::open(destination, subject, SharedGlance::default()).unwrap();
     let outbox = Arc::new(Outbox::new(4));
     let shown = screen.show_from(Arc::clone(&outbox)).unwrap();
     let deadline = Instant::now() + GIVEN_UP;

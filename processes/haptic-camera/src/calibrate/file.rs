@@ -9,9 +9,9 @@ use dynamics::Calibration;
 use identification::calibration::Calibrated;
 use loaded_capture::CALIBRATION_MARK;
 
-use super::table;
-use crate::outputs::replace;
-use crate::repeatability::digits;
+use super::cogging_lines;
+use crate::outputs;
+use crate::terminal::digits;
 
 /// A calibration file as it was.
 pub struct Previous {
@@ -70,7 +70,7 @@ pub fn write(
             sources.join(", ")
         );
     }
-    for line in calibrated.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
+    for line in calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging)) {
         let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {}", sources.join(", "));
     }
     let learnt = calibrated.applied_to(known);
@@ -82,5 +82,5 @@ pub fn write(
         )
     })?;
     text += &learnt.to_toml();
-    replace(path, replaced, &text)
+    outputs::write(path, replaced, &text)
 }

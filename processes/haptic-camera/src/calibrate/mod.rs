@@ -1,21 +1,63 @@
 //! `calibrate`: what is known of the rig, found out from captures.
 
 mod file;
-mod table;
 
 use std::path::PathBuf;
 
 use anyhow::Context as _;
+use clap::Args;
+use comfy_table::Table;
 use dynamics::Calibration;
-use identification::calibration::{self, CalibrateError, Calibrated};
+use identification::calibration::{self, CalibrateError, Calibrated, CoggingEstimate};
 use loaded_capture::LoadedCapture;
 use rt_loop::request::{Pace, RunRequest};
 
-use crate::command_line::{CalibrateOptions, CalibrationKind, RigOptions};
+use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
+use crate::terminal::{self, digits};
+
+/// Options of `calibrate`.
+#[derive(Debug, Args)]
+#[command(mut_arg("calibration", |calibration| calibration
+    .help("The previous calibration, instead of the captures' own")
+    .value_name("PREVIOUS.toml")))]
+pub struct CalibrateOptions {
+    /// What to calibrate
+    #[arg(value_enum, value_name = "WHAT")]
+    pub what: CalibrationKind,
+    /// Captures to calibrate from; without any the rig is turned, with nothing on the gripper
+    #[arg(value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// Write the calibration here; may be the file given as --calibration
+    #[arg(long, value_name = "CALIBRATION.toml")]
+    pub out: PathBuf,
+    /// Rate and core, if no capture is given
+    #[command(flatten)]
+    pub pace: Pace,
+    /// The rig, if no capture is given
+    #[command(flatten)]
+    pub rig: RigOptions,
+}
+
+/// What `calibrate` can determine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum CalibrationKind {
+    /// Gravity in the acceleration signal, from a slow turn of more than 360°.
+    Gravity,
+    /// The readings of torque sensor and accelerometer at rest, with nothing on the gripper.
+    Zero,
+    /// The gripper's inertia, from a sweep of the gripper alone.
+    Gripper,
+    /// Delays of torque and acceleration, from fast sines of the gripper alone.
+    Latency,
+    /// The motor's cogging, from slow turns of the gripper alone in both directions.
+    Cogging,
+    /// The motor's own inertia and friction, from a sweep of the gripper alone.
+    Friction,
+}
 
 /// Amplitude of the fast sines with nothing on the gripper, rad; on a linear axis the way of a fingertip at that angle.
 const FAST_AMPLITUDE_RAD: f64 = 0.1;
@@ -63,9 +105,9 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
         anyhow::bail!("there is no capture to calibrate from");
     };
     if !calibrated.estimates.is_empty() {
-        say(known.axis.words(&table::table(&known, &calibrated).to_string()));
+        say(known.axis.words(&table(&known, &calibrated).to_string()));
     }
-    for line in calibrated.cogging.iter().flat_map(|cogging| table::cogging_lines(cogging)) {
+    for line in calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging)) {
         say(known.axis.words(&format!("cogging  {line}")));
     }
     for note in &calibrated.notes {
@@ -139,4 +181,40 @@ impl CalibrationKind {
         let interrupted = listen_for_interrupt()?;
         rig_run::archive(request, rig, &format!("calibrate-{}", self.subject()), &interrupted)
     }
+}
+
+/// Each quantity as it was believed and as it was found, with its interval.
+fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
+    let mut table = terminal::table(["quantity", "before", "found", "95 %", "unit"], 1..4);
+    let before = toml::Table::try_from(known).unwrap_or_default();
+    for estimate in &calibrated.estimates {
+        // Delays are fractions of a sample: microseconds read better.
+        let (factor, unit) = if estimate.unit == "s" { (1e6, "µs") } else { (1.0, estimate.unit) };
+        let digits = digits(factor * estimate.half_width);
+        let believed = before.get(estimate.quantity).and_then(toml::Value::as_float);
+        table.add_row([
+            estimate.quantity.to_owned(),
+            believed.map_or_else(String::new, |value| format!("{:.digits$}", factor * value)),
+            format!("{:.digits$}", factor * estimate.value),
+            format!("±{:.digits$}", factor * estimate.half_width),
+            unit.to_owned(),
+        ]);
+    }
+    table
+}
+
+/// Each harmonic of a motor's cogging with its intervals; one line that says so where there is none.
+fn cogging_lines(cogging: &[CoggingEstimate]) -> Vec<String> {
+    if cogging.is_empty() {
+        return vec!["none".to_owned()];
+    }
+    let line = |harmonic: &CoggingEstimate| {
+        let CoggingEstimate { per_turn, torque_mnm, torque_half_width_mnm, phase_rad, phase_half_width_rad } = harmonic;
+        let (of_torque, of_phase) = (digits(*torque_half_width_mnm), digits(*phase_half_width_rad));
+        format!(
+            "{per_turn} per turn of {torque_mnm:.of_torque$} ± {torque_half_width_mnm:.of_torque$} mNm, phase \
+             {phase_rad:.of_phase$} ± {phase_half_width_rad:.of_phase$} rad"
+        )
+    };
+    cogging.iter().map(line).collect()
 }

@@ -5,7 +5,7 @@ use identification::Samples;
 use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, diagnose};
 use loaded_capture::LoadedCapture;
 
-use crate::command_line::CaptureOptions;
+use super::CaptureOptions;
 use crate::diagnose::{progress_bar, show_progress};
 use crate::outcome::say;
 

@@ -11,9 +11,9 @@ use loaded_capture::LoadedCapture;
 use crate::fit;
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 use crate::supervision::{Archived, RunEnd};
-use crate::until_ci::{Achieved, Known};
+use crate::until_ci::{Known, StopRule};
 
 /// Names that are tried for what is made of a capture.
 const NAMES_TRIED: u32 = 1_000;
@@ -38,7 +38,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
             }
             say(format!("view     haptic-camera view {archive}"));
             say("");
-            fit::show(&loaded, &fitted);
+            fit::show_fit(loaded.truth.as_ref(), &fitted);
             if let Some(achieved) = &end.achieved {
                 let step_mnm = loaded.calibration.as_ref().map_or(0.0, |known| known.torque_step_mnm);
                 tell_precision(achieved, &fitted, step_mnm);
@@ -54,27 +54,26 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
 fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     let archive = &loaded.capture.source;
     let stem = archive.file_stem().unwrap_or_default().to_string_lossy();
-    let results = [("toml", Kind::FittedModel), ("html", Kind::Page), ("json", Kind::Json)];
+    let results = [("toml", kind::FITTED_MODEL), ("html", kind::PAGE), ("json", kind::JSON)];
     let named = |number, ending: &str| archive.with_file_name(format!("{}.{ending}", numbered(&stem, number)));
     let is_free = |number: &u32| {
-        let mut checked =
-            results.iter().map(|(ending, kind)| whole_file::check(&named(*number, ending), kind.replaces()));
+        let mut checked = results.iter().map(|(ending, kind)| whole_file::check(&named(*number, ending), *kind));
         checked.all(|free| free.is_ok())
     };
     let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
     let beside = |extension| named(number, extension);
     let (model, report) = (beside("toml"), beside("html"));
-    write(&model, Kind::FittedModel, &fitted.model(&analysis::title(loaded)).to_toml())?;
+    write(&model, kind::FITTED_MODEL, &fitted.model(&analysis::title(loaded)).to_toml())?;
     say(format!("model    {}", model.display()));
     let (page, figures) = analysis::fit_page(loaded, fitted);
-    write(&report, Kind::Page, &page)?;
+    write(&report, kind::PAGE, &page)?;
     say(format!("report   {}", report.display()));
     // For `list`, and for whoever computes with the intervals.
     fit::write_numbers(Some(&beside("json")), loaded, fitted, figures)
 }
 
 /// What a run that goes on until enough is known came to, and how long it took of the planned sweep.
-pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
+pub(super) fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
     let share = achieved.asked;
     let Some(ended_s) = achieved.ended_s else {
         let open: Vec<String> = achieved.open().iter().map(share_words).collect();
@@ -91,7 +90,7 @@ pub(super) fn end_of_sweep(achieved: &Achieved, planned_s: f64) -> String {
 }
 
 /// Holds the fit of the archive against what the sweep was ended for.
-fn tell_precision(achieved: &Achieved, fitted: &Fit, torque_step_mnm: f64) {
+fn tell_precision(achieved: &StopRule, fitted: &Fit, torque_step_mnm: f64) {
     let Some(knowledge) = achieved.verify(fitted, torque_step_mnm) else { return };
     let share = achieved.asked;
     let open: Vec<String> = knowledge.open().iter().map(share_words).collect();

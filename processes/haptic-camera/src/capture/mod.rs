@@ -7,14 +7,66 @@ mod next;
 mod until_certain;
 mod until_named;
 
+use std::path::PathBuf;
+
 use archive::Claim;
+use clap::Args;
 use rt_loop::request::RunRequest;
 
-use crate::command_line::CaptureOptions;
+use crate::command_line::RunOptions;
 use crate::outcome::Outcome;
 use crate::supervision::{Shown, SupervisedRun, claim_archive, listen_for_interrupt};
+use crate::until_ci::Share;
 pub(crate) use budget::Budget;
 pub(crate) use finish::share_words;
+
+/// Options of `capture`.
+#[derive(Clone, Debug, Args)]
+pub struct CaptureOptions {
+    /// Rig, knob, motion and rate
+    #[command(flatten)]
+    pub request: RunRequest,
+    /// End the sweep once every parameter is known within this share of its value, as 1%; --duration-s is then the longest.
+    ///
+    /// The criterion is half the width of the 95 % interval of the live fit, and must hold while the data grow by a tenth. For a
+    /// phase it is the share of one radian; a parameter whose interval amounts to less torque than one step of the torque
+    /// sensor meets it.
+    #[arg(long, value_name = "SHARE%", conflicts_with = "diagnose", allow_hyphen_values = true)]
+    pub until_ci: Option<Share>,
+    /// Judge the unit by a specification, with repeated slow turns until the verdict is certain; exit status as for `judge`. Every
+    /// turn is a separate capture
+    #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["diagnose", "until_ci", "torque"])]
+    pub spec: Option<PathBuf>,
+    /// Largest number of slow turns for a verdict
+    #[arg(long, requires = "spec", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub turns: u32,
+    /// Archive and view
+    #[command(flatten)]
+    pub run: RunOptions,
+    /// Diagnose the captures, and run experiments that discriminate between rival effects until one is left.
+    ///
+    /// The first capture is the requested sweep, the second another motion that is held out. While effects are tied,
+    /// the experiment on which they differ most is run and added to the evidence. Every capture is a separate file;
+    /// model and report page of the diagnosis go next to the first.
+    #[arg(long, conflicts_with = "torque")]
+    pub diagnose: bool,
+    /// Budget of a diagnosis: captures, as in 5, or seconds of turning, as in 60s. It includes the first two captures,
+    /// which are always made
+    #[arg(long, requires = "diagnose", default_value = "5", value_name = "CAPTURES|SECONDSs")]
+    pub budget: Budget,
+    /// Largest distance from the start to move the control in experiments, rad or mm [default: that of the first two captures]
+    #[arg(long, requires = "diagnose", value_name = "RAD", allow_negative_numbers = true)]
+    pub reach: Option<f64>,
+    /// Write the diagnosis as JSON; `-` for standard output
+    #[arg(long, requires = "diagnose", value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page of the diagnosis here, instead of next to the first capture
+    #[arg(long, requires = "diagnose", value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write the diagnosis as a rerun file
+    #[arg(long, requires = "diagnose", value_name = "FILE.rrd")]
+    pub recording: Option<PathBuf>,
+}
 
 /// Runs a capture from start to end, or capture after capture until the knob's effects have names or
 /// the verdict on it is certain.

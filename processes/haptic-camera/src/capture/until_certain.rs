@@ -6,9 +6,9 @@ use archive::testers::Curve;
 use dynamics::Axis;
 use sheet::{Judgement, Sheet, Verdict};
 
+use super::CaptureOptions;
 use super::next::Experiment;
 use super::until_named::one_more;
-use crate::command_line::CaptureOptions;
 use crate::judge;
 use crate::outcome::{Outcome, remark, say};
 

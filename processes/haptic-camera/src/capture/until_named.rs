@@ -10,14 +10,14 @@ use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
 use rt_loop::request::{RigRequest, RunRequest};
 
+use super::CaptureOptions;
 use super::evidence::diagnosed;
 use super::next::{Experiment, Next, next};
 use super::{finish, supervised};
-use crate::command_line::CaptureOptions;
 use crate::diagnose;
 use crate::diagnosis_text;
-use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{Kind, to_output, write};
+use crate::outcome::{Outcome, remark, say, show};
+use crate::outputs::{kind, write};
 use crate::recording;
 use crate::supervision::{claim_archive, ending_signals};
 
@@ -159,10 +159,8 @@ fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
 fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> anyhow::Result<()> {
     let Some([first, held_out]) = taken.first_chunk() else { return Ok(()) };
     let axis = first.loaded.capture.axis;
-    if !to_output(options.json.as_deref()) {
-        say("");
-        diagnosis_text::lines(found).iter().for_each(|line| say(axis.words(line)));
-    }
+    show([""]);
+    show(diagnosis_text::lines(found).iter().map(|line| axis.words(line)));
     let beside = |extension: &str| {
         let stem = first.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         first.path.with_file_name(format!("{stem}-diagnosis.{extension}"))
@@ -174,7 +172,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         effects: found.model.effects.clone(),
         axis,
     };
-    write(&beside("toml"), Kind::DiagnosedModel, &model.to_toml())?;
+    write(&beside("toml"), kind::DIAGNOSED_MODEL, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
     let page = DiagnosisPage {
         found,

@@ -1,18 +1,39 @@
 //! `check`: what captures show without a fit, beside a fitted model.
 
 mod breakaway;
-mod table;
 
+use std::path::PathBuf;
+
+use clap::Args;
+use comfy_table::Table;
 use dynamics::{Axis, Model};
 use identification::checks::{DetentCount, FreeTravel, breakaways, count_detents, free_travel};
 use loaded_capture::LoadedCapture;
 use serde::Serialize;
 
-use crate::command_line::CheckOptions;
+use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{to_output, write_json_on};
+use crate::outcome::{Outcome, is_output_json, say};
+use crate::outputs::write_json_on;
+use crate::terminal::{self, digits};
 pub use breakaway::Threshold;
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+pub struct CheckOptions {
+    /// Captures to look at: a slow turn for the detents, a creep or a torque ramp for the breakaway
+    #[arg(required = true, value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// The fitted model to check
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
 
 /// What one capture shows.
 #[derive(Debug, Serialize)]
@@ -66,11 +87,11 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     let axis = load::common_axis(axes)?;
     withhold_breakaways(axis, &mut captures);
     let check = Check { agreement: agreement(axis, &captures, model.as_ref()), captures };
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         if check.agreement.is_empty() {
             say("found neither detents nor breakaways");
         } else {
-            say(axis.words(&table::table(&check.agreement).to_string()));
+            say(axis.words(&table(&check.agreement).to_string()));
         }
         for shown in &check.captures {
             say(format!("- {}: {}", shown.capture, axis.words(&shown.in_words(axis))));
@@ -182,4 +203,22 @@ fn agreement(axis: Axis, captures: &[Shown], model: Option<&Model>) -> Vec<Agree
         }
     }
     agreement
+}
+
+/// What was seen beside what was fitted.
+fn table(agreement: &[Agreement]) -> Table {
+    let mut table = terminal::table(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"], 1..5);
+    for row in agreement {
+        let width = row.ci95.map_or(1e-3 * row.checked.abs(), |[low, high]| high - low);
+        let digits = digits(width);
+        table.add_row([
+            row.quantity.to_owned(),
+            format!("{:.digits$}", row.checked),
+            row.ci95.map_or_else(String::new, |[low, high]| format!("{low:.digits$} to {high:.digits$}")),
+            row.model.map_or_else(String::new, |model| format!("{model:.digits$}")),
+            row.difference_percent.map_or_else(String::new, |percent| format!("{percent:+.1} %")),
+            row.unit.to_owned(),
+        ]);
+    }
+    table
 }

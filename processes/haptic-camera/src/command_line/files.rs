@@ -4,8 +4,12 @@ use std::path::PathBuf;
 
 use archive::whole_file::Replace;
 
-use super::{CalibrateOptions, Command, ExportOptions, RigCommand, SimulateOptions};
-use crate::outputs::{Files, Kind, is_same};
+use super::Command;
+use crate::calibrate::CalibrateOptions;
+use crate::export::ExportOptions;
+use crate::outputs::{Files, is_same, kind};
+use crate::rigs::RigCommand;
+use crate::simulate::SimulateOptions;
 
 impl Command {
     /// The files to check before the command starts.
@@ -17,87 +21,72 @@ impl Command {
                 .reading(&options.spec)
                 .reading(&options.request.rig.rig)
                 .reading(&options.request.rig.calibration)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page)
-                .writing(options.recording.as_ref(), Kind::Recording),
+                .telling(&options.json, &options.report)
+                .writing(&options.recording, kind::RECORDING),
             Self::Replay(options) => files
                 .reading([&options.model, &options.hand.hand])
                 .reading(&options.rig.rig)
                 .reading(&options.rig.calibration)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
+                .telling(&options.json, &options.report),
             Self::Fit(options) => files
                 .reading(&options.captures)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.out.as_ref(), Kind::FittedModel)
-                .writing(options.report.as_ref(), Kind::Page)
+                .telling(&options.json, &options.report)
+                .writing(&options.out, kind::FITTED_MODEL)
                 // The file is changed in place.
-                .replacing(options.into.as_ref(), Replace::Anything),
+                .writing(&options.into, Replace::Anything),
             Self::Diagnose(options) => files
                 .reading([&options.train])
                 .reading(&options.heldout)
                 .reading(&options.model)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.out.as_ref(), Kind::DiagnosedModel)
-                .writing(options.report.as_ref(), Kind::Page)
-                .writing(options.recording.as_ref(), Kind::Recording),
+                .telling(&options.json, &options.report)
+                .writing(&options.out, kind::DIAGNOSED_MODEL)
+                .writing(&options.recording, kind::RECORDING),
             Self::Calibrate(options) => {
                 // The given calibration may be overwritten.
-                files.reading(&options.captures).replacing(Some(&options.out), options.replaced())
+                files.reading(&options.captures).writing(&options.out, options.replaced())
             }
-            Self::RigTest(options) => files
-                .reading(&options.rig.request.calibration)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
+            Self::RigTest(options) => {
+                files.reading(&options.rig.request.calibration).telling(&options.json, &options.report)
+            }
             Self::Check(options) => {
-                files.reading(&options.captures).reading(&options.model).writing(options.json.as_ref(), Kind::Json)
+                files.reading(&options.captures).reading(&options.model).writing(&options.json, kind::JSON)
             }
-            Self::Compare(options) => files
-                .reading(&options.subjects)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
-            Self::Judge(options) => files
-                .reading(&options.captures)
-                .reading([&options.spec])
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
+            Self::Compare(options) => files.reading(&options.subjects).telling(&options.json, &options.report),
+            Self::Judge(options) => {
+                files.reading(&options.captures).reading([&options.spec]).telling(&options.json, &options.report)
+            }
             Self::Capability(options) => files
                 .reading(&options.study.captures)
                 .reading(&options.study.values)
                 .reading([&options.spec])
-                .writing(options.study.json.as_ref(), Kind::Json)
-                .writing(options.dfq.as_ref(), Kind::Qdas),
+                .writing(&options.study.json, kind::JSON)
+                .writing(&options.dfq, kind::QDAS),
             Self::Gauge(options) => files
                 .reading(&options.study.captures)
                 .reading(&options.study.values)
                 .reading(&options.spec)
-                .writing(options.study.json.as_ref(), Kind::Json),
+                .writing(&options.study.json, kind::JSON),
             Self::Sheet(options) => files
                 .reading(&options.captures)
                 .reading(&options.dynamic)
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.csv.as_ref(), Kind::Figures)
-                .writing(options.wall.as_ref(), Kind::Page)
-                .writing(options.report.as_ref(), Kind::Page),
+                .writing(&options.json, kind::JSON)
+                .writing(&options.csv, kind::FIGURES)
+                .writing(&options.wall, kind::PAGE)
+                .writing(&options.report, kind::PAGE),
             Self::Simulate(options) => {
-                files.reading([&options.model, &options.like]).writing(options.out.as_ref(), options.kind())
+                files.reading([&options.model, &options.like]).writing(&options.out, options.kind())
             }
             Self::Export(options) => files
                 .reading([&options.source])
                 .reading(&options.along)
-                .writing(Some(&options.out), options.kind())
-                .writing(options.isaac_lab().as_ref(), Kind::Json),
-            Self::Table(options) => files.reading(&options.spec).writing(Some(&options.out), Kind::Data),
-            Self::Trend(options) => files
-                .reading([&options.table])
-                .writing(options.json.as_ref(), Kind::Json)
-                .writing(options.report.as_ref(), Kind::Page),
-            Self::List(options) => files.writing(options.json.as_ref(), Kind::Json),
-            Self::Recompute(options) => files.reading([&options.capture]).writing(options.json.as_ref(), Kind::Json),
-            Self::Recover(options) => files.reading([&options.broken]).writing(Some(&options.out), Kind::Data),
-            Self::Rig(RigCommand::Check(options)) => {
-                files.reading([&options.file]).writing(options.json.as_ref(), Kind::Json)
-            }
+                .writing(&options.out, options.kind())
+                .writing(options.isaac_lab().as_ref(), kind::JSON),
+            Self::Table(options) => files.reading(&options.spec).writing(&options.out, kind::DATA),
+            Self::Trend(options) => files.reading([&options.table]).telling(&options.json, &options.report),
+            Self::List(options) => files.writing(&options.json, kind::JSON),
+            Self::Recompute(options) => files.reading([&options.capture]).writing(&options.json, kind::JSON),
+            Self::Recover(options) => files.reading([&options.broken]).writing(&options.out, kind::DATA),
+            Self::Rig(RigCommand::Check(options)) => files.reading([&options.file]).writing(&options.json, kind::JSON),
             // `compose` checks its own output, because of `--overwrite`; `man` writes into a folder.
             Self::Compose(_)
             | Self::Man(_)
@@ -115,7 +104,7 @@ impl CalibrateOptions {
     #[must_use]
     pub fn replaced(&self) -> Replace {
         let is_given = self.rig.request.calibration.as_deref().is_some_and(|given| is_same(given, &self.out));
-        if is_given { Replace::Anything } else { Kind::Calibration.replaces() }
+        if is_given { Replace::Anything } else { kind::CALIBRATION }
     }
 }
 
@@ -126,8 +115,8 @@ impl SimulateOptions {
         self.out.as_ref().is_some_and(|out| out.extension().is_some_and(|extension| extension == "csv"))
     }
 
-    fn kind(&self) -> Kind {
-        if self.writes_table() { Kind::Data } else { Kind::Simulation }
+    fn kind(&self) -> Replace {
+        if self.writes_table() { kind::DATA } else { kind::SIMULATION }
     }
 }
 
@@ -139,13 +128,13 @@ impl ExportOptions {
         is_urdf.then(|| self.out.with_extension("isaac.json"))
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> Replace {
         let ending = self.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         match ending.as_deref() {
-            Some("h") => Kind::Header,
-            Some("xml" | "urdf" | "fmu") => Kind::Simulator,
-            Some("json") => Kind::Json,
-            _ => Kind::Data,
+            Some("h") => kind::HEADER,
+            Some("xml" | "urdf" | "fmu") => kind::SIMULATOR,
+            Some("json") => kind::JSON,
+            _ => kind::DATA,
         }
     }
 }

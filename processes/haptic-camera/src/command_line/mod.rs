@@ -1,63 +1,15 @@
-//! The command line: the commands, and the options of each in a separate file.
+//! The command line: the commands, whose options stand with what they do, and options that several take.
 
-mod calibrate;
-mod capture;
-mod check;
-mod columns;
-mod compare;
-mod compose;
-mod diagnose;
-mod doctor;
-mod export;
 mod files;
-mod fit;
-mod judge;
-mod list;
-mod manual;
-mod recompute;
-mod recover;
-mod replay;
-mod rig;
-mod rig_test;
-mod rigs;
-mod run;
-mod sheet;
-mod simulate;
-mod studies;
-mod table;
-mod trend;
-mod tune;
-mod view;
-
-pub use calibrate::{CalibrateOptions, CalibrationKind};
-pub use capture::CaptureOptions;
-pub use check::CheckOptions;
-pub use columns::ColumnOptions;
-pub use compare::CompareOptions;
-pub use compose::ComposeOptions;
-pub use diagnose::DiagnoseOptions;
-pub use doctor::DoctorOptions;
-pub use export::{ExportOptions, TableSpan};
-pub use fit::FitOptions;
-pub use judge::JudgeOptions;
-pub use list::ListOptions;
-pub use manual::{CompletionsOptions, ManOptions};
-pub use recompute::RecomputeOptions;
-pub use recover::RecoverOptions;
-pub use replay::ReplayOptions;
-pub use rig::RigOptions;
-pub use rig_test::RigTestOptions;
-pub use rigs::{RigCheckOptions, RigCommand, RigCommissionOptions, RigNewOptions, RigScanOptions};
-pub use run::RunOptions;
-pub use sheet::SheetOptions;
-pub use simulate::{SimulateOptions, SimulationDrive};
-pub use studies::{CapabilityOptions, GaugeOptions, StudyOptions};
-pub use table::TableOptions;
-pub use trend::{TrendGroups, TrendOptions};
-pub use tune::TuneOptions;
-pub use view::ViewOptions;
+mod options;
 
 use clap::{Parser, Subcommand};
+
+pub use self::options::{ColumnOptions, RigOptions, RunOptions};
+use crate::{
+    calibrate, capture, check, compare, compose, diagnose, doctor, export, fit, judge, list, manual, recompute,
+    recover, replay, rig_test, rigs, sheet, simulate, studies, table, trend, tune, view,
+};
 
 /// Captures how a mechanical knob feels, as numbers.
 #[derive(Debug, Parser)]
@@ -88,24 +40,24 @@ pub enum Command {
     #[command(after_help = "Examples:\n  haptic-camera capture --knob 3 --duration-s 10 --out captures\n  \
         haptic-camera capture --knob 3 --until-ci 1% --duration-s 60\n  \
         haptic-camera capture --knob 5 --diagnose --budget 5")]
-    Capture(CaptureOptions),
+    Capture(capture::CaptureOptions),
     /// Make the rig feel like a model, and record it
     #[command(after_help = "Examples:\n  haptic-camera replay 3\n  \
         haptic-camera replay composed.toml --hand multisine --duration-s 10\n  \
         haptic-camera replay 5 --nearest\n\n\
         While it runs, `haptic-camera tune` changes the model's parameters.")]
-    Replay(ReplayOptions),
+    Replay(replay::ReplayOptions),
     /// Change a parameter of a running replay's model, or switch to another model
     #[command(after_help = "Examples:\n  haptic-camera tune detent_amplitude=8 coulomb_positive=5\n  \
         haptic-camera tune --model 1\n  haptic-camera tune")]
-    Tune(TuneOptions),
+    Tune(tune::TuneOptions),
     /// Fit a model to a capture, or one model to several captures of the same knob
     #[command(after_help = "Example:\n  haptic-camera fit captures/20261121-101500-knob-3.mcap --report knob-3.html")]
-    Fit(FitOptions),
+    Fit(fit::FitOptions),
     /// Find where a model and a capture disagree, name the missing effects, and add them
     #[command(after_help = "Example:\n  \
         haptic-camera diagnose train.csv --heldout heldout.csv --report diagnosis.html")]
-    Diagnose(DiagnoseOptions),
+    Diagnose(diagnose::DiagnoseOptions),
     /// Measure the rig's zeros, gravity, delays, gripper inertia, motor cogging or friction
     #[command(
         after_help = "Uses the given captures, or turns the rig (with nothing on the gripper), in this order:\n  \
@@ -116,68 +68,68 @@ pub enum Command {
         haptic-camera calibrate friction --calibration rig.toml --out rig.toml\n  \
         haptic-camera capture --calibration rig.toml --knob 3"
     )]
-    Calibrate(CalibrateOptions),
+    Calibrate(calibrate::CalibrateOptions),
     /// Test the rig without a knob: compare its measurements with its commands
     #[command(after_help = "Example:\n  haptic-camera rig-test --offline --json rig-test.json")]
-    RigTest(RigTestOptions),
+    RigTest(rig_test::RigTestOptions),
     /// Check a fitted model against counted detents and breakaway torques
     #[command(after_help = "Example:\n  \
         haptic-camera capture --knob 3 --sweep slow-turn --duration-s 15\n  \
         haptic-camera capture --sweep slow-turn --amplitude 0.1 --duration-s 15\n  \
         haptic-camera check TURN.mcap CREEP.mcap --model knob-3.toml")]
-    Check(CheckOptions),
+    Check(check::CheckOptions),
     /// Compare captures and models in one table and page, as in the paper's Tables 4 to 6
     #[command(after_help = "Example:\n  haptic-camera compare captures/*.mcap mix.toml 3 --report knobs.html")]
-    Compare(CompareOptions),
+    Compare(compare::CompareOptions),
     /// Judge each unit by a specification: pass, fail, or undecided where an interval straddles a limit
     #[command(after_help = "Example:\n  haptic-camera judge unit-*.mcap --spec spec.toml\n\n\
         Exit status: 0 all pass, 4 one fails, 5 one is undecided and none fails.")]
-    Judge(JudgeOptions),
+    Judge(judge::JudgeOptions),
     /// Compute the capability of a process: Cp and Cpk, Pp and Ppk, with intervals
     #[command(after_help = "Example:\n  haptic-camera capability batch/*.csv --spec spec.toml --dfq batch.dfq")]
-    Capability(CapabilityOptions),
+    Capability(studies::CapabilityOptions),
     /// Compute a tester's repeatability and reproducibility by analysis of variance: %GRR, ndc
     #[command(after_help = "Examples:\n  haptic-camera gauge study/*/*/*.mcap --spec spec.toml\n  \
         haptic-camera gauge --values study.csv --figure collapse_force")]
-    Gauge(GaugeOptions),
+    Gauge(studies::GaugeOptions),
     /// Compute the data sheet of a slow turn or a press: pitch, peak, friction; or collapse, valley, snap
     #[command(
         after_help = "Examples:\n  haptic-camera sheet captures/20261121-101500-knob-3.mcap --report sheet.html\n  \
         haptic-camera sheet dome/ --json sheet.json\n  \
         haptic-camera sheet bench.mf4 --columns angle=Winkel,torque=M"
     )]
-    Sheet(SheetOptions),
+    Sheet(sheet::SheetOptions),
     /// Simulate a model along a capture's motion or torque, and report its relative error
     #[command(after_help = "Examples:\n  \
         haptic-camera simulate model.toml --like capture.mcap\n  \
         haptic-camera simulate model.toml --like capture.mcap --out simulated.mcap")]
-    Simulate(SimulateOptions),
+    Simulate(simulate::SimulateOptions),
     /// Compose a model from one knob's inertia, another's friction and a third one's detents
     #[command(after_help = "Examples:\n  \
         haptic-camera compose --inertia 2 --friction 1 --detents 3 --out mix.toml\n  \
         haptic-camera compose --inertia 2 --friction 4 --detents drawn.csv --set table_scale=1.5 --out new.toml\n\n\
         Inertia resists acceleration. Friction resists turning, and includes static friction and everything that modulates \
         friction. Detents are all torques that repeat along the angle. Every other effect is added with --extra.")]
-    Compose(ComposeOptions),
+    Compose(compose::ComposeOptions),
     /// List the captures of a folder by time: knob, length, quality of the fit, damage
     #[command(after_help = "Examples:\n  haptic-camera list\n  haptic-camera list captures --json")]
-    List(ListOptions),
+    List(list::ListOptions),
     /// Fit all captures in folders, on all cores: one row per capture in a Parquet file
     #[command(after_help = "Example:\n  haptic-camera table captures --out captures.parquet\n\n\
         If killed, the same command continues where it stopped. A file that cannot be read or fitted becomes a row \
         with the error.")]
-    Table(TableOptions),
+    Table(table::TableOptions),
     /// Show how parameters in a table change over time: drift of a rig, wear of a knob
     #[command(after_help = "Example:\n  haptic-camera trend captures.parquet --by rig --report trend.html")]
-    Trend(TrendOptions),
+    Trend(trend::TrendOptions),
     /// Open the live view of the running capture, or of a finished one
     #[command(
         after_help = "Examples:\n  haptic-camera view\n  haptic-camera view captures/20261121-101500-knob-3.mcap --native"
     )]
-    View(ViewOptions),
+    View(view::ViewOptions),
     /// Recompute the torques of a recorded replay, and check that they are equal bit for bit
     #[command(after_help = "Example:\n  haptic-camera recompute captures/20261121-101500-replay-knob-3.mcap")]
-    Recompute(RecomputeOptions),
+    Recompute(recompute::RecomputeOptions),
     /// Write a capture as CSV or Parquet, or a model as a torque table, a C header, or a file for a simulator
     #[command(
         after_help = "Examples:\n  haptic-camera export captures/20261121-101500-knob-3.mcap --out knob-3.csv\n  \
@@ -185,27 +137,27 @@ pub enum Command {
         haptic-camera export knob-3.toml --out knob-3.h --points 128\n  \
         haptic-camera export 4 --out knob-4.csv --over turn"
     )]
-    Export(ExportOptions),
+    Export(export::ExportOptions),
     /// Recover a truncated or damaged archive
     #[command(after_help = "Example:\n  haptic-camera recover broken.mcap --out whole.mcap")]
-    Recover(RecoverOptions),
+    Recover(recover::RecoverOptions),
     /// Check this machine: real-time priority, memory, shared memory, programs
     #[command(after_help = "Examples:\n  haptic-camera doctor\n  haptic-camera doctor --rig my-rig.toml")]
-    Doctor(DoctorOptions),
+    Doctor(doctor::DoctorOptions),
     /// Attach your own rig: write its file, check it without torque, commission it
     #[command(
         subcommand,
         after_help = "Examples:\n  haptic-camera rig new --out my-rig.toml\n  haptic-camera rig check my-rig.toml\n  \
         haptic-camera rig commission my-rig.toml\n  haptic-camera capture --rig my-rig.toml --rate-hz 5000"
     )]
-    Rig(RigCommand),
+    Rig(rigs::RigCommand),
     /// Print shell completions
     #[command(after_help = "Examples:\n  \
         haptic-camera completions bash > ~/.local/share/bash-completion/completions/haptic-camera\n  \
         haptic-camera completions zsh > ~/.zfunc/_haptic-camera\n  \
         haptic-camera completions fish > ~/.config/fish/completions/haptic-camera.fish")]
-    Completions(CompletionsOptions),
+    Completions(manual::CompletionsOptions),
     /// Write manual pages, one for each command
     #[command(after_help = "Example:\n  haptic-camera man ~/.local/share/man/man1 && man haptic-camera-capture")]
-    Man(ManOptions),
+    Man(manual::ManOptions),
 }

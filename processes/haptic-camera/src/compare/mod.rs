@@ -7,18 +7,36 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use clap::Args;
 use dynamics::{Model, knobs};
 use identification::{Fit, Parameters};
 use loaded_capture::LoadedCapture;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::perceived_differences;
 
-use crate::command_line::{ColumnOptions, CompareOptions};
+use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
+use crate::fit_tables::true_value;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json_on};
-use crate::parameter_table::true_value;
+use crate::outcome::{Outcome, show};
+use crate::outputs::{kind, write_if_asked, write_json_on};
+
+/// Options of `compare`.
+#[derive(Debug, Args)]
+pub struct CompareOptions {
+    /// What to compare: captures, model files, or 1 to 5 for the paper's knobs; captures of one knob are averaged
+    #[arg(required = true, value_name = "CAPTURE|MODEL.toml")]
+    pub subjects: Vec<String>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
 
 /// Longest name of a model that stands over a column, letters.
 const LONGEST_NAME: usize = 24;
@@ -32,13 +50,10 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
     anyhow::ensure!(axes.all(|other| other == axis), "some of these are rotary and some linear; compare one kind");
-    if !to_output(options.json.as_deref()) {
-        table::lines(&compared).iter().for_each(|line| say(axis.words(line)));
-    }
+    show(table::lines(&compared).iter().map(|line| axis.words(line)));
     write_json_on(axis, options.json.as_deref(), &compared)?;
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &axis.words(&report::comparison_page(&compared)))?;
-    }
+    let page = || axis.words(&report::comparison_page(&compared)).into_owned();
+    write_if_asked(options.report.as_ref(), kind::PAGE, page)?;
     Ok(Outcome::Done)
 }
 

@@ -1,16 +1,14 @@
 //! A comparison for an 80-column terminal.
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use comfy_table::Table;
 use report::{ComparedKnob, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::PerceivedDifference;
 
-use crate::repeatability::digits;
+use crate::terminal::{self, WIDTH, by_reason, decimals, digits};
 
-/// Columns of the terminal.
-const WIDTH: usize = 80;
 /// Digits of a value without an interval, and of one that the paper prints.
-const DIGITS: usize = 4;
-const PAPER_DIGITS: usize = 2;
+const DIGITS: f64 = 4.0;
+const PAPER_DIGITS: f64 = 2.0;
 /// Rows on the fits themselves, as the JSON names them.
 type Quality = (&'static str, &'static str, fn(&ComparedQuality) -> String);
 const QUALITIES: [Quality; 4] = [
@@ -25,9 +23,10 @@ pub fn lines(compared: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     let mut rest = compared.knobs.as_slice();
     while !rest.is_empty() {
-        let fitting = (1..=rest.len()).rev().find(|count| width(&table(&rest[..*count])) <= WIDTH).unwrap_or(1);
+        let fitting =
+            (1..=rest.len()).rev().find(|count| width(&table(&rest[..*count])) <= usize::from(WIDTH)).unwrap_or(1);
         let (shown, later) = rest.split_at(fitting);
-        lines.extend(table(shown).lines().map(|line| line.trim_end().to_owned()));
+        lines.extend(terminal::lines(&table(shown)));
         lines.push(String::new());
         rest = later;
     }
@@ -58,14 +57,13 @@ fn felt(knob: &ComparedKnob, first: &str) -> Option<String> {
 }
 
 fn width(table: &Table) -> usize {
-    table.lines().map(|line| line.trim_end().chars().count()).max().unwrap_or(0)
+    terminal::lines(table).iter().map(|line| line.chars().count()).max().unwrap_or(0)
 }
 
 fn table(knobs: &[ComparedKnob]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
     let names = knobs.iter().map(|knob| knob.name.clone());
-    table.set_header(["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]));
+    let header: Vec<String> = ["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]).collect();
+    let mut table = terminal::table(header, 1..=knobs.len());
     let kinds = dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);
     for kind in kinds {
         let own = knobs.iter().map(|knob| knob.parameters.get(kind.name));
@@ -89,11 +87,6 @@ fn table(knobs: &[ComparedKnob]) -> Table {
         if name == "mean_ci95_mnm" && knobs.iter().any(|knob| knob.paper.is_some()) {
             let printed = |knob: &ComparedKnob| Some(significant(knob.paper.as_ref()?.mean_ci95_mnm, PAPER_DIGITS));
             table.add_row(row("  paper", knobs.iter().map(printed), unit));
-        }
-    }
-    for column in 1..=knobs.len() {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
         }
     }
     table
@@ -124,12 +117,8 @@ fn interval_digits(half_width: f64) -> usize {
 }
 
 /// A value with so many significant digits.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
-fn significant(value: f64, digits: usize) -> String {
-    let order = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    #[allow(clippy::cast_precision_loss, reason = "a handful of digits")]
-    let decimals = (digits as f64 - 1.0 - order).clamp(0.0, 9.0) as usize;
-    format!("{value:.decimals$}")
+fn significant(value: f64, digits: f64) -> String {
+    format!("{value:.*}", decimals(value, digits, [0.0, 9.0]))
 }
 
 /// The captures or the model file of a column, and what a reader should know of it.
@@ -147,31 +136,12 @@ fn origins(knob: &ComparedKnob) -> Vec<String> {
             agreement.birge_ratio
         )
     });
-    let notes = reasons(knob).into_iter().chain(knob.notes.iter().cloned()).flat_map(|note| paragraph(&note));
+    let reasons = by_reason(knob.parameters.iter().filter_map(|(name, own)| Some((*name, own.reason.as_deref()?))));
+    let notes = reasons.into_iter().chain(knob.notes.iter().cloned()).flat_map(|note| paragraph(&note));
     [format!("{}\n    {from}", knob.name)].into_iter().chain(agreement).chain(notes).collect()
-}
-
-/// Why parameters are not identifiable, grouped by reason.
-fn reasons(knob: &ComparedKnob) -> Vec<String> {
-    let mut reasons: Vec<(Vec<&str>, &str)> = Vec::new();
-    for (name, own) in &knob.parameters {
-        let Some(reason) = own.reason.as_deref() else { continue };
-        match reasons.iter_mut().find(|(_, known)| *known == reason) {
-            Some((names, _)) => names.push(name),
-            None => reasons.push((vec![name], reason)),
-        }
-    }
-    reasons.into_iter().map(|(names, reason)| format!("{}: {reason}", names.join(", "))).collect()
 }
 
 /// A note in lines that fit the terminal, under the knob's name.
 fn paragraph(text: &str) -> Vec<String> {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(u16::try_from(WIDTH).unwrap_or(u16::MAX));
-    table.add_row(["  -", text]);
-    table.column_iter_mut().for_each(|column| {
-        column.set_padding((0, 1));
-    });
-    table.lines().map(|line| line.trim_end().to_owned()).collect()
+    terminal::paragraph("  -", text, WIDTH - 1)
 }

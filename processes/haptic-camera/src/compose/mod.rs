@@ -1,35 +1,64 @@
 //! `compose`: one knob's inertia, another's friction, a third one's detents, and any number changed.
 
 mod arguments;
-mod destination;
-mod table;
 
-use dynamics::{Composition, CompositionError, Model, ModelError, Parts, Role, Source, composition_notes};
+use std::path::PathBuf;
+
+use anyhow::bail;
+use archive::whole_file::Replace;
+use clap::Args;
+use comfy_table::Table;
+use dynamics::{Composition, CompositionError, Effect, Model, ModelError, Parts, Role, Source, composition_notes};
 
 pub use self::arguments::{Assignment, Extra};
+use crate::outcome::{Outcome, UsageError, remark, say};
+use crate::outputs::{is_same, kind, write};
+use crate::terminal::table;
 
-use crate::command_line::ComposeOptions;
-use crate::outcome::{Outcome, remark, say, tell_error};
-use crate::outputs::replace;
+/// Options of `compose`.
+#[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("parts").args(["inertia", "friction", "detents", "extra"]).required(true).multiple(true)))]
+pub struct ComposeOptions {
+    /// Take the inertia of this knob: 1 to 5 for the paper's, or a model file
+    #[arg(long, value_name = "1…5|FILE.toml")]
+    pub inertia: Option<String>,
+    /// Take the friction of this knob, with static friction and everything that modulates friction
+    #[arg(long, value_name = "1…5|FILE.toml")]
+    pub friction: Option<String>,
+    /// Take the detents of this knob, or of a table with the header angle_rad,torque_mnm over one period
+    #[arg(long, value_name = "1…5|FILE.toml|FILE.csv")]
+    pub detents: Option<String>,
+    /// Add an effect of another knob, as in 5:backlash or springy.toml:return-spring; may be repeated
+    #[arg(long, value_name = "KNOB:EFFECT")]
+    pub extra: Vec<Extra>,
+    /// Set a parameter, as in detent_amplitude=1.5; may be repeated
+    #[arg(long, value_name = "NAME=NUMBER")]
+    pub set: Vec<Assignment<f64>>,
+    /// Take a parameter's value from another knob, as in detent_amplitude=4; may be repeated
+    #[arg(long, value_name = "NAME=KNOB")]
+    pub from: Vec<Assignment<String>>,
+    /// The model's name [default: that of its file]
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Write the model here; an earlier composed model is replaced
+    #[arg(long, value_name = "MODEL.toml")]
+    pub out: PathBuf,
+    /// Overwrite any existing file
+    #[arg(long)]
+    pub overwrite: bool,
+}
 
 /// Composes a model and writes it.
 ///
 /// # Errors
-/// One sentence on what is wrong with a source or the output. Parts and values that do not fit are wrong usage, reported
-/// here.
+/// One sentence on what is wrong with a source or the output. Parts and values that do not fit are a [`UsageError`].
 pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let sources = Sources::load(options)?;
-    let replaced = destination::replaced(options)?;
-    let composition = match composed(&sources, options) {
-        Ok(composition) => composition,
-        Err(error) => {
-            tell_error(&error.into());
-            return Ok(Outcome::WrongUsage);
-        }
-    };
+    let replaced = replaced(options)?;
+    let composition = composed(&sources, options).map_err(|error| UsageError(error.into()))?;
     let model = composition.model(&name(options), &sources.parts.description());
-    replace(&options.out, replaced, &model.to_toml())?;
-    say(model.axis.words(&table::parts(&composition, &model).to_string()));
+    write(&options.out, replaced, &model.to_toml())?;
+    say(model.axis.words(&parts_table(&composition, &model).to_string()));
     say(format!(
         "{}: {}; {}",
         options.out.display(),
@@ -88,4 +117,61 @@ fn effects(model: &Model) -> String {
         1 => "1 effect".to_owned(),
         count => format!("{count} effects"),
     }
+}
+
+/// What the model may replace: one that was composed before, so that a number is changed and felt again. Refuses a place where
+/// something would be lost: a fitted model, a drawn table or a capture costs more to have again.
+///
+/// # Errors
+/// One sentence that says what lies there and what to do.
+fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
+    let out = &options.out;
+    if options.overwrite {
+        return Ok(Replace::Anything);
+    }
+    let shown = out.display();
+    if sources(options).any(|source| is_same(source.as_ref(), out)) {
+        bail!("{shown} is itself a source of the model; choose another name for --out, or give --overwrite");
+    }
+    match out.is_file().then(|| Model::load(out)) {
+        None => {}
+        Some(Ok(model)) if model.effects.iter().any(|effect| effect.origin().is_some()) => {}
+        Some(Ok(_)) => {
+            bail!("{shown} exists and was not composed; choose another name for --out, or give --overwrite")
+        }
+        Some(Err(_)) => bail!("{shown} exists and is not a model; choose another name for --out, or give --overwrite"),
+    }
+    Ok(kind::COMPOSED_MODEL)
+}
+
+fn sources(options: &ComposeOptions) -> impl Iterator<Item = &String> {
+    let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
+    let parts = [inertia, friction, detents].into_iter().flatten();
+    parts.chain(extra.iter().map(|extra| &extra.source)).chain(from.iter().map(|from| &from.value))
+}
+
+/// Parameters of one effect beyond which zeros are left out: harmonics that are not there.
+const MANY: usize = 8;
+
+/// Effect by effect, every parameter with its value and where that comes from.
+fn parts_table(composition: &Composition, model: &Model) -> Table {
+    let mut table = table(["effect", "parameter", "value", "unit", "from"], [2]);
+    for effect in &model.effects {
+        let mut name = effect.kind().name;
+        for (parameter, value) in shown(effect) {
+            let from = composition.origin_of(parameter.name).unwrap_or_default();
+            table.add_row([name, parameter.name, &value.to_string(), parameter.unit, from]);
+            name = "";
+        }
+        if let Some(drawn) = effect.table() {
+            let points = format!("{} over {} rad", drawn.points().len(), drawn.period_rad().unwrap_or_default());
+            table.add_row(["", "points", &points, "", ""]);
+        }
+    }
+    table
+}
+
+fn shown(effect: &Effect) -> impl Iterator<Item = (&'static dynamics::ParameterKind, f64)> + '_ {
+    let many = effect.values().len() > MANY;
+    effect.parameters().filter(move |(_, value)| !many || *value != 0.0)
 }

@@ -8,54 +8,86 @@ mod torque_over_angle;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow, bail};
 use archive::attachment;
 use archive::whole_file::write_bytes;
+use clap::Args;
 use dynamics::knobs;
 
-use crate::command_line::ExportOptions;
+use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, say, tell_error};
-use crate::outputs::{Kind, write};
+use crate::outcome::{Outcome, UsageError, say};
+use crate::outputs::{kind, write};
 use torque_over_angle::TorqueOverAngle;
 
-/// What cannot be written as asked.
-#[derive(Debug, thiserror::Error)]
-enum UsageError {
-    #[error("{} has an unknown extension; a capture is exported as .csv or .parquet", .0.display())]
-    Capture(PathBuf),
-    #[error("{} has an unknown extension; a model is exported as .csv, .h, .xml, .urdf, .fmu or .json", .0.display())]
-    Model(PathBuf),
-    #[error("SmartKnob's strengths are in volts; give the motor's torque per volt as --motor-mnm-per-v")]
-    Motor,
+/// Options of `export`.
+#[derive(Debug, Args)]
+pub struct ExportOptions {
+    /// What to export: a capture, or a model as file or as 1 to 5 for the paper's knobs
+    #[arg(value_name = "CAPTURE|MODEL.toml|1…5")]
+    pub source: String,
+    /// The file to write; its extension selects the format: a capture as .csv or .parquet, a model's torque over the angle
+    /// as .csv or .h, a model for simulators as .xml (MuJoCo), .urdf (and a file for Isaac Lab) or .fmu (FMI 3.0),
+    /// a model for SmartKnob's firmware as .json
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Number of points in a model's table
+    #[arg(long, default_value_t = 256, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=65_536))]
+    pub points: u32,
+    /// Angle that a model's table covers [default: one period of the detents, a turn without detents]
+    #[arg(long, value_enum, value_name = "SPAN")]
+    pub over: Option<TableSpan>,
+    /// Torque per volt of SmartKnob's motor, mNm/V
+    #[arg(long, value_name = "MNM_PER_V", value_parser = positive)]
+    pub motor_mnm_per_v: Option<f64>,
+    /// Compute the torque that a simulator's format leaves out along this capture's motion [default: the sweep linear-chirp]
+    #[arg(long, value_name = "CAPTURE")]
+    pub along: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "it is not a number".to_owned())?;
+    if number.is_finite() && number > 0.0 { Ok(number) } else { Err("it must be greater than zero".to_owned()) }
+}
+
+/// The angle that a table covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TableSpan {
+    /// From one detent to the next.
+    Period,
+    /// Once around, with springs and end stops.
+    Turn,
 }
 
 /// Writes a capture or a model in another format.
 ///
 /// # Errors
-/// One sentence on what is wrong with the source or the output. An unknown file extension is wrong usage, reported here.
+/// One sentence on what is wrong with the source or the output. An unknown file extension is a [`UsageError`].
 pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let is_model = knobs::is_shipped(&options.source) || source.extension().is_some_and(|ending| ending == "toml");
-    let wrong = match (is_model, ending.as_str()) {
-        (true, "csv" | "h" | "xml" | "urdf" | "fmu" | "json") | (false, "csv" | "parquet") => None,
-        (true, _) => Some(UsageError::Model(options.out.clone())),
-        (false, _) => Some(UsageError::Capture(options.out.clone())),
-    };
-    if let Some(wrong) = wrong {
-        tell_error(&wrong.into());
-        return Ok(Outcome::WrongUsage);
-    }
     match (is_model, ending.as_str()) {
         (true, "h") => firmware_header(options),
-        (true, "xml") => simulator::write_export(options, &simulators::mjcf(&knobs::named(&options.source)?)),
+        (true, "xml") => simulator::mjcf(options),
         (true, "urdf") => simulator::urdf(options),
         (true, "fmu") => simulator::fmu(options),
         (true, "json") => smartknob::write(options),
-        (true, _) => model_table(options),
+        (true, "csv") => model_table(options),
         (false, "parquet") => capture_as_parquet(source, options),
-        (false, _) => capture_as_csv(source, options),
+        (false, "csv") => capture_as_csv(source, options),
+        _ => {
+            let (what, known) = if is_model {
+                ("model", ".csv, .h, .xml, .urdf, .fmu or .json")
+            } else {
+                ("capture", ".csv or .parquet")
+            };
+            let out = options.out.display();
+            bail!(UsageError(anyhow!("{out} has an unknown extension; a {what} is exported as {known}")))
+        }
     }
 }
 
@@ -77,14 +109,14 @@ fn capture_as_parquet(source: &Path, options: &ExportOptions) -> anyhow::Result<
     let loaded = load::load_chosen(source, columns)?;
     let (bytes, columns) =
         parquet_file::bytes(&loaded).with_context(|| format!("{} cannot be written as Parquet", source.display()))?;
-    write_bytes(out, Kind::Data.replaces(), &bytes)?;
+    write_bytes(out, kind::DATA, &bytes)?;
     say(format!("{}: {} samples, {columns} columns with their units", out.display(), loaded.capture.len()));
     Ok(Outcome::Done)
 }
 
 fn model_table(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let table = TorqueOverAngle::of(&knobs::named(&options.source)?, options.points, options.over)?;
-    write(&options.out, Kind::Data, &table.to_csv())?;
+    write(&options.out, kind::DATA, &table.to_csv())?;
     say(format!("{}: {}", options.out.display(), table.in_words()));
     Ok(Outcome::Done)
 }
@@ -95,7 +127,7 @@ fn firmware_header(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
     let table = has_table.then(|| TorqueOverAngle::of(&model, options.points, options.over)).transpose()?;
     let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    write(&options.out, Kind::Header, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
+    write(&options.out, kind::HEADER, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
     let words = table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words());
     say(format!("{}: {words}", options.out.display()));
     Ok(Outcome::Done)

@@ -5,14 +5,15 @@ use std::sync::Arc;
 use archive::columns::{self, Values};
 use loaded_capture::LoadedCapture;
 use parquet::basic::{Compression, Encoding, Repetition, Type as PhysicalType};
-use parquet::data_type::{DataType, DoubleType, Int32Type, Int64Type};
+use parquet::data_type::{DoubleType, Int32Type, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::TAKEN_ALONG;
+use crate::table::write_column;
 
 /// The file's bytes and the number of its columns: one group of rows, every value there.
 ///
@@ -34,14 +35,14 @@ pub(super) fn bytes(loaded: &LoadedCapture) -> Result<(Vec<u8>, usize), ParquetE
     let mut group = file.next_row_group()?;
     for (_, values) in &columns {
         match values {
-            Values::Reals(values) => write::<DoubleType>(&mut group, values)?,
+            Values::Reals(values) => write_column::<DoubleType, _>(&mut group, values, None)?,
             Values::Counts(values) => {
                 let counts: Vec<i64> = values.iter().map(|&count| i64::try_from(count).unwrap_or(i64::MAX)).collect();
-                write::<Int64Type>(&mut group, &counts)?;
+                write_column::<Int64Type, _>(&mut group, &counts, None)?;
             }
             Values::Codes(values) => {
                 let codes: Vec<i32> = values.iter().map(|&code| i32::try_from(code).unwrap_or(i32::MAX)).collect();
-                write::<Int32Type>(&mut group, &codes)?;
+                write_column::<Int32Type, _>(&mut group, &codes, None)?;
             }
         }
     }
@@ -57,17 +58,6 @@ fn field(name: &str, values: &Values<'_>) -> Result<Arc<Type>, ParquetError> {
     };
     let field = Type::primitive_type_builder(name, physical).with_repetition(Repetition::REQUIRED).build()?;
     Ok(Arc::new(field))
-}
-
-fn write<Kind: DataType>(
-    group: &mut SerializedRowGroupWriter<'_, Vec<u8>>,
-    values: &[Kind::T],
-) -> Result<(), ParquetError> {
-    let Some(mut column) = group.next_column()? else {
-        return Err(ParquetError::General("there are more columns than the schema has".to_owned()));
-    };
-    column.typed::<Kind>().write_batch(values, None, None)?;
-    column.close()
 }
 
 /// What the file says of itself: the unit of every column, the rate, and what the archive had attached.

@@ -3,13 +3,13 @@
 use anyhow::Context as _;
 use archive::whole_file::write_bytes;
 use dynamics::excitation::{Drive, Excitation};
-use dynamics::{Axis, Motion, knobs};
+use dynamics::{Axis, Model, Motion, knobs};
 use simulators::{Export, fmi, isaac_lab, left_out_mnm};
 
-use crate::command_line::ExportOptions;
+use super::ExportOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 use crate::supervision::program_path;
 
 /// The library of the crate `knob-fmu`, which is built beside the programs.
@@ -20,26 +20,32 @@ const SWEEP_S: f64 = 6.0;
 const SWEEP_HZ: f64 = 2_000.0;
 
 /// Writes the file and tells what it leaves out.
-pub(super) fn write_export<Content: AsRef<[u8]>>(
+fn write_export<Content: AsRef<[u8]>>(
     options: &ExportOptions,
+    model: &Model,
     export: &Export<Content>,
 ) -> anyhow::Result<Outcome> {
-    let model = knobs::named(&options.source)?;
     let (motions, motion) = motion(options, model.axis)?;
-    write_bytes(&options.out, Kind::Simulator.replaces(), export.content.as_ref())?;
-    let left_out_mnm = left_out_mnm(&model, &export.said, &motions);
+    write_bytes(&options.out, kind::SIMULATOR, export.content.as_ref())?;
+    let left_out_mnm = left_out_mnm(model, &export.said, &motions);
     let left_out = model.axis.words(&format!("leaves out {left_out_mnm:.6} mNm RMS")).into_owned();
     say(format!("{}: {left_out} along {motion}", options.out.display()));
     export.left_out.iter().for_each(|words| say(format!("- {}", model.axis.words(words))));
     Ok(Outcome::Done)
 }
 
+/// The model for MuJoCo.
+pub(super) fn mjcf(options: &ExportOptions) -> anyhow::Result<Outcome> {
+    let model = knobs::named(&options.source)?;
+    write_export(options, &model, &simulators::mjcf(&model))
+}
+
 /// The URDF, and beside it the fields of Isaac Lab's actuators, for which URDF has no place.
 pub(super) fn urdf(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let model = knobs::named(&options.source)?;
-    let done = write_export(options, &simulators::urdf(&model))?;
+    let done = write_export(options, &model, &simulators::urdf(&model))?;
     let Some(beside) = options.isaac_lab() else { return Ok(done) };
-    write(&beside, Kind::Json, &isaac_lab(&model))?;
+    write(&beside, kind::JSON, &isaac_lab(&model))?;
     say(format!("{}: armature and friction as Isaac Lab's ImplicitActuatorCfg takes them", beside.display()));
     Ok(done)
 }
@@ -51,7 +57,7 @@ pub(super) fn fmu(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let library = std::fs::read(&place).with_context(|| {
         format!("{} cannot be read; build it with `cargo build --release -p knob-fmu`", place.display())
     })?;
-    write_export(options, &fmi::fmu(&model, &library)?)
+    write_export(options, &model, &fmi::fmu(&model, &library)?)
 }
 
 /// The motion along which torques are compared, and what it is called.

@@ -1,16 +1,16 @@
 //! A model as SmartKnob's configuration, the message `SmartKnobConfig` of `proto/smartknob.proto` (github scottbez1/smartknob).
 
+use anyhow::anyhow;
 use dynamics::effects::end_stop;
 use dynamics::{Model, knobs};
 use serde::Serialize;
 use simulators::left_out_by_mnm;
 
-use super::UsageError;
+use super::ExportOptions;
 use super::firmware::stiffest_end_stop_mnm_rad;
 use super::simulator::motion;
 use super::torque_over_angle::TorqueOverAngle;
-use crate::command_line::ExportOptions;
-use crate::outcome::{Outcome, say, tell_error};
+use crate::outcome::{Outcome, UsageError, say};
 use crate::outputs::write_json;
 use crate::smartknob::{SmartKnob, Turned, V_PER_RAD};
 
@@ -46,10 +46,9 @@ struct Configuration {
 
 /// Writes the configuration and tells what it leaves out.
 pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let Some(motor_mnm_per_v) = options.motor_mnm_per_v else {
-        tell_error(&UsageError::Motor.into());
-        return Ok(Outcome::WrongUsage);
-    };
+    let motor_mnm_per_v = options.motor_mnm_per_v.ok_or_else(|| {
+        UsageError(anyhow!("SmartKnob's strengths are in volts; give the motor's torque per volt as --motor-mnm-per-v"))
+    })?;
     let model = knobs::named(&options.source)?;
     anyhow::ensure!(model.axis.is_rotary(), "{} has a linear axis; a SmartKnob is rotary", model.name);
     let table = TorqueOverAngle::of(&model, options.points, None).ok().filter(|table| table.is_period);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use dynamics::{Axis, Effect, Model, Motion, Role};
 
-use crate::command_line::TableSpan;
+use super::TableSpan;
 
 /// Relative difference up to which two periods are one.
 const SAME_PERIOD: f64 = 1e-9;

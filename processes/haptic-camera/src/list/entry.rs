@@ -1,21 +1,27 @@
 //! One file of the list.
 
+use std::io::BufReader;
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 use archive::{ArchiveError, Overview};
 use foreign_files::TableError;
 use operator::one_line;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use shared_types::RunDescription;
 
-use super::quality::Quality;
+use crate::fit::fit_capture;
+use crate::load;
+
+/// Samples up to which a capture is fitted for a list: a minute and a half at 10 kHz, a second's work or so.
+const MOST_SAMPLES: u64 = 1_000_000;
 
 /// What a file is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Health {
     /// Every sample is there.
+    #[default]
     Whole,
     /// Samples are missing.
     SamplesLost,
@@ -32,7 +38,7 @@ pub(super) enum Health {
 }
 
 /// A file of the folder.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Entry {
     /// Name in the folder.
     pub(super) file: String,
@@ -105,7 +111,6 @@ impl Entry {
         Self {
             file: name(path),
             health,
-            problem: None,
             captured_at: date(captured_at_ns),
             replay: description.as_ref().is_some_and(RunDescription::is_rendered),
             knob: description.map(|run| run.knob),
@@ -120,6 +125,7 @@ impl Entry {
             recovered,
             quality: Quality::of(path, samples),
             captured_at_ns,
+            ..Self::default()
         }
     }
 
@@ -141,25 +147,46 @@ impl Entry {
             health,
             problem: Some(one_line(&error.to_string())),
             captured_at: date(captured_at_ns),
-            knob: None,
-            replay: false,
-            duration_s: None,
-            rate_hz: None,
-            samples: None,
-            gaps: None,
-            lost_samples: None,
-            missed_ticks: None,
-            stale_ticks: None,
-            clock_drift_ppm: None,
-            recovered: false,
-            quality: Quality::default(),
             captured_at_ns,
+            ..Self::default()
         }
     }
 
     /// By time, then by name.
     pub(super) fn order(&self) -> (u128, &str) {
         (self.captured_at_ns, &self.file)
+    }
+}
+
+/// How good a capture's fit is: what the JSON beside it says, or a fit that is made for the purpose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Quality {
+    /// RMS of what the model leaves, as a share of the torque, %.
+    pub(super) relative_error_percent: Option<f64>,
+    /// Mean half width of the 95 % interval of the model's torque, mNm or N.
+    #[serde(alias = "mean_ci95_n")]
+    pub(super) mean_ci95_mnm: Option<f64>,
+}
+
+impl Quality {
+    /// Of a capture that can be read; nothing where it tells no model, or is too long to be fitted in passing.
+    pub(super) fn of(path: &Path, samples: u64) -> Self {
+        let beside = foreign_files::open(&path.with_extension("json")).ok();
+        let written = beside.and_then(|json| serde_json::from_reader::<_, Self>(BufReader::new(json)).ok());
+        if let Some(written) = written.filter(|written| written.relative_error_percent.is_some()) {
+            return written;
+        }
+        if samples > MOST_SAMPLES {
+            return Self::default();
+        }
+        let fitted = load::load(path).and_then(|loaded| fit_capture(&loaded));
+        fitted.map_or_else(
+            |_| Self::default(),
+            |fit| Self {
+                relative_error_percent: Some(fit.relative_error_percent),
+                mean_ci95_mnm: Some(fit.mean_ci95_mnm),
+            },
+        )
     }
 }
 

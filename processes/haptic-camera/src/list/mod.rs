@@ -1,16 +1,28 @@
 //! `list`: what captures a folder holds, of which knob, how good their fits are and whether they are whole.
 
 mod entry;
-mod quality;
 mod table;
 
+use std::path::PathBuf;
+
 use anyhow::Context as _;
+use clap::Args;
 use serde::Serialize;
 
-use crate::command_line::ListOptions;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{to_output, write_json};
+use crate::outcome::{Outcome, show};
+use crate::outputs::write_json;
 use entry::Entry;
+
+/// Options of `list`.
+#[derive(Debug, Args)]
+pub struct ListOptions {
+    /// The folder to list
+    #[arg(default_value = "captures", value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Write the list as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    pub json: Option<PathBuf>,
+}
 
 /// Endings of what lies beside a capture and was made of it: no captures, and no strangers.
 const RESULTS: [&str; 7] = ["toml", "json", "html", "rrd", "parquet", "h", "incomplete"];
@@ -38,12 +50,10 @@ pub fn run(options: &ListOptions) -> anyhow::Result<Outcome> {
         }
     }
     entries.sort_by(|one, other| one.order().cmp(&other.order()));
-    if !to_output(options.json.as_deref()) {
-        if entries.is_empty() {
-            say(format!("{} holds no captures; `haptic-camera capture --out {0}` makes one", folder.display()));
-        } else {
-            table::lines(&entries).iter().for_each(say);
-        }
+    if entries.is_empty() {
+        show([format!("{} holds no captures; `haptic-camera capture --out {0}` makes one", folder.display())]);
+    } else {
+        show(table::lines(&entries));
     }
     write_json(options.json.as_deref(), &Listing { captures: &entries })?;
     Ok(Outcome::Done)

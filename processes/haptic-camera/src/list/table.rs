@@ -1,9 +1,9 @@
 //! The list as a table for an 80-column terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
 use operator::one_line;
 
 use super::entry::{Entry, Health};
+use crate::terminal;
 
 /// Most of a name that fits.
 const NAME_LETTERS: usize = 27;
@@ -12,9 +12,7 @@ const KNOB_LETTERS: usize = 7;
 
 /// The table, and a sentence on each file that is no whole capture.
 pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["file", "knob", "captured", "s", "error", "95 %", "health"]);
+    let mut table = terminal::table(["file", "knob", "captured", "s", "error", "95 %", "health"], 3..6);
     for entry in entries {
         let number = |value: Option<f64>, digits: usize| {
             value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
@@ -30,13 +28,10 @@ pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
             word(entry).to_owned(),
         ]);
     }
-    for (index, column) in table.column_iter_mut().enumerate() {
+    table.column_iter_mut().for_each(|column| {
         column.set_padding((0, 1));
-        if (3..=5).contains(&index) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    let mut lines: Vec<String> = table.lines().map(|line| line.trim_end().to_owned()).collect();
+    });
+    let mut lines = terminal::lines(&table);
     lines.push("s: length; error: residual, share of torque; 95 %: mean half width, mNm or N".to_owned());
     lines.extend(entries.iter().filter_map(remark));
     lines

@@ -4,27 +4,49 @@
 //! locked gripper under a torque sweep; and both once more at 30 Hz, where the paper speaks of a lag.
 
 mod channel;
-mod table;
 
 use std::io::IsTerminal as _;
 use std::os::fd::AsFd as _;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use anyhow::Context as _;
+use clap::Args;
+use comfy_table::Table;
 use dynamics::Excitation;
 use loaded_capture::LoadedCapture;
 use nix::poll::{PollFd, PollFlags, poll};
-use report::{CaptureFacts, RigTest};
+use report::{CaptureFacts, ChannelDifference, ChannelLag, RigTest};
 use rt_loop::request::{Pace, RunRequest};
 
-use anyhow::Context as _;
-
-use crate::command_line::{RigOptions, RigTestOptions};
+use crate::command_line::RigOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outcome::{Outcome, is_output_json, say};
+use crate::outputs::{kind, write_if_asked, write_json};
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
+use crate::terminal::table;
 use channel::{Channel, LAG_HZ};
+
+/// Options of `rig-test`.
+#[derive(Debug, Args)]
+pub struct RigTestOptions {
+    /// Interpretation of the paper's sweep: paper (as printed) or linear-chirp
+    #[arg(long, default_value = "paper")]
+    pub sweep: String,
+    /// Samples per second
+    #[arg(long, default_value_t = 5_000.0, allow_negative_numbers = true)]
+    pub rate_hz: f64,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// How the rig is turned
+    #[command(flatten)]
+    pub rig: RigOptions,
+}
 
 /// Length of the paper's sweep: 30,000 samples at 5 kHz, s.
 const SWEEP_S: f64 = 6.0;
@@ -86,18 +108,16 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         test.lag_at_30_hz.push(channel.lag(tone, &commanded_tone));
         test.traces.push(channel.trace((sweep, &commanded), (tone, &commanded_tone)));
     }
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         say("");
         let scaled = if axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
         say(format!("original minus measured; filtered: its SD after the paper's low-pass filters{scaled}"));
-        say(table::differences(&test.differences));
+        say(differences(&test.differences));
         say("");
-        say(table::lags(&test.lag_at_30_hz));
+        say(lags(&test.lag_at_30_hz));
     }
     write_json(options.json.as_deref(), &test)?;
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &report::rig_test_page(&test))?;
-    }
+    write_if_asked(options.report.as_ref(), kind::PAGE, || report::rig_test_page(&test))?;
     Ok(outcome)
 }
 
@@ -131,4 +151,36 @@ fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
 fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
     let description = loaded.capture.description.as_ref().context("the run has no description")?;
     Ok(description.excitation()?)
+}
+
+/// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
+fn differences(differences: &[ChannelDifference]) -> Table {
+    let mut table = table(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"], 1..6);
+    for row in differences {
+        table.add_row([
+            row.channel.to_owned(),
+            format!("{:.5}", row.mean),
+            format!("{:.5}", row.sd),
+            format!("{:.5}", row.sd_filtered),
+            format!("{:.4}", row.paper_mean),
+            format!("{:.4}", row.paper_sd),
+            row.unit.to_owned(),
+        ]);
+    }
+    table
+}
+
+/// Phase lags at 30 Hz, beside what the paper says of its own.
+fn lags(lags: &[ChannelLag]) -> Table {
+    let mut table = table(["lag at 30 Hz", "rad", "ms", "gain", "paper"], 1..5);
+    for lag in lags {
+        table.add_row([
+            lag.channel.to_owned(),
+            format!("{:.4}", lag.phase_rad),
+            format!("{:.3}", lag.delay_ms),
+            format!("{:.4}", lag.gain),
+            format!("< {} rad", lag.paper_phase_rad_below),
+        ]);
+    }
+    table
 }

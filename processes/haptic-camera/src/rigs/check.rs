@@ -1,18 +1,38 @@
 //! `rig check`: a rig brought up without torque, and what its channels read meanwhile.
 
+use std::path::PathBuf;
+
 use archive::Capture;
-use comfy_table::{CellAlignment, Table, presets};
+use clap::Args;
 use dynamics::Axis;
 use hal::RigFile;
 use serde::Serialize;
 
 use super::torque_run;
-use crate::command_line::{RigCheckOptions, RigOptions};
+use crate::command_line::RigOptions;
 use crate::load;
-use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{to_output, write_json_on};
+use crate::outcome::{Outcome, is_output_json, remark, say};
+use crate::outputs::write_json_on;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
+use crate::terminal::table;
+
+/// Options of `rig check`.
+#[derive(Debug, Args)]
+pub struct RigCheckOptions {
+    /// The rig's file
+    #[arg(value_name = "FILE.toml")]
+    pub file: PathBuf,
+    /// Samples per second [default: the fastest that the file permits]
+    #[arg(long, allow_negative_numbers = true)]
+    pub rate_hz: Option<f64>,
+    /// Duration, s
+    #[arg(long, default_value_t = 3.0, allow_negative_numbers = true)]
+    pub duration_s: f64,
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
 
 /// Share of the ticks that may be missed or stale before the rate counts as not held.
 const MISSED_SHARE: f64 = 0.01;
@@ -68,7 +88,7 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let axis = capture.axis;
     let mut found = check(&capture);
     found.doubts.extend(doubts(&RigFile::load(&options.file)?)?);
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         tell(&found, axis);
     }
     write_json_on(axis, options.json.as_deref(), &found)?;
@@ -181,15 +201,9 @@ fn deviation(values: &[f64]) -> f64 {
 
 fn tell(found: &Checked, axis: Axis) {
     say(format!("rig      {}", found.rig));
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(["channel", "mean", "span", "noise RMS", "unit"]);
+    let mut table = table(["channel", "mean", "span", "noise RMS", "unit"], 1..4);
     for Reading { channel, unit, mean, span, noise_rms } in &found.channels {
         table.add_row([*channel, &format!("{mean:.6}"), &format!("{span:.3e}"), &format!("{noise_rms:.3e}"), unit]);
-    }
-    for column in 1..4 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
     }
     say(axis.words(&table.to_string()));
     let Checked { rate_hz, samples, missed_ticks, stale_ticks, .. } = found;

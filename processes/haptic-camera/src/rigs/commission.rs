@@ -7,8 +7,9 @@
 mod in_file;
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use dynamics::Axis;
 use hal::RigFile;
 use identification::{AccelerationUse, FitOptions, Samples, encoder_step};
@@ -18,12 +19,32 @@ use shared_types::Fault;
 
 use self::in_file::Known;
 use super::torque_run;
-use crate::command_line::{RigCommissionOptions, RigOptions};
+use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
-use crate::repeatability::digits;
 use crate::rig_run;
 use crate::supervision::{EndedInFault, listen_for_interrupt};
+use crate::terminal::digits;
+
+/// Options of `rig commission`.
+#[derive(Debug, Args)]
+pub struct RigCommissionOptions {
+    /// The rig's file
+    #[arg(value_name = "FILE.toml")]
+    pub file: PathBuf,
+    /// Samples per second [default: the fastest that the file permits]
+    #[arg(long, allow_negative_numbers = true)]
+    pub rate_hz: Option<f64>,
+    /// Largest torque to try, mNm, or force, N [default: a third of the limit]
+    #[arg(long, value_name = "MNM", allow_negative_numbers = true)]
+    pub most_torque: Option<f64>,
+    /// Write the rig file with the results here [default: FILE.toml itself]
+    #[arg(long, value_name = "FILE.toml")]
+    pub out: Option<PathBuf>,
+    /// Folder for the captures
+    #[arg(long, default_value = "captures", value_name = "DIR")]
+    pub captures_in: PathBuf,
+}
 
 /// First torque, as a share of the most that is tried.
 const FIRST_SHARE: f64 = 1.0 / 16.0;

@@ -8,12 +8,51 @@ use std::process::Stdio;
 use std::sync::atomic::Ordering;
 
 use anyhow::Context as _;
+use clap::{Args, Subcommand};
 use rt_loop::request::{Pace, RigRequest, RunRequest};
 
-use crate::command_line::{RigCommand, RigNewOptions, RigScanOptions};
+use self::check::RigCheckOptions;
+use self::commission::RigCommissionOptions;
 use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, write};
+use crate::outputs::{kind, write};
 use crate::supervision::{listen_for_interrupt, program};
+
+/// The commands about rigs.
+#[derive(Debug, Subcommand)]
+pub enum RigCommand {
+    /// Start a rig without torque: readings and noise of its channels, rate, watchdog
+    Check(RigCheckOptions),
+    /// Write a commented rig file, and the header for your own library
+    New(RigNewOptions),
+    /// List the drivers that a rig file may name
+    List,
+    /// Search a network interface or a tty for devices, and write a rig file for them
+    Scan(RigScanOptions),
+    /// Turn a rig for the first time, with little torque: signs, scales, inertia
+    Commission(RigCommissionOptions),
+}
+
+/// Options of `rig new`.
+#[derive(Debug, Args)]
+pub struct RigNewOptions {
+    /// The driver, as listed by `rig list`
+    #[arg(long, default_value = "plugin")]
+    pub driver: String,
+    /// Where to write the rig file
+    #[arg(long, value_name = "FILE.toml")]
+    pub out: PathBuf,
+}
+
+/// Options of `rig scan`.
+#[derive(Debug, Args)]
+pub struct RigScanOptions {
+    /// A network interface or a tty
+    #[arg(value_name = "TARGET")]
+    pub target: String,
+    /// Write a rig file for the devices here
+    #[arg(long, value_name = "FILE.toml")]
+    pub out: Option<PathBuf>,
+}
 
 /// Sample rate of a rig whose file names none, Hz.
 const USUAL_RATE_HZ: f64 = 10_000.0;
@@ -37,12 +76,12 @@ fn new(options: &RigNewOptions) -> anyhow::Result<Outcome> {
     let kind = rt_loop::rigs::ALL.into_iter().find(|kind| kind.name == options.driver);
     let names = || rt_loop::rigs::ALL.map(|kind| kind.name).join(", ");
     let kind = kind.with_context(|| format!("there is no driver '{}'; known are {}", options.driver, names()))?;
-    write(&options.out, Kind::Data, kind.template)?;
+    write(&options.out, kind::DATA, kind.template)?;
     say(format!("rig file {}", options.out.display()));
     if kind.name == "plugin" {
         let header = options.out.with_file_name("haptic_rig.h");
         if !header.exists() {
-            write(&header, Kind::Data, hal::plugin::HEADER)?;
+            write(&header, kind::DATA, hal::plugin::HEADER)?;
             say(format!("header   {}", header.display()));
         }
     }
@@ -65,7 +104,7 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
     found.lines.iter().for_each(say);
     match (&options.out, &found.rig_file) {
         (Some(out), Some(text)) => {
-            write(out, Kind::Data, text)?;
+            write(out, kind::DATA, text)?;
             say(format!("rig file {}", out.display()));
             Ok(Outcome::Done)
         }

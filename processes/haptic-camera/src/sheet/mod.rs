@@ -1,18 +1,45 @@
 //! `sheet`: the figures of a data sheet, from captures or from other people's testers' files.
 
-mod csv;
 mod table;
 mod wall;
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use analysis::{curve_files, curves, mean_fit};
+use clap::Args;
 use sheet::Sheet;
 
-use crate::command_line::SheetOptions;
+use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
+use crate::outcome::{Outcome, is_output_json, say};
+use crate::outputs::{FIGURES_HEADER, kind, write, write_if_asked, write_json};
+
+/// Options of `sheet`.
+#[derive(Debug, Args)]
+pub struct SheetOptions {
+    /// Captures or testers' files of one part, or a folder of them; several are averaged
+    #[arg(required_unless_present = "wall", value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// A capture of the same part at speed, for inertia, viscous friction and breakaway; give it again for further ones
+    #[arg(long, requires = "captures", value_name = "CAPTURE")]
+    pub dynamic: Vec<PathBuf>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the sheet as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the figures as a table
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, requires = "captures", value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+    /// Write one page with the paper's five knobs and SmartKnob's default ones, for the wall
+    #[arg(long, value_name = "FILE.html")]
+    pub wall: Option<PathBuf>,
+}
 
 /// Reads the curves, makes the sheet, and writes what was asked for.
 ///
@@ -20,7 +47,7 @@ use crate::outputs::{Kind, to_output, write, write_json};
 /// One sentence on what is wrong with a file.
 pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if let Some(path) = &options.wall {
-        write(path, Kind::Page, &report::wall_page(&wall::page()?))?;
+        write(path, kind::PAGE, &report::wall_page(&wall::page()?))?;
     }
     if options.captures.is_empty() {
         return Ok(Outcome::Done);
@@ -33,20 +60,37 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if let Some(fit) = mean_fit(&captures)? {
         sheet = sheet.with_dynamics(&fit)?;
     }
-    if !to_output(options.json.as_deref()) {
+    if !is_output_json() {
         say(table::heading(&sheet, &files));
         say(table::figures(&sheet));
-        table::reasons(&sheet).iter().for_each(say);
+        table::reasons(&sheet).iter().for_each(|reason| say(format!("- {reason}")));
         if !sheet.detents.is_empty() {
             say(format!("\n{}", table::detents(&sheet)));
         }
     }
     write_json(options.json.as_deref(), &sheet)?;
-    if let Some(path) = &options.csv {
-        write(path, Kind::Figures, &csv::text(&sheet))?;
-    }
-    if let Some(path) = &options.report {
-        write(path, Kind::Page, &analysis::sheet_page(&sheet, &files))?;
-    }
+    write_if_asked(options.csv.as_ref(), kind::FIGURES, || figures_csv(&sheet))?;
+    write_if_asked(options.report.as_ref(), kind::PAGE, || analysis::sheet_page(&sheet, &files))?;
     Ok(Outcome::Done)
+}
+
+/// One row a figure; after those of the whole control, those of each detent with its angle and direction.
+fn figures_csv(sheet: &Sheet) -> String {
+    let mut text = FIGURES_HEADER.to_owned();
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    // Writing to a string does not fail.
+    for figure in sheet.in_order() {
+        let kind = figure.kind;
+        let [low, high] = [0, 1].map(|end| number(figure.ci95.map(|ends| ends[end])));
+        let definition = kind.definition.replace('"', "\"\"");
+        let _ = writeln!(text, "{},,,{},{},{low},{high},\"{definition}\"", kind.name, number(figure.value), kind.unit);
+    }
+    for detent in &sheet.detents {
+        for (name, figure) in &detent.figures {
+            let [low, high] = figure.ci95;
+            let (angle, direction) = (detent.angle_rad, detent.direction);
+            let _ = writeln!(text, "{name},{angle},{direction},{},{},{low},{high},", figure.value, figure.unit);
+        }
+    }
+    text
 }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use sheet::{Figure, Sheet};
 
-use crate::repeatability::digits;
+use crate::terminal::{by_reason, digits, table};
 
 /// What the sheet is of.
 pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
@@ -26,17 +26,10 @@ pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
 
 /// The figures that have a value.
 pub fn figures(sheet: &Sheet) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["figure", "value", "95 % interval", "unit"]);
+    let mut table = table(["figure", "value", "95 % interval", "unit"], [1, 2]);
     for figure in sheet.in_order() {
         if let Some([value, interval]) = cells(figure) {
             table.add_row([figure.kind.name.to_owned(), value, interval, figure.kind.unit.to_owned()]);
-        }
-    }
-    for column in [1, 2] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
         }
     }
     table
@@ -44,9 +37,8 @@ pub fn figures(sheet: &Sheet) -> Table {
 
 /// What each detent takes in each direction, in degrees, mNm and mJ; its intervals are in the JSON and on the page.
 pub fn detents(sheet: &Sheet) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["at °", "turning", "pitch °", "peak", "trough", "ratio", "stiffness", "energy"]);
+    let header = ["at °", "turning", "pitch °", "peak", "trough", "ratio", "stiffness", "energy"];
+    let mut table = table(header, [0, 2, 3, 4, 5, 6, 7]);
     for detent in &sheet.detents {
         let cell = |name: &str, unit: f64| {
             let figure = detent.figures.get(name);
@@ -69,11 +61,6 @@ pub fn detents(sheet: &Sheet) -> Table {
             cell("detent_energy", 1.0),
         ]);
     }
-    for column in [0, 2, 3, 4, 5, 6, 7] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
     table
 }
 
@@ -86,13 +73,5 @@ fn cells(figure: &Figure) -> Option<[String; 2]> {
 
 /// Why figures are missing, each reason once.
 pub fn reasons(sheet: &Sheet) -> Vec<String> {
-    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
-    for figure in sheet.in_order() {
-        let Some(reason) = figure.reason.as_deref() else { continue };
-        match reasons.iter_mut().find(|(known, _)| *known == reason) {
-            Some((_, names)) => names.push(figure.kind.name),
-            None => reasons.push((reason, vec![figure.kind.name])),
-        }
-    }
-    reasons.iter().map(|(reason, names)| format!("- {}: {reason}", names.join(", "))).collect()
+    by_reason(sheet.in_order().filter_map(|figure| Some((figure.kind.name, figure.reason.as_deref()?))))
 }

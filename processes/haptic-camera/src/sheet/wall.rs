@@ -9,6 +9,7 @@ use shared_types::Axis;
 use sheet::Sheet;
 
 use crate::smartknob;
+use crate::terminal::decimals;
 
 /// Speed at which a model is turned, rad/s: viscous friction is next to nothing.
 const SLOW_RAD_S: f64 = 0.01;
@@ -110,11 +111,8 @@ fn of_smartknob(knob: &smartknob::SmartKnob) -> WallKnob {
 }
 
 /// A number with three digits.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful of decimals")]
 fn short(value: f64) -> String {
-    let order = value.abs().max(1e-9).log10().floor();
-    let decimals = (2.0 - order).clamp(0.0, 4.0) as usize;
-    let text = format!("{value:.decimals$}");
+    let text = format!("{value:.*}", decimals(value, 3.0, [0.0, 4.0]));
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     text.replace('-', "−")
 }

@@ -1,17 +1,35 @@
 //! `capability`: whether a process keeps its units within their limits.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use analysis::load_specification;
 use anyhow::Context as _;
-use comfy_table::{CellAlignment, Table, presets};
+use clap::Args;
+use comfy_table::Table;
 use sheet::{Capability, Index, QdasRow};
 
-use super::values::{Unit, column, studied, units};
-use crate::command_line::CapabilityOptions;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json};
-use analysis::load_specification;
+use super::values::{StudyOptions, Unit, columns, studied, units};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{kind, write_if_asked, write_json};
+use crate::terminal;
+
+/// Options of `capability`.
+#[derive(Debug, Args)]
+pub struct CapabilityOptions {
+    /// Units in the order in which they were made
+    #[command(flatten)]
+    pub study: StudyOptions,
+    /// Limits on the figures
+    #[arg(long, value_name = "SPEC.toml")]
+    pub spec: PathBuf,
+    /// Consecutive units in a subgroup; 1 for single units
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub subgroup: usize,
+    /// Write the figures as a Q-DAS file
+    #[arg(long, value_name = "FILE.dfq")]
+    pub dfq: Option<PathBuf>,
+}
 
 /// Studies each limited figure and writes what was asked for.
 ///
@@ -21,19 +39,16 @@ pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
     let studied = studied(&options.study, Some(&specification))?;
     let units = units(&options.study, &studied)?;
-    let mut results: BTreeMap<&'static str, Capability> = BTreeMap::new();
-    for (index, (kind, limits)) in studied.iter().enumerate() {
-        let values = column(&units, index, &studied)?;
-        results.insert(kind.name, Capability::of(&values, options.subgroup, *limits).context(kind.name)?);
+    let mut results = BTreeMap::new();
+    for ((kind, limits), values) in columns(&units, &studied)? {
+        results.insert(kind.name, Capability::of(&values, options.subgroup, limits).context(kind.name)?);
     }
-    if !to_output(options.study.json.as_deref()) {
-        say(table(&results));
-    }
+    show([table(&results)]);
     write_json(options.study.json.as_deref(), &results)?;
-    if let Some(path) = &options.dfq {
+    write_if_asked(options.dfq.as_ref(), kind::QDAS, || {
         let rows: Vec<QdasRow> = units.iter().map(row).collect();
-        write(path, Kind::Qdas, &sheet::qdas(&specification.name, &studied, &rows))?;
-    }
+        sheet::qdas(&specification.name, &studied, &rows)
+    })?;
     Ok(Outcome::Done)
 }
 
@@ -49,19 +64,11 @@ fn measured_at(file: Option<&Path>) -> String {
 }
 
 fn table(results: &BTreeMap<&'static str, Capability>) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["figure", "units", "Cp", "Cpk", "Pp", "Ppk"]);
+    let mut table = terminal::table(["figure", "units", "Cp", "Cpk", "Pp", "Ppk"], 1..6);
     let index = |index: &Index| format!("{:.2} ({:.2} to {:.2})", index.value, index.ci95[0], index.ci95[1]);
     for (name, Capability { number, cp, cpk, pp, ppk, .. }) in results {
         let or_dash = |of: &Option<Index>| of.as_ref().map_or_else(|| "–".to_owned(), index);
         table.add_row([(*name).to_owned(), number.to_string(), or_dash(cp), index(cpk), or_dash(pp), index(ppk)]);
     }
-    for column in 1..6 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table.set_width(80);
     table
 }

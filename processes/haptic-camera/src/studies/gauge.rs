@@ -1,15 +1,30 @@
 //! `gauge`: whether a tester is good enough to tell the units apart.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
+use analysis::load_specification;
 use anyhow::{Context as _, bail};
+use clap::Args;
 use sheet::{Design, Gauge};
 
-use super::values::{Unit, column, studied, units};
-use crate::command_line::GaugeOptions;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{to_output, write_json};
-use analysis::load_specification;
+use super::values::{StudyOptions, Unit, columns, studied, units};
+use crate::outcome::{Outcome, show};
+use crate::outputs::write_json;
+
+/// Options of `gauge`.
+#[derive(Debug, Args)]
+pub struct GaugeOptions {
+    /// Captures in folders PART/OPERATOR/
+    #[command(flatten)]
+    pub study: StudyOptions,
+    /// Limits on the figures, for %GRR of the tolerance
+    #[arg(long, value_name = "SPEC.toml")]
+    pub spec: Option<PathBuf>,
+    /// Every operator measured different parts
+    #[arg(long)]
+    pub nested: bool,
+}
 
 /// %GRR up to which a gauge is good, and up to which it may do (AIAG, Measurement Systems Analysis, 4th edition).
 const GOOD_PERCENT: f64 = 10.0;
@@ -26,15 +41,13 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
     let studied = studied(&options.study, specification.as_ref())?;
     let units = units(&options.study, &studied)?;
     let design = if options.nested { Design::Nested } else { Design::Crossed };
-    let mut results: BTreeMap<&'static str, Gauge> = BTreeMap::new();
-    for (index, (kind, limits)) in studied.iter().enumerate() {
-        let values = by_operator(&units, &column(&units, index, &studied)?, design)?;
+    let mut results = BTreeMap::new();
+    for ((kind, limits), values) in columns(&units, &studied)? {
+        let values = by_operator(&units, &values, design)?;
         let tolerance = limits.min.zip(limits.max).map(|(min, max)| max - min);
         results.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
     }
-    if !to_output(options.study.json.as_deref()) {
-        results.iter().for_each(|(name, gauge)| say(words(name, gauge)));
-    }
+    show(results.iter().map(|(name, gauge)| words(name, gauge)));
     write_json(options.study.json.as_deref(), &results)?;
     Ok(Outcome::Done)
 }

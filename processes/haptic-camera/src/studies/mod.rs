@@ -4,5 +4,5 @@ mod capability;
 mod gauge;
 mod values;
 
-pub use capability::run as run_capability;
-pub use gauge::run as run_gauge;
+pub use capability::{CapabilityOptions, run as run_capability};
+pub use gauge::{GaugeOptions, run as run_gauge};

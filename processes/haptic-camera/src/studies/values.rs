@@ -4,10 +4,31 @@ use std::path::{Path, PathBuf};
 
 use analysis::{curve_files, curves};
 use anyhow::{Context as _, bail};
+use clap::Args;
 use foreign_files::{Column, Others, read_columns};
 use sheet::{FigureKind, Limits, Sheet, Specification, kinds};
 
-use crate::command_line::StudyOptions;
+use crate::command_line::ColumnOptions;
+
+/// Units and the figures to study.
+#[derive(Debug, Args)]
+pub struct StudyOptions {
+    /// Captures or testers' files
+    #[arg(required_unless_present = "values", value_name = "CAPTURE")]
+    pub captures: Vec<PathBuf>,
+    /// A table of values instead of captures, with the columns part, operator (numbers) and value; needs --figure
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "captures", requires = "figure")]
+    pub values: Option<PathBuf>,
+    /// The figure to study, such as collapse_force [default: those that the specification limits]
+    #[arg(long, value_name = "NAME")]
+    pub figure: Option<String>,
+    /// What the columns are
+    #[command(flatten)]
+    pub columns: ColumnOptions,
+    /// Write the study as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
 
 /// A figure that is studied, with its limits.
 pub type Studied = (&'static FigureKind, Limits);
@@ -88,16 +109,17 @@ fn of_table(table: &Path) -> anyhow::Result<Vec<Unit>> {
     Ok(values.iter().enumerate().map(unit).collect())
 }
 
-/// The values of one studied figure.
+/// The values of each studied figure.
 ///
 /// # Errors
-/// For a unit whose curve does not tell it.
-pub fn column(units: &[Unit], index: usize, studied: &[Studied]) -> anyhow::Result<Vec<f64>> {
-    let value = |unit: &Unit| {
+/// For a unit whose curve does not tell one.
+pub fn columns(units: &[Unit], studied: &[Studied]) -> anyhow::Result<Vec<(Studied, Vec<f64>)>> {
+    let value = |unit: &Unit, index: usize| {
         unit.values[index].with_context(|| {
             let file = unit.file.as_ref().map(|file| file.display().to_string()).unwrap_or_default();
             format!("{file} has no {}; `haptic-camera sheet` gives the reason", studied[index].0.name)
         })
     };
-    units.iter().map(value).collect()
+    let column = |index| units.iter().map(|unit| value(unit, index)).collect::<anyhow::Result<Vec<f64>>>();
+    studied.iter().enumerate().map(|(index, studied)| Ok((*studied, column(index)?))).collect()
 }

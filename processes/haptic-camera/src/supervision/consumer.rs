@@ -6,8 +6,7 @@ use std::time::{Duration, Instant};
 use rt_loop::realtime::OffCore;
 use shared_types::{ProcessKind, rig};
 
-use super::child::{Child, program};
-use super::heard::Heard;
+use super::child::{Child, Heard, program};
 use super::loop_link::LoopLink;
 use super::words::Words;
 use crate::outcome::remark;
@@ -66,11 +65,24 @@ impl Consumer {
     pub(super) fn start(&mut self, words: &Words) -> anyhow::Result<()> {
         self.tried = Instant::now();
         self.life = None;
-        let child = spawn(self.kind, &self.arguments, self.loop_core, self.starts, words)?;
+        let child = self.spawn(words)?;
         let heard = Heard::of(child.id(), rig::monotonic_time_ns());
         self.life = Some(Life { child, heard, stopped: None, is_killed: false });
         self.starts += 1;
         Ok(())
+    }
+
+    /// Starts its process off the control loop's core, where the end of its memory would be a tick's business too.
+    fn spawn(&self, words: &Words) -> anyhow::Result<Child> {
+        let _elsewhere = OffCore::leave(self.loop_core);
+        let mut command = program(self.kind.name())?;
+        command.args(&self.arguments).arg(format!("--restarts={}", self.starts));
+        words.take_from(&mut command);
+        if self.starts > 0 {
+            // What it had to say at its start has been said.
+            command.stdout(Stdio::null());
+        }
+        Child::start(&mut command)
     }
 
     /// Starts it, or tells that it cannot be started yet.
@@ -165,23 +177,4 @@ impl Life {
             self.is_killed = true;
         }
     }
-}
-
-/// Starts it off the control loop's core, where the end of its memory would be a tick's business too.
-fn spawn(
-    kind: ProcessKind,
-    arguments: &[String],
-    loop_core: u32,
-    restarts: u32,
-    words: &Words,
-) -> anyhow::Result<Child> {
-    let _elsewhere = OffCore::leave(loop_core);
-    let mut command = program(kind.name())?;
-    command.args(arguments).arg(format!("--restarts={restarts}"));
-    words.take_from(&mut command);
-    if restarts > 0 {
-        // What it had to say at its start has been said.
-        command.stdout(Stdio::null());
-    }
-    Child::start(&mut command)
 }

@@ -10,7 +10,7 @@ use shared_types::{
     CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig,
 };
 
-use super::heard::Heard;
+use super::child::Heard;
 use super::{ModelStart, RigWords};
 
 /// Longest wait for the loop's answer to a request.
@@ -27,14 +27,18 @@ pub(crate) struct LoopLink {
     loop_process: u32,
     /// The loop's last word.
     heard: Heard,
-    status: LoopStatus,
+    /// The loop's last status.
+    pub(super) status: LoopStatus,
     fit: Option<FitUpdate>,
-    health: Vec<ProcessHealth>,
+    /// What the consumers last said of themselves.
+    pub(super) health: Vec<ProcessHealth>,
     /// Longest time without a word of the recorder.
     longest_absence: Duration,
     torque_zero_mnm: f64,
-    rig: RigWords,
-    models: Vec<ModelStart>,
+    /// What the run's description says of its rig.
+    pub(super) rig: RigWords,
+    /// The models that began to be felt so far.
+    pub(super) models: Vec<ModelStart>,
     // Last, since ports go before the node they belong to.
     _node: RigNode,
 }
@@ -98,29 +102,9 @@ impl LoopLink {
         }
     }
 
-    /// What the run's description says of its rig.
-    pub(crate) fn rig(&self) -> &RigWords {
-        &self.rig
-    }
-
-    /// The models that began to be felt so far.
-    pub(crate) fn models(&self) -> &[ModelStart] {
-        &self.models
-    }
-
     /// Torque of the hand at the last status, mNm: the opposite of what the sensor reads on a rig that renders.
     pub(crate) fn hand_torque_mnm(&self) -> f64 {
         self.torque_zero_mnm - self.status.torque_mnm
-    }
-
-    /// What the consumers last said of themselves.
-    pub(crate) fn consumers(&self) -> &[ProcessHealth] {
-        &self.health
-    }
-
-    /// The loop's last status.
-    pub(crate) fn status(&self) -> &LoopStatus {
-        &self.status
     }
 
     /// Time in the run at the loop's last status, s.

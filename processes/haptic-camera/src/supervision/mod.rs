@@ -4,16 +4,14 @@ mod account;
 mod child;
 mod consumer;
 mod consumers;
-mod heard;
-mod lines;
 mod loop_link;
 mod panel;
 mod progress;
 mod run_end;
-mod signals;
 mod words;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -24,6 +22,7 @@ use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::fault_injection::{self, FaultInjection};
 use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime, rig};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::large_job;
 use crate::offline_run;
@@ -38,7 +37,6 @@ use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;
 pub(crate) use run_end::{EndedInFault, ModelStart, RigWords, RunEnd};
-pub(crate) use signals::{ending_signals, listen_for_interrupt};
 
 /// Longest wait for the loop to be ready, beside the time that its rig may take to come up.
 const LOOP_READY: Duration = Duration::from_secs(10);
@@ -149,14 +147,14 @@ impl SupervisedRun {
     /// From the loop's start to the archive's end; `None` when the loop itself said why it cannot run.
     fn supervise(&self, control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
-        let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status().core)?;
+        let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status.core)?;
         let ready_by = Instant::now() + RECORDER_READY;
         while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
             std::thread::sleep(CYCLE);
             link.listen();
             consumers.revive(&link);
         }
-        self.tell_start(link.status());
+        self.tell_start(&link.status);
 
         if let Err(error) = link.request(CommandKind::Start) {
             let had_ended = control_loop.has_ended();
@@ -180,7 +178,7 @@ impl SupervisedRun {
             }
             let has_ended = control_loop.has_ended();
             link.listen();
-            if link.status().finished == 1 {
+            if link.status.finished == 1 {
                 break;
             }
             if has_ended {
@@ -188,7 +186,7 @@ impl SupervisedRun {
                 remark(format!(
                     "the control loop ended in the middle of the run ({}){}; what was recorded so far is kept",
                     control_loop.end_in_words(),
-                    driving(link.rig())
+                    driving(&link.rig)
                 ));
                 loop_failed = true;
                 break;
@@ -213,20 +211,9 @@ impl SupervisedRun {
             !control_loop.has_ended()
         });
         let restarts = consumers.end();
-        let interrupted = stopped_by_operator;
-        let models = link.models().to_vec();
-        let rig = link.rig().clone();
-        let achieved = rule.map(StopRule::achieved);
-        Ok(Some(RunEnd {
-            status: *link.status(),
-            recorder_exit,
-            restarts,
-            rig,
-            models,
-            interrupted,
-            achieved,
-            loop_failed,
-        }))
+        let LoopLink { status, rig, models, .. } = link;
+        let (interrupted, achieved) = (stopped_by_operator, rule);
+        Ok(Some(RunEnd { status, recorder_exit, restarts, rig, models, interrupted, achieved, loop_failed }))
     }
 
     fn tell_start(&self, status: &LoopStatus) {
@@ -241,7 +228,7 @@ impl SupervisedRun {
 fn is_enough_known(rule: Option<&mut StopRule>, link: &LoopLink) -> bool {
     let Some((rule, fit)) = rule.filter(|rule| !rule.has_ended()).zip(link.fit()) else { return false };
     #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
-    let time_s = fit.latest_tick as f64 / link.status().rate_hz.max(1.0);
+    let time_s = fit.latest_tick as f64 / link.status.rate_hz.max(1.0);
     rule.take(time_s, Knowledge::from(fit))
 }
 
@@ -304,12 +291,12 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
             None => {}
             Some(open) => {
                 open.listen();
-                match LoopState::from_code(open.status().state) {
+                match LoopState::from_code(open.status.state) {
                     Some(LoopState::Armed) => return Ok(link),
                     // The description comes a little after the status.
-                    Some(LoopState::Fault) if open.rig().name.is_empty() && Instant::now() < deadline => {}
+                    Some(LoopState::Fault) if open.rig.name.is_empty() && Instant::now() < deadline => {}
                     Some(LoopState::Fault) => {
-                        let fault = open.rig().fault_words(open.status()).unwrap_or_default();
+                        let fault = open.rig.fault_words(&open.status).unwrap_or_default();
                         remark(format!("the run did not begin: {fault}"));
                         return Ok(None);
                     }
@@ -325,4 +312,29 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
         );
         std::thread::sleep(CYCLE);
     }
+}
+
+/// Ctrl-C, SIGTERM and, unless this program was started to outlive its terminal (`nohup`), the terminal's end.
+pub(crate) fn ending_signals() -> Vec<i32> {
+    [SIGINT, SIGTERM].into_iter().chain((!is_ignored(SIGHUP)).then_some(SIGHUP)).collect()
+}
+
+/// Set by the signals that end a run in order.
+///
+/// # Errors
+/// When the system refuses.
+pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    for signal in ending_signals() {
+        signal_hook::flag::register(signal, Arc::clone(&interrupted))?;
+    }
+    Ok(interrupted)
+}
+
+/// Whether whoever started this program has it ignore a signal (proc(5)).
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }

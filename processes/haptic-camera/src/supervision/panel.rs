@@ -7,7 +7,7 @@ use identification::live::{Convergence, USUAL_SHARE};
 use shared_types::{FitUpdate, LATENESS_BIN_EDGES_NS, LoopStatus, ProcessKind};
 
 use super::loop_link::LoopLink;
-use crate::repeatability::digits;
+use crate::terminal::digits;
 use crate::until_ci::{Knowledge, Known, Share};
 
 /// Lines of the panel: the bar, the table's head, eight parameters, and what follows.
@@ -20,9 +20,9 @@ const STREAM_HISTORY: Duration = Duration::from_secs(8);
 
 /// Time in the run, beside the bar.
 pub(super) fn time(link: &LoopLink, planned_steps: Option<u64>) -> String {
-    let rate_hz = link.status().rate_hz.max(1.0);
+    let rate_hz = link.status.rate_hz.max(1.0);
     #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
-    let planned_s = planned_steps.map(|_| link.status().planned_ticks as f64 / rate_hz);
+    let planned_s = planned_steps.map(|_| link.status.planned_ticks as f64 / rate_hz);
     match planned_s {
         Some(planned_s) if planned_s > 0.0 => format!("{:.1} of {planned_s:.1} s", link.elapsed_s()),
         _ => format!("{:.1} s", link.elapsed_s()),
@@ -34,8 +34,8 @@ pub(super) fn below(link: &LoopLink, until: Option<Share>) -> String {
     let mut text = table(link.fit(), until);
     let residual = link.fit().map(|fit| fit.residual_rms_mnm).filter(|residual| residual.is_finite());
     let residual = residual.map_or_else(|| "-".to_owned(), |residual| format!("{residual:.3} mNm RMS"));
-    let _ = write!(text, "residual  {residual}\nlateness  {}\nlosses    {}", lateness(link.status()), losses(link));
-    link.rig().axis.words(&text).into_owned()
+    let _ = write!(text, "residual  {residual}\nlateness  {}\nlosses    {}", lateness(&link.status), losses(link));
+    link.rig.axis.words(&text).into_owned()
 }
 
 fn table(fit: Option<&FitUpdate>, until: Option<Share>) -> String {
@@ -114,9 +114,9 @@ fn time_in_words(ns: u64) -> String {
 
 /// Ticks missed and samples lost, by whom.
 pub(super) fn losses(link: &LoopLink) -> String {
-    let status = link.status();
+    let status = &link.status;
     let lost_by = |kind: ProcessKind| {
-        link.consumers().iter().find(|health| health.process == kind.code()).map_or(0, |health| health.lost_samples)
+        link.health.iter().find(|health| health.process == kind.code()).map_or(0, |health| health.lost_samples)
     };
     let lost: Vec<(&str, u64)> = [ProcessKind::Recorder, ProcessKind::LiveFitter, ProcessKind::Viewer]
         .into_iter()
@@ -124,7 +124,7 @@ pub(super) fn losses(link: &LoopLink) -> String {
         .chain([("control loop", status.dropped_samples)])
         .filter(|(_, samples)| *samples > 0)
         .collect();
-    let restarts: u32 = link.consumers().iter().map(|health| health.restarts).sum();
+    let restarts: u32 = link.health.iter().map(|health| health.restarts).sum();
     let mut words = format!("{} ticks missed", status.missed_ticks);
     let (absence, longest) = (link.absence_of_recorder(), link.longest_absence_of_recorder());
     if longest > STREAM_HISTORY {

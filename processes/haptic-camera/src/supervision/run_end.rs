@@ -9,7 +9,7 @@ use shared_types::{Fault, LoopStatus, ProcessKind};
 
 use super::account::{self, Archived};
 use crate::outcome::{Outcome, remark, say};
-use crate::until_ci::Achieved;
+use crate::until_ci::StopRule;
 
 /// How a run ended.
 pub(crate) struct RunEnd {
@@ -26,7 +26,7 @@ pub(crate) struct RunEnd {
     /// Whether the operator ended it early.
     pub(crate) interrupted: bool,
     /// What became known, if the run was to end once enough is.
-    pub(crate) achieved: Option<Achieved>,
+    pub(crate) achieved: Option<StopRule>,
     /// Whether the control loop died before the run had ended, or did not end well after it.
     pub(crate) loop_failed: bool,
 }

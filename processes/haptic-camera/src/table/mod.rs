@@ -14,13 +14,32 @@ use std::sync::mpsc::sync_channel;
 
 use analysis::{Row, load_specification};
 use anyhow::ensure;
-use indicatif::{ProgressBar, ProgressStyle};
+use clap::Args;
+use indicatif::ProgressBar;
 use sheet::Specification;
 
-use crate::command_line::TableOptions;
 use crate::outcome::{Outcome, remark, say};
+use crate::terminal;
 use files::{Seen, captures};
 use journal::Journal;
+pub(crate) use parquet_file::write_column;
+
+/// Options of `table`.
+#[derive(Debug, Args)]
+pub struct TableOptions {
+    /// Folders of captures, searched recursively
+    #[arg(required = true, value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Write the table here
+    #[arg(long, value_name = "FILE.parquet")]
+    pub out: PathBuf,
+    /// Limits, as for `judge`: adds the figures of the sheet and the verdict to every row
+    #[arg(long, value_name = "SPEC.toml")]
+    pub spec: Option<PathBuf>,
+    /// Captures to fit at once [default: one per core]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZero<usize>>,
+}
 
 /// Makes the table.
 ///
@@ -40,7 +59,8 @@ pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
             journal.place().display()
         ));
     }
-    let bar = progress_bar(files.len(), files.len() - left.len());
+    let bar = terminal::bar(files.len() as u64, "{bar:24} {pos}/{len} captures, {per_sec}, {eta} left");
+    bar.set_position((files.len() - left.len()) as u64);
     let added = add_rows(&left, specification.as_ref(), jobs(options.jobs), &mut journal, &bar);
     bar.finish_and_clear();
     added?;
@@ -88,12 +108,6 @@ fn add_rows(
         }
         Ok(())
     })
-}
-
-fn progress_bar(captures: usize, done: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:24} {pos}/{len} captures, {per_sec}, {eta} left")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(captures as u64).with_style(style).with_position(done as u64)
 }
 
 /// The place of a table's journal.

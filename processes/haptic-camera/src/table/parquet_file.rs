@@ -1,7 +1,7 @@
 //! The rows as an Apache Parquet file, a group of rows at a time.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::sync::Arc;
 
 use analysis::{Cell, Row};
@@ -67,11 +67,8 @@ fn field(name: &str, empty: &Cell) -> Result<Arc<Type>, ParquetError> {
         Cell::Count(_) => (PhysicalType::INT64, ConvertedType::NONE),
         Cell::Real(_) => (PhysicalType::DOUBLE, ConvertedType::NONE),
     };
-    let field = Type::primitive_type_builder(name, physical)
-        .with_converted_type(converted)
-        .with_repetition(Repetition::OPTIONAL)
-        .build()?;
-    Ok(Arc::new(field))
+    let field = Type::primitive_type_builder(name, physical).with_converted_type(converted);
+    Ok(Arc::new(field.with_repetition(Repetition::OPTIONAL).build()?))
 }
 
 fn text(cell: &Cell) -> Option<ByteArray> {
@@ -96,9 +93,18 @@ fn write<Kind: DataType>(
         there.push(i16::from(cell.is_some()));
         values.extend(cell);
     }
+    write_column::<Kind, _>(group, &values, Some(&there))
+}
+
+/// Writes a column of values, and for each row whether it has one where not all have.
+pub(crate) fn write_column<Kind: DataType, To: Write + Send>(
+    group: &mut SerializedRowGroupWriter<'_, To>,
+    values: &[Kind::T],
+    there: Option<&[i16]>,
+) -> Result<(), ParquetError> {
     let Some(mut column) = group.next_column()? else {
         return Err(ParquetError::General("there are more columns than the schema has".to_owned()));
     };
-    column.typed::<Kind>().write_batch(&values, Some(&there), None)?;
+    column.typed::<Kind>().write_batch(values, there, None)?;
     column.close()
 }

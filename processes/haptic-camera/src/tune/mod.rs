@@ -5,11 +5,23 @@ mod exchange;
 mod settings;
 
 use anyhow::{Context as _, bail};
+use clap::Args;
 use dynamics::{Model, knobs};
 
-use crate::command_line::TuneOptions;
+use crate::compose::Assignment;
 use crate::outcome::{Outcome, remark, say};
 use exchange::{LoopModels, Sent};
+
+/// Options of `tune`.
+#[derive(Clone, Debug, Args)]
+pub struct TuneOptions {
+    /// Switch to this model: a model file, or 1 to 5 for the paper's knobs
+    #[arg(long, value_name = "1…5|MODEL.toml")]
+    pub model: Option<String>,
+    /// Parameters to set, by their names in a model file; without these or a model, show the present model
+    #[arg(value_name = "NAME=VALUE")]
+    pub settings: Vec<Assignment<f64>>,
+}
 
 /// Times that another may be faster before this one gives up: each time one of the others is done.
 const OVERTAKEN: usize = 16;
@@ -54,14 +66,9 @@ pub fn run(options: &TuneOptions) -> anyhow::Result<Outcome> {
 /// What `present` is to become.
 fn wanted(options: &TuneOptions, present: &Model) -> anyhow::Result<Model> {
     let mut wanted = match &options.model {
-        Some(name) => chosen(name)?,
+        Some(name) => knobs::named(name).context("nothing was changed")?,
         None => present.clone(),
     };
     settings::apply(&options.settings, &mut wanted)?;
     Ok(wanted)
-}
-
-/// The model that the operator named.
-fn chosen(name: &str) -> anyhow::Result<Model> {
-    knobs::named(name).context("nothing was changed")
 }

@@ -10,26 +10,18 @@ const HELD_GROWTH: f64 = 1.1;
 /// Estimates that must hold in a row, besides.
 const HELD_ESTIMATES: u32 = 10;
 
-/// Ends a sweep once every parameter is known well enough.
+/// Ends a sweep once every parameter is known well enough, and says how far the sweep came.
 #[derive(Clone, Debug)]
 pub struct StopRule {
-    asked: Share,
+    /// What was asked for.
+    pub asked: Share,
     /// Since when it has held without a break: time in the run, s, and estimates.
     held: Option<(f64, u32)>,
     newest_s: f64,
-    ended_s: Option<f64>,
-    last: Option<Knowledge>,
-}
-
-/// How far a sweep came.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Achieved {
-    /// What was asked for.
-    pub asked: Share,
-    /// Time in the run at which everything was known well enough, s; `None` if that never came.
+    /// Time in the run at which everything was known well enough, s; `None` as long as that has not come.
     pub ended_s: Option<f64>,
     /// What was known last; `None` without any estimate.
-    pub knowledge: Option<Knowledge>,
+    last: Option<Knowledge>,
 }
 
 impl StopRule {
@@ -65,22 +57,15 @@ impl StopRule {
         self.ended_s.is_some()
     }
 
-    /// How far the sweep came.
-    pub fn achieved(self) -> Achieved {
-        Achieved { asked: self.asked, ended_s: self.ended_s, knowledge: self.last }
-    }
-}
-
-impl Achieved {
     /// Parameters that were not known well enough at the last estimate.
     pub fn open(&self) -> Vec<Known> {
-        self.knowledge.as_ref().map_or_else(Vec::new, Knowledge::open)
+        self.last.as_ref().map_or_else(Vec::new, Knowledge::open)
     }
 
     /// What a fit of the archive knows, held against what was asked for; `None` if nothing ever was.
     pub fn verify(&self, fit: &identification::Fit, torque_step_mnm: f64) -> Option<Knowledge> {
         let criterion = Criterion { share: self.asked.get(), torque_step_mnm };
-        Some(self.knowledge.as_ref()?.of_fit(fit, &criterion))
+        Some(self.last.as_ref()?.of_fit(fit, &criterion))
     }
 }
 

@@ -2,19 +2,20 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 use dynamics::excitation::PRESSED_MM;
 use dynamics::{Axis, Model, Motion};
 use identification::checks::breakaways;
-use identification::diagnosis::{DiagnoseOptions, diagnose};
+use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
 use identification::{Fit, FitOptions};
 use loaded_capture::LoadedCapture;
+use report::HeldStill;
 use rt_loop::request::HandRequest;
 use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};
 use super::two_bodies;
-use super::{Added, HeldStill, Limits, Verification, passes};
+use super::{Compared, LARGEST_TORQUE_ERROR_PERCENT, Limits, Verification, added};
 use crate::check::Threshold;
 use crate::load;
 
@@ -39,21 +40,11 @@ const SETTLED_S: f64 = 0.5;
 /// the archive.
 pub type Maker<'a> = dyn FnMut(&str, HandRequest, Option<f64>, f64) -> anyhow::Result<PathBuf> + 'a;
 
-/// A verification with the capture and the fit that it was made of.
-pub struct Captured {
-    /// How the rendered knob compares.
-    pub verification: Verification,
-    /// The capture that was fitted.
-    pub train: LoadedCapture,
-    /// Its fit as a knob of one body.
-    pub fit: Fit,
-}
-
-/// Captures the rendered knob and compares it with its model.
+/// Captures the rendered knob and compares it with its model; gives also its fit as a knob of one body.
 ///
 /// # Errors
 /// When a run cannot be made, or a capture cannot be read or fitted.
-pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Result<Captured> {
+pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Result<(Verification, Fit)> {
     let mut captures = Vec::new();
     let mut capture = |name: &str, hand, amplitude_rad, duration_s| -> anyhow::Result<LoadedCapture> {
         let path = make(name, hand, amplitude_rad, duration_s)?;
@@ -77,23 +68,16 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         None => None,
     };
     let fit = fit(&train, model)?;
-    if model.coupling().is_some() {
-        let verification = two_bodies::verification(model, rate_hz, captures, [&train, &heldout, &creep], held_still)?;
-        return Ok(Captured { verification, train, fit });
-    }
-    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
-    let parameters = parameters(model, &fit, &thresholds);
-    let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, &fit);
+    let Compared { parameters, torque_rms_mnm: [torque_error_rms_mnm, torque_rms_mnm], lost_motion, added, notes } =
+        if model.coupling().is_some() {
+            two_bodies::compared(model, [&train, &heldout, &creep])?
+        } else {
+            one_body(model, &fit, [&train, &heldout, &creep])?
+        };
     let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
-    let mut notes = fit.notes.clone();
-    let added = match added(model, &train, &heldout) {
-        Ok(added) => Some(added),
-        Err(error) => {
-            notes.push(format!("what the rendering adds cannot be determined: {error:#}"));
-            None
-        }
-    };
-    let passed = passes(&parameters, torque_error_percent, held_still.as_ref());
+    let passed = parameters.iter().all(|parameter| parameter.passed != Some(false))
+        && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
+        && held_still.is_none_or(|held| held.encoder_steps < 1.0);
     let verification = Verification {
         model: model.name.clone(),
         rate_hz,
@@ -102,14 +86,41 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         torque_error_rms_mnm,
         torque_rms_mnm,
         torque_error_percent,
-        lost_motion: None,
+        lost_motion,
         held_still,
         added,
         limits: Limits::default(),
         notes,
         passed,
+        capture: analysis::facts(&train),
     };
-    Ok(Captured { verification, train, fit })
+    Ok((verification, fit))
+}
+
+/// Compares the captures of a sweep, another motion and a creep with a model of one body.
+fn one_body(model: &Model, fit: &Fit, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Compared> {
+    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
+    let mut notes = fit.notes.clone();
+    let is_drawn = model.effects.iter().any(|effect| effect.table().is_some());
+    let found = if is_drawn {
+        Err(anyhow!("a diagnosis cannot start from a model with a drawn table"))
+    } else {
+        diagnosed(model, train, heldout)
+    };
+    let added = match found {
+        Ok(found) => Some(added(&found)),
+        Err(error) => {
+            notes.push(format!("what the rendering adds cannot be determined: {error:#}"));
+            None
+        }
+    };
+    Ok(Compared {
+        parameters: parameters(model, fit, &thresholds),
+        torque_rms_mnm: torque_error_mnm(model, fit),
+        lost_motion: None,
+        added,
+        notes,
+    })
 }
 
 fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
@@ -119,20 +130,15 @@ fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
     identification::fit(&train.samples(), &options).context("the rendered knob cannot be fitted")
 }
 
-/// What the rendering does that the model does not say.
-fn added(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Added> {
-    anyhow::ensure!(
-        model.effects.iter().all(|effect| effect.table().is_none()),
-        "a diagnosis cannot start from a model with a drawn table"
-    );
+/// A diagnosis of the rendered knob that starts from a model.
+pub(super) fn diagnosed(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Diagnosis> {
     let options = DiagnoseOptions {
         calibration: train.calibration.clone(),
         axis: train.capture.axis,
         model: Some(model.clone()),
         ..DiagnoseOptions::default()
     };
-    let found = diagnose(&train.samples(), Some(&heldout.samples()), &options)?;
-    Ok(Added::of(&found))
+    Ok(diagnose(&train.samples(), Some(&heldout.samples()), &options)?)
 }
 
 /// A torque in the middle of what the knob bears at the angle at which it starts; `None` where it bears none.

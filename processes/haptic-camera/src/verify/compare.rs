@@ -1,79 +1,39 @@
 //! Parameter by parameter: intended and rendered.
 
-use dynamics::{Effect, Model, Motion, Part, effects};
+use analysis::{along_motion, torque_at_knob};
+use dynamics::{Effect, Model, Motion, ParameterKind, Part, effects};
 use identification::Fit;
 use loaded_capture::LoadedCapture;
-use serde::Serialize;
-
-use analysis::{along_motion, torque_at_knob};
+use report::RenderedParameter;
 
 use super::{LARGEST_DIFFERENCE_PERCENT, LARGEST_STATIC_DIFFERENCE_PERCENT};
 use crate::check::Threshold;
-use crate::parameter_table::true_value;
+use crate::fit_tables::true_value;
 
-/// One parameter of a rendered knob.
-#[derive(Clone, Debug, Serialize)]
-pub struct Verified {
-    /// Its name.
-    pub name: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Its value in the model.
-    pub intended: f64,
-    /// Its value in the rendered knob; `None` where the captures do not determine it.
-    pub rendered: Option<f64>,
-    /// The 95 % interval of the rendered value.
-    pub ci95: Option<[f64; 2]>,
-    /// 100 · (rendered / intended − 1); for a phase, its error as a share of a period.
-    pub difference_percent: Option<f64>,
-    /// Whether the interval holds the intended value or the difference is small enough; `None` where there is no value.
-    pub passed: Option<bool>,
-    /// Why there is no value.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
-}
-
-impl Verified {
-    pub(super) fn new(
-        name: &'static str,
-        unit: &'static str,
-        intended: f64,
-        rendered: f64,
-        ci95: Option<[f64; 2]>,
-    ) -> Self {
-        let difference_percent = if unit == "rad" && name.ends_with("phase") {
+/// A parameter with its value in the rendered knob and the interval of that, or why there is none.
+pub(super) fn verified(
+    kind: &ParameterKind,
+    intended: f64,
+    rendered: Result<(f64, Option<[f64; 2]>), String>,
+) -> RenderedParameter {
+    let ParameterKind { name, unit, .. } = *kind;
+    let (value, ci95, reason) = match rendered {
+        Ok((value, ci95)) => (Some(value), ci95, None),
+        Err(reason) => (None, None, Some(reason)),
+    };
+    let difference_percent = value.map(|value| {
+        if unit == "rad" && name.ends_with("phase") {
             let turn = std::f64::consts::TAU;
-            100.0 * ((rendered - intended + 0.5 * turn).rem_euclid(turn) / turn - 0.5)
+            100.0 * ((value - intended + 0.5 * turn).rem_euclid(turn) / turn - 0.5)
         } else {
-            100.0 * (rendered / intended - 1.0)
-        };
-        let is_static = name.starts_with("static_");
-        let limit = if is_static { LARGEST_STATIC_DIFFERENCE_PERCENT } else { LARGEST_DIFFERENCE_PERCENT };
-        let held = ci95.is_some_and(|[low, high]| (low..=high).contains(&intended));
-        Self {
-            name,
-            unit,
-            intended,
-            rendered: Some(rendered),
-            ci95,
-            difference_percent: Some(difference_percent),
-            passed: Some(held || difference_percent.abs() <= limit),
-            reason: None,
+            100.0 * (value / intended - 1.0)
         }
-    }
-
-    pub(super) fn not_identifiable(name: &'static str, unit: &'static str, intended: f64, reason: String) -> Self {
-        Self {
-            name,
-            unit,
-            intended,
-            rendered: None,
-            ci95: None,
-            difference_percent: None,
-            passed: None,
-            reason: Some(reason),
-        }
-    }
+    });
+    let is_static = name.starts_with("static_");
+    let limit = if is_static { LARGEST_STATIC_DIFFERENCE_PERCENT } else { LARGEST_DIFFERENCE_PERCENT };
+    let held = ci95.is_some_and(|[low, high]| (low..=high).contains(&intended));
+    let passed = difference_percent.map(|percent| held || percent.abs() <= limit);
+    RenderedParameter { name, unit, intended, rendered: value, ci95, difference_percent, passed, reason }
 }
 
 /// The effects of a model that a fit takes beside inertia, friction and detents.
@@ -84,45 +44,28 @@ pub(super) fn further_effects(model: &Model) -> Vec<Effect> {
 }
 
 /// Every parameter of the model beside what the fit of the rendered knob and its breakaways tell.
-pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshold>; 2]) -> Vec<Verified> {
-    let mut verified = Vec::new();
-    for effect in &model.effects {
-        for (parameter, value) in effect.parameters() {
-            let (name, unit) = (parameter.name, parameter.unit);
-            let intended = true_value(model, name).unwrap_or(value);
-            if let Part::Stick(_) = effect.kind().part {
-                let threshold = match name {
-                    "static_negative" => thresholds[0].as_ref(),
-                    "static_positive" => thresholds[1].as_ref(),
-                    // The speed at which a knob comes to rest shows in no torque.
-                    _ => continue,
-                };
-                // A knob bears at rest at least the friction with which it slides off.
-                let limits = model.stick_limits(&Motion::default());
-                let borne = if name == "static_negative" { limits.negative_mnm } else { limits.positive_mnm };
-                verified.push(match threshold {
-                    Some(seen) => Verified::new(name, unit, borne, seen.torque_mnm, seen.ci95_mnm),
-                    None => Verified::not_identifiable(
-                        name,
-                        unit,
-                        borne,
-                        "the knob did not break away in the creep".to_owned(),
-                    ),
-                });
-                continue;
-            }
-            verified.push(match fit.parameters.get(name) {
-                Some(found) => match found.value {
-                    Some(value) => Verified::new(name, unit, intended, value, found.ci95),
-                    None => Verified::not_identifiable(name, unit, intended, found.reason.clone().unwrap_or_default()),
-                },
-                None => {
-                    Verified::not_identifiable(name, unit, intended, "a fit does not estimate this effect".to_owned())
-                }
+pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshold>; 2]) -> Vec<RenderedParameter> {
+    // A knob bears at rest at least the friction with which it slides off.
+    let borne = model.stick_limits(&Motion::default());
+    let stick = |kind: &ParameterKind, borne_mnm, threshold: &Option<Threshold>| {
+        let seen = threshold.as_ref().map(|seen| (seen.torque_mnm, seen.ci95_mnm));
+        verified(kind, borne_mnm, seen.ok_or_else(|| "the knob did not break away in the creep".to_owned()))
+    };
+    let compared = |effect: &Effect, kind: &ParameterKind, value: f64| match (effect.kind().part, kind.name) {
+        (Part::Stick(_), "static_negative") => Some(stick(kind, borne.negative_mnm, &thresholds[0])),
+        (Part::Stick(_), "static_positive") => Some(stick(kind, borne.positive_mnm, &thresholds[1])),
+        // The speed at which a knob comes to rest shows in no torque.
+        (Part::Stick(_), _) => None,
+        _ => {
+            let found = fit.parameters.get(kind.name).ok_or_else(|| "a fit does not estimate this effect".to_owned());
+            let rendered = found.and_then(|found| {
+                Ok((found.value.ok_or_else(|| found.reason.clone().unwrap_or_default())?, found.ci95))
             });
+            Some(verified(kind, true_value(model, kind.name).unwrap_or(value), rendered))
         }
-    }
-    verified
+    };
+    let all = model.effects.iter().flat_map(|effect| effect.parameters().map(move |parameter| (effect, parameter)));
+    all.filter_map(|(effect, (kind, value))| compared(effect, kind, value)).collect()
 }
 
 /// RMS of rendered minus intended torque over the fit's rows, and of the intended torque, mNm.

@@ -2,7 +2,6 @@
 
 mod captures;
 mod compare;
-mod page;
 mod table;
 mod two_bodies;
 
@@ -11,17 +10,18 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
 use archive::claim;
-use identification::diagnosis::{Diagnosis, Verdict};
-use report::CaptureFacts;
+use dynamics::Model;
+use identification::Fit;
+use identification::diagnosis::Diagnosis;
+use report::{AddedByRendering, CaptureFacts, HeldStill, RenderedParameter, RenderingPage};
 use rt_loop::plan::Plan;
 use rt_loop::request::HandRequest;
 use serde::Serialize;
 
-use crate::command_line::ReplayOptions;
-use crate::outcome::{Outcome, say};
-use crate::outputs::{Kind, to_output, write, write_json_on};
+use crate::outcome::{Outcome, show};
+use crate::outputs::{kind, write, write_json_on};
+use crate::replay::ReplayOptions;
 use crate::supervision::{Shown, SupervisedRun, archive_stem};
-use compare::Verified;
 
 /// Largest difference of a parameter that passes if its interval does not hold the intended value, %.
 pub const LARGEST_DIFFERENCE_PERCENT: f64 = 2.0;
@@ -30,7 +30,7 @@ pub const LARGEST_STATIC_DIFFERENCE_PERCENT: f64 = 5.0;
 /// Largest torque error that passes, as a share of the model's RMS torque, %.
 pub const LARGEST_TORQUE_ERROR_PERCENT: f64 = 5.0;
 
-/// How a rendered knob compares with its model.
+/// How a rendered knob compares with its model, as `replay --verify --json` writes it.
 #[derive(Debug, Serialize)]
 pub struct Verification {
     /// The model's name.
@@ -40,7 +40,7 @@ pub struct Verification {
     /// The captures made for it: two sweeps, a creep, and a hold if the knob sticks.
     pub captures: Vec<PathBuf>,
     /// The model's parameters, intended and rendered.
-    pub parameters: Vec<Verified>,
+    pub parameters: Vec<RenderedParameter>,
     /// RMS of rendered minus intended torque while the knob slides, mNm.
     pub torque_error_rms_mnm: f64,
     /// RMS of the intended torque there, mNm.
@@ -53,23 +53,16 @@ pub struct Verification {
     /// The knob held by a torque inside its stick band; `None` where it bears none at rest.
     pub held_still: Option<HeldStill>,
     /// What the rendering adds to the model; `None`, with the reason in `notes`, where that is not known.
-    pub added: Option<Added>,
+    pub added: Option<AddedByRendering>,
     /// What passes.
     pub limits: Limits,
     /// What a reader of the numbers should know.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Whether all of it is within what passes.
+    /// Whether all of it is within what passes: parameters, torque, and how still the knob is held.
     pub passed: bool,
-}
-
-/// The result, as `replay --verify --json` writes it.
-#[derive(Serialize)]
-struct VerificationResult<'a> {
-    #[serde(flatten)]
-    verification: &'a Verification,
     /// The capture of the rendered knob that was fitted.
-    capture: CaptureFacts,
+    pub capture: CaptureFacts,
 }
 
 /// What passes.
@@ -101,53 +94,29 @@ pub struct LostMotion {
     /// Free ways that the creep shows, from contact to contact or from or to one, rad.
     pub free_ways_rad: Vec<f64>,
     /// What a diagnosis calls missing that starts from the model without its gap or shaft.
-    pub named: Added,
+    pub named: AddedByRendering,
     /// Effects that explain part of what that diagnosis cannot name, with the share of the gap in torque, %.
     pub partly: Vec<(String, f64)>,
 }
 
-/// How still a sticking knob is held.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct HeldStill {
-    /// The hand's torque, mNm.
-    pub torque_mnm: f64,
-    /// For how long, s.
-    pub duration_s: f64,
-    /// Steps of the encoder between its lowest and its highest reading.
-    pub encoder_steps: f64,
+/// What the captures of a rendered knob tell of it beside its model.
+struct Compared {
+    parameters: Vec<RenderedParameter>,
+    /// RMS of rendered minus intended torque, and of the intended torque, mNm.
+    torque_rms_mnm: [f64; 2],
+    lost_motion: Option<LostMotion>,
+    added: Option<AddedByRendering>,
+    notes: Vec<String>,
 }
 
-/// The verdict of a diagnosis that starts from the intended model.
-#[derive(Clone, Debug, Serialize)]
-pub struct Added {
-    /// `none`, `effects` or `outside-library`.
-    pub verdict: Verdict,
-    /// Names of effects, strongest first.
-    pub effects: Vec<String>,
-    /// RMS on the capture held out before them, mNm.
-    pub heldout_rms_before: f64,
-    /// RMS after them, mNm.
-    pub heldout_rms_after: f64,
-    /// What the sensors' noise alone would leave, mNm.
-    pub noise_floor_rms: f64,
-}
-
-/// Whether a rendered knob is its model's: in its parameters, in its torque, and in how still it is held.
-fn passes(parameters: &[Verified], torque_error_percent: f64, held_still: Option<&HeldStill>) -> bool {
-    parameters.iter().all(|parameter| parameter.passed != Some(false))
-        && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
-        && held_still.is_none_or(|held| held.encoder_steps < 1.0)
-}
-
-impl Added {
-    fn of(found: &Diagnosis) -> Self {
-        Self {
-            verdict: found.verdict,
-            effects: found.effects.iter().map(ToString::to_string).collect(),
-            heldout_rms_before: found.heldout_rms_before,
-            heldout_rms_after: found.heldout_rms_after,
-            noise_floor_rms: found.noise_floor_rms,
-        }
+/// What a diagnosis that starts from the intended model found.
+fn added(found: &Diagnosis) -> AddedByRendering {
+    AddedByRendering {
+        verdict: found.verdict,
+        effects: found.effects.iter().map(ToString::to_string).collect(),
+        heldout_rms_before: found.heldout_rms_before,
+        heldout_rms_after: found.heldout_rms_after,
+        noise_floor_rms: found.noise_floor_rms,
     }
 }
 
@@ -183,21 +152,36 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
             asked.rendering.iter_mut().for_each(|rendering| rendering.without_remarks = true);
             Ok(archive)
         };
-    let captured = captures::verify(&model, options.pace.rate_hz, &mut make)?;
-    let verification = &captured.verification;
-    if !to_output(options.json.as_deref()) {
-        table::lines(verification).iter().for_each(|line| say(model.axis.words(line)));
-    }
-    write_json_on(
-        model.axis,
-        options.json.as_deref(),
-        &VerificationResult { verification, capture: analysis::facts(&captured.train) },
-    )?;
+    let (verification, fit) = captures::verify(&model, options.pace.rate_hz, &mut make)?;
+    show(table::lines(&verification).iter().map(|line| model.axis.words(line)));
+    write_json_on(model.axis, options.json.as_deref(), &verification)?;
     if let Some(path) = &options.report {
-        write(path, Kind::Page, &model.axis.words(&page::page(&model, &captured)))?;
-        if !to_output(options.json.as_deref()) {
-            say(format!("report   {}", path.display()));
-        }
+        write(path, kind::PAGE, &model.axis.words(&page(&model, &fit, &verification)))?;
+        show([format!("report   {}", path.display())]);
     }
     Ok(if verification.passed { whole } else { Outcome::Failed })
+}
+
+/// The report page.
+fn page(model: &Model, fit: &Fit, verification: &Verification) -> String {
+    let file_name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let gap = verification.lost_motion.iter().flat_map(table::lost_motion_in_words);
+    report::rendering_page(&RenderingPage {
+        intended: model,
+        fit,
+        capture: CaptureFacts { title: model.name.clone(), ..verification.capture.clone() },
+        sources: verification.captures.iter().map(file_name).collect(),
+        rate_hz: verification.rate_hz,
+        parameters: verification.parameters.clone(),
+        largest_difference_percent: verification.limits.difference_percent,
+        largest_static_difference_percent: verification.limits.static_difference_percent,
+        torque_error_rms_mnm: verification.torque_error_rms_mnm,
+        torque_rms_mnm: verification.torque_rms_mnm,
+        torque_error_percent: verification.torque_error_percent,
+        largest_torque_error_percent: verification.limits.torque_error_percent,
+        held_still: verification.held_still,
+        added: verification.added.clone(),
+        notes: gap.chain(verification.notes.iter().cloned()).collect(),
+        passed: verification.passed,
+    })
 }

@@ -1,22 +1,16 @@
 //! A verification in words, for an 80-column terminal.
 
-use comfy_table::{CellAlignment, Table, presets};
 use identification::diagnosis::Verdict;
+use report::{AddedByRendering, RenderedParameter};
 
-use super::{Added, LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification, Verified};
+use super::{LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification};
+use crate::terminal::{self, table};
 
 /// The verification line by line.
 pub fn lines(verification: &Verification) -> Vec<String> {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    table.set_header(["parameter", "intended", "rendered", "95 % interval", "off", ""]);
+    let mut table = table(["parameter", "intended", "rendered", "95 % interval", "off", ""], [1, 2, 4]);
     for parameter in &verification.parameters {
         table.add_row(row(parameter));
-    }
-    for column in [1, 2, 4] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
     }
     let Verification { torque_error_rms_mnm, torque_rms_mnm, torque_error_percent, .. } = verification;
     let mut lines = vec![table.to_string()];
@@ -47,7 +41,7 @@ pub fn lines(verification: &Verification) -> Vec<String> {
     lines
 }
 
-fn row(parameter: &Verified) -> [String; 6] {
+fn row(parameter: &RenderedParameter) -> [String; 6] {
     let number = |value: f64| format!("{value:.*}", decimals(parameter.intended));
     [
         parameter.name.to_owned(),
@@ -64,10 +58,8 @@ fn row(parameter: &Verified) -> [String; 6] {
 }
 
 /// Four decimals, or as many as give a small number four digits.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most twelve digits")]
 fn decimals(value: f64) -> usize {
-    let size = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    (3.0 - size).clamp(4.0, 12.0) as usize
+    terminal::decimals(value, 4.0, [4.0, 12.0])
 }
 
 /// What was seen of a gap.
@@ -89,8 +81,8 @@ pub(super) fn lost_motion_in_words(lost: &LostMotion) -> [String; 2] {
     ]
 }
 
-fn in_words(added: &Added) -> String {
-    let Added { heldout_rms_before, heldout_rms_after, noise_floor_rms, .. } = added;
+fn in_words(added: &AddedByRendering) -> String {
+    let AddedByRendering { heldout_rms_before, heldout_rms_after, noise_floor_rms, .. } = added;
     match added.verdict {
         Verdict::None => {
             format!("nothing: residual {heldout_rms_before:.3} mNm on another motion, noise {noise_floor_rms:.3}")

@@ -1,14 +1,14 @@
 //! The proof of a rendered knob with lost motion or a shaft: no linear fit tells its parameters.
 
-use std::path::PathBuf;
-
-use dynamics::{Model, Part};
+use dynamics::{Effect, Model, ParameterKind, Part};
 use identification::checks::{FreeTravel, free_travel};
-use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
+use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
+use report::RenderedParameter;
 
-use super::compare::{Verified, along_motion_mnm};
-use super::{Added, HeldStill, Limits, LostMotion, Verification, passes};
+use super::captures::diagnosed;
+use super::compare::{along_motion_mnm, verified};
+use super::{Compared, LostMotion, added};
 
 /// Compares the captures of a sweep, another motion and a creep with a model of two bodies.
 ///
@@ -17,84 +17,46 @@ use super::{Added, HeldStill, Limits, LostMotion, Verification, passes};
 ///
 /// # Errors
 /// When a capture cannot be prepared or diagnosed.
-pub(super) fn verification(
-    model: &Model,
-    rate_hz: f64,
-    captures: Vec<PathBuf>,
-    [train, heldout, creep]: [&LoadedCapture; 3],
-    held_still: Option<HeldStill>,
-) -> anyhow::Result<Verification> {
-    let from = |model: &Model| -> anyhow::Result<Diagnosis> {
-        let options = DiagnoseOptions {
-            calibration: train.calibration.clone(),
-            axis: train.capture.axis,
-            model: Some(model.clone()),
-            ..DiagnoseOptions::default()
-        };
-        Ok(diagnose(&train.samples(), Some(&heldout.samples()), &options)?)
-    };
-    let whole = from(model)?;
-    let parameters = parameters(model, &whole);
-    let [torque_error_rms_mnm, torque_rms_mnm] = along_motion_mnm(model, train)?;
-    let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
-    let passed = passes(&parameters, torque_error_percent, held_still.as_ref());
+pub(super) fn compared(model: &Model, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Compared> {
+    let whole = diagnosed(model, train, heldout)?;
     let gap = model.coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
     let lost_motion = match gap {
         Some(coupling) => {
             let mut stiff = model.clone();
             stiff.effects.retain(|effect| !matches!(effect.kind().part, Part::Coupling(_)));
-            let without = from(&stiff)?;
+            let without = diagnosed(&stiff, train, heldout)?;
             let ways = free_travel(&creep.samples(), creep.calibration.as_ref())?;
             Some(LostMotion {
                 intended_rad: 2.0 * coupling.half_gap_rad,
                 free_ways_rad: ways.iter().map(FreeTravel::travel_rad).collect(),
-                named: Added::of(&without),
+                named: added(&without),
                 partly: without.partial.iter().map(|one| (one.effect.to_owned(), one.explains_percent)).collect(),
             })
         }
         None => None,
     };
-    Ok(Verification {
-        model: model.name.clone(),
-        rate_hz,
-        captures,
-        parameters,
-        torque_error_rms_mnm,
-        torque_rms_mnm,
-        torque_error_percent,
+    Ok(Compared {
+        parameters: parameters(model, &whole),
+        torque_rms_mnm: along_motion_mnm(model, train)?,
         lost_motion,
-        held_still,
-        added: Some(Added::of(&whole)),
-        limits: Limits::default(),
+        added: Some(added(&whole)),
         notes: whole.notes,
-        passed,
     })
 }
 
 /// Every parameter of the model beside its value refined on the sweep.
-fn parameters(model: &Model, found: &Diagnosis) -> Vec<Verified> {
-    let mut verified = Vec::new();
-    for effect in &model.effects {
-        for (parameter, intended) in effect.parameters().filter(|(_, intended)| *intended != 0.0) {
-            let (name, unit) = (parameter.name, parameter.unit);
-            if let Part::Stick(_) = effect.kind().part {
-                // The speed at which a knob comes to rest shows in no torque.
-                if unit == "mNm" {
-                    let reason = "the encoder does not measure the inner body's breakaway".to_owned();
-                    verified.push(Verified::not_identifiable(name, unit, intended, reason));
-                }
-                continue;
-            }
-            verified.push(match found.refined.get(name) {
-                Some(value) => Verified::new(name, unit, intended, value.value, value.ci95),
-                None => Verified::not_identifiable(
-                    name,
-                    unit,
-                    intended,
-                    "a refinement does not estimate this effect".to_owned(),
-                ),
-            });
-        }
-    }
-    verified
+fn parameters(model: &Model, found: &Diagnosis) -> Vec<RenderedParameter> {
+    let compared = |effect: &Effect, kind: &ParameterKind, intended: f64| {
+        let rendered = match effect.kind().part {
+            // The speed at which a knob comes to rest shows in no torque.
+            Part::Stick(_) if kind.unit != "mNm" => return None,
+            Part::Stick(_) => Err("the encoder does not measure the inner body's breakaway"),
+            _ => found.refined.get(kind.name).ok_or("a refinement does not estimate this effect"),
+        };
+        let rendered = rendered.map(|value| (value.value, value.ci95)).map_err(str::to_owned);
+        Some(verified(kind, intended, rendered))
+    };
+    let all = model.effects.iter().flat_map(|effect| effect.parameters().map(move |parameter| (effect, parameter)));
+    let told = all.filter(|(_, (_, intended))| *intended != 0.0);
+    told.filter_map(|(effect, (kind, intended))| compared(effect, kind, intended)).collect()
 }

@@ -3,6 +3,7 @@
 use dynamics::Model;
 use identification::Fit;
 use identification::diagnosis::Verdict;
+use serde::Serialize;
 
 use crate::CaptureFacts;
 
@@ -44,7 +45,7 @@ pub struct RenderingPage<'a> {
 }
 
 /// One parameter of a rendered knob.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct RenderedParameter {
     /// Its name.
     pub name: &'static str,
@@ -56,16 +57,17 @@ pub struct RenderedParameter {
     pub rendered: Option<f64>,
     /// The 95 % interval of the rendered value.
     pub ci95: Option<[f64; 2]>,
-    /// How far rendered is from intended, %.
+    /// 100 · (rendered / intended − 1); for a phase, its error as a share of a period.
     pub difference_percent: Option<f64>,
-    /// Whether that passes; `None` where there is no value.
+    /// Whether the interval holds the intended value or the difference is small enough; `None` where there is no value.
     pub passed: Option<bool>,
     /// Why there is no value.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
 /// How still a sticking knob is held.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct HeldStill {
     /// The hand's torque, mNm.
     pub torque_mnm: f64,
@@ -76,9 +78,9 @@ pub struct HeldStill {
 }
 
 /// The verdict of a diagnosis that starts from the intended model.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct AddedByRendering {
-    /// Whether anything is found.
+    /// `none`, `effects` or `outside-library`.
     pub verdict: Verdict,
     /// Names of effects, strongest first.
     pub effects: Vec<String>,

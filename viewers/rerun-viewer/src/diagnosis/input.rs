@@ -11,18 +11,6 @@ pub struct DiagnosisInput {
     pub captures: Vec<CaptureRows>,
 }
 
-/// Why a text is not the JSON of a diagnosis.
-#[derive(Debug)]
-pub struct InputError(serde_json::Error);
-
-impl std::fmt::Display for InputError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "the diagnosis cannot be read: {}; write it anew with `haptic-camera diagnose`", self.0)
-    }
-}
-
-impl std::error::Error for InputError {}
-
 /// The rows of a capture.
 #[derive(Clone, Debug, Deserialize)]
 pub struct CaptureRows {
@@ -121,14 +109,4 @@ pub struct Location {
 #[allow(missing_docs, reason = "documented where they are written")]
 pub struct NextExperiment {
     pub reason: String,
-}
-
-impl DiagnosisInput {
-    /// Reads the JSON.
-    ///
-    /// # Errors
-    /// [`InputError`] with the place at which it is not what it should be.
-    pub fn from_json(text: &str) -> Result<Self, InputError> {
-        serde_json::from_str(text).map_err(InputError)
-    }
 }

@@ -1,16 +1,14 @@
 //! How the views of a diagnosis lie.
 
 use rerun::RecordingStream;
-use rerun::blueprint::components::{LinkAxis, PanelState};
+use rerun::blueprint::components::LinkAxis;
 use rerun::blueprint::{
-    BarChartView, Blueprint, BlueprintPanel, ContainerLike, Grid, Horizontal, SelectionPanel, Tabs, TextDocumentView,
-    TimePanel, TimeSeriesView, Vertical,
+    BarChartView, ContainerLike, Grid, Horizontal, Tabs, TextDocumentView, TimePanel, TimeSeriesView, Vertical,
 };
 use rerun::external::re_sdk_types::blueprint::archetypes::TimeAxis;
 
 use super::charts::{FORWARD, GAP, map_entity, step_entity};
 use super::input::{CaptureRows, DiagnosisInput};
-use crate::drawing::TIMELINE;
 use crate::entities::SUMMARY;
 use crate::layout_properties::{self, Properties};
 
@@ -21,13 +19,7 @@ use crate::layout_properties::{self, Properties};
 pub fn send(recording: &RecordingStream, input: &DiagnosisInput) -> anyhow::Result<()> {
     let mut properties = Properties::default();
     let tabs = [overview(&mut properties, input), maps(input), effects(input)];
-    let blueprint = Blueprint::new(Tabs::new(tabs))
-        .with_auto_views(false)
-        .with_auto_layout(false)
-        .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
-        .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
-        .with_time_panel(TimePanel::new().with_state(PanelState::Collapsed).with_timeline(TIMELINE));
-    layout_properties::send(recording, &blueprint, &properties)
+    layout_properties::send(recording, Tabs::new(tabs), TimePanel::new(), &properties)
 }
 
 /// Torque and residual of both captures, and the words.

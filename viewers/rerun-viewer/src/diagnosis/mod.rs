@@ -12,10 +12,10 @@ mod text;
 use std::io::Read as _;
 use std::path::Path;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 use rerun::{RecordingStreamBuilder, TextDocument};
 
-pub use input::{DiagnosisInput, InputError};
+pub use input::DiagnosisInput;
 
 use crate::entities::SUMMARY;
 use crate::recording_file::RecordingFile;
@@ -31,7 +31,10 @@ pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
     let mut text = String::new();
     let read = foreign_files::open(json).and_then(|mut file| file.read_to_string(&mut text));
     read.with_context(|| format!("{} cannot be read", json.display()))?;
-    let input = DiagnosisInput::from_json(&text).with_context(|| format!("{} is no diagnosis", json.display()))?;
+    let input: DiagnosisInput = serde_json::from_str(&text).map_err(|error| {
+        let why = format!("the diagnosis cannot be read: {error}; write it anew with `haptic-camera diagnose`");
+        anyhow!(why).context(format!("{} is no diagnosis", json.display()))
+    })?;
     let file = RecordingFile::create(out)?;
     let recording = RecordingStreamBuilder::new(APPLICATION).buffered()?;
     recording.set_sink(Box::new(file.sink()));

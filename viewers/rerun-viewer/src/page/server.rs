@@ -151,6 +151,7 @@ mod tests {
     use std::sync::mpsc;
 
     use super::*;
+    use crate::wedged_page::resident_mib;
 
     const PATIENCE: Duration = Duration::from_millis(300);
 
@@ -181,11 +182,6 @@ mod tests {
         let mut text = String::new();
         ask(address).read_to_string(&mut text).unwrap();
         text
-    }
-
-    fn resident_mib() -> f64 {
-        let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
-        statm.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 4096.0 / f64::from(1 << 20)
     }
 
     #[test]

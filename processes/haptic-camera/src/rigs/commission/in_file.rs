@@ -7,7 +7,7 @@ use archive::whole_file::Replace;
 use dynamics::Axis;
 use toml_edit::{DocumentMut, Item, Value};
 
-use crate::outputs::replace;
+use crate::outputs;
 
 /// What is known of a rig once it has turned.
 pub(super) struct Known {
@@ -24,7 +24,7 @@ pub(super) fn write(file: &Path, path: &Path, axis: Axis, known: &Known) -> anyh
     let changed = with(&text, axis, known).with_context(|| format!("{} is not changed", file.display()))?;
     // In its place it is the file that was read; elsewhere nothing may lie there.
     let may_replace = if path == file { Replace::Anything } else { Replace::Nothing };
-    replace(path, may_replace, &changed)
+    outputs::write(path, may_replace, &changed)
 }
 
 /// The text of a rig file with what is known in it.
