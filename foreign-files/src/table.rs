@@ -85,7 +85,7 @@ pub fn read_columns<const N: usize>(
     others: Others,
 ) -> Result<[Option<Vec<f64>>; N], TableError> {
     let mut text = BufReader::with_capacity(HEAD, text);
-    let separator = separator(text.fill_buf().map_err(from_io)?);
+    let separator = separator(header_line(text.fill_buf().map_err(from_io)?));
     let mut table = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
@@ -134,6 +134,12 @@ fn places<const N: usize>(
     });
     let found = names.join(",");
     Err(TableError::Header { found: quoted(&found), expected: expected.collect() })
+}
+
+/// The first line that is neither empty nor a comment.
+fn header_line(head: &[u8]) -> &[u8] {
+    let is_header = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
+    head.split(|byte| *byte == b'\n').find(is_header).unwrap_or_default()
 }
 
 /// What stands between the cells of a table, from its beginning: semicolons, beside which commas are decimal ones, or tabulators where
