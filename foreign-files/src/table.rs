@@ -142,16 +142,19 @@ fn header_line(head: &[u8]) -> &[u8] {
     head.split(|byte| *byte == b'\n').find(is_header).unwrap_or_default()
 }
 
-/// What stands between the cells of a table, from its beginning: semicolons, beside which commas are decimal ones, or tabulators where
-/// the first line has no comma, or commas. Lines that begin with `#` do not count.
+/// What stands between the cells of a table, from its beginning: semicolons or tabulators where these are there, commas beside them being decimal
+/// ones, or commas. Lines that begin with `#` do not count.
 #[must_use]
 pub fn separator(text: &[u8]) -> u8 {
     let head = text.get(..HEAD).unwrap_or(text);
-    let mut lines = head.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#"));
-    let first = lines.clone().next().unwrap_or_default();
-    if lines.any(|line| line.contains(&b';')) {
+    let lines = head.split(|byte| *byte == b'\n').filter(|line| !line.starts_with(b"#"));
+    let bytes = lines.flatten();
+    let count = |separator: u8| bytes.clone().filter(|byte| **byte == separator).count();
+    let (commas, semicolons, tabulators) = (count(b','), count(b';'), count(b'\t'));
+    let header = header_line(head);
+    if semicolons > 0 && semicolons >= tabulators {
         b';'
-    } else if first.contains(&b'\t') && !first.contains(&b',') {
+    } else if tabulators > commas || header.contains(&b'\t') && !header.contains(&b',') {
         b'\t'
     } else {
         b','
