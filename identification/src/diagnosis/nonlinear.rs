@@ -266,20 +266,22 @@ impl<'a> Nonlinear<'a> {
 
     /// Rows of the residual's derivatives with the sign turned, one per value.
     pub(crate) fn tangents(&self, share: f64) -> Vec<Vec<f64>> {
-        let all: Vec<usize> = (0..self.values.len()).collect();
-        let (left, right) = all.split_at(all.len() / 2);
-        let by = |values: &[usize]| self.tangents_by(values, DIFFERENCE, share);
-        let (mut all, rest) = rayon::join(|| by(left), || by(right));
-        all.extend(rest);
-        all
+        self.tangents_over(DIFFERENCE, share)
     }
 
     /// The same over steps as large as a simulated body needs, since whether it touches or sticks at a moment makes its torque a step function
     /// of the values: over small steps a single moment would count as all that the capture tells.
     pub(crate) fn secants(&self) -> Vec<Vec<f64>> {
-        let difference = if self.structure.is_simulated() { SECANT } else { DIFFERENCE };
+        self.tangents_over(if self.structure.is_simulated() { SECANT } else { DIFFERENCE }, 1.0)
+    }
+
+    fn tangents_over(&self, difference: f64, share: f64) -> Vec<Vec<f64>> {
         let all: Vec<usize> = (0..self.values.len()).collect();
-        self.tangents_by(&all, difference, 1.0)
+        let (left, right) = all.split_at(all.len() / 2);
+        let by = |values: &[usize]| self.tangents_by(values, difference, share);
+        let (mut all, rest) = rayon::join(|| by(left), || by(right));
+        all.extend(rest);
+        all
     }
 
     /// Rows of the derivatives by some of the values.

@@ -4,8 +4,8 @@
 //! rises from near zero speed, a band in which something rings. The parameters then depend on which speeds and which
 //! frequencies they were fitted to. They are fitted again with the rows next to where the knob turns round without a rest, which the
 //! fit leaves out since its filters reach across; to half the band; to the faster and to the slower half of the motion; and without a
-//! delay that is too long for a trim. Where an estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978, 1251–1271), the rest of the shift belongs
-//! into its interval.
+//! delay that is too long for a trim. Where an estimate moves by more than chance explains (J. A. Hausman, Econometrica 46, 1978,
+//! 1251–1271), the rest of the shift belongs into its interval.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 

@@ -225,28 +225,29 @@ impl Report<'_> {
         ))
     }
 
-    /// Why a Coulomb friction cannot be told from a constant torque, and what is known of both directions together: without its bound one
-    /// of them would surely be negative, the other not.
+    /// Why a Coulomb friction cannot be separated from a constant torque, and the sum of both directions, which can: without the bound at
+    /// zero one direction's friction would surely be negative, and the other's positive.
     fn beside_a_load(&self, column: usize, name: &str, critical: f64, misfit: &Misfit) -> Option<String> {
         let Trimmed { columns, solution, problem, .. } = self.trimmed;
-        let ([negative, positive], _) = problem.both_ways()?;
-        let of = |levels: &[usize]| {
+        let (levels, _) = problem.both_ways()?;
+        if !levels.contains(&column) {
+            return None;
+        }
+        let interval = |levels: &[usize]| {
             let mut derivatives = RowDVector::zeros(columns.len());
             levels.iter().for_each(|level| derivatives[*level] = 1.0);
             let at: f64 = levels.iter().map(|level| solution.coefficients[*level]).sum();
             misfit.without_bounds(&derivatives, critical).map(|[low, high]| [at + low, at + high])
         };
-        let [of_negative, of_positive] = [of(&[negative])?, of(&[positive])?];
+        let [negative, positive] = [interval(&levels[..1])?, interval(&levels[1..])?];
         let is_driven = |[_, high]: [f64; 2], [low, _]: [f64; 2]| high < 0.0 && low > 0.0;
-        if ![negative, positive].contains(&column)
-            || !(is_driven(of_negative, of_positive) || is_driven(of_positive, of_negative))
-        {
+        if !is_driven(negative, positive) && !is_driven(positive, negative) {
             return None;
         }
-        let [low, high] = of(&[negative, positive])?;
+        let [low, high] = interval(&levels)?;
         Some(format!(
-            "{name} cannot be told from a constant torque: the knob is driven in one direction, by its weight, a spring or the sensor's \
-             zero; the frictions of both directions add up to {} mNm; take the zero, or diagnose the capture",
+            "{name} cannot be separated from a constant torque: a weight, a spring or the sensor's zero drives the knob in one direction; \
+             the frictions of both directions add up to {} mNm; take the zero, or diagnose the capture",
             plus_minus(0.5 * (low + high), 0.5 * (high - low))
         ))
     }
