@@ -14,6 +14,7 @@ use crate::preparation::row_filter::RowFilter;
 use crate::regression::held_out;
 use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::{Column, Problem};
+use crate::regression::refiner::Ended;
 use crate::uncertainty::statistics::rms;
 
 /// Peaks of the scan that are refined, at most, …
@@ -67,6 +68,8 @@ pub(crate) struct Found<'a> {
     /// Other periods that explain nearly as much.
     pub(crate) aliases_rad: Vec<f64>,
     pub(crate) harmonics: Vec<Harmonic>,
+    /// Whether the period was still moving when its search ended.
+    pub(crate) is_unsettled: bool,
 }
 
 /// Searches all periods that the travel supports, refines the strongest and weighs the evidence.
@@ -112,7 +115,7 @@ pub(crate) fn search<'a>(
     if 1.5 * (left - close) < rough && left - close < CLEARLY_NOT * left {
         return Detents::None(no_detents(longest, shortest));
     }
-    let solution = problem.refine_from(solution, 12, limit);
+    let (solution, ended) = problem.refine_from(solution, 12, limit);
     let detent = problem.effects.len() - 1;
     let period_rad = problem.effects[detent].values()[1];
     let range = problem.range(detent);
@@ -172,7 +175,13 @@ pub(crate) fn search<'a>(
         scan.near(&rest, f64::from(order) / period_rad).is_none_or(|power| HARMONIC_LOOK * power > needed)
     };
     let harmonics = harmonics(&problem, &solution, [period_rad, shortest], background, evident);
-    Detents::Found(Box::new(Found { problem, solution, aliases_rad, harmonics }))
+    Detents::Found(Box::new(Found {
+        problem,
+        solution,
+        aliases_rad,
+        harmonics,
+        is_unsettled: ended == Ended::OutOfSteps,
+    }))
 }
 
 /// What the columns leave of the target, no coefficient bounded.

@@ -53,8 +53,7 @@ pub(crate) struct Scan {
     first: usize,
     last: usize,
     fine: Gather,
-    /// For every wavenumber, the inverse of the Gram matrix of sine and cosine beside the base columns: sine with
-    /// itself, twice sine with cosine, cosine with itself; zeros where the base columns explain a sinusoid as well.
+    /// [`gram_inverse`] for every wavenumber.
     inverses: Vec<[f64; 3]>,
 }
 
@@ -138,7 +137,7 @@ impl Scan {
     pub(crate) fn powers(&self, row_filter: &RowFilter, motion: &KnobMotion, residual: &[f64]) -> Vec<f64> {
         let target = self.fine.sums(&row_filter.spread(residual), &motion.angle_rad);
         let found = target.get(self.first..).unwrap_or_default().iter().zip(&self.inverses);
-        found.map(|(sum, [a, b, c])| a * sum.im * sum.im + b * sum.im * sum.re + c * sum.re * sum.re).collect()
+        found.map(|(sum, inverse)| power(inverse, *sum)).collect()
     }
 
     /// The strongest peaks, at least a peak's width apart, strongest first.
@@ -192,8 +191,7 @@ impl Scan {
             .filter(|(k, _)| range.contains(k) && (k - wavenumber).abs() > resolution)
             .map(|(_, power)| power)
             .collect();
-        // Two squared normal numbers have the median 2·ln 2 in units of their variance.
-        median(&mut near) / (2.0 * 2_f64.ln())
+        background_of(&mut near)
     }
 
     /// Power of the second strongest period in what a detent of `wavenumber` left, multiples of it apart, mNm².
@@ -252,6 +250,16 @@ impl Scan {
     }
 }
 
+/// What a sinusoid takes off a sum of squares, from an entry of [`Scan::inverses`] and the residual's Fourier sum.
+pub(crate) fn power([sine, both, cosine]: &[f64; 3], residual: Complex<f64>) -> f64 {
+    sine * residual.im * residual.im + both * residual.im * residual.re + cosine * residual.re * residual.re
+}
+
+/// The variance of noise from powers of which most are of noise: two squared normal numbers have the median 2·ln 2 in units of it.
+pub(crate) fn background_of(powers: &mut [f64]) -> f64 {
+    median(powers) / (2.0 * 2_f64.ln())
+}
+
 /// Where a parabola through a peak and its neighbours has its top, in steps from the peak.
 pub(crate) fn vertex_of(powers: &[f64], peak: usize) -> f64 {
     let neighbours = peak.checked_sub(1).and_then(|left| Some((powers[left], *powers.get(peak + 1)?)));
@@ -260,9 +268,12 @@ pub(crate) fn vertex_of(powers: &[f64], peak: usize) -> f64 {
     if bend > 0.0 { (0.5 * (right - left) / bend).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
-/// One entry of [`Scan::inverses`]: for the wavenumber of an `index`, at which the rows' filter has the mean square gain
-/// `attenuation`; `base` and `weights` are Fourier sums of the base columns and of the mask.
-fn gram_inverse(
+/// The inverse of the Gram matrix of sine and cosine beside the base columns, for the wavenumber of an `index` at which the rows' filter
+/// has the mean square gain `attenuation`: the factors of sine², of sine times cosine (that of both off-diagonal entries) and of cosine².
+/// Zeros where the base columns explain a sinusoid as well.
+///
+/// `base` and `weights` are Fourier sums of the base columns and of the mask, `inverse` is that of the base columns' Gram matrix.
+pub(crate) fn gram_inverse(
     index: usize,
     attenuation: f64,
     base: &[Vec<Complex<f64>>],
@@ -271,10 +282,11 @@ fn gram_inverse(
 ) -> [f64; 3] {
     let diagonal = 0.5 * weights[0].re * attenuation * (1.0 + 2.0 * RIDGE);
     let mut gram = [diagonal, 0.0, diagonal];
-    if let Some(twice) = weights.get(2 * index) {
-        let twice = 0.5 * attenuation * twice;
-        gram = [diagonal - twice.re, twice.im, diagonal + twice.re];
-        // What the base columns explain of sine and cosine.
+    if let Some(at_twice) = weights.get(2 * index) {
+        // sin² = (1 − cos 2x)/2, sin·cos = sin 2x/2, cos² = (1 + cos 2x)/2.
+        let half = 0.5 * attenuation * at_twice;
+        gram = [diagonal - half.re, half.im, diagonal + half.re];
+        // The part that the base columns explain is taken off.
         for (column, left) in base.iter().enumerate() {
             let left = left[index];
             let right: Complex<f64> =

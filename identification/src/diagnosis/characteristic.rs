@@ -10,11 +10,11 @@ use super::acceptance::{FALSE_DISCOVERIES, takes_its_part};
 use super::capture::Capture;
 use super::findings::Characteristic;
 use super::judged::Judged;
+use super::null_test;
 use super::search::{Found, Search};
 use super::separable::Separable;
 use super::verdict::LEFT;
-use super::{bounded_least_squares, null_test};
-use crate::regression::characteristic::{CharacteristicPoint, Spline, held};
+use crate::regression::characteristic::{CharacteristicPoint, Spline, holds};
 use crate::regression::least_squares::LeastSquares;
 use crate::uncertainty::statistics::{false_discovery_rate, student_95};
 
@@ -145,11 +145,13 @@ impl Search<'_> {
 /// The torques of a spline's points beside all that a fit has already, mNm.
 fn torques_mnm(spline: &Spline, present: &Separable<'_>, capture: &Capture) -> Vec<f64> {
     let base = present.columns();
-    let (columns, target) = held(&base, &rows(spline, capture), &capture.target(present.structure.delay_s()), |_| HELD);
-    let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let points = rows(spline, capture);
+    let columns: Vec<&[f64]> = base.iter().copied().chain(points.iter().map(Vec::as_slice)).collect();
     let mut nonnegative = present.structure.nonnegative();
-    nonnegative.resize(slices.len(), false);
-    bounded_least_squares::solve(&slices, &target, &nonnegative)[base.len()..].to_vec()
+    nonnegative.resize(columns.len(), false);
+    let target = capture.target(present.structure.delay_s());
+    let solved = LeastSquares::held(&columns, &target, &nonnegative, &holds(base.len(), &points, |_| HELD));
+    solved.coefficients[base.len()..].to_vec()
 }
 
 /// The points of a fitted spline with their intervals, the other effects being as they are.

@@ -5,7 +5,6 @@ use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part, Scene};
 use rayon::prelude::*;
 
 use super::acceptance::WORTHWHILE;
-use super::bounded_least_squares;
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
@@ -14,7 +13,7 @@ use super::sticking;
 use super::structure::Structure;
 use super::twist;
 use crate::numerics::vector::{dot, subtract};
-use crate::regression::least_squares::residual;
+use crate::regression::least_squares::LeastSquares;
 
 /// Starts of a separable hypothesis that are refined.
 const REFINED: usize = 2;
@@ -403,9 +402,7 @@ impl Coarse {
                 subtract(column, share, known);
             }
         }
-        let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let coefficients = bounded_least_squares::solve(&slices, &self.residual, nonnegative);
-        let left = residual(&slices, &self.residual, &coefficients);
-        (dot(&self.residual, &self.residual) - dot(&left, &left), coefficients)
+        let solved = LeastSquares::held(&columns, &self.residual, nonnegative, &[]);
+        (dot(&self.residual, &self.residual) - dot(&solved.residual, &solved.residual), solved.coefficients)
     }
 }

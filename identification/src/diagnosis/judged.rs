@@ -1,12 +1,11 @@
 //! How well a fitted structure explains the capture that it was fitted to and another one.
 
-use super::bounded_least_squares;
 use super::capture::Capture;
 use super::nonlinear::{self, Nonlinear};
 use super::separable::Separable;
 use super::structure::Structure;
 use crate::numerics::vector::{dot, subtract};
-use crate::regression::least_squares::residual;
+use crate::regression::least_squares::LeastSquares;
 use crate::uncertainty::statistics::{mean_over_error, student_above};
 
 /// Stretches over which a comparison of two structures is repeated.
@@ -188,9 +187,7 @@ fn residual_as_fitted(structure: &Structure, capture: &Capture) -> Vec<f64> {
         return nonlinear::residual(structure, capture);
     }
     let rows: Vec<Vec<f64>> = own.iter().flat_map(|index| capture.rows_of(structure, *index)).collect();
-    let columns: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let rest = own.iter().rev().fold(structure.clone(), |rest, index| rest.without(*index));
     let left = nonlinear::residual(&rest, capture);
-    let coefficients = bounded_least_squares::solve(&columns, &left, &vec![false; columns.len()]);
-    residual(&columns, &left, &coefficients)
+    LeastSquares::held(&rows, &left, &vec![false; rows.len()], &[]).residual
 }

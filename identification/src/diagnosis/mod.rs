@@ -1,7 +1,6 @@
 //! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
 
 mod acceptance;
-mod bounded_least_squares;
 mod capture;
 mod characteristic;
 mod columns;

@@ -14,6 +14,7 @@ use super::twist;
 use crate::numerics::vector::dot;
 use crate::preparation::filter::Fir;
 use crate::preparation::uniform::whole;
+use crate::regression::refiner::{self, Ended};
 
 /// Edges of the bands of slow motion that are fitted one after the other, as shares of the comparison's, and steps in
 /// each.
@@ -36,6 +37,8 @@ const NEAR: f64 = 0.05;
 const UPDATES: usize = 2;
 /// Structures that are simulated together.
 const TOGETHER: usize = 3;
+/// Dampings that are tried in a step.
+const TRIALS: usize = 6;
 /// First damping, as a share of the diagonal.
 const DAMPING: f64 = 1e-3;
 
@@ -150,49 +153,57 @@ impl<'a> Nonlinear<'a> {
     }
 
     fn refine_in(&mut self, share: f64, rounds: usize) {
-        let slow = |rows: &[f64]| narrowed(rows, share, self.capture);
         let settled = if share < 1.0 { SLOW_SETTLED } else { SETTLED };
         let mut damping = DAMPING;
-        let mut left = slow(&self.residual);
+        let mut left = narrowed(&self.residual, share, self.capture);
         let mut tangents = Tangents::default();
-        for _ in 0..rounds {
-            let before = dot(&left, &left);
-            if tangents.are_stale() {
-                tangents = Tangents { rows: self.tangents(share), updates: 0 };
-            }
-            let (gram, right) = tangents.normal_equations(&left);
-            let mut accepted = false;
-            for _ in 0..6 {
-                let mut damped = gram.clone();
-                for index in 0..gram.nrows() {
-                    damped[(index, index)] += damping * gram[(index, index)].max(f64::MIN_POSITIVE) + 1e-12;
+        refiner::refine(rounds, settled, dot(&left, &left), |before| {
+            loop {
+                if tangents.are_stale() {
+                    tangents = Tangents { rows: self.tangents(share), updates: 0 };
                 }
-                let Some(step) = damped.cholesky().map(|factor| factor.solve(&right)) else { break };
-                let trial_structure = self.moved(step.as_slice());
-                let trial_residual = residual(&trial_structure, self.capture);
-                let trial = narrowed(&trial_residual, share, self.capture);
-                if dot(&trial, &trial) < before {
-                    tangents.update(step.as_slice(), &left, &trial);
-                    self.structure = trial_structure;
-                    self.residual = trial_residual;
-                    left = trial;
-                    damping = (0.2 * damping).max(1e-7);
-                    accepted = true;
-                    break;
+                let after = self.step(share, before, &mut left, &mut tangents, &mut damping);
+                if after.is_ok() || tangents.updates == 0 {
+                    return after;
                 }
-                if tangents.updates > 0 {
-                    // The updated derivatives may be what is wrong.
-                    break;
-                }
-                damping *= 6.0;
-            }
-            let fresh = tangents.updates <= usize::from(accepted);
-            if !accepted && !fresh {
+                // The updated derivatives may be what is wrong.
                 tangents = Tangents::default();
-            } else if !accepted || before - dot(&left, &left) < settled * before {
-                break;
+            }
+        });
+    }
+
+    /// One step of Levenberg and Marquardt in a band, whose residual is given, damped until it improves.
+    fn step(
+        &mut self,
+        share: f64,
+        before: f64,
+        left: &mut Vec<f64>,
+        tangents: &mut Tangents,
+        damping: &mut f64,
+    ) -> Result<f64, Ended> {
+        let (gram, right) = tangents.normal_equations(left);
+        let trials = if tangents.updates > 0 { 1 } else { TRIALS };
+        for _ in 0..trials {
+            let mut damped = gram.clone();
+            for index in 0..gram.nrows() {
+                damped[(index, index)] += *damping * gram[(index, index)].max(f64::MIN_POSITIVE) + 1e-12;
+            }
+            let step = damped.cholesky().ok_or(Ended::NoStepImproves)?.solve(&right);
+            let structure = self.moved(step.as_slice());
+            let residual = residual(&structure, self.capture);
+            let trial = narrowed(&residual, share, self.capture);
+            let after = dot(&trial, &trial);
+            if after < before {
+                tangents.update(step.as_slice(), left, &trial);
+                (self.structure, self.residual, *left) = (structure, residual, trial);
+                *damping = (0.2 * *damping).max(1e-7);
+                return Ok(after);
+            }
+            if tangents.updates == 0 {
+                *damping *= 6.0;
             }
         }
+        Err(Ended::NoStepImproves)
     }
 
     /// The structure with every value moved by a step in units of its scale.

@@ -1,12 +1,11 @@
 //! What mere freedom buys: an effect's own columns, but at the wrong time.
 
-use super::bounded_least_squares;
 use super::capture::Capture;
 use super::judged::Judged;
 use super::nonlinear::Nonlinear;
 use super::structure::Structure;
 use crate::numerics::vector::dot;
-use crate::regression::least_squares;
+use crate::regression::least_squares::{LeastSquares, residual};
 use crate::uncertainty::statistics::median;
 
 /// Shifts of the columns, as shares of the capture.
@@ -29,13 +28,11 @@ pub(crate) fn rms_of_columns(
     let mut left: Vec<f64> = SHIFTS
         .iter()
         .map(|shift| {
+            let is_bounded = vec![false; train_columns.len()];
             let turned = turned(train_columns, *shift);
-            let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
-            let coefficients =
-                bounded_least_squares::solve(&slices, &before.train_residual, &vec![false; slices.len()]);
+            let solved = LeastSquares::held(&turned, &before.train_residual, &is_bounded, &[]);
             let turned = self::turned(heldout_columns, *shift);
-            let slices: Vec<&[f64]> = turned.iter().map(Vec::as_slice).collect();
-            let residual = least_squares::residual(&slices, &before.heldout_residual, &coefficients);
+            let residual = residual(&turned, &before.heldout_residual, &solved.coefficients);
             (dot(&residual, &residual) / heldout.weight).sqrt()
         })
         .collect();

@@ -4,12 +4,11 @@ use std::borrow::Cow;
 
 use dynamics::{Effect, Part};
 
-use super::bounded_least_squares::solve;
 use super::capture::Capture;
 use super::structure::{Searched, Structure};
 use crate::numerics::vector::{dot, subtract};
-use crate::regression::backtracking::longest_improving;
-use crate::regression::least_squares::residual;
+use crate::regression::least_squares::{LeastSquares, residual};
+use crate::regression::refiner::{self, Ended, longest_improving};
 
 /// Relative change of a searched parameter for its column by differences.
 const DIFFERENCE: f64 = 1e-5;
@@ -93,7 +92,7 @@ impl<'a> Separable<'a> {
     /// Sum of squares if the torque channel were late by so much, s.
     pub(crate) fn squares_if_late(&self, delay_s: f64) -> f64 {
         let (columns, target) = (self.columns(), self.capture.target(delay_s));
-        let left = residual(&columns, &target, &solve(&columns, &target, &self.structure.nonnegative()));
+        let left = LeastSquares::held(&columns, &target, &self.structure.nonnegative(), &[]).residual;
         dot(&left, &left)
     }
 
@@ -115,8 +114,8 @@ impl<'a> Separable<'a> {
         let columns: Vec<&[f64]> = self.columns().into_iter().chain(bend.iter().map(Vec::as_slice)).collect();
         let mut nonnegative = self.structure.nonnegative();
         nonnegative.resize(columns.len(), false);
-        let solved = solve(&columns, &self.target, &nonnegative);
-        let powers = solved[columns.len() - BEND..].to_vec();
+        let solved = LeastSquares::held(&columns, &self.target, &nonnegative, &[]);
+        let powers = solved.coefficients[columns.len() - BEND..].to_vec();
         move |angle_rad| powers.iter().rev().fold(0.0, |sum, power_mnm| (sum + power_mnm) * share(angle_rad))
     }
 
@@ -137,26 +136,24 @@ impl<'a> Separable<'a> {
     fn solve(&mut self) {
         let nonnegative = self.structure.nonnegative();
         if self.products.is_empty() && self.structure.load_frictions().is_empty() {
-            self.take(solve(&self.columns(), &self.target, &nonnegative));
+            let solved = LeastSquares::held(&self.columns(), &self.target, &nonnegative, &[]);
+            (self.coefficients, self.residual) = (solved.coefficients, solved.residual);
             return;
         }
         self.take(self.coefficients.clone());
-        for _ in 0..FACTOR_STEPS {
-            let (start, before) = (self.coefficients.clone(), self.squares());
+        refiner::refine(FACTOR_STEPS, FACTORS_SETTLED, self.squares(), |before| {
+            let start = self.coefficients.clone();
             let (columns, target) = self.linearised();
-            let slices: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
-            let end = solve(&slices, &target, &nonnegative);
+            let end = LeastSquares::held(&columns, &target, &nonnegative, &[]).coefficients;
             let improved = longest_improving(0.25, |share| {
                 self.take(start.iter().zip(&end).map(|(start, end)| start + share * (end - start)).collect());
-                (self.squares() < before).then_some(())
+                Some(self.squares()).filter(|after| *after < before)
             });
-            if improved.is_none() {
+            if improved.is_err() {
                 self.take(start);
             }
-            if before - self.squares() <= FACTORS_SETTLED * before {
-                return;
-            }
-        }
+            improved
+        });
     }
 
     /// Takes coefficients, and makes the rows of them that depend on them.
@@ -280,8 +277,7 @@ impl<'a> Separable<'a> {
     }
 
     fn refine_by(&mut self, searched: &[Searched], rounds: usize) {
-        for _ in 0..rounds {
-            let before = self.squares();
+        refiner::refine(rounds, 0.0, self.squares(), |before| {
             let tangents: Vec<Vec<f64>> = searched.iter().map(|which| self.tangent(*which)).collect();
             let (columns, target) = self.linearised();
             let columns: Vec<&[f64]> =
@@ -289,27 +285,27 @@ impl<'a> Separable<'a> {
             let mut nonnegative = self.structure.nonnegative();
             let linear = nonnegative.len();
             nonnegative.resize(columns.len(), false);
-            let extended = solve(&columns, &target, &nonnegative);
-            let left = residual(&columns, &target, &extended);
+            let LeastSquares { residual: left, coefficients: extended, .. } =
+                LeastSquares::held(&columns, &target, &nonnegative, &[]);
             if before - dot(&left, &left) <= SETTLED * before {
-                break;
+                return Err(Ended::Settled);
             }
             let step: Vec<f64> = extended[linear..].to_vec();
-            if !self.step(searched, &step) {
-                // Where one parameter hardly matters its step is wild: then one at a time.
-                let alone = (0..searched.len()).filter(|index| {
-                    let one: Vec<f64> = (0..step.len()).map(|i| if i == *index { step[i] } else { 0.0 }).collect();
-                    self.step(searched, &one)
-                });
-                if alone.count() == 0 {
-                    break;
+            let mut improved = self.try_step(searched, &step);
+            if improved.is_err() {
+                // The step of a parameter that hardly matters is wild and spoils the common one: each parameter moves alone.
+                for index in 0..searched.len() {
+                    let mut alone = vec![0.0; step.len()];
+                    alone[index] = step[index];
+                    improved = self.try_step(searched, &alone).or(improved);
                 }
             }
-        }
+            improved
+        });
     }
 
-    /// Goes along a step as far as the sum of squares falls; whether it does at all.
-    fn step(&mut self, searched: &[Searched], step: &[f64]) -> bool {
+    /// Goes along a step as far as the sum of squares falls, and returns it.
+    fn try_step(&mut self, searched: &[Searched], step: &[f64]) -> Result<f64, Ended> {
         let before = self.squares();
         let start: Vec<f64> = searched.iter().map(|which| self.structure.get(*which)).collect();
         let improved = longest_improving(0.25, |share| {
@@ -317,12 +313,12 @@ impl<'a> Separable<'a> {
             let values: Vec<f64> =
                 moved.map(|((which, value), step)| self.limited(*which, *value, share * step)).collect();
             self.set(searched, &values);
-            (self.squares() < before).then_some(())
+            Some(self.squares()).filter(|after| *after < before)
         });
-        if improved.is_none() {
+        if improved.is_err() {
             self.set(searched, &start);
         }
-        improved.is_some()
+        improved
     }
 
     /// A value moved by a step, no further than is sensible in one go and within its range.

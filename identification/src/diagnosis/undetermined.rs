@@ -36,12 +36,7 @@ impl Undetermined {
             (0..structure.effects.len()).flat_map(|index| capture.rows_of(structure, index)).collect()
         };
         let (known, other) = (rows(train), rows(heldout));
-        let products = |columns: &[Vec<f64>]| {
-            let mut products = DMatrix::zeros(columns.len(), columns.len());
-            vector::products(columns, 0, &mut products);
-            products
-        };
-        let (known, products_there) = (products(&known), products(&other));
+        let (known, products_there) = (vector::gram(&known), vector::gram(&other));
         let scale = |column: usize| products_there[(column, column)].sqrt();
         let shown: Vec<usize> = (0..other.len()).filter(|column| scale(*column) > 0.0).collect();
         let scaled = |products: &DMatrix<f64>| {

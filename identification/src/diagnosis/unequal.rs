@@ -6,15 +6,15 @@
 
 use dynamics::effects;
 
-use super::bounded_least_squares;
 use super::capture::Capture;
 use super::findings::{UnequalDetent, Value};
 use super::lobes::{Lobes, Unit};
 use super::separable::Separable;
 use super::structure::Structure;
 use crate::numerics::vector::dot;
-use crate::regression::backtracking::longest_improving;
-use crate::regression::least_squares::{LeastSquares, residual};
+use crate::regression::characteristic::holds;
+use crate::regression::least_squares::LeastSquares;
+use crate::regression::refiner::{self, longest_improving};
 use crate::uncertainty::statistics::{deviation_of_sum, mean, student_95};
 
 /// Gauss–Newton steps.
@@ -91,26 +91,23 @@ fn fitted(mut lobes: Lobes, structure: &Structure, index: usize, capture: &Captu
     nonnegative.drain(range);
     nonnegative.resize(rest_columns.len() + 2 * lobes.units(), false);
     let mut columns = columns_of(&lobes, capture, more);
-    let mut left = squares(&lobes, &columns, &rest_columns, &target, &nonnegative);
-    for _ in 0..STEPS {
-        let step = solved(&lobes, &columns, &rest_columns, &target, &nonnegative);
+    let mut squares = self::squares(&lobes, &columns, &rest_columns, &target, &nonnegative);
+    refiner::refine(STEPS, SETTLED, squares, |left| {
+        let step = solved(&lobes, &columns, &rest_columns, &target, &nonnegative).coefficients;
         let (heights_mnm, shifts_rad) = step[rest_columns.len()..].split_at(lobes.units());
         let better = longest_improving(0.4, |share| {
             let moved = lobes.moved(heights_mnm, shifts_rad, share)?;
             let columns = columns_of(&moved, capture, more);
-            let now = squares(&moved, &columns, &rest_columns, &target, &nonnegative);
+            let now = self::squares(&moved, &columns, &rest_columns, &target, &nonnegative);
             (now < left).then_some((now, moved, columns))
         });
-        let Some((now, moved, moved_columns)) = better else { break };
-        let settled = left - now < SETTLED * left;
-        (left, lobes, columns) = (now, moved, moved_columns);
-        if settled {
-            break;
-        }
-    }
-    let heights = solved(&lobes, &columns[..lobes.units()], &rest_columns, &target, &nonnegative);
+        let (now, moved, moved_columns) = better?;
+        (squares, lobes, columns) = (now, moved, moved_columns);
+        Ok(now)
+    });
+    let heights = solved(&lobes, &columns[..lobes.units()], &rest_columns, &target, &nonnegative).coefficients;
     let lobes = lobes.with_heights(&heights[rest_columns.len()..]);
-    Some((whole.structure.without(index).with(lobes.effect()?, 1), left))
+    Some((whole.structure.without(index).with(lobes.effect()?, 1), squares))
 }
 
 /// The detents of a fitted structure one by one, with their intervals: those that the capture shows whole.
@@ -157,43 +154,22 @@ pub(crate) fn detents(effect: &str, structure: &Structure, capture: &Capture) ->
     each.collect()
 }
 
-/// Coefficients of the rest's columns and of the lobes', zeros held at their place and heights at their mean where the
-/// capture does not show them.
-fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], nonnegative: &[bool]) -> Vec<f64> {
+/// The rest's columns and those of the lobes, zeros held at their place and heights at their mean where the capture does not show them.
+fn solved(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], nonnegative: &[bool]) -> LeastSquares {
     let count = lobes.units();
-    let mean_square =
-        |columns: &[Vec<f64>]| columns.iter().map(|column| dot(column, column)).sum::<f64>() / to_f64(count);
     let mean_mnm = mean(&lobes.heights_mnm);
-    let held: Vec<f64> = columns
-        .chunks(count)
-        .flat_map(|of_kind| std::iter::repeat_n((HELD * mean_square(of_kind)).sqrt(), of_kind.len()))
-        .collect();
-    let with_rows = |column: &[f64], place: Option<usize>| {
-        let mut column = column.to_vec();
-        column.extend((0..columns.len()).map(|row| if place == Some(row) { held[row] } else { 0.0 }));
-        column
-    };
-    let all: Vec<Vec<f64>> = rest
-        .iter()
-        .map(|column| with_rows(column, None))
-        .chain(columns.iter().enumerate().map(|(place, column)| with_rows(column, Some(place))))
-        .collect();
-    let mut wanted = target.to_vec();
-    wanted.extend((0..columns.len()).map(|row| if row < count { held[row] * mean_mnm } else { 0.0 }));
-    let slices: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
-    bounded_least_squares::solve(&slices, &wanted, &nonnegative[..slices.len()])
+    let of_kind = columns.chunks(count).zip([mean_mnm, 0.0]).enumerate();
+    let holds = of_kind.flat_map(|(kind, (columns, held_at))| {
+        let mut holds = holds(rest.len() + kind * count, columns, |_| HELD);
+        holds.iter_mut().for_each(|hold| hold.product = hold.square * held_at);
+        holds
+    });
+    let all: Vec<&[f64]> = rest.iter().copied().chain(columns.iter().map(Vec::as_slice)).collect();
+    LeastSquares::held(&all, target, &nonnegative[..all.len()], &holds.collect::<Vec<_>>())
 }
 
 /// Sum of squares that lobes leave, whatever their heights.
 fn squares(lobes: &Lobes, columns: &[Vec<f64>], rest: &[&[f64]], target: &[f64], nonnegative: &[bool]) -> f64 {
-    let heights = &columns[..lobes.units()];
-    let coefficients = solved(lobes, heights, rest, target, nonnegative);
-    let slices: Vec<&[f64]> = rest.iter().copied().chain(heights.iter().map(Vec::as_slice)).collect();
-    let left = residual(&slices, target, &coefficients);
+    let left = solved(lobes, &columns[..lobes.units()], rest, target, nonnegative).residual;
     dot(&left, &left)
-}
-
-#[allow(clippy::cast_precision_loss, reason = "a number of lobes")]
-fn to_f64(count: usize) -> f64 {
-    count as f64
 }

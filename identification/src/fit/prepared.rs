@@ -41,6 +41,8 @@ pub(super) struct Solved<'a> {
     solution: LeastSquares,
     aliases_rad: Vec<f64>,
     harmonics: Vec<Harmonic>,
+    /// Whether the detents' period was still moving when its search ended.
+    is_unsettled: bool,
     pub(super) no_detents: Option<String>,
     /// Measured curves among the effects.
     pub(super) curves: Option<CurveProjection>,
@@ -86,14 +88,15 @@ impl<'a> Prepared<'a> {
         };
         match found {
             Detents::Found(found) => {
-                let Found { problem, solution, aliases_rad, harmonics } = *found;
-                Solved { problem, solution, aliases_rad, harmonics, no_detents: None, curves: None }
+                let Found { problem, solution, aliases_rad, harmonics, is_unsettled } = *found;
+                Solved { problem, solution, aliases_rad, harmonics, is_unsettled, no_detents: None, curves: None }
             }
             Detents::None(reason) => Solved {
                 problem: base,
                 solution,
                 aliases_rad: Vec::new(),
                 harmonics: Vec::new(),
+                is_unsettled: false,
                 no_detents: Some(reason),
                 curves: None,
             },
@@ -142,7 +145,7 @@ impl<'a> Prepared<'a> {
     ) -> Fit {
         let calibration = options.calibration.as_ref();
         let Self { band, motion, torque_mnm, row_filter } = self;
-        let Solved { problem, solution, aliases_rad, harmonics, no_detents, curves } = solved;
+        let Solved { problem, solution, aliases_rad, harmonics, is_unsettled, no_detents, curves } = solved;
         let mut trimmed = if options.preparation == PreparationMethod::CentralDifferences {
             untrimmed(problem)
         } else {
@@ -168,6 +171,13 @@ impl<'a> Prepared<'a> {
         let mut effects = trimmed.effects();
         Stick::of(uniform, motion, &effects).report(&mut parameters, &mut effects);
         let mut notes = report.notes(&parameters);
+        if is_unsettled {
+            notes.push(
+                "the search for the detents' period ended while it still moved: its interval is too narrow; sweep over more detents, or more \
+                 slowly"
+                    .to_owned(),
+            );
+        }
         if uniform.lost > 0 {
             notes.push(format!("samples missing from the capture: {}; the fit leaves the gaps out", uniform.lost));
         }

@@ -6,7 +6,8 @@ use crate::numerics::vector::dot;
 use crate::preparation::motion::Band;
 use crate::preparation::row_filter::RowFilter;
 use crate::regression::characteristic::CurveProjection;
-use crate::regression::least_squares::{ColumnNoise, LeastSquares};
+use crate::regression::gram::Correction;
+use crate::regression::least_squares::LeastSquares;
 use crate::regression::problem::{Column, Problem};
 
 /// A delay between torque and motion is believed only up to this many samples; more is an effect of its own.
@@ -140,10 +141,10 @@ impl<'a> Trimmed<'a> {
         nonnegative.resize(columns.len(), false);
         let share = 1.0 - curves.count() as f64 / target.len() as f64;
         let noise = problem.column_noise().into_iter();
-        let noise: Vec<ColumnNoise> = noise
-            .map(|noise| ColumnNoise { square: share * noise.square, product: share * noise.product, ..noise })
+        let noise: Vec<Correction> = noise
+            .map(|noise| Correction { square: share * noise.square, product: share * noise.product, ..noise })
             .collect();
-        self.solution = LeastSquares::solve_within(columns, target, &nonnegative, &noise);
+        self.solution = LeastSquares::corrected(columns, target, &nonnegative, &noise);
         self.curves = Some(curves);
     }
 

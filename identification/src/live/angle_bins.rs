@@ -2,12 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use nalgebra::DMatrix;
 use realfft::{RealFftPlanner, num_complex::Complex};
 
-use crate::detents::scan::{FEWEST_PERIODS, vertex_of};
+use crate::detents::scan::{FEWEST_PERIODS, background_of, gram_inverse, power, vertex_of};
 use crate::detents::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
-use crate::uncertainty::statistics::median;
 
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;
@@ -201,38 +200,14 @@ impl AngleBins {
         }
         let gram = DMatrix::from_fn(columns, columns, |row, column| self.gram[row * self.width + column]);
         let inverse = ridge_inverse(&gram);
-        let spectra = self.spectra(length, 2 * last + 1);
-        let (weights, torque) = (&spectra[0], &spectra[self.width]);
-        // Room for one wavenumber's products, taken once: there are thousands of them.
-        let mut base = [DVector::zeros(columns), DVector::zeros(columns)];
-        let mut projected = base.clone();
-        let powers: Vec<f64> = (first..=last)
-            .map(|index| {
-                for row in 0..columns {
-                    let value = spectra[1 + row][index];
-                    base[0][row] = value.im;
-                    base[1][row] = value.re;
-                }
-                for (projected, base) in projected.iter_mut().zip(&base) {
-                    inverse.mul_to(base, projected);
-                }
-                let explained = |left: usize, right: usize| base[left].dot(&projected[right]);
-                let residual =
-                    (0..columns).fold(torque[index], |sum, row| sum - spectra[1 + row][index] * coefficients[row]);
-                let products = Vector2::new(residual.im, residual.re);
-                let (weight, twice) = (weights[0].re, weights[2 * index]);
-                let detent = Matrix2::new(
-                    0.5 * (weight - twice.re) - explained(0, 0) + 3e-3 * weight,
-                    0.5 * twice.im - explained(0, 1),
-                    0.5 * twice.im - explained(1, 0),
-                    0.5 * (weight + twice.re) - explained(1, 1) + 3e-3 * weight,
-                );
-                if detent[(0, 0)] <= 0.0 || detent.determinant() <= 0.0 {
-                    return 0.0;
-                }
-                detent.try_inverse().map_or(0.0, |inverse| products.dot(&(inverse * products)))
-            })
-            .collect();
+        let mut spectra = self.spectra(length, 2 * last + 1);
+        let mut residual = spectra.pop()?;
+        let weights = spectra.remove(0);
+        for (column, coefficient) in spectra.iter().zip(coefficients) {
+            residual.iter_mut().zip(column).for_each(|(left, line)| *left -= line * coefficient);
+        }
+        let power = |index| power(&gram_inverse(index, 1.0, &spectra, &weights, &inverse), residual[index]);
+        let powers: Vec<f64> = (first..=last).map(power).collect();
         let best = (0..powers.len()).max_by(|a, b| powers[*a].total_cmp(&powers[*b]))?;
         let wavenumber = (first + best) as f64 * spacing + spacing * vertex_of(&powers, best);
         let peak = TAU / travel_rad / spacing;
@@ -242,7 +217,7 @@ impl AngleBins {
             .filter(|(index, _)| (*index as f64 - best as f64).abs() > peak)
             .map(|(_, power)| *power)
             .collect();
-        let background = median(&mut elsewhere) / (2.0 * 2_f64.ln());
+        let background = background_of(&mut elsewhere);
         let total = self.residual_square(coefficients);
         let torque_square = self.gram[self.width * self.width - 1];
         let samples = weights[0].re;

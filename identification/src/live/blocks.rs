@@ -126,7 +126,7 @@ impl Blocks {
             residual_rms: rms(solved.squares(&total)),
             rows: self.rows,
             blocks: blocks.len(),
-            coefficients: solved.coefficients.as_slice().to_vec(),
+            coefficients: solved.coefficients,
         })
     }
 

@@ -19,7 +19,7 @@ pub(super) struct BlockSums {
 
 /// Coefficients with their covariances.
 pub(super) struct Estimate {
-    pub(super) coefficients: DVector<f64>,
+    pub(super) coefficients: Vec<f64>,
     /// Allows for residuals that are correlated within a stretch and of varying size.
     pub(super) covariance: DMatrix<f64>,
     /// As textbooks have it.
@@ -71,6 +71,11 @@ impl BlockSums {
         self.solve_for(&self.all())
     }
 
+    /// Sum of squares that all columns leave.
+    pub(super) fn all_left(&self) -> Option<f64> {
+        self.left(&self.all())
+    }
+
     /// Sum of squares that the chosen columns leave.
     pub(super) fn left(&self, chosen: &[usize]) -> Option<f64> {
         Some(self.solve_for(chosen)?.squares(&self.total()).max(0.0))
@@ -82,8 +87,8 @@ impl BlockSums {
     }
 
     /// Target minus columns times coefficients.
-    pub(super) fn residual(&self, coefficients: &DVector<f64>) -> Vec<f64> {
-        residual(&self.columns, &self.target, coefficients.as_slice())
+    pub(super) fn residual(&self, coefficients: &[f64]) -> Vec<f64> {
+        residual(&self.columns, &self.target, coefficients)
     }
 
     /// [`gram::evidence`] for the columns from `base` on.

@@ -1,7 +1,7 @@
 //! A slow curve measured point by point: what is pressed has no sinusoids.
 
 use dynamics::Motion;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::block_sums::BlockSums;
 use super::{Fitted, Map};
@@ -37,17 +37,13 @@ pub(super) fn fit(samples: &Samples<'_>, map: &Map, saturation: &Saturation) -> 
     let known = if both_ways { frictions.as_slice() } else { &[] };
     let mut sums = BlockSums::new(map.torque_mnm.clone());
     let of_friction = columns.into_iter().take(known.len());
-    let of_points = all.into_iter().skip(base.len()).map(|mut column| {
-        column.truncate(rows);
-        column
-    });
-    of_friction.chain(of_points).for_each(|column| sums.push(column));
+    of_friction.chain(all.into_iter().skip(base.len())).for_each(|column| sums.push(column));
     // Both frictions are the one that was fitted.
     let fitted = |column: usize| column.saturating_sub(known.len().saturating_sub(base.len()));
     let width = sums.width();
     let spread =
         |matrix: &DMatrix<f64>| DMatrix::from_fn(width, width, |row, column| matrix[(fitted(row), fitted(column))]);
-    let coefficients = DVector::from_fn(width, |column, _| solution.coefficients[fitted(column)]);
+    let coefficients: Vec<f64> = (0..width).map(|column| solution.coefficients[fitted(column)]).collect();
     let fitted = Fitted {
         residual: sums.residual(&coefficients),
         sums,

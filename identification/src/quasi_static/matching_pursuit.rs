@@ -6,7 +6,9 @@
 use std::f64::consts::{PI, TAU};
 
 use super::block_sums::BlockSums;
+use crate::detents::scan::background_of;
 use crate::numerics::fourier;
+use crate::regression::refiner::{self, Ended, longest_improving};
 use crate::samples::span;
 use crate::uncertainty::statistics::median;
 
@@ -32,7 +34,9 @@ const REFUSALS: usize = 4;
 /// No more sinusoids than this.
 const MOST: usize = 64;
 /// Gauss–Newton steps of a real wavenumber.
-const STEPS: usize = 4;
+const STEPS: usize = 8;
+/// A step that takes off less than this share of the sum of squares is the last.
+const SETTLED: f64 = 1e-9;
 
 /// Where sinusoids are looked for.
 pub(super) struct Grid {
@@ -91,9 +95,9 @@ impl Grid {
         let free = |line: &usize| taken.iter().all(|known| (known / self.unit - *line as f64).abs() > near);
         let highest = self.highest.min(lines.len() - 2);
         let best = (self.lowest..=highest).filter(free).max_by(|a, b| power(*a).total_cmp(&power(*b)))?;
-        // Powers of noise are exponential: the mean is the median over ln 2, and a few lines do not move the median.
+        // A line of noise has two squared normal numbers.
         let mut powers: Vec<f64> = (self.lowest..=highest).map(power).collect();
-        let background = median(&mut powers) / 2.0_f64.ln();
+        let background = 2.0 * background_of(&mut powers);
         let independent = (highest - self.lowest + 1) as f64 / if self.whole_turn { 1.0 } else { PADDING };
         Some(Peak {
             wavenumber: best as f64 * self.unit,
@@ -162,15 +166,27 @@ pub(super) fn tangent(angle_rad: &[f64], wavenumber: f64, coefficients: [f64; 2]
 fn refined(sums: &mut BlockSums, angle_rad: &[f64], start: f64, unit: f64) -> f64 {
     let base = sums.width();
     let mut wavenumber = start;
-    for _ in 0..STEPS {
+    let left = |sums: &mut BlockSums, wavenumber| {
+        push(sums, angle_rad, wavenumber);
+        let left = sums.all_left();
+        sums.truncate(base);
+        left
+    };
+    let Some(squares) = left(sums, start) else { return start };
+    refiner::refine(STEPS, SETTLED, squares, |before| {
         push(sums, angle_rad, wavenumber);
         let step = sums.solve().and_then(|solution| {
             let [sine, cosine] = [base, base + 1].map(|column| solution.coefficients[column]);
             sums.push(tangent(angle_rad, wavenumber, [sine, cosine]));
-            sums.solve().map(|extended| extended.coefficients[base + 2])
+            sums.solve().map(|extended| extended.coefficients[base + 2].clamp(-0.5 * unit, 0.5 * unit))
         });
         sums.truncate(base);
-        wavenumber += step.unwrap_or(0.0).clamp(-0.5 * unit, 0.5 * unit);
-    }
+        let (from, step) = (wavenumber, step.ok_or(Ended::NoStepImproves)?);
+        longest_improving(0.25, |share| {
+            wavenumber = from + share * step;
+            left(sums, wavenumber).filter(|after| *after < before)
+        })
+        .inspect_err(|_| wavenumber = from)
+    });
     wavenumber
 }

@@ -141,7 +141,7 @@ impl Map {
 /// The settled map: friction columns first, then sine and cosine of each sinusoid.
 struct Fitted {
     sums: BlockSums,
-    coefficients: DVector<f64>,
+    coefficients: Vec<f64>,
     covariance: DMatrix<f64>,
     textbook: DMatrix<f64>,
     residual: Vec<f64>,

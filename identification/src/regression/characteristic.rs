@@ -4,7 +4,8 @@
 use dynamics::{Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
 use nalgebra::DMatrix;
 
-use super::least_squares::{ColumnNoise, LeastSquares};
+use super::gram::Correction;
+use super::least_squares::LeastSquares;
 use crate::numerics::vector::{self, dot};
 use crate::uncertainty::statistics::{NORMAL_95, mean};
 
@@ -98,24 +99,13 @@ impl Spline {
     }
 }
 
-/// Columns and target with a row more for each point of a spline, which holds it near zero by its share of the mean point's
-/// square: where the columns of named effects, the base, can do the same, they do it.
-pub(crate) fn held(
-    base: &[impl AsRef<[f64]>],
-    points: &[Vec<f64>],
-    target: &[f64],
-    share: impl Fn(usize) -> f64,
-) -> (Vec<Vec<f64>>, Vec<f64>) {
-    #[allow(clippy::cast_precision_loss, reason = "a number of points")]
-    let mean = points.iter().map(|row| dot(row, row)).sum::<f64>() / points.len() as f64;
-    let extended = |column: &[f64], place: Option<usize>| {
-        let mut column = column.to_vec();
-        column.extend((0..points.len()).map(|row| if place == Some(row) { (share(row) * mean).sqrt() } else { 0.0 }));
-        column
-    };
-    let columns = base.iter().map(|column| extended(column.as_ref(), None));
-    let columns = columns.chain(points.iter().enumerate().map(|(place, column)| extended(column, Some(place))));
-    (columns.collect(), extended(target, None))
+/// What holds the points of a spline, whose columns follow the `base` ones, near zero by a share of the mean point's square: where the
+/// columns of named effects, the base, can do the same, they do it.
+pub(crate) fn holds(base: usize, points: &[Vec<f64>], share: impl Fn(usize) -> f64) -> Vec<Correction> {
+    let squares: Vec<f64> = points.iter().map(|row| dot(row, row)).collect();
+    let mean = mean(&squares);
+    let hold = |point| Correction { column: base + point, square: share(point) * mean, product: 0.0 };
+    (0..points.len()).map(hold).collect()
 }
 
 /// Where the points of a spline are to lie: closer where the torque bends more.
@@ -187,7 +177,7 @@ pub(crate) struct Measured {
     pub(crate) effects: Vec<Effect>,
     /// Their points with intervals.
     pub(crate) curves: Vec<MeasuredCurve>,
-    /// All columns, those of the base first, with the rows that hold the points behind the samples'.
+    /// All columns, those of the base first.
     pub(crate) columns: Vec<Vec<f64>>,
     /// The solution over them.
     pub(crate) solution: LeastSquares,
@@ -203,7 +193,7 @@ pub(crate) struct CurveProjection {
 }
 
 impl CurveProjection {
-    /// On the points of what was measured, over its rows without those that held the points; `both` is the column of a Coulomb friction alike
+    /// On the points of what was measured; `both` is the column of a Coulomb friction alike
     /// in both directions, of which a measured friction has no part.
     pub(crate) fn new(measured: &Measured, both: &[f64]) -> Self {
         let count: usize = measured.curves.iter().map(|curve| curve.points.len()).sum();
@@ -212,15 +202,13 @@ impl CurveProjection {
         let columns = measured.columns[measured.columns.len() - count..].iter().enumerate();
         let points: Vec<Vec<f64>> = columns
             .map(|(place, column)| {
-                let mut column = column[..both.len()].to_vec();
+                let mut column = column.clone();
                 let share = if place < of_torque { 0.0 } else { dot(&column, both) / square };
                 column.iter_mut().zip(both).for_each(|(value, both)| *value -= share * both);
                 column
             })
             .collect();
-        let mut products = DMatrix::zeros(count, count);
-        vector::products(&points, 0, &mut products);
-        Self { points, products }
+        Self { products: vector::gram(&points), points }
     }
 
     /// Number of points.
@@ -231,7 +219,7 @@ impl CurveProjection {
     /// What the points cannot do of a column; nothing where only rounding is left.
     pub(crate) fn remainder(&self, column: &[f64]) -> Vec<f64> {
         let free = vec![false; self.points.len()];
-        let left = LeastSquares::solve_noisy(&self.points, &self.products, column, &free, &[]).residual;
+        let left = LeastSquares::of_products(&self.points, &self.products, column, &free, &[]).residual;
         if dot(&left, &left) > ROUNDING * dot(column, column) { left } else { vec![0.0; column.len()] }
     }
 }
@@ -240,11 +228,11 @@ impl CurveProjection {
 /// are both, by how much half their difference varies. The number of points is that with the least of Schwarz's criterion (G. Schwarz, Ann.
 /// Statist. 6, 1978, 461–464); `None` where the samples tell no point.
 ///
-/// `rows` makes the columns of a spline's points; `noise` is that of the base's columns.
+/// `rows` makes the columns of a spline's points; `noise` is what takes that of the base's columns off.
 pub(crate) fn measure(
     base: &[impl AsRef<[f64]>],
     nonnegative: &[bool],
-    noise: &[ColumnNoise],
+    noise: &[Correction],
     target: &[f64],
     places: &Places,
     both_ways: bool,
@@ -259,11 +247,12 @@ pub(crate) fn measure(
             kinds.iter().map(|kind| Spline::through(kind, places.points(count), None)).collect::<Option<_>>()?;
         let points: Vec<Vec<f64>> = splines.iter().flat_map(&rows).collect();
         let share = |point: usize| if point < usize::from(count) { HELD } else { FRICTION_HELD };
-        let (columns, extended) = held(base, &points, target, share);
+        let corrections = [noise, &holds(base.len(), &points, share)].concat();
+        let columns: Vec<Vec<f64>> = base.iter().map(|column| column.as_ref().to_vec()).chain(points).collect();
         let bounds: Vec<bool> =
             nonnegative.iter().copied().chain(std::iter::repeat(false)).take(columns.len()).collect();
-        let solution = LeastSquares::solve_within(&columns, &extended, &bounds, noise);
-        let left = dot(&solution.residual[..target.len()], &solution.residual[..target.len()]);
+        let solution = LeastSquares::corrected(&columns, target, &bounds, &corrections);
+        let left = dot(&solution.residual, &solution.residual);
         #[allow(clippy::cast_precision_loss, reason = "numbers of rows and columns")]
         let criterion = {
             let (rows, fitted) = (target.len() as f64, solution.fitted() as f64);

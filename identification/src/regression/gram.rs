@@ -8,44 +8,149 @@ use crate::uncertainty::statistics::mean_over_error;
 
 /// A column of which less than this share of the square remains beside the others counts as collinear.
 pub(crate) const COLLINEAR: f64 = 1e-9;
+/// Noise of a column may make up at most this share of its square to be taken off: beyond, nothing would be left.
+const MOST_NOISE: f64 = 0.5;
+
+/// What is added to a column's inner products beyond its rows: what holds its coefficient near a value or, below zero, noise that
+/// the rows hold.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Correction {
+    pub(crate) column: usize,
+    /// Added to the column's square.
+    pub(crate) square: f64,
+    /// Added to the column's product with the target.
+    pub(crate) product: f64,
+}
+
+/// Inner products of columns and a target, and what else decides their coefficients.
+pub(crate) struct Normal<'a> {
+    /// Of the columns with each other.
+    pub(crate) products: &'a DMatrix<f64>,
+    /// Of the columns with the target.
+    pub(crate) with_target: &'a [f64],
+    /// The columns that may be fitted.
+    pub(crate) chosen: &'a [usize],
+    /// Which coefficients stay at or above zero.
+    pub(crate) nonnegative: &'a [bool],
+    pub(crate) corrections: &'a [Correction],
+    /// Share of a column's square that must remain beside the earlier columns for it to be fitted.
+    pub(crate) collinear: f64,
+}
 
 /// The solution of target ≈ Σ coefficient · column.
 pub(crate) struct Solution {
-    /// One per column; zero for those not chosen, empty, or sums of earlier ones.
-    pub(crate) coefficients: DVector<f64>,
+    /// One per column; zero for those not fitted.
+    pub(crate) coefficients: Vec<f64>,
     /// The columns that were fitted.
     pub(crate) fitted: Vec<usize>,
-    /// Their lengths.
-    scales: Vec<f64>,
+    /// Columns that are sums of earlier chosen ones, empty, or not chosen.
+    pub(crate) collinear: Vec<bool>,
+    corrections: Vec<Correction>,
+    /// Lengths of the fitted columns.
+    lengths: Vec<f64>,
     /// Of the Gram matrix of the fitted columns, each made one in length.
     factor: Cholesky<f64, Dyn>,
 }
 
-/// Solves for the `chosen` columns without those of which less than the share `collinear` remains beside the earlier ones.
-/// `None` where the products are not finite.
-pub(crate) fn solve(products: &DMatrix<f64>, chosen: &[usize], collinear: f64) -> Option<Solution> {
-    let scales: Vec<f64> = chosen.iter().map(|column| products[(column + 1, column + 1)].sqrt()).collect();
-    let gram = DMatrix::from_fn(chosen.len(), chosen.len(), |row, column| {
-        products[(chosen[row] + 1, chosen[column] + 1)] / (scales[row] * scales[column])
-    });
-    let is_collinear = find_collinear(&gram, &scales, collinear);
-    let active: Vec<usize> = (0..chosen.len()).filter(|index| !is_collinear[*index]).collect();
-    let factor = Cholesky::new(gram.select_rows(&active).select_columns(&active))?;
-    let fitted: Vec<usize> = active.iter().map(|index| chosen[*index]).collect();
-    let scales: Vec<f64> = active.iter().map(|index| scales[*index]).collect();
-    let right = fitted.iter().zip(&scales).map(|(column, scale)| products[(column + 1, 0)] / scale);
-    let solved = factor.solve(&DVector::from_iterator(fitted.len(), right));
-    let mut coefficients = DVector::zeros(products.nrows() - 1);
-    for ((column, scale), value) in fitted.iter().zip(&scales).zip(solved.iter()) {
-        coefficients[*column] = value / scale;
+impl Normal<'_> {
+    /// Solves for the columns that are not collinear, one after the other left out whose coefficient would be negative and must not
+    /// (C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23, from the other end). `None` where the products are
+    /// not finite or the corrections leave nothing.
+    pub(crate) fn solve(&self) -> Option<Solution> {
+        let count = self.with_target.len();
+        let lengths: Vec<f64> = (0..count).map(|column| self.products[(column, column)].sqrt()).collect();
+        let mut gram = DMatrix::from_fn(count, count, |row, column| {
+            self.products[(row, column)] / (lengths[row] * lengths[column])
+        });
+        let is_bearable = |c: &&Correction| c.square > -MOST_NOISE * lengths[c.column].powi(2);
+        let corrections: Vec<Correction> = self.corrections.iter().filter(is_bearable).copied().collect();
+        let add = |gram: &mut DMatrix<f64>, holds: bool| {
+            for c in corrections.iter().filter(|c| (c.square > 0.0) == holds) {
+                gram[(c.column, c.column)] += c.square / lengths[c.column].powi(2);
+            }
+        };
+        add(&mut gram, true);
+        let collinear = find_collinear(&gram, self.chosen, self.collinear);
+        add(&mut gram, false);
+        let mut solution = Solution {
+            coefficients: vec![0.0; count],
+            fitted: self.chosen.iter().copied().filter(|column| !collinear[*column]).collect(),
+            collinear,
+            corrections,
+            lengths: Vec::new(),
+            factor: Cholesky::new(DMatrix::identity(0, 0))?,
+        };
+        loop {
+            let fitted = &solution.fitted;
+            solution.factor = Cholesky::new(gram.select_rows(fitted).select_columns(fitted))?;
+            solution.lengths = fitted.iter().map(|column| lengths[*column]).collect();
+            let step = solution.step(self.with_target);
+            let negative = solution.fitted.iter().zip(step.iter()).enumerate();
+            let negative = negative.filter(|(_, (column, value))| self.nonnegative[**column] && **value < 0.0);
+            match negative.min_by(|(_, (_, one)), (_, (_, other))| one.total_cmp(other)).map(|(place, _)| place) {
+                Some(place) => drop(solution.fitted.remove(place)),
+                None => {
+                    solution.take(&step);
+                    return Some(solution);
+                }
+            }
+        }
     }
-    Some(Solution { coefficients, fitted, scales, factor })
+}
+
+/// Solves for the `chosen` columns of a matrix of products that has the target first.
+pub(crate) fn solve(products: &DMatrix<f64>, chosen: &[usize], collinear: f64) -> Option<Solution> {
+    let columns = 1..products.nrows();
+    let with_target: Vec<f64> = columns.clone().map(|column| products[(column, 0)]).collect();
+    let solution = Normal {
+        products: &products.view_range(columns.clone(), columns).into_owned(),
+        with_target: &with_target,
+        chosen,
+        nonnegative: &vec![false; with_target.len()],
+        corrections: &[],
+        collinear,
+    };
+    solution.solve()
 }
 
 impl Solution {
+    /// Moves the coefficients by what inner products of the columns with the residual ask for, unless that moves the prediction by
+    /// no more than `settled`; returns whether it does not.
+    pub(crate) fn improve(&mut self, with_residual: &[f64], settled: f64) -> bool {
+        let step = self.step(with_residual);
+        let is_settled = step.norm() <= settled;
+        if !is_settled {
+            self.take(&step);
+        }
+        is_settled
+    }
+
+    /// Step of the coefficients, counted in lengths of the columns.
+    fn step(&self, products: &[f64]) -> DVector<f64> {
+        let right = self.fitted.iter().zip(&self.lengths).map(|(column, length)| {
+            let of_column = self.corrections.iter().filter(|c| c.column == *column);
+            let correction: f64 = of_column.map(|c| c.product - c.square * self.coefficients[*column]).sum();
+            (products[*column] + correction) / length
+        });
+        self.factor.solve(&DVector::from_iterator(self.fitted.len(), right))
+    }
+
+    fn take(&mut self, step: &DVector<f64>) {
+        for ((column, length), step) in self.fitted.iter().zip(&self.lengths).zip(step.iter()) {
+            self.coefficients[*column] += step / length;
+        }
+    }
+
     /// Inverse of the fitted columns' Gram matrix, zero in the rows and columns of the others.
     pub(crate) fn inverse(&self) -> DMatrix<f64> {
-        unscaled_inverse(&self.factor, &self.fitted, &self.scales, self.coefficients.len())
+        let (inverse, count) = (self.factor.inverse(), self.coefficients.len());
+        let mut all = DMatrix::zeros(count, count);
+        for (row, at) in self.fitted.iter().enumerate() {
+            for (column, other) in self.fitted.iter().enumerate() {
+                all[(*at, *other)] = inverse[(row, column)] / (self.lengths[row] * self.lengths[column]);
+            }
+        }
+        all
     }
 
     /// Sum of squares that it leaves of rows with these products.
@@ -70,7 +175,10 @@ impl Solution {
 
     /// What target and columns count in the residual, with the sign turned.
     fn weights(&self) -> DVector<f64> {
-        self.coefficients.clone().insert_row(0, -1.0)
+        DVector::from_iterator(
+            self.coefficients.len() + 1,
+            std::iter::once(-1.0).chain(self.coefficients.iter().copied()),
+        )
     }
 }
 
@@ -100,53 +208,23 @@ pub(crate) fn sum<'a>(blocks: impl Iterator<Item = &'a DMatrix<f64>>, size: usiz
     blocks.fold(DMatrix::zeros(size, size), |sum, products| sum + products)
 }
 
-/// The inverse of a scaled Gram matrix of the columns at `places` as that of all `count` columns, zero for the others.
-pub(crate) fn unscaled_inverse(
-    factor: &Cholesky<f64, Dyn>,
-    places: &[usize],
-    scales: &[f64],
-    count: usize,
-) -> DMatrix<f64> {
-    let inverse = factor.inverse();
-    let mut all = DMatrix::zeros(count, count);
-    for (row, at) in places.iter().enumerate() {
-        for (column, other) in places.iter().enumerate() {
-            all[(*at, *other)] = inverse[(row, column)] / (scales[row] * scales[column]);
-        }
-    }
-    all
-}
-
-/// Which column must go next for the coefficients marked in `nonnegative` to stay at or above zero: the place among the
-/// `active` ones of that with the most negative coefficient, coefficients being counted in columns of one length.
-pub(crate) fn most_negative(
-    active: &[usize],
-    scaled: impl Iterator<Item = f64>,
-    nonnegative: &[bool],
-) -> Option<usize> {
-    let negative = scaled.enumerate().filter(|(place, value)| nonnegative[active[*place]] && *value < 0.0);
-    negative.min_by(|one, other| one.1.total_cmp(&other.1)).map(|(place, _)| place)
-}
-
-/// Which columns are empty or, but for the share `collinear` of their squares, sums of earlier ones: Cholesky's pivots tell how
-/// much of each is new.
-pub(crate) fn find_collinear(gram: &DMatrix<f64>, scales: &[f64], collinear: f64) -> Vec<bool> {
-    let count = scales.len();
-    let mut found: Vec<bool> = scales.iter().map(|scale| !(*scale > 0.0 && scale.is_finite())).collect();
+/// Which columns are not chosen, empty or, but for the share `collinear` of their squares, sums of earlier ones: Cholesky's pivots tell
+/// how much of each is new.
+fn find_collinear(gram: &DMatrix<f64>, chosen: &[usize], collinear: f64) -> Vec<bool> {
+    let count = gram.nrows();
+    let mut found = vec![true; count];
     let mut factor = DMatrix::<f64>::zeros(count, count);
-    for row in 0..count {
-        if found[row] {
-            continue;
-        }
-        for column in (0..row).filter(|column| !found[*column]).collect::<Vec<_>>() {
+    for row in chosen.iter().copied() {
+        for column in (0..row).filter(|column| !found[*column]) {
             let sum: f64 = (0..column).map(|k| factor[(row, k)] * factor[(column, k)]).sum();
             factor[(row, column)] = (gram[(row, column)] - sum) / factor[(column, column)];
         }
         let left = gram[(row, row)] - (0..row).map(|k| factor[(row, k)].powi(2)).sum::<f64>();
+        // An empty column has no length to be counted in.
         if left > collinear {
             factor[(row, row)] = left.sqrt();
+            found[row] = false;
         } else {
-            found[row] = true;
             (0..row).for_each(|k| factor[(row, k)] = 0.0);
         }
     }

@@ -16,9 +16,7 @@ pub(crate) fn evidence(columns: &[Column], base: usize, target: &Column) -> f64 
         .map(|block| {
             let rows = (block * length).min(target.len())..((block + 1) * length).min(target.len());
             let part: Vec<&[f64]> = [target].into_iter().chain(columns).map(|column| &column[rows.clone()]).collect();
-            let mut products = DMatrix::zeros(part.len(), part.len());
-            vector::products(&part, 0, &mut products);
-            products
+            vector::gram(&part)
         })
         .collect();
     gram::evidence(&blocks, base)

@@ -2,9 +2,9 @@
 
 use std::ops::Deref;
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
-use super::gram::{COLLINEAR, find_collinear, most_negative, unscaled_inverse};
+use super::gram::{COLLINEAR, Correction, Normal};
 use crate::numerics::vector::{self, dot};
 use crate::uncertainty::leverage::Leverage;
 use crate::uncertainty::long_run::{kernel_scale, smooth_scores};
@@ -16,18 +16,11 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// Most rounds on the residual.
 const ROUNDS: usize = 3;
 
-/// Noise of a column, in sums over the rows.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ColumnNoise {
-    pub(crate) column: usize,
-    /// What it adds to the column's square.
-    pub(crate) square: f64,
-    /// What it adds to the column's product with the target.
-    pub(crate) product: f64,
-}
-
-/// Noise of a column may make up at most this share of its square to be taken off: beyond, nothing would be left.
-const MOST_NOISE: f64 = 0.5;
+/// What holds a coefficient of either sign near zero, as a share of its column's square: too little to be felt unless
+/// other columns can do the same.
+const HELD: f64 = 1e-8;
+/// The same for coefficients that cannot be negative.
+const HELD_FIRMLY: f64 = 1e-11;
 
 /// The solution of target ≈ Σ coefficient · column.
 #[derive(Clone, Debug)]
@@ -72,101 +65,85 @@ impl RobustCovariance {
 impl LeastSquares {
     /// Solves for `columns` (each as long as `target`); coefficients marked in `nonnegative` stay at or above zero.
     pub(crate) fn solve<C: Deref<Target = [f64]>>(columns: &[C], target: &[f64], nonnegative: &[bool]) -> Self {
-        Self::solve_within(columns, target, nonnegative, &[])
+        Self::corrected(columns, target, nonnegative, &[])
     }
 
-    /// The same with the sums that `noise` gives taken off the normal equations.
-    pub(crate) fn solve_within<C: Deref<Target = [f64]>>(
+    /// The same with corrections of the normal equations.
+    pub(crate) fn corrected<C: Deref<Target = [f64]>>(
         columns: &[C],
         target: &[f64],
         nonnegative: &[bool],
-        noise: &[ColumnNoise],
+        corrections: &[Correction],
     ) -> Self {
-        let mut products = DMatrix::zeros(columns.len(), columns.len());
-        vector::products(columns, 0, &mut products);
-        Self::solve_noisy(columns, &products, target, nonnegative, noise)
+        Self::of_products(columns, &vector::gram(columns), target, nonnegative, corrections)
     }
 
     /// The same with the columns' inner products given.
-    pub(crate) fn solve_noisy<C: Deref<Target = [f64]>>(
+    pub(crate) fn of_products<C: Deref<Target = [f64]>>(
         columns: &[C],
         products: &DMatrix<f64>,
         target: &[f64],
         nonnegative: &[bool],
-        noise: &[ColumnNoise],
+        corrections: &[Correction],
     ) -> Self {
-        let count = columns.len();
-        let scales: Vec<f64> = (0..count).map(|column| products[(column, column)].sqrt()).collect();
-        let mut gram =
-            DMatrix::from_fn(count, count, |row, column| products[(row, column)] / (scales[row] * scales[column]));
-        let collinear = find_collinear(&gram, &scales, COLLINEAR);
-        let noise: Vec<ColumnNoise> =
-            noise.iter().copied().filter(|noise| noise.square < MOST_NOISE * scales[noise.column].powi(2)).collect();
-        for noise in &noise {
-            gram[(noise.column, noise.column)] -= noise.square / scales[noise.column].powi(2);
-        }
-        let mut at_zero = vec![false; count];
-        loop {
-            let active: Vec<usize> = (0..count).filter(|index| !collinear[*index] && !at_zero[*index]).collect();
-            let mut solution = Self::solve_active(columns, target, &gram, &scales, &active, &noise);
-            let scaled = active.iter().map(|index| solution.coefficients[*index] * scales[*index]);
-            match most_negative(&active, scaled, nonnegative) {
-                Some(place) => at_zero[active[place]] = true,
-                None => {
-                    solution.collinear = collinear;
-                    solution.at_zero = at_zero;
-                    return solution;
-                }
-            }
-        }
+        Self::normal(columns, products, target, nonnegative, corrections, COLLINEAR)
     }
 
-    fn solve_active<C: Deref<Target = [f64]>>(
+    /// The same for columns that may be sums of each other.
+    ///
+    /// Where they are, as an offset is of two levels of friction, the one that may have either sign is held small: it takes over
+    /// only what the others, at their bounds, cannot do.
+    pub(crate) fn held<C: Deref<Target = [f64]>>(
         columns: &[C],
         target: &[f64],
-        gram: &DMatrix<f64>,
-        scales: &[f64],
-        active: &[usize],
-        noise: &[ColumnNoise],
+        nonnegative: &[bool],
+        corrections: &[Correction],
+    ) -> Self {
+        let products = vector::gram(columns);
+        let holds = nonnegative.iter().enumerate().map(|(column, nonnegative)| Correction {
+            column,
+            square: if *nonnegative { HELD_FIRMLY } else { HELD } * products[(column, column)],
+            product: 0.0,
+        });
+        let corrections: Vec<Correction> = holds.chain(corrections.iter().copied()).collect();
+        Self::normal(columns, &products, target, nonnegative, &corrections, 0.0)
+    }
+
+    fn normal<C: Deref<Target = [f64]>>(
+        columns: &[C],
+        products: &DMatrix<f64>,
+        target: &[f64],
+        nonnegative: &[bool],
+        corrections: &[Correction],
+        collinear: f64,
     ) -> Self {
         let count = columns.len();
-        let mut solution = Self {
-            coefficients: vec![0.0; count],
-            residual: target.to_vec(),
-            inverse: DMatrix::zeros(count, count),
-            collinear: Vec::new(),
-            at_zero: Vec::new(),
-        };
-        let Some(factor) = Cholesky::new(gram.select_rows(active).select_columns(active)) else {
-            return solution;
+        let with_target: Vec<f64> = columns.iter().map(|column| dot(column, target)).collect();
+        let chosen: Vec<usize> = (0..count).collect();
+        let normal =
+            Normal { products, with_target: &with_target, chosen: &chosen, nonnegative, corrections, collinear };
+        let mut residual = target.to_vec();
+        let Some(mut solution) = normal.solve() else {
+            let (coefficients, inverse) = (vec![0.0; count], DMatrix::zeros(count, count));
+            return Self { coefficients, residual, inverse, collinear: vec![true; count], at_zero: vec![false; count] };
         };
         let size = dot(target, target).sqrt();
         // Rounds on the residual win back the digits that the Gram matrix costs.
-        for round in 0..=ROUNDS {
-            let products = vector::residual(columns, &solution.coefficients, target, &mut solution.residual);
-            if round == ROUNDS {
+        for round in 1..=ROUNDS {
+            let products = vector::residual(columns, &solution.coefficients, target, &mut residual);
+            let settled = (SETTLED * size).max(NEGLIGIBLE * dot(&residual, &residual).sqrt());
+            if round == ROUNDS || solution.improve(&products, settled) {
                 break;
-            }
-            let right = DVector::from_iterator(
-                active.len(),
-                active.iter().map(|index| {
-                    let noise = noise.iter().find(|noise| noise.column == *index);
-                    let noise = noise.map_or(0.0, |n| n.square * solution.coefficients[*index] - n.product);
-                    (products[*index] + noise) / scales[*index]
-                }),
-            );
-            let step = factor.solve(&right);
-            let left = dot(&solution.residual, &solution.residual).sqrt();
-            if step.norm() <= (SETTLED * size).max(NEGLIGIBLE * left) {
-                break;
-            }
-            for (index, step) in active.iter().zip(step.iter()) {
-                solution.coefficients[*index] += step / scales[*index];
             }
         }
-        let lengths: Vec<f64> = active.iter().map(|index| scales[*index]).collect();
-        solution.inverse = unscaled_inverse(&factor, active, &lengths, count);
-        solution
+        let is_fitted = |column: usize| solution.fitted.contains(&column);
+        Self {
+            residual,
+            inverse: solution.inverse(),
+            at_zero: chosen.iter().map(|column| !solution.collinear[*column] && !is_fitted(*column)).collect(),
+            coefficients: solution.coefficients,
+            collinear: solution.collinear,
+        }
     }
 
     /// The same fit by instrumental variables: the residual is made orthogonal to the `instruments`, one per column,
@@ -177,8 +154,7 @@ impl LeastSquares {
         instruments: &[C],
         target: &[f64],
     ) -> Self {
-        let active: Vec<usize> =
-            (0..columns.len()).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
+        let active = self.active();
         let size = |columns: &[C], index: usize| dot(&columns[index], &columns[index]).sqrt();
         let cross = DMatrix::from_fn(active.len(), active.len(), |row, column| {
             let (row, column) = (active[row], active[column]);
@@ -204,9 +180,14 @@ impl LeastSquares {
         dot(&self.residual, &self.residual) < (1.0 - 1e-6) * dot(&other.residual, &other.residual)
     }
 
+    /// The columns that were fitted.
+    fn active(&self) -> Vec<usize> {
+        (0..self.coefficients.len()).filter(|column| !self.collinear[*column] && !self.at_zero[*column]).collect()
+    }
+
     /// Number of columns that were fitted.
     pub(crate) fn fitted(&self) -> usize {
-        self.collinear.iter().zip(&self.at_zero).filter(|(collinear, at_zero)| !**collinear && !**at_zero).count()
+        self.active().len()
     }
 
     /// Covariance of the coefficients if the residuals were independent and alike (the textbook's).
@@ -224,9 +205,8 @@ impl LeastSquares {
         let count = columns.len();
         let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
         let (smooth, width, bandwidth) = smooth_scores(&scores);
-        let mut middle = DMatrix::zeros(count, count);
-        vector::products(&smooth, 0, &mut middle);
-        let active: Vec<usize> = (0..count).filter(|index| !self.collinear[*index] && !self.at_zero[*index]).collect();
+        let middle = vector::gram(&smooth);
+        let active = self.active();
         let leverage = Leverage::of(columns, &active, bandwidth);
         let factor = &self.inverse * leverage.correction();
         let mut robust = RobustCovariance {
@@ -252,8 +232,7 @@ impl LeastSquares {
         let rows = self.residual.len();
         let scores: Vec<Vec<f64>> = columns.iter().map(|column| vector::multiply(column, &self.residual)).collect();
         let (smooth, width, _) = smooth_scores(&scores);
-        let mut middle = DMatrix::zeros(columns.len(), columns.len());
-        vector::products(&smooth, 0, &mut middle);
+        let middle = vector::gram(&smooth);
         let freedom = rows as f64 / rows.saturating_sub(self.fitted()).max(1) as f64;
         &self.inverse * middle * &self.inverse * (kernel_scale(width) * freedom)
     }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use dynamics::{Effect, Minimum, Part, effects};
 use nalgebra::{DMatrix, DVector};
 
-use super::backtracking::longest_improving;
-use super::least_squares::{ColumnNoise, LeastSquares};
+use super::gram::Correction;
+use super::least_squares::LeastSquares;
+use super::refiner::{self, Ended, longest_improving};
 use crate::numerics::vector::{self, dot};
 use crate::preparation::motion::{Band, GRADIENT_REACH, KnobMotion, gradient};
 use crate::preparation::row_filter::{self, RowFilter};
@@ -122,15 +123,15 @@ impl<'a> Problem<'a> {
     }
 
     pub(crate) fn solve(&self) -> LeastSquares {
-        LeastSquares::solve_noisy(&self.columns, &self.products, &self.target, &self.nonnegative, &self.column_noise())
+        LeastSquares::of_products(&self.columns, &self.products, &self.target, &self.nonnegative, &self.column_noise())
     }
 
-    /// Noise of the columns.
-    pub(crate) fn column_noise(&self) -> Vec<ColumnNoise> {
+    /// What takes the columns' noise off their products.
+    pub(crate) fn column_noise(&self) -> Vec<Correction> {
         let SensorNoise { acceleration_squares, acceleration_torque, .. } = self.noise;
         self.inertial
             .iter()
-            .map(|column| ColumnNoise { column: *column, square: acceleration_squares, product: acceleration_torque })
+            .map(|column| Correction { column: *column, square: -acceleration_squares, product: -acceleration_torque })
             .collect()
     }
 
@@ -141,7 +142,7 @@ impl<'a> Problem<'a> {
         nonnegative.resize(columns.len(), false);
         let mut products = self.products.clone().resize(columns.len(), columns.len(), 0.0);
         vector::products(&columns, self.columns.len(), &mut products);
-        let solution = LeastSquares::solve_noisy(&columns, &products, &self.target, &nonnegative, &self.column_noise());
+        let solution = LeastSquares::of_products(&columns, &products, &self.target, &nonnegative, &self.column_noise());
         (columns, solution)
     }
 
@@ -206,24 +207,24 @@ impl<'a> Problem<'a> {
     /// the parameter; returns the solution there.
     pub(crate) fn refine(&mut self, rounds: usize, limit: impl Fn(Searched, f64) -> f64) -> LeastSquares {
         let solution = self.solve();
-        self.refine_from(solution, rounds, limit)
+        self.refine_from(solution, rounds, limit).0
     }
 
-    /// [`Problem::refine`] from the solution that [`Problem::solve`] gives where the searched parameters are.
+    /// [`Problem::refine`] from the solution that [`Problem::solve`] gives where the searched parameters are; returns why it ended too.
     pub(crate) fn refine_from(
         &mut self,
         mut solution: LeastSquares,
         rounds: usize,
         limit: impl Fn(Searched, f64) -> f64,
-    ) -> LeastSquares {
+    ) -> (LeastSquares, Ended) {
         let searched = self.searched();
         if searched.is_empty() {
-            return solution;
+            return (solution, Ended::Settled);
         }
         #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
         let rows = self.target.len() as f64;
-        for _ in 0..rounds {
-            let Some((full, gain)) = self.gauss_newton(&searched, &solution) else { break };
+        let ended = refiner::refine(rounds, 0.0, dot(&solution.residual, &solution.residual), |before| {
+            let (full, gain) = self.gauss_newton(&searched, &solution).ok_or(Ended::NoStepImproves)?;
             let start: Vec<f64> = searched.iter().map(|which| self.value(*which)).collect();
             let steps: Vec<f64> = searched
                 .iter()
@@ -231,24 +232,25 @@ impl<'a> Problem<'a> {
                 .zip(&start)
                 .map(|((which, step), value)| step.clamp(-limit(*which, *value), limit(*which, *value)))
                 .collect();
-            let before = dot(&solution.residual, &solution.residual);
             if gain * rows <= SETTLED * before {
-                break;
+                return Err(Ended::Settled);
             }
             let better = longest_improving(0.25, |share| {
                 for ((which, step), value) in searched.iter().zip(&steps).zip(&start) {
                     self.set(*which, value + share * step);
                 }
                 let trial = self.solve();
-                (dot(&trial.residual, &trial.residual) < before).then_some(trial)
+                let after = dot(&trial.residual, &trial.residual);
+                (after < before).then_some((trial, after))
             });
-            let Some(better) = better else {
+            if better.is_err() {
                 searched.iter().zip(&start).for_each(|(which, value)| self.set(*which, *value));
-                break;
-            };
-            solution = better;
-        }
-        solution
+            }
+            let (trial, after) = better?;
+            solution = trial;
+            Ok(after)
+        });
+        (solution, ended)
     }
 
     /// The Gauss–Newton step of the searched parameters, all coefficients moving along, and what it would take off the
@@ -260,8 +262,7 @@ impl<'a> Problem<'a> {
         let cross = DMatrix::from_fn(self.columns.len(), tangents.len(), |row, column| {
             dot(&self.columns[row], &tangents[column])
         });
-        let mut curvature = DMatrix::zeros(tangents.len(), tangents.len());
-        vector::products(&tangents, 0, &mut curvature);
+        let mut curvature = vector::gram(&tangents);
         // What of the tangents the columns themselves cannot do.
         curvature -= cross.transpose() * &solution.inverse * &cross;
         let step = curvature.cholesky()?.solve(&slope);

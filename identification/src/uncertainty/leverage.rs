@@ -64,8 +64,7 @@ impl Leverage {
             .flat_map(|row| (0..=row).map(move |column| (row, column)))
             .map(|(row, column)| 1.0 / (lengths[row] * lengths[column]))
             .collect();
-        let mut squares = DMatrix::zeros(windows.len(), windows.len());
-        vector::products(&windows, 0, &mut squares);
+        let mut squares = vector::gram(&windows);
         squares = squares.map_with_location(|row, column, value| value * scales[row] * scales[column]);
         let sums =
             DVector::from_iterator(windows.len(), windows.iter().zip(&scales).map(|(a, scale)| scale * vector::sum(a)));

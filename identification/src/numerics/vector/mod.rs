@@ -93,6 +93,13 @@ pub(crate) fn products<C: Deref<Target = [f64]>>(columns: &[C], from: usize, pro
     }
 }
 
+/// Inner products of all columns.
+pub(crate) fn gram<C: Deref<Target = [f64]>>(columns: &[C]) -> DMatrix<f64> {
+    let mut gram = DMatrix::zeros(columns.len(), columns.len());
+    products(columns, 0, &mut gram);
+    gram
+}
+
 /// Target minus the columns' sum, and its inner product with every column, in one pass.
 pub(crate) fn residual<C: Deref<Target = [f64]>>(
     columns: &[C],

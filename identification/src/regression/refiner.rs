@@ -1,0 +1,43 @@
+//! Lowering a sum of squares step by step.
+//!
+//! What a step is differs: of Gauss and Newton with all linear coefficients solved anew, of Levenberg and Marquardt where a body is simulated.
+//! When to go on and when to stop is the same.
+
+/// Shares of a step that are tried.
+const TRIALS: usize = 4;
+
+/// Why a refinement ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ended {
+    /// A step took off next to nothing, or would.
+    Settled,
+    /// No step took off anything.
+    NoStepImproves,
+    /// All steps were taken.
+    OutOfSteps,
+}
+
+/// Takes at most so many steps, until one takes off less than the share `settled` of the sum of squares.
+///
+/// `step` is given the sum of squares and returns that after a step, or why there is none.
+pub(crate) fn refine(
+    steps: usize,
+    settled: f64,
+    mut squares: f64,
+    mut step: impl FnMut(f64) -> Result<f64, Ended>,
+) -> Ended {
+    for _ in 0..steps {
+        match step(squares) {
+            Ok(after) if squares - after > settled * squares => squares = after,
+            Ok(_) => return Ended::Settled,
+            Err(ended) => return ended,
+        }
+    }
+    Ended::OutOfSteps
+}
+
+/// What the longest share of a step gives for which `improved` gives anything; shares fall by `factor`, from the whole step on.
+pub(crate) fn longest_improving<T>(factor: f64, improved: impl FnMut(f64) -> Option<T>) -> Result<T, Ended> {
+    let mut shares = std::iter::successors(Some(1.0), |share| Some(factor * share)).take(TRIALS);
+    shares.find_map(improved).ok_or(Ended::NoStepImproves)
+}
