@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use dynamics::Model;
 use dynamics::simulate::RigMotor;
 
-use super::locate::Location;
+use super::verdict::locate::Location;
 use crate::regression::characteristic::CharacteristicPoint;
 
 /// What is missing.

@@ -2,14 +2,14 @@
 
 use dynamics::{Axis, Calibration, Model, effects};
 
+use super::capture::encoder_zero::EncoderZero;
 use super::capture::{Capture, Stretches};
-use super::commanded::CommandedTorque;
-use super::encoder_zero::EncoderZero;
 use super::error::DiagnosisError;
 use super::findings::{Diagnosis, Verdict};
-use super::judged::Judged;
+use super::model_fit::undetermined::Undetermined;
+use super::search::judged::Judged;
 use super::search::{Found, Search};
-use super::undetermined::Undetermined;
+use super::verdict::commanded::CommandedTorque;
 use crate::quasi_static::SlowMotion;
 use crate::{FitError, Samples};
 

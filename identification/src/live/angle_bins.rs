@@ -230,6 +230,7 @@ impl AngleBins {
 
     /// Sum of squares that the base coefficients leave of the unfiltered torque.
     fn residual_square(&self, coefficients: &[f64]) -> f64 {
+        // The residual is the sum of all columns, the torque's the last, with these weights.
         let weights: Vec<f64> = coefficients.iter().map(|value| -value).chain([1.0]).collect();
         let mut sum = 0.0;
         for (row, left) in weights.iter().enumerate() {

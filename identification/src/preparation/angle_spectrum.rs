@@ -31,7 +31,7 @@ impl AngleSpectrum {
         let spectrum = Spectrum::with_windows(LONGEST_WINDOW, angle_rad, rate_hz);
         let density = spectrum.smooth();
         let frequencies: Vec<f64> = spectrum.frequencies().collect();
-        // Power of a derivative up to each frequency, but for the factor of (2π)^order.
+        // Power up to each frequency of the velocity (order 2) or the acceleration (order 4), over (2π)^order.
         let power = |order: i32| -> Vec<f64> {
             let terms = frequencies.iter().zip(&density).map(|(frequency, density)| frequency.powi(order) * density);
             let sums = terms.scan(0.0, |sum, term| {
@@ -42,6 +42,7 @@ impl AngleSpectrum {
         };
         let (velocity, acceleration) = (power(2), power(4));
         let noise = noise_densities(&density);
+        // White noise up to a frequency adds the integral of its fourth power to the acceleration.
         let is_clear = |(index, noise): &&(usize, f64)| {
             noise * frequencies[*index].powi(5) / 5.0 <= NOISE_IN_BAND * acceleration[*index]
         };

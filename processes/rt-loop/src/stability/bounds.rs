@@ -228,7 +228,7 @@ const ANGLES: i32 = 500;
 /// Steepest rise over speed of the torques that depend on angle and velocity, an end stop's, summed over the effects,
 /// mNm·s/rad.
 fn damping_in_contact(model: &Model) -> f64 {
-    let both = |effect: &&Effect| {
+    let depends_on_both = |effect: &&Effect| {
         [Coordinate::Angle, Coordinate::Velocity].iter().all(|on| effect.kind().depends_on.contains(on))
     };
     let way = model.axis.fingertip_way();
@@ -241,7 +241,7 @@ fn damping_in_contact(model: &Model) -> f64 {
         let angles = (-ANGLES..=ANGLES).map(|step| f64::from(step) / f64::from(ANGLES) * looked_at(model.axis));
         angles.map(|angle_rad| rise(angle_rad, way * FASTEST_RAD_S / f64::from(SPEEDS))).fold(0.0, f64::max)
     };
-    model.effects.iter().filter(both).map(steepest).sum()
+    model.effects.iter().filter(depends_on_both).map(steepest).sum()
 }
 
 /// The parameter whose share in the steepest rise of torque over speed is the largest.

@@ -6,11 +6,11 @@
 
 use dynamics::effects;
 
-use super::capture::Capture;
-use super::findings::{UnequalDetent, Value};
-use super::lobes::{Lobes, Unit};
-use super::separable::Separable;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::findings::{UnequalDetent, Value};
+use crate::diagnosis::model_fit::lobes::{Lobes, Unit};
+use crate::diagnosis::model_fit::separable::Separable;
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::dot;
 use crate::regression::characteristic::holds;
 use crate::regression::least_squares::LeastSquares;

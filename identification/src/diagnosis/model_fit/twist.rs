@@ -11,10 +11,10 @@ use dynamics::{Coupling, Effect, EffectKind, Hypothesis, Part};
 use rayon::prelude::*;
 use realfft::num_complex::Complex;
 
-use super::capture::Capture;
-use super::separable::Separable;
-use super::structure::Structure;
-use super::unequal;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::separable::Separable;
+use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::model_fit::unequal;
 use crate::numerics::fourier::Response;
 use crate::preparation::motion::KnobMotion;
 

@@ -2,8 +2,8 @@
 
 use dynamics::{Bristles, Direction, Effect, Motion, Part, Regressors};
 
-use super::capture::Capture;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::preparation::motion::KnobMotion;
 use crate::preparation::row_filter::RowFilter;
 

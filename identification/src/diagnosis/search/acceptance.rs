@@ -1,7 +1,7 @@
 //! Whether an effect more is worth its name.
 
-use super::capture::Capture;
-use super::judged::Judged;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::search::judged::Judged;
 
 /// Evidence that an effect must bring beyond the cost of its freedom, nats: odds of e¹⁰.
 pub(crate) const EVIDENCE: f64 = 10.0;

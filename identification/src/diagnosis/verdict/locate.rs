@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::capture::Capture;
-use super::periodogram::periodogram;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::capture::periodogram::periodogram;
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::{false_discovery_rate, mean_over_error, median, student_above};
 

@@ -1,8 +1,8 @@
 //! The comparison row by row, for plots.
 
-use super::capture::Capture;
-use super::findings::Row;
-use super::judged::Judged;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::findings::Row;
+use crate::diagnosis::search::judged::Judged;
 
 /// Rows of training and held-out capture in which the knob surely slides.
 pub(crate) fn of(first: &Judged, last: &Judged, captures: [&Capture; 2]) -> [Vec<Row>; 2] {

@@ -1,9 +1,9 @@
 //! How well a fitted structure explains the capture that it was fitted to and another one.
 
-use super::capture::Capture;
-use super::nonlinear::{self, Nonlinear};
-use super::separable::Separable;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::nonlinear::{self, Nonlinear};
+use crate::diagnosis::model_fit::separable::Separable;
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::{dot, subtract};
 use crate::regression::least_squares::LeastSquares;
 use crate::uncertainty::statistics::{mean_over_error, student_above};

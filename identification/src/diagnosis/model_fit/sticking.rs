@@ -9,9 +9,9 @@
 use dynamics::effects::{backlash, karnopp_stick};
 use dynamics::{Effect, Part};
 
-use super::capture::Capture;
-use super::nonlinear::Nonlinear;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::uncertainty::statistics::quantile;
 
 /// Shares of the largest torque that are tried as limits, together with everything else …

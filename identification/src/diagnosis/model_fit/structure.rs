@@ -5,9 +5,9 @@ use std::ops::Range;
 use dynamics::effects::{self, end_stop};
 use dynamics::{Bristles, Effect, Model, Part, Regressors, Scene};
 
-use super::capture::Capture;
-use super::lobes::Lobes;
-use super::twist;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::lobes::Lobes;
+use crate::diagnosis::model_fit::twist;
 
 /// A model while it is looked for.
 #[derive(Clone, Debug)]

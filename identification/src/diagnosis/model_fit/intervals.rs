@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::capture::Capture;
-use super::findings::Value;
-use super::nonlinear::Nonlinear;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::findings::Value;
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::regression::least_squares::{LeastSquares, RobustCovariance};
 use crate::uncertainty::statistics::student_95;
 
@@ -26,7 +26,8 @@ pub(crate) fn of(structure: &Structure, capture: &Capture) -> Vec<BTreeMap<&'sta
             let value = effect.values()[parameter];
             let column = fit.column_of(index, parameter);
             let ci95 = column.filter(|column| !solved.collinear[*column]).and_then(|column| {
-                let half = critical * covariance[(column, column)].sqrt();
+                // Where a search ended early, the step that is left belongs into the interval.
+                let half = critical * covariance[(column, column)].sqrt() + solved.coefficients[column].abs();
                 fit.interval(column, value, half).filter(|[low, high]| low.is_finite() && high.is_finite())
             });
             if column.is_some() || value != 0.0 {

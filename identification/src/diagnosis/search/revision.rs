@@ -3,11 +3,11 @@
 use dynamics::effects::{self, cogging};
 use dynamics::{Effect, EffectKind};
 
-use super::acceptance::{FALSE_DISCOVERIES, takes_its_part, worthwhile};
-use super::judged::Judged;
-use super::search::{Found, Search};
-use super::trials::detent_of;
-use super::verdict::TIE;
+use crate::diagnosis::search::acceptance::{FALSE_DISCOVERIES, takes_its_part, worthwhile};
+use crate::diagnosis::search::judged::Judged;
+use crate::diagnosis::search::trials::detent_of;
+use crate::diagnosis::search::{Found, Search};
+use crate::diagnosis::verdict::TIE;
 
 /// Effects of which the first is the second where the capture does not show its further parameter: a spring far from its centre is an
 /// offset.

@@ -8,9 +8,9 @@ use dynamics::{Minimum, Model, Part};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::capture::Capture;
-use super::structure::{Searched, Structure};
-use super::twist;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::structure::{Searched, Structure};
+use crate::diagnosis::model_fit::twist;
 use crate::numerics::vector::dot;
 use crate::preparation::filter::Fir;
 use crate::preparation::uniform::whole;
@@ -44,7 +44,7 @@ const DAMPING: f64 = 1e-3;
 
 /// A value that is fitted.
 #[derive(Clone, Copy, Debug)]
-struct Value {
+struct FreeValue {
     searched: Searched,
     least: f64,
     largest: f64,
@@ -94,7 +94,7 @@ impl Tangents {
 pub(crate) struct Nonlinear<'a> {
     capture: &'a Capture,
     pub(crate) structure: Structure,
-    values: Vec<Value>,
+    values: Vec<FreeValue>,
     pub(crate) residual: Vec<f64>,
 }
 
@@ -115,7 +115,7 @@ impl<'a> Nonlinear<'a> {
     }
 
     fn with_residual(structure: Structure, residual: Vec<f64>, capture: &'a Capture) -> Self {
-        Self { capture, values: values(&structure, capture), structure, residual }
+        Self { capture, values: free_values(&structure, capture), structure, residual }
     }
 
     pub(crate) fn squares(&self) -> f64 {
@@ -376,7 +376,7 @@ fn narrowed(rows: &[f64], share: f64, capture: &Capture) -> Vec<f64> {
 }
 
 /// Everything in the structure that a fit can move.
-fn values(structure: &Structure, capture: &Capture) -> Vec<Value> {
+fn free_values(structure: &Structure, capture: &Capture) -> Vec<FreeValue> {
     let scene = capture.scene_of(structure);
     let mut values = Vec::new();
     for (index, effect) in structure.effects.iter().enumerate() {
@@ -388,13 +388,14 @@ fn values(structure: &Structure, capture: &Capture) -> Vec<Value> {
         let used = kind.parameters_in(structure.columns[index]);
         for (parameter, parameter_kind) in kind.parameters.iter().enumerate().take(used) {
             let now = effect.values()[parameter];
-            let value = |range: (f64, f64), scale, logarithmic| Value {
+            let value = |range: (f64, f64), scale, logarithmic| FreeValue {
                 searched: Searched::Parameter { effect: index, parameter, range },
                 least: range.0,
                 largest: range.1,
                 scale,
                 logarithmic,
             };
+            // A searched value without a range cannot be seen here, and one tied to another moves with it: neither is free.
             if let Some(search) = searches.iter().find(|search| search.parameter == parameter) {
                 if let Some(range) = (search.range)(&scene).filter(|_| search.same_as.is_none()) {
                     values.push(value(range, 0.05 * (range.1 - range.0), search.logarithmic));
@@ -409,7 +410,7 @@ fn values(structure: &Structure, capture: &Capture) -> Vec<Value> {
     }
     if structure.may_be_skewed(capture) {
         let largest = capture.largest_skew_s();
-        values.push(Value {
+        values.push(FreeValue {
             searched: Searched::Skew,
             least: -largest,
             largest,

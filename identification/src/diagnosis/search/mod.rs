@@ -1,22 +1,30 @@
 //! Effect after effect is tried, added and, if others make it superfluous, taken out again.
 
+pub(crate) mod acceptance;
+pub(crate) mod characteristic;
+pub(crate) mod hypotheses;
+pub(crate) mod judged;
+pub(crate) mod null_test;
+pub(crate) mod pairs;
+pub(crate) mod revision;
+pub(crate) mod trials;
+
 use dynamics::{Effect, EffectKind, Part, effects};
 use rayon::prelude::*;
 
-use super::acceptance::{
+use self::acceptance::{
     EVIDENCE, FALSE_DISCOVERIES, explains_most_of_the_gap, explains_the_gap, takes_its_part, worthwhile,
 };
-use super::capture::Capture;
-use super::error::DiagnosisError;
-use super::findings::{Characteristic, Partial};
-use super::judged::Judged;
-use super::nonlinear::Nonlinear;
-use super::null_test;
-use super::structure::Structure;
-use super::twist;
-use super::unequal;
-use super::verdict::{LEFT, TIE};
-use super::workflow::{DiagnoseOptions, Progress};
+use self::judged::Judged;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::error::DiagnosisError;
+use crate::diagnosis::findings::{Characteristic, Partial};
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::model_fit::twist;
+use crate::diagnosis::model_fit::unequal;
+use crate::diagnosis::verdict::{LEFT, TIE};
+use crate::diagnosis::workflow::{DiagnoseOptions, Progress};
 use crate::fit::fit_without_notes;
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::false_discovery_rate;

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use dynamics::{Effect, Part};
 
-use super::capture::Capture;
-use super::structure::{Searched, Structure};
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::structure::{Searched, Structure};
 use crate::numerics::vector::{dot, subtract};
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::regression::refiner::{self, Ended, longest_improving};
@@ -137,6 +137,7 @@ impl<'a> Separable<'a> {
         let nonnegative = self.structure.nonnegative();
         if self.products.is_empty() && self.structure.load_frictions().is_empty() {
             let solved = LeastSquares::held(&self.columns(), &self.target, &nonnegative, &[]);
+            self.structure.take(&solved.coefficients);
             (self.coefficients, self.residual) = (solved.coefficients, solved.residual);
             return;
         }
@@ -381,9 +382,9 @@ fn changed(before: &Structure, after: &Structure) -> Vec<usize> {
 mod tests {
     use dynamics::effects;
 
-    use super::super::capture::Stretches;
     use super::*;
     use crate::Samples;
+    use crate::diagnosis::capture::Stretches;
 
     #[test]
     fn a_delay_is_found_from_a_start_without_any() {

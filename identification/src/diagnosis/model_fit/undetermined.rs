@@ -7,8 +7,8 @@
 
 use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
 
-use super::capture::Capture;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector;
 
 /// Share of the noise's mean square that what is open of one combination may add to the held-out residual's.

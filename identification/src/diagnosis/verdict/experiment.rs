@@ -2,9 +2,9 @@
 
 use dynamics::{Drive, Excitation, Motion, excitation};
 
-use super::capture::Capture;
-use super::findings::NextExperiment;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::findings::NextExperiment;
+use crate::diagnosis::model_fit::structure::Structure;
 
 /// Amplitudes tried, as shares of the capture's own.
 const AMPLITUDES: [f64; 4] = [1.0, 0.3, 0.1, 0.02];

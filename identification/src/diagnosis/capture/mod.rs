@@ -1,5 +1,9 @@
 //! A capture made ready: motion, torque, the rows in which they are compared, and the noise that is left in these.
 
+pub(crate) mod encoder_zero;
+pub(crate) mod periodogram;
+pub(crate) mod rows;
+
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
@@ -8,8 +12,8 @@ use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
 
-use super::periodogram::periodogram;
-use super::structure::Structure;
+use self::periodogram::periodogram;
+use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::{dot, smallest_step};
 use crate::options::AccelerationUse;
 use crate::preparation::filter::Fir;

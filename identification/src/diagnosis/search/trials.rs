@@ -6,19 +6,19 @@ use dynamics::effects::{self, cogging};
 use dynamics::{Coordinate, Effect, EffectKind, ParameterKind, Part, Role};
 use rayon::prelude::*;
 
-use super::acceptance::{EVIDENCE, explains_most_of_the_gap};
-use super::findings::Value;
-use super::hypotheses::{self, Effort};
-use super::intervals;
-use super::judged::Judged;
-use super::nonlinear::Nonlinear;
-use super::search::{Found, Search};
-use super::separable::{BEND, Separable};
-use super::structure::Structure;
-use super::twist;
-use super::unequal;
-use super::verdict::LEFT;
-use super::workflow::Progress;
+use crate::diagnosis::findings::Value;
+use crate::diagnosis::model_fit::intervals;
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::separable::{BEND, Separable};
+use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::model_fit::twist;
+use crate::diagnosis::model_fit::unequal;
+use crate::diagnosis::search::acceptance::{EVIDENCE, explains_most_of_the_gap};
+use crate::diagnosis::search::hypotheses::{self, Effort};
+use crate::diagnosis::search::judged::Judged;
+use crate::diagnosis::search::{Found, Search};
+use crate::diagnosis::verdict::LEFT;
+use crate::diagnosis::workflow::Progress;
 use crate::numerics::vector::dot;
 
 /// Whether an effect is a torque over the angle, which a measured curve has already.

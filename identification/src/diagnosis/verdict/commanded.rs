@@ -4,8 +4,8 @@ use dynamics::simulate::{RigMotor, forward_windows_from_command};
 use dynamics::{Calibration, Model, Motion};
 
 use super::FORWARD_WINDOW_S;
-use super::capture::Capture;
-use super::findings::ForwardFromCommand;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::findings::ForwardFromCommand;
 
 /// Speed below which the motor's friction is not read off, as a share of the RMS speed.
 const SLOW: f64 = 0.1;
@@ -88,26 +88,26 @@ fn motor(inertia: f64, capture: &Capture, commands_mnm: &[f64]) -> Option<RigMot
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     let slow_rad_s = SLOW * (squares / motions.len() as f64).sqrt();
     // Normal equations of C·sgn(ω) + B·ω.
-    let (mut count, mut speeds, mut speed_squares, mut signed, mut weighted) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    let (mut count, mut speeds, mut speed_squares, mut frictions, mut friction_speeds) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for (index, motion) in motions.iter().enumerate() {
         let speed = motion.velocity_rad_s.abs();
-        // A command is held for a period: at a sample the mean of the one that ends and the one that begins acts.
+        // A command is held for one period, and a sample falls where one gives way to the next: their mean acts.
         let command = 0.5 * (commands_mnm[index.saturating_sub(1)] + commands_mnm[index]);
-        let lost = command - torque_mnm[index] - inertia * motion.acceleration_rad_s2;
-        if speed <= slow_rad_s || !lost.is_finite() {
+        let lost_mnm = command - torque_mnm[index] - inertia * motion.acceleration_rad_s2;
+        if speed <= slow_rad_s || !lost_mnm.is_finite() {
             continue;
         }
-        let lost = lost * motion.velocity_rad_s.signum();
+        let friction_mnm = lost_mnm * motion.velocity_rad_s.signum();
         count += 1.0;
         speeds += speed;
         speed_squares += speed * speed;
-        signed += lost;
-        weighted += lost * speed;
+        frictions += friction_mnm;
+        friction_speeds += friction_mnm * speed;
     }
     let determinant = count * speed_squares - speeds * speeds;
-    let coulomb_mnm = (signed * speed_squares - weighted * speeds) / determinant;
-    let viscous = (weighted * count - signed * speeds) / determinant;
-    // Friction that drives is a small one that the noise hides.
+    let coulomb_mnm = (frictions * speed_squares - friction_speeds * speeds) / determinant;
+    let viscous = (friction_speeds * count - frictions * speeds) / determinant;
+    // A negative estimate means that the friction is small and lost in the noise.
     (coulomb_mnm.is_finite() && viscous.is_finite()).then(|| RigMotor {
         inertia,
         coulomb_mnm: coulomb_mnm.max(0.0),

@@ -1,17 +1,24 @@
 //! What was found, in figures and words.
 
+pub(crate) mod commanded;
+pub(crate) mod experiment;
+pub(crate) mod locate;
+
 use std::collections::BTreeMap;
 
 use dynamics::{Model, simulate};
 
-use super::acceptance::{MOSTLY_EXPLAINED, MOSTLY_NOISE, explains_the_gap, takes_its_part, worthwhile};
-use super::commanded;
-use super::findings::{Diagnosis, Rival, Step, Value, Verdict};
-use super::judged::Judged;
-use super::locate::locate;
-use super::search::{Found, Search};
-use super::structure::Structure;
-use super::{experiment, intervals, rows, unequal};
+use self::locate::locate;
+use crate::diagnosis::capture::rows;
+use crate::diagnosis::findings::{Diagnosis, Rival, Step, Value, Verdict};
+use crate::diagnosis::model_fit::intervals;
+use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::model_fit::unequal;
+use crate::diagnosis::search::acceptance::{
+    MOSTLY_EXPLAINED, MOSTLY_NOISE, explains_the_gap, takes_its_part, worthwhile,
+};
+use crate::diagnosis::search::judged::Judged;
+use crate::diagnosis::search::{Found, Search};
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::rank_correlation;
 

@@ -6,12 +6,12 @@
 
 use dynamics::{Coordinate, EffectKind, Model, Motion, effects};
 
-use super::capture::Capture;
-use super::hypotheses;
-use super::judged::{Judged, p_value};
-use super::nonlinear::residual;
-use super::separable::Separable;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::nonlinear::residual;
+use crate::diagnosis::model_fit::separable::Separable;
+use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::search::hypotheses;
+use crate::diagnosis::search::judged::{Judged, p_value};
 use crate::numerics::vector::dot;
 use crate::preparation::motion::KnobMotion;
 use crate::uncertainty::statistics::{NORMAL_95, plus_minus};

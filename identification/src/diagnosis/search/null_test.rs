@@ -1,9 +1,9 @@
 //! What mere freedom buys: an effect's own columns, but at the wrong time.
 
-use super::capture::Capture;
-use super::judged::Judged;
-use super::nonlinear::Nonlinear;
-use super::structure::Structure;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::search::judged::Judged;
 use crate::numerics::vector::dot;
 use crate::regression::least_squares::{LeastSquares, residual};
 use crate::uncertainty::statistics::median;

@@ -4,14 +4,14 @@ use dynamics::effects::{self, cogging, end_stop};
 use dynamics::{Effect, EffectKind, Hypothesis, Motion, Part, Scene};
 use rayon::prelude::*;
 
-use super::acceptance::WORTHWHILE;
-use super::capture::Capture;
-use super::judged::Judged;
-use super::nonlinear::Nonlinear;
-use super::separable::Separable;
-use super::sticking;
-use super::structure::Structure;
-use super::twist;
+use crate::diagnosis::capture::Capture;
+use crate::diagnosis::model_fit::nonlinear::Nonlinear;
+use crate::diagnosis::model_fit::separable::Separable;
+use crate::diagnosis::model_fit::sticking;
+use crate::diagnosis::model_fit::structure::Structure;
+use crate::diagnosis::model_fit::twist;
+use crate::diagnosis::search::acceptance::WORTHWHILE;
+use crate::diagnosis::search::judged::Judged;
 use crate::numerics::vector::{dot, subtract};
 use crate::regression::least_squares::LeastSquares;
 
