@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use archive::Capture;
 use identification::{Fit, Parameter};
 
-use crate::summary::{self, alarmed, grouped, knob_title, three_digits, with_half_width};
+use crate::extent::{self, Extent};
+use crate::numbers::{self, alarmed, grouped, three_digits, with_half_width};
+use crate::summary::knob_title;
 
 /// Largest difference between the halves of an interval that is written as value ± half width, as a share of it.
 const SYMMETRIC: f64 = 0.01;
@@ -17,11 +19,9 @@ pub fn markdown(capture: &Capture, fit: &Result<Fit, String>) -> String {
     head(&mut text, capture);
     match fit {
         Ok(fit) => parameters(&mut text, fit),
-        Err(reason) => {
-            let _ = writeln!(text, "**No model:** {reason}\n");
-        }
+        Err(reason) => text += &format!("**No model:** {reason}\n\n"),
     }
-    summary::ranges(&mut text, "signal", columns(capture));
+    text += &numbers::ranges("signal", columns(capture));
     if let Ok(fit) = fit {
         remarks(&mut text, fit);
     }
@@ -31,15 +31,12 @@ pub fn markdown(capture: &Capture, fit: &Result<Fit, String>) -> String {
 fn head(text: &mut String, capture: &Capture) {
     let file = capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let rate = rate(capture.rate_hz);
-    match &capture.description {
+    let _ = match &capture.description {
         Some(run) => {
-            let _ = writeln!(text, "# {}\n\non **{}**, {rate}\n", knob_title(&run.knob), run.apparatus);
-            let _ = writeln!(text, "{file}\n");
+            writeln!(text, "# {}\n\non **{}**, {rate}\n\n{file}\n", knob_title(&run.knob), run.apparatus)
         }
-        None => {
-            let _ = writeln!(text, "# {file}\n\ntable, {rate}\n");
-        }
-    }
+        None => writeln!(text, "# {file}\n\ntable, {rate}\n"),
+    };
     let duration_s = capture.t_s.last().zip(capture.t_s.first()).map_or(0.0, |(last, first)| last - first);
     let _ = writeln!(text, "### {duration_s:.1} s \u{2014} {} samples\n", grouped(capture.len() as u64));
     let absent = capture.ticks_without_sample();
@@ -78,44 +75,37 @@ fn value_and_interval(parameter: &Parameter) -> String {
         (Some(value), None) => three_digits(value),
         (Some(value), Some([low, high])) => {
             let half_width = (high - low) / 2.0;
-            if ((high - value) - (value - low)).abs() <= SYMMETRIC * half_width {
-                return with_half_width(value, half_width);
-            }
-            format!("{} ({} to {})", three_digits(value), three_digits(low), three_digits(high))
+            let is_symmetric = ((high - value) - (value - low)).abs() <= SYMMETRIC * half_width;
+            let [middle, low, high] = [value, low, high].map(three_digits);
+            if is_symmetric { with_half_width(value, half_width) } else { format!("{middle} ({low} to {high})") }
         }
     }
 }
 
-fn columns(capture: &Capture) -> [(&'static str, Option<(f64, f64)>); 4] {
-    let columns = [
+fn columns(capture: &Capture) -> [(&'static str, Option<Extent>); 4] {
+    [
         ("angle_rad", Some(&capture.angle_rad)),
         ("velocity_rad_s", capture.velocity_rad_s.as_ref()),
         ("acceleration_rad_s2", capture.acceleration_rad_s2.as_ref()),
         ("torque_mnm", Some(&capture.torque_mnm)),
-    ];
-    let range = |column: &Vec<f64>| {
-        let range = (f64::INFINITY, f64::NEG_INFINITY);
-        column.iter().fold(range, |(low, high), value| (low.min(*value), high.max(*value)))
-    };
-    columns.map(|(name, column)| (name, column.map(range)))
+    ]
+    .map(|(name, column)| (name, column.and_then(|column| extent::of(column.iter().copied()))))
 }
 
 /// Why parameters are not identifiable, grouped by reason, and other remarks.
 fn remarks(text: &mut String, fit: &Fit) {
-    let mut reasons: Vec<(Vec<String>, &str)> = Vec::new();
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for parameter in &fit.parameters.0 {
         let Some(reason) = &parameter.reason else { continue };
         let name = parameter.name.replace('_', " ");
-        match reasons.iter_mut().find(|(_, known)| known == reason) {
-            Some((names, _)) => names.push(name),
-            None => reasons.push((vec![name], reason)),
+        match reasons.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((reason, vec![name])),
         }
     }
-    for (names, reason) in reasons {
-        let _ = writeln!(text, "- **{}**: {reason}", names.join(", "));
-    }
-    for note in &fit.notes {
-        let _ = writeln!(text, "- {note}");
+    let reasons = reasons.into_iter().map(|(reason, names)| format!("**{}**: {reason}", names.join(", ")));
+    for remark in reasons.chain(fit.notes.iter().cloned()) {
+        let _ = writeln!(text, "- {remark}");
     }
 }
 

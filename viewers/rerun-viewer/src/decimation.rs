@@ -3,14 +3,7 @@
 //! Time is cut into bins as wide as a pixel or so; of each bin the smallest and the largest value
 //! stay, at the times at which they were measured. A spike of one sample is therefore seen.
 
-/// Points of a time series.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Points {
-    /// Times since the start of the run, ns, ascending.
-    pub times_ns: Vec<i64>,
-    /// As many values.
-    pub values: Vec<f64>,
-}
+use crate::frame::Points;
 
 /// What stays of a bin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,10 +68,7 @@ impl Decimator {
         let Some(Bin { min, max, .. }) = self.open.take() else {
             return;
         };
-        let mut keep = |(time_ns, value)| {
-            self.done.times_ns.push(time_ns);
-            self.done.values.push(value);
-        };
+        let mut keep = |(time_ns, value)| self.done.push(time_ns, &[value]);
         match self.keep {
             Keep::Max => keep(max),
             Keep::MinMax if min.0 == max.0 => keep(min),

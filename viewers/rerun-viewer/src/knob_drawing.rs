@@ -9,10 +9,10 @@ use rerun::{Angle, Boxes3D, Cylinders3D, Points3D, RecordingStream, RecordingStr
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
+use crate::numbers::three_digits;
 use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, Rgb, STICKING, WHITE};
 use crate::plot_axes::round_step;
 use crate::strokes::{dots, labels, lines, single};
-use crate::summary::three_digits;
 
 /// Radius of the knob's body.
 const BODY_RADIUS: f64 = 0.5;

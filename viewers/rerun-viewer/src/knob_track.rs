@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::decimation::Points;
+use crate::frame::Points;
 use crate::model_torque::KnobModel;
 use crate::source::Reading;
 
@@ -70,7 +70,8 @@ pub struct DetentRing {
 impl DetentRing {
     /// The detents of a model in the turn around `angle_rad`; `None` if there are none, or until they are identified.
     pub fn of(model: &KnobModel, angle_rad: f64) -> Option<Self> {
-        let spacing_rad = model.detent_spacing_rad().filter(|spacing| *spacing > TAU / MOST_DETENTS)?;
+        let shape = model.detent_amplitude_and_spacing();
+        let [amplitude_mnm, spacing_rad] = shape.filter(|[_, spacing]| *spacing > TAU / MOST_DETENTS)?;
         let middle = (angle_rad / TAU).round() * TAU;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16 times the most detents")]
         let points = (POINTS_PER_DETENT * (TAU / spacing_rad).max(4.0)).ceil() as u32;
@@ -79,7 +80,7 @@ impl DetentRing {
             .map(|angle| [angle, model.detent_depth(angle)])
             .collect();
         let stable_rad = model.stable_angles_rad(middle - PI, middle + PI);
-        Some(Self { depths, stable_rad, amplitude_mnm: model.detent_amplitude_mnm(), spacing_rad })
+        Some(Self { depths, stable_rad, amplitude_mnm, spacing_rad })
     }
 
     /// Whether nobody could see the difference: the fit never rests, but each drawing costs a browser something.
@@ -109,7 +110,6 @@ pub struct KnobUpdate {
 pub struct KnobTrack {
     turns: Points,
     next_ns: i64,
-    motion: Option<Motion>,
     motion_shown: Option<Motion>,
     next_motion_ns: i64,
     detents_shown: Option<DetentRing>,
@@ -119,21 +119,14 @@ pub struct KnobTrack {
 impl KnobTrack {
     /// Takes in what was measured.
     pub fn push(&mut self, reading: &Reading) {
-        self.motion = Motion::of(reading).or(self.motion);
         if !reading.angle_rad.is_finite() {
             return;
         }
         self.newest_rad = reading.angle_rad;
         if reading.time_ns >= self.next_ns {
             self.next_ns = reading.time_ns + TURN_PERIOD_NS;
-            self.turns.times_ns.push(reading.time_ns);
-            self.turns.values.push(reading.angle_rad);
+            self.turns.push(reading.time_ns, &[reading.angle_rad]);
         }
-    }
-
-    /// Whether the knob sticks now.
-    pub const fn motion(&self) -> Option<Motion> {
-        self.motion
     }
 
     /// Shows the motion once more though it may not have changed: for pages that are opened late.
@@ -141,19 +134,18 @@ impl KnobTrack {
         self.motion_shown = None;
     }
 
-    /// What is new since the last call, with the detents of a new `model`; `None` if nothing is.
-    pub fn update(&mut self, model: Option<&KnobModel>) -> Option<KnobUpdate> {
+    /// What is new since the last call, with how the knob moves now and the detents of a new `model`; `None` if nothing is.
+    pub fn update(&mut self, motion: Option<Motion>, model: Option<&KnobModel>) -> Option<KnobUpdate> {
         let turns = std::mem::take(&mut self.turns);
         let newest_ns = turns.times_ns.last().copied().unwrap_or(self.next_motion_ns);
-        let motion =
-            self.motion.filter(|motion| self.motion_shown != Some(*motion) && newest_ns >= self.next_motion_ns);
+        let motion = motion.filter(|_| self.motion_shown != motion && newest_ns >= self.next_motion_ns);
         if motion.is_some() {
             self.next_motion_ns = newest_ns + MOTION_PERIOD_NS;
             self.motion_shown = motion;
         }
         let detents = model
             .and_then(|model| DetentRing::of(model, self.newest_rad))
-            .filter(|ring| !self.detents_shown.as_ref().is_some_and(|shown| shown.looks_like(ring)));
+            .filter(|ring| self.detents_shown.as_ref().is_none_or(|shown| !shown.looks_like(ring)));
         if detents.is_some() {
             self.detents_shown.clone_from(&detents);
         }
@@ -168,26 +160,17 @@ mod tests {
     use super::*;
 
     fn reading(time_ns: i64, velocity_rad_s: f64, stuck: Option<bool>) -> Reading {
-        Reading {
-            time_ns,
-            angle_rad: 0.25,
-            velocity_rad_s,
-            acceleration_rad_s2: 0.0,
-            torque_mnm: 0.0,
-            contact: f64::NAN,
-            turning_positive: velocity_rad_s > 0.0,
-            stuck,
-        }
+        Reading { time_ns, angle_rad: 0.25, velocity_rad_s, stuck, ..Reading::default() }
     }
 
     fn detents(amplitude: f64) -> KnobModel {
         let value_of = |name: &str| match name {
-            "detent_amplitude" => Some(amplitude),
-            "detent_period" => Some(0.1),
-            "detent_phase" => Some(0.5),
+            "detent_amplitude" => Some([amplitude, 0.0]),
+            "detent_period" => Some([0.1, 0.0]),
+            "detent_phase" => Some([0.5, 0.0]),
             _ => None,
         };
-        KnobModel::from_values(value_of).unwrap()
+        KnobModel::from_estimates(value_of).unwrap()
     }
 
     #[test]
@@ -197,13 +180,9 @@ mod tests {
         assert_eq!(motion(0.041, None), Some(Motion::SlippingPositive));
         assert_eq!(motion(-3.0, None), Some(Motion::SlippingNegative));
         assert_eq!(motion(f64::NAN, None), None);
-    }
-
-    #[test]
-    fn a_rendered_knob_says_itself_whether_it_sticks() {
-        let motion = |velocity, stuck| Motion::of(&reading(0, velocity, Some(stuck)));
-        assert_eq!(motion(1.0, true), Some(Motion::Sticking));
-        assert_eq!(motion(0.001, false), Some(Motion::SlippingPositive));
+        // A rendered one says so itself.
+        assert_eq!(motion(1.0, Some(true)), Some(Motion::Sticking));
+        assert_eq!(motion(0.001, Some(false)), Some(Motion::SlippingPositive));
     }
 
     #[test]
@@ -230,9 +209,10 @@ mod tests {
     fn what_has_not_changed_is_not_drawn_again() {
         let mut track = KnobTrack::default();
         (0..1_000).for_each(|millisecond| track.push(&reading(millisecond * 1_000_000, 1.0, None)));
-        let first = track.update(Some(&detents(2.0))).unwrap();
+        let slipping = Some(Motion::SlippingPositive);
+        let first = track.update(slipping, Some(&detents(2.0))).unwrap();
         assert_eq!(first.turns.times_ns.len(), 25);
         assert!(first.motion.is_some() && first.detents.is_some());
-        assert_eq!(track.update(Some(&detents(2.0))), None);
+        assert_eq!(track.update(slipping, Some(&detents(2.0))), None);
     }
 }

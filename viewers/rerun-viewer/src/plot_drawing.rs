@@ -1,6 +1,7 @@
 //! Draws an x-y plot in a plane: grid, frame, labels, points and curves.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use dynamics::Axis;
 use rerun::{Points2D, Radius, RecordingStream, RecordingStreamResult, Scale3D, Transform3D};
@@ -18,13 +19,13 @@ use crate::strokes::{plane_labels, plane_lines, single};
 #[derive(Debug)]
 pub struct PlotPen {
     axis: Axis,
-    drawn: Vec<(Abscissa, PlotAxes)>,
+    drawn: HashMap<Abscissa, PlotAxes>,
 }
 
 impl PlotPen {
     /// Plots of what has that axis.
-    pub const fn new(axis: Axis) -> Self {
-        Self { axis, drawn: Vec::new() }
+    pub fn new(axis: Axis) -> Self {
+        Self { axis, drawn: HashMap::new() }
     }
 
     /// Draws what is new in a plot at the recording's current time.
@@ -33,16 +34,9 @@ impl PlotPen {
     /// When rerun refuses a part of it.
     pub fn draw(&mut self, recording: &RecordingStream, plot: &PlotUpdate) -> RecordingStreamResult<()> {
         let root = self.axis.words(&entities::plot(plot.abscissa)).into_owned();
-        let now = (plot.abscissa, plot.axes.clone());
-        if !self.drawn.contains(&now) {
-            draw_axes(
-                recording,
-                &root,
-                [plot.abscissa.name(), "torque_mnm"].map(|name| self.axis.words(name)),
-                &plot.axes,
-            )?;
-            self.drawn.retain(|(abscissa, _)| *abscissa != plot.abscissa);
-            self.drawn.push(now);
+        if self.drawn.insert(plot.abscissa, plot.axes) != Some(plot.axes) {
+            let titles = [plot.abscissa.name(), "torque_mnm"].map(|name| self.axis.words(name));
+            draw_axes(recording, &root, titles, &plot.axes)?;
         }
         if !plot.points.is_empty() {
             draw_points(recording, &root, plot)?;

@@ -8,6 +8,7 @@ use rerun::{Boxes3D, RecordingStream, RecordingStreamResult, Scale3D, TimeColumn
 
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
+use crate::extent;
 use crate::knob_drawing::{self, DETENTS_LABEL, color, depth, detents_in_words, label};
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
 use crate::palette::NEUTRAL;
@@ -35,13 +36,13 @@ impl Slider {
     /// When rerun refuses a part of it.
     pub fn draw(&mut self, recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
         let travels = &update.turns.values;
-        let start = self.scale.as_ref().map_or((f64::INFINITY, f64::NEG_INFINITY), |scale| (scale.low, scale.high));
-        let (low, high) = travels.iter().fold(start, |(low, high), travel| (low.min(*travel), high.max(*travel)));
+        let shown = self.scale.map_or(extent::NOTHING, |scale| (scale.low, scale.high));
+        let (low, high) = travels.iter().copied().fold(shown, extent::with);
         if low > high {
             return Ok(());
         }
-        let scale = self.scale.as_ref().map_or_else(|| Axis::around(low, high), |scale| scale.following(low, high));
-        let rescaled = self.scale.as_ref() != Some(&scale);
+        let scale = Axis::following(self.scale, (low, high));
+        let rescaled = self.scale != Some(scale);
         let redrawn = rescaled || update.motion.is_some() || update.detents.is_some();
         self.motion = update.motion.or(self.motion);
         self.detents = update.detents.clone().or_else(|| self.detents.take());
@@ -67,7 +68,7 @@ impl Slider {
 
 /// Units of the drawing in a mm.
 fn units_in_mm(scale: &Axis) -> f64 {
-    2.0 * HALF_RAIL / (scale.high - scale.low)
+    2.0 * HALF_RAIL / scale.span()
 }
 
 /// Where a travel lies on the rail.

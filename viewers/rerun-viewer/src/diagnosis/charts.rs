@@ -2,7 +2,7 @@
 
 use rerun::{BarChart, RecordingStream, RecordingStreamResult};
 
-use super::input::{DiagnosisInput, Location, Step};
+use super::input::{DiagnosisInput, Location, Rival, Step};
 use crate::palette::{MEASURED, MODEL, NEGATIVE, NEUTRAL, Rgb};
 
 /// Where the maps lie, each `where/<coordinate>/before` and `…/after`.
@@ -40,17 +40,17 @@ pub fn draw(recording: &RecordingStream, input: &DiagnosisInput) -> RecordingStr
     }
     for (index, step) in found.steps.iter().enumerate() {
         let entity = step_entity(index, step);
-        let rivals = step.rivals.iter().map(|rival| {
-            let color = if rival.disqualified.is_some() { NEGATIVE } else { NEUTRAL };
-            (rival.effect.as_str(), rival.heldout_rms_after, rival.evidence, color)
-        });
-        let all: Vec<(&str, f64, f64, Rgb)> =
-            [(step.effect.as_str(), step.heldout_rms_after, step.evidence, MODEL)].into_iter().chain(rivals).collect();
-        let rms = all.iter().map(|(name, rms, _, color)| (*name, *rms, *color));
+        let contenders = step.contenders();
+        let bars_of = |value: fn(&Rival) -> f64| {
+            contenders.iter().enumerate().map(move |(place, rival)| {
+                let of_rival = if rival.disqualified.is_some() { NEGATIVE } else { NEUTRAL };
+                (rival.effect.as_str(), value(rival), if place == 0 { MODEL } else { of_rival })
+            })
+        };
         let placebo = [("placebo", step.placebo_rms, MEASURED), ("without", step.heldout_rms_before, MEASURED)];
-        bars(recording, &format!("{entity}/heldout_rms_mnm"), rms.chain(placebo))?;
-        let evidence = all.iter().map(|(name, _, evidence, color)| (*name, *evidence, *color));
-        bars(recording, &format!("{entity}/evidence_nats"), evidence)?;
+        let rms = bars_of(|rival| rival.heldout_rms_after).chain(placebo);
+        bars(recording, &format!("{entity}/heldout_rms_mnm"), rms)?;
+        bars(recording, &format!("{entity}/evidence_nats"), bars_of(|rival| rival.evidence))?;
     }
     Ok(())
 }
