@@ -10,7 +10,8 @@ use loaded_capture::LoadedCapture;
 use crate::capture_summary;
 use crate::layout::Subject;
 use crate::model_torque::KnobModel;
-use crate::source::{Event, Reading, Source, nanoseconds};
+use crate::picture::Picture;
+use crate::source::{Reading, Source, nanoseconds};
 
 /// Samples handed over at once: 2 s at 10 kHz.
 const SAMPLES_PER_POLL: usize = 20_000;
@@ -24,7 +25,6 @@ pub struct CaptureSource {
     /// The fit, or one sentence on why there is none.
     fit: Result<Fit, String>,
     next_row: usize,
-    ended: bool,
 }
 
 impl CaptureSource {
@@ -43,7 +43,7 @@ impl CaptureSource {
         };
         let fit = identification::fit(&loaded.samples(), &options).map_err(|error| error.to_string());
         let LoadedCapture { capture, calibration, .. } = loaded;
-        Ok(Self { capture, calibration, fit, next_row: 0, ended: false })
+        Ok(Self { capture, calibration, fit, next_row: 0 })
     }
 
     /// Number of samples.
@@ -92,24 +92,22 @@ impl CaptureSource {
 }
 
 impl Source for CaptureSource {
-    fn poll(&mut self, _samples_wanted: bool, take_in: &mut dyn FnMut(Event<'_>)) -> anyhow::Result<()> {
-        if self.ended {
+    fn poll(&mut self, _samples_wanted: bool, picture: &mut Picture) -> anyhow::Result<()> {
+        if picture.run().finished() {
             return Ok(());
         }
-        let axis = self.capture.axis;
-        if self.next_row == 0 {
+        let (start, all) = (self.next_row, self.capture.len());
+        if start == 0 {
+            let axis = self.capture.axis;
             let text = capture_summary::markdown(&self.capture, &self.fit);
-            take_in(Event::Capture { axis, text: &axis.words(&text) });
+            picture.describe_capture(axis, axis.words(&text).into_owned());
         }
-        let end = (self.next_row + SAMPLES_PER_POLL).min(self.capture.len());
-        take_in(Event::Readings(&self.readings(self.next_row..end)));
-        self.next_row = end;
-        if end == self.capture.len() {
+        self.next_row = (start + SAMPLES_PER_POLL).min(all);
+        picture.take_readings(&self.readings(start..self.next_row));
+        if self.next_row == all {
             let (fit, calibration) = (self.fit.as_ref().ok(), self.calibration.as_ref());
             let model = fit.and_then(curves).map(|knob| knob.on_rig(calibration));
-            let torque = fit.map(|fit| torque(fit, calibration)).unwrap_or_default();
-            take_in(Event::End { model: model.as_ref(), torque: &torque });
-            self.ended = true;
+            picture.end_capture(model, &fit.map(|fit| torque(fit, calibration)).unwrap_or_default());
         }
         Ok(())
     }
@@ -154,21 +152,6 @@ mod tests {
 
     use super::*;
 
-    /// What a source gives until it ends: readings, model torques and the text.
-    fn everything(source: &mut CaptureSource) -> (Vec<Reading>, Vec<(i64, f64)>, String) {
-        let (mut readings, mut torques, mut text) = (Vec::new(), Vec::new(), String::new());
-        while !source.ended {
-            let mut take_in = |event: Event<'_>| match event {
-                Event::Readings(more) => readings.extend_from_slice(more),
-                Event::End { torque, .. } => torques.extend_from_slice(torque),
-                Event::Capture { text: new, .. } => new.clone_into(&mut text),
-                _ => unreachable!("no capture has it"),
-            };
-            source.poll(true, &mut take_in).unwrap();
-        }
-        (readings, torques, text)
-    }
-
     /// An inertia, mNm s²/rad, with 4 mNm of Coulomb friction, turned to and fro at 3 rad/s: time, angle and torque.
     fn turned(inertia: f64) -> impl Fn(u32) -> (f64, f64, f64) {
         move |row| {
@@ -191,17 +174,25 @@ mod tests {
         let mut source = CaptureSource::open(table((0..50_000).map(turned(0.2))).path()).unwrap();
         let Subject { axis, velocity, acceleration, contact, .. } = source.subject();
         assert_eq!((axis, velocity, acceleration, contact), (dynamics::Axis::Rotary, false, false, false));
-        let (readings, torques, text) = everything(&mut source);
-        assert_eq!(readings.len(), 50_000);
-        assert!(readings.iter().zip(0..).all(|(reading, row)| reading.time_ns == row * 1_000_000));
+        let readings = source.readings(0..source.samples());
+        assert!(readings.iter().zip(0..50_000).all(|(reading, row)| reading.time_ns == row * 1_000_000));
         assert!(readings[100].turning_positive && !readings[1_000].turning_positive);
+        let fit = source.fit.as_ref().unwrap();
+        let torques = torque(fit, None);
         assert!(!torques.is_empty());
         for (time_ns, torque_mnm) in torques {
             let row = usize::try_from(time_ns).unwrap() / 1_000_000;
             assert!((torque_mnm - readings[row].torque_mnm).abs() < 0.1, "at row {row}");
         }
+        let text = capture_summary::markdown(&source.capture, &source.fit);
         let inertia = text.split("| inertia | ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
         assert!((inertia.parse::<f64>().unwrap() - 0.2).abs() < 1e-5, "{text}");
+        // More than one poll takes.
+        let mut picture = Picture::of_capture(source.samples());
+        while !picture.run().finished() {
+            source.poll(true, &mut picture).unwrap();
+        }
+        assert_eq!(picture.run().time_ns(), 49_999_000_000);
     }
 
     #[test]
@@ -224,8 +215,11 @@ mod tests {
     #[test]
     fn a_capture_that_cannot_be_fitted_is_shown_alone_with_the_reason() {
         let still = (0..1_000).map(|row| (f64::from(row) / 1_000.0, 0.5, f64::from(row % 3)));
-        let (readings, torques, text) = everything(&mut CaptureSource::open(table(still).path()).unwrap());
-        assert_eq!((readings.len(), torques.len()), (1_000, 0));
-        assert!(text.contains("**No model:** the knob did not move"), "{text}");
+        let mut source = CaptureSource::open(table(still).path()).unwrap();
+        let mut picture = Picture::of_capture(source.samples());
+        source.poll(true, &mut picture).unwrap();
+        let frame = picture.next_frame(0).unwrap();
+        assert!(!frame.series.contains_key("signals/model_torque_mnm") && !frame.plots.is_empty());
+        assert!(frame.texts[0].1.contains("**No model:** the knob did not move"), "{:?}", frame.texts);
     }
 }

@@ -1,7 +1,5 @@
 //! The text next to the plots of a finished capture: what it is, and what the fit tells.
 
-use std::fmt::Write as _;
-
 use archive::Capture;
 use identification::{Fit, Parameter};
 
@@ -14,35 +12,28 @@ const SYMMETRIC: f64 = 0.01;
 
 /// The text as Markdown; `fit` is the fit, or one sentence on why there is none.
 pub fn markdown(capture: &Capture, fit: &Result<Fit, String>) -> String {
-    // Writing to a String does not fail.
-    let mut text = String::new();
-    head(&mut text, capture);
-    match fit {
-        Ok(fit) => parameters(&mut text, fit),
-        Err(reason) => text += &format!("**No model:** {reason}\n\n"),
-    }
-    text += &numbers::ranges("signal", columns(capture));
-    if let Ok(fit) = fit {
-        remarks(&mut text, fit);
-    }
-    text
+    let ranges = numbers::ranges("signal", columns(capture));
+    let (parameters, remarks) = match fit {
+        Ok(fit) => (parameters(fit), remarks(fit)),
+        Err(reason) => (format!("**No model:** {reason}\n\n"), String::new()),
+    };
+    head(capture) + &parameters + &ranges + &remarks
 }
 
-fn head(text: &mut String, capture: &Capture) {
+fn head(capture: &Capture) -> String {
     let file = capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let rate = rate(capture.rate_hz);
-    let _ = match &capture.description {
-        Some(run) => {
-            writeln!(text, "# {}\n\non **{}**, {rate}\n\n{file}\n", knob_title(&run.knob), run.apparatus)
-        }
-        None => writeln!(text, "# {file}\n\ntable, {rate}\n"),
+    let title = match &capture.description {
+        Some(run) => format!("# {}\n\non **{}**, {rate}\n\n{file}", knob_title(&run.knob), run.apparatus),
+        None => format!("# {file}\n\ntable, {rate}"),
     };
     let duration_s = capture.t_s.last().zip(capture.t_s.first()).map_or(0.0, |(last, first)| last - first);
-    let _ = writeln!(text, "### {duration_s:.1} s \u{2014} {} samples\n", grouped(capture.len() as u64));
-    let absent = capture.ticks_without_sample();
-    if absent > 0 {
-        let _ = writeln!(text, "{} ticks without a sample\n", alarmed(absent));
-    }
+    let samples = grouped(capture.len() as u64);
+    let absent = match capture.ticks_without_sample() {
+        0 => String::new(),
+        absent => format!("{} ticks without a sample\n\n", alarmed(absent)),
+    };
+    format!("{title}\n\n### {duration_s:.1} s \u{2014} {samples} samples\n\n{absent}")
 }
 
 /// In whole Hz or in kHz with as many digits as it has.
@@ -50,22 +41,22 @@ fn rate(rate_hz: f64) -> String {
     if rate_hz < 1_000.0 { format!("{rate_hz:.0} Hz") } else { format!("{} kHz", (rate_hz.round() / 1_000.0)) }
 }
 
-fn parameters(text: &mut String, fit: &Fit) {
-    let _ = writeln!(text, "| parameter | value ± 95 % | unit |\n|---|---:|---|");
+fn parameters(fit: &Fit) -> String {
     // Where the torque was measured over the angle, nobody looked for detents, and the scale of what was measured is 1.
     let is_looked_for = |parameter: &&Parameter| {
         fit.characteristics.is_empty()
             || !(parameter.name.starts_with("detent_") || parameter.name.ends_with("_characteristic_scale"))
     };
-    for parameter in fit.parameters.0.iter().filter(is_looked_for) {
+    let row = |parameter: &Parameter| {
         let name = parameter.name.replace('_', " ");
-        let _ = writeln!(text, "| {name} | {} | {} |", value_and_interval(parameter), parameter.unit);
-    }
-    let _ = writeln!(
-        text,
-        "\nresidual **{:.3} mNm** RMS, {:.2} % of the torque\n",
+        format!("| {name} | {} | {} |\n", value_and_interval(parameter), parameter.unit)
+    };
+    let rows: String = fit.parameters.0.iter().filter(is_looked_for).map(row).collect();
+    format!(
+        "| parameter | value ± 95 % | unit |\n|---|---:|---|\n{rows}\n\
+         residual **{:.3} mNm** RMS, {:.2} % of the torque\n\n",
         fit.residual_rms_mnm, fit.relative_error_percent
-    );
+    )
 }
 
 /// `2.301 ± 0.012`; an interval that lies unevenly about its value with both ends.
@@ -93,7 +84,7 @@ fn columns(capture: &Capture) -> [(&'static str, Option<Extent>); 4] {
 }
 
 /// Why parameters are not identifiable, grouped by reason, and other remarks.
-fn remarks(text: &mut String, fit: &Fit) {
+fn remarks(fit: &Fit) -> String {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for parameter in &fit.parameters.0 {
         let Some(reason) = &parameter.reason else { continue };
@@ -104,9 +95,7 @@ fn remarks(text: &mut String, fit: &Fit) {
         }
     }
     let reasons = reasons.into_iter().map(|(reason, names)| format!("**{}**: {reason}", names.join(", ")));
-    for remark in reasons.chain(fit.notes.iter().cloned()) {
-        let _ = writeln!(text, "- {remark}");
-    }
+    reasons.chain(fit.notes.iter().cloned()).map(|remark| format!("- {remark}\n")).collect()
 }
 
 #[cfg(test)]

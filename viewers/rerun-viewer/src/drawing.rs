@@ -7,9 +7,9 @@ use shared_types::LATENESS_BIN_EDGES_NS;
 use crate::entities;
 use crate::frame::{Frame, Points};
 use crate::palette::MEASURED;
-use crate::plot_drawing::PlotPen;
+use crate::plot_drawing::DrawnAxes;
 use crate::slider_drawing::Slider;
-use crate::{knob_drawing, series_styles};
+use crate::{knob_drawing, plot_drawing, series_styles};
 
 /// Time since the start of the run: the only timeline.
 pub const TIMELINE: &str = "time_s";
@@ -18,7 +18,7 @@ pub const TIMELINE: &str = "time_s";
 pub struct Pen {
     recording: RecordingStream,
     axis: Axis,
-    plots: PlotPen,
+    plots: DrawnAxes,
     /// What moves along a line; `None` for what turns.
     slider: Option<Slider>,
 }
@@ -36,7 +36,7 @@ impl Pen {
             knob_drawing::draw_dial(&recording)?;
         }
         let slider = (!axis.is_rotary()).then(Slider::default);
-        Ok(Self { recording, axis, plots: PlotPen::new(axis), slider })
+        Ok(Self { recording, axis, plots: DrawnAxes::new(), slider })
     }
 
     /// Draws one frame.
@@ -50,7 +50,7 @@ impl Pen {
         }
         recording.set_time(TIMELINE, TimeCell::from_duration_nanos(frame.time_ns));
         for plot in &frame.plots {
-            plots.draw(recording, plot)?;
+            plot_drawing::draw(recording, *axis, plots, plot)?;
         }
         if let Some(counts) = &frame.lateness {
             draw_histogram(recording, counts)?;

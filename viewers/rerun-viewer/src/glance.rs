@@ -5,7 +5,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use shared_types::{LoopState, rig};
 
 use crate::entities::{self, PARAMETERS};
@@ -16,7 +16,7 @@ use crate::run::Run;
 use crate::summary;
 
 /// The large figures of a run as JSON; keys carry their units.
-pub fn of(run: &Run) -> Map<String, Value> {
+pub fn of(run: &Run) -> Value {
     let status = run.status.unwrap_or_default();
     let has_fault = LoopState::from_code(status.state) == Some(LoopState::Fault);
     let state = match run.status {
@@ -26,25 +26,24 @@ pub fn of(run: &Run) -> Map<String, Value> {
     };
     #[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
     let max_lateness_us = status.max_lateness_ns as f64 / 1e3;
-    let figures = [
+    json!({
         // rerun's name for the run that is shown; none before there is one.
-        ("recording", json!(run.id.map(entities::recording))),
-        ("knob", json!(run.description.as_ref().map(|run| summary::knob_title(&run.knob)).unwrap_or_default())),
-        ("state", json!(state)),
+        "recording": run.id.map(entities::recording),
+        "knob": run.description.as_ref().map(|run| summary::knob_title(&run.knob)).unwrap_or_default(),
+        "state": state,
         // Whether the state calls for the operator.
-        ("alarm", json!(has_fault || run.source_gone)),
-        ("finished", json!(run.finished())),
-        ("time_s", json!(run.time_s())),
+        "alarm": has_fault || run.source_gone,
+        "finished": run.finished(),
+        "time_s": run.time_s(),
         // None where the operator ends the run.
-        ("planned_s", json!(run.planned_s())),
-        ("readings", readings(run)),
-        ("sticking", json!(run.motion.map(|motion| motion == Motion::Sticking))),
-        ("parameters", parameters(run)),
-        ("missed_ticks", json!(status.missed_ticks)),
-        ("max_lateness_us", json!(max_lateness_us)),
-        ("processes", processes(run)),
-    ];
-    figures.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
+        "planned_s": run.planned_s(),
+        "readings": readings(run),
+        "sticking": run.motion.map(|motion| motion == Motion::Sticking),
+        "parameters": parameters(run),
+        "missed_ticks": status.missed_ticks,
+        "max_lateness_us": max_lateness_us,
+        "processes": processes(run),
+    })
 }
 
 /// Newest position, speed and load, each with as many decimals as are worth showing; no value before there is one.
@@ -81,7 +80,7 @@ fn processes(run: &Run) -> Value {
 
 /// The newest figures, from the thread that gathers them to the one that serves them.
 #[derive(Clone, Debug)]
-pub struct SharedGlance(Arc<Mutex<Map<String, Value>>>);
+pub struct SharedGlance(Arc<Mutex<Value>>);
 
 impl SharedGlance {
     /// The first figures.
@@ -97,7 +96,7 @@ impl SharedGlance {
     }
 
     /// The newest figures.
-    pub fn get(&self) -> Map<String, Value> {
+    pub fn get(&self) -> Value {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }

@@ -70,17 +70,25 @@ pub struct DetentRing {
 impl DetentRing {
     /// The detents of a model in the turn around `angle_rad`; `None` if there are none, or until they are identified.
     pub fn of(model: &KnobModel, angle_rad: f64) -> Option<Self> {
-        let shape = model.detent_amplitude_and_spacing();
-        let [amplitude_mnm, spacing_rad] = shape.filter(|[_, spacing]| *spacing > TAU / MOST_DETENTS)?;
+        let [amplitude, period, phase] = model.detent()?;
+        let spacing_rad = Some(TAU * period.abs()).filter(|spacing| *spacing > TAU / MOST_DETENTS)?;
         let middle = (angle_rad / TAU).round() * TAU;
+        let (low, high) = (middle - PI, middle + PI);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16 times the most detents")]
         let points = (POINTS_PER_DETENT * (TAU / spacing_rad).max(4.0)).ceil() as u32;
+        // The knob rests where the torque turns positive: there its integral, the energy, is least.
+        let sign = (amplitude * period).signum();
         let depths = (0..=points)
-            .map(|index| middle - PI + TAU * f64::from(index) / f64::from(points))
-            .map(|angle| [angle, model.detent_depth(angle)])
+            .map(|index| low + TAU * f64::from(index) / f64::from(points))
+            .map(|angle| [angle, sign * (angle / period + phase).cos()])
             .collect();
-        let stable_rad = model.stable_angles_rad(middle - PI, middle + PI);
-        Some(Self { depths, stable_rad, amplitude_mnm, spacing_rad })
+        let offset = if amplitude * period > 0.0 { 0.0 } else { PI };
+        let number = |angle: f64| (angle / period + phase - offset) / TAU;
+        let (first, last) = (number(low).min(number(high)), number(low).max(number(high)));
+        #[allow(clippy::cast_possible_truncation, reason = "angles are a few turns")]
+        let numbers = first.ceil() as i64..=last.floor() as i64;
+        let stable_rad = numbers.map(|number| period * (TAU * number as f64 + offset - phase)).collect();
+        Some(Self { depths, stable_rad, amplitude_mnm: amplitude.abs(), spacing_rad })
     }
 
     /// Whether nobody could see the difference: the fit never rests, but each drawing costs a browser something.
@@ -191,10 +199,11 @@ mod tests {
             let model = detents(amplitude);
             let ring = DetentRing::of(&model, 0.0).unwrap();
             assert_eq!(ring.stable_rad.len(), 10);
+            let deepest = ring.depths.iter().max_by(|one, other| one[1].total_cmp(&other[1])).unwrap()[0];
+            assert!(ring.stable_rad.iter().any(|angle| (angle - deepest).abs() < 0.1 / 16.0 * TAU));
             for angle in ring.stable_rad {
                 // What the knob takes from the rig: positive beyond the detent, negative before it.
                 assert!(model.detent_mnm(angle + 0.05) > 0.5 && model.detent_mnm(angle - 0.05) < -0.5);
-                assert!((model.detent_depth(angle) - 1.0).abs() < 1e-9);
             }
         }
     }

@@ -41,6 +41,7 @@ pub mod knob_drawing;
 pub mod knob_track;
 pub mod layout;
 pub mod layout_properties;
+pub mod model_curves;
 pub mod model_torque;
 pub mod numbers;
 pub mod outbox;

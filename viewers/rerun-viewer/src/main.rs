@@ -16,7 +16,7 @@ use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
 use rerun_viewer::picture::Picture;
 use rerun_viewer::port;
-use rerun_viewer::remote::{self, Host};
+use rerun_viewer::remote;
 use rerun_viewer::rig_source::RigSource;
 use rerun_viewer::screen::Screen;
 use rerun_viewer::source::Source;
@@ -64,16 +64,11 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     let exit_limit = Duration::from_secs(if ends_with_run { 10 } else { 1 });
     let glance = SharedGlance::new(picture.run());
     let screen = Screen::open(arguments, subject, glance.clone())?;
-    if let Some(url) = screen.url() {
-        announce(&url, subject, in_foreground);
-    }
-    if let Some(port) = screen.port().filter(|_| arguments.remote) {
-        announce_tunnel(&remote::tunnel(port, &Host::of_this_machine()), port);
-    }
-    if let (Some(port), false) = (screen.port(), in_foreground)
-        && let Err(error) = port::note(port)
-    {
-        tracing::warn!("after a restart the live view may have another address: {error:#}");
+    if let (Some(url), Some(port)) = (screen.url(), screen.port()) {
+        announce(&url, subject, in_foreground, arguments.remote.then_some(port));
+        if !in_foreground && let Err(error) = port::note(port) {
+            tracing::warn!("after a restart the live view may have another address: {error:#}");
+        }
     }
 
     let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
@@ -111,7 +106,7 @@ fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subj
         // Names and units are the run's; where none is under way, those of what turns.
         let until = Instant::now() + DESCRIPTION_PATIENCE;
         while picture.run().axis.is_none() && Instant::now() < until {
-            source.poll(false, &mut |event| picture.take_in(event))?;
+            source.poll(false, &mut picture)?;
             std::thread::sleep(POLL_PERIOD);
         }
         let subject = Subject::live(picture.run());
@@ -142,7 +137,7 @@ fn follow(
     while !is_over() {
         if !(source.can_wait() && outbox.is_full()) {
             let samples_wanted = picture.run().rate_hz().is_some();
-            source.poll(samples_wanted, &mut |event| picture.take_in(event))?;
+            source.poll(samples_wanted, &mut picture)?;
             if Instant::now() >= next_frame {
                 next_frame = Instant::now() + FRAME_PERIOD;
                 glance.set(picture.run());
@@ -159,17 +154,14 @@ fn follow(
     Ok(())
 }
 
-/// Tells the operator how to look from elsewhere.
-#[allow(clippy::print_stdout, reason = "what was asked for with --remote")]
-fn announce_tunnel(command: &str, port: u16) {
-    println!("on the other machine: {command}");
-    println!("then open there:      http://127.0.0.1:{port}/");
-}
-
-/// Tells the operator where to look: the only line on standard output.
+/// Tells the operator where to look, and how from elsewhere if that is asked for: all that comes on standard output.
 #[allow(clippy::print_stdout, reason = "the address is this program's output")]
-fn announce(url: &str, subject: Subject, in_foreground: bool) {
+fn announce(url: &str, subject: Subject, in_foreground: bool, remote_port: Option<u16>) {
     let what = if subject.is_live { "live view" } else { "view of the capture" };
     let how_to_end = if in_foreground { " (Ctrl-C ends it)" } else { "" };
     println!("{what}: {url}{how_to_end}");
+    if let Some(port) = remote_port {
+        println!("on the other machine: {}", remote::tunnel(port, &remote::login()));
+        println!("then open there:      http://127.0.0.1:{port}/");
+    }
 }

@@ -15,8 +15,6 @@
 //! this is an approximation: where errors make up for each other, as those of Coulomb and viscous friction mostly do, it is
 //! too wide.
 
-use std::f64::consts::{PI, TAU};
-
 use dynamics::{Calibration, Direction, Effect, Motion};
 use shared_types::{Estimate, FitUpdate, Verdict};
 
@@ -40,42 +38,26 @@ pub struct KnobModel {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Terms {
     inertia: f64,
-    negative: Friction,
-    positive: Friction,
-    detent: Detent,
-}
-
-/// Friction in one direction of turning.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Friction {
-    coulomb: f64,
-    viscous: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Detent {
-    amplitude: f64,
-    period: f64,
-    phase: f64,
+    /// Coulomb, then viscous friction when turning towards negative angle.
+    negative: [f64; 2],
+    /// The same towards positive angle.
+    positive: [f64; 2],
+    /// Amplitude, period and phase.
+    detent: [f64; 3],
 }
 
 impl Terms {
     /// From the parameters' standard names.
     fn of(number: impl Fn(&str) -> f64) -> Self {
-        let friction = |coulomb, viscous| Friction { coulomb: number(coulomb), viscous: number(viscous) };
         Self {
             inertia: number("inertia"),
-            negative: friction("coulomb_negative", "viscous_negative"),
-            positive: friction("coulomb_positive", "viscous_positive"),
-            detent: Detent {
-                amplitude: number("detent_amplitude"),
-                period: number("detent_period"),
-                phase: number("detent_phase"),
-            },
+            negative: ["coulomb_negative", "viscous_negative"].map(&number),
+            positive: ["coulomb_positive", "viscous_positive"].map(&number),
+            detent: ["detent_amplitude", "detent_period", "detent_phase"].map(&number),
         }
     }
 
-    fn friction(&self, velocity_rad_s: f64) -> Friction {
+    const fn friction(&self, velocity_rad_s: f64) -> [f64; 2] {
         if velocity_rad_s < 0.0 { self.negative } else { self.positive }
     }
 }
@@ -144,7 +126,7 @@ impl KnobModel {
     /// torque does not depend on the angle.
     pub fn range_over_angle_mnm(&self, velocity_rad_s: f64) -> Option<[f64; 2]> {
         let Some(table) = self.characteristic.iter().flatten().find_map(Effect::table) else {
-            return self.detent().map(|Detent { amplitude, .. }| [-amplitude.abs(), amplitude.abs()]);
+            return self.detent().map(|[amplitude, ..]| [-amplitude.abs(), amplitude.abs()]);
         };
         let torques = || table.points().iter().map(|angle| self.characteristic_mnm(*angle, velocity_rad_s));
         Some([torques().fold(f64::INFINITY, f64::min), torques().fold(f64::NEG_INFINITY, f64::max)])
@@ -160,62 +142,37 @@ impl KnobModel {
         if velocity_rad_s == 0.0 {
             return 0.0;
         }
-        let Friction { coulomb, viscous } = self.values.friction(velocity_rad_s);
+        let [coulomb, viscous] = self.values.friction(velocity_rad_s);
         coulomb * velocity_rad_s.signum() + viscous * velocity_rad_s
     }
 
-    /// The detents, once all of their parameters are identified.
-    fn detent(&self) -> Option<Detent> {
-        let Detent { amplitude, period, phase } = self.values.detent;
-        ((amplitude + period + phase).is_finite() && period != 0.0).then_some(self.values.detent)
+    /// Amplitude, mNm, period, rad, and phase, rad, of the detents, once all are identified.
+    pub fn detent(&self) -> Option<[f64; 3]> {
+        let detent = self.values.detent;
+        (detent.iter().all(|value| value.is_finite()) && detent[1] != 0.0).then_some(detent)
     }
 
     /// Detent torque, mNm.
     pub fn detent_mnm(&self, angle_rad: f64) -> f64 {
-        self.detent().map_or(0.0, |Detent { amplitude, period, phase }| amplitude * (angle_rad / period + phase).sin())
+        self.detent().map_or(0.0, |[amplitude, period, phase]| amplitude * (angle_rad / period + phase).sin())
     }
 
     /// Half of the 95 % interval of the friction torque, mNm.
     pub fn friction_half_width_mnm(&self, velocity_rad_s: f64) -> f64 {
-        let Friction { coulomb, viscous } = self.half_widths.friction(velocity_rad_s);
+        let [coulomb, viscous] = self.half_widths.friction(velocity_rad_s);
         coulomb.hypot(viscous * velocity_rad_s)
     }
 
     /// Half of the 95 % interval of friction and all that depends on the angle together, mNm.
     pub fn half_width_mnm(&self, angle_rad: f64, velocity_rad_s: f64) -> f64 {
-        let detent = self.detent().map_or(0.0, |Detent { amplitude, period, phase }| {
-            let half_widths = self.half_widths.detent;
+        let detent = self.detent().map_or(0.0, |[amplitude, period, phase]| {
+            let [of_amplitude, of_period, of_phase] = self.half_widths.detent;
             let (sine, cosine) = (angle_rad / period + phase).sin_cos();
-            let of_phase = amplitude * cosine * half_widths.phase;
-            let of_period = amplitude * cosine * angle_rad / (period * period) * half_widths.period;
-            (sine * half_widths.amplitude).hypot(of_phase).hypot(of_period)
+            let of_phase = amplitude * cosine * of_phase;
+            let of_period = amplitude * cosine * angle_rad / (period * period) * of_period;
+            (sine * of_amplitude).hypot(of_phase).hypot(of_period)
         });
         self.friction_half_width_mnm(velocity_rad_s).hypot(detent).hypot(self.characteristic_half_width_mnm)
-    }
-
-    /// How deep in a detent an angle is: 1 where the knob rests, −1 between two detents, 0 without detents.
-    pub fn detent_depth(&self, angle_rad: f64) -> f64 {
-        self.detent().map_or(0.0, |Detent { amplitude, period, phase }| {
-            // The torque turns positive where its integral, the energy, is least.
-            (amplitude * period).signum() * (angle_rad / period + phase).cos()
-        })
-    }
-
-    /// Angles from `low_rad` to `high_rad` at which the knob rests.
-    #[allow(clippy::cast_possible_truncation, reason = "angles are a few turns")]
-    pub fn stable_angles_rad(&self, low_rad: f64, high_rad: f64) -> Vec<f64> {
-        let Some(Detent { amplitude, period, phase }) = self.detent() else { return Vec::new() };
-        let offset = if amplitude * period > 0.0 { 0.0 } else { PI };
-        let number = |angle: f64| (angle / period + phase - offset) / TAU;
-        let (first, last) = (number(low_rad).min(number(high_rad)), number(low_rad).max(number(high_rad)));
-        (first.ceil() as i64..=last.floor() as i64)
-            .map(|number| period * (TAU * number as f64 + offset - phase))
-            .collect()
-    }
-
-    /// Largest detent torque, mNm, and angle from detent to detent, rad.
-    pub fn detent_amplitude_and_spacing(&self) -> Option<[f64; 2]> {
-        self.detent().map(|Detent { amplitude, period, .. }| [amplitude.abs(), TAU * period.abs()])
     }
 }
 
@@ -281,7 +238,7 @@ pub(crate) mod tests {
         fit.inertia.value = f64::NAN;
         let model = KnobModel::from_fit(&fit).unwrap();
         assert_eq!(model.torque_mnm(0.1, 1.0, 1_000.0), 2.3 - 0.24);
-        assert_eq!(model.detent_amplitude_and_spacing(), None);
+        assert_eq!(model.detent(), None);
         assert_eq!(KnobModel::from_fit(&FitUpdate::default()), None);
     }
 

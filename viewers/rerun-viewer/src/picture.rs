@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use dynamics::Calibration;
-use shared_types::{ModelChange, ProcessHealth, RunDescription, Sample, rig};
+use dynamics::Axis;
+use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample, rig};
 
 use crate::entities::{self, HEALTH};
 use crate::frame::{Frame, Points, Series};
@@ -14,7 +14,7 @@ use crate::rendered::RenderedModel;
 use crate::run::Run;
 use crate::scatter::Scatters;
 use crate::signals::Signals;
-use crate::source::{Event, Reading};
+use crate::source::Reading;
 use crate::{numbers, processes, summary};
 
 /// How often the x-y plots get their new points. A browser pays for each message, not for each point, and without a
@@ -28,7 +28,7 @@ const REDRAW_PERIOD: Duration = Duration::from_secs(20);
 /// How often the other tabs are sent their points.
 const TABS_PERIOD: Duration = Duration::from_millis(5_000);
 
-/// Gathers events and gives frames.
+/// Gathers what a source tells and gives frames.
 #[derive(Debug, Default)]
 pub struct Picture {
     run: Run,
@@ -61,56 +61,39 @@ impl Picture {
         &self.run
     }
 
-    /// Takes in what a source has to tell.
-    pub fn take_in(&mut self, event: Event<'_>) {
-        match event {
-            Event::Description(description) => {
-                self.turn_to_run(description.run_id);
-                self.run.calibration = calibration(description);
-                self.run.axis = Some(description.axis);
-                self.run.description = Some(description.clone());
-            }
-            Event::Status(status) => {
-                self.turn_to_run(status.run_id);
-                self.run.status = Some(*status);
-                self.run.source_gone = false;
-            }
-            Event::SourceGone => self.run.source_gone = true,
-            Event::Fit(fit) if self.run.id == Some(fit.run_id) => {
-                self.model = KnobModel::from_fit(fit).map(|knob| knob.on_rig(self.run.calibration.as_ref()));
-                self.run.fit = Some(*fit);
-                self.fit_is_new = true;
-            }
-            Event::Fit(_) => {}
-            Event::ModelChange(change) => self.take_in_model(change),
-            Event::Health(health) => self.take_in_health(health),
-            Event::Samples { run_id, samples } => {
-                self.turn_to_run(run_id);
-                if let Some(rate_hz) = self.run.rate_hz() {
-                    let is_rendered = self.run.is_rendered();
-                    samples.iter().for_each(|sample| self.take_in_sample(sample, rate_hz, is_rendered));
-                }
-            }
-            Event::Capture { axis, text } => {
-                self.run.axis = Some(axis);
-                self.capture_text = Some(text.to_owned());
-            }
-            Event::Readings(readings) => {
-                // Another one each time that a capture is shown: a page may still show the one before.
-                self.turn_to_run(self.run.id.unwrap_or_else(rig::monotonic_time_ns));
-                readings.iter().for_each(|reading| self.take_in_reading(reading, None));
-            }
-            Event::End { model, torque } => {
-                self.model = model.copied();
-                self.fit_is_new = true;
-                torque.iter().for_each(|(time_ns, torque_mnm)| self.signals.push_model_torque(*time_ns, *torque_mnm));
-                self.run.capture_ended = true;
-            }
+    /// Takes in what the run is.
+    pub fn describe(&mut self, description: &RunDescription) {
+        self.turn_to_run(description.run_id);
+        let calibration = description.calibration_at_knob();
+        let told = calibration.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}"));
+        self.run.calibration = told.ok().flatten();
+        self.run.axis = Some(description.axis);
+        self.run.description = Some(description.clone());
+    }
+
+    /// Takes in the control loop's word about itself.
+    pub fn take_status(&mut self, status: &LoopStatus) {
+        self.turn_to_run(status.run_id);
+        self.run.status = Some(*status);
+        self.run.source_gone = false;
+    }
+
+    /// Takes note that the control loop died before its run had ended.
+    pub const fn lose_source(&mut self) {
+        self.run.source_gone = true;
+    }
+
+    /// Takes in the model fitted so far; one of another run is not shown.
+    pub fn take_fit(&mut self, fit: &FitUpdate) {
+        if self.run.id == Some(fit.run_id) {
+            self.model = KnobModel::from_fit(fit).map(|knob| knob.on_rig(self.run.calibration.as_ref()));
+            self.run.fit = Some(*fit);
+            self.fit_is_new = true;
         }
     }
 
-    /// The model that is felt from now on; what cannot be read is not shown.
-    fn take_in_model(&mut self, change: &ModelChange) {
+    /// Takes in the model that a replay renders from some tick on; what cannot be read is not shown.
+    pub fn take_rendered(&mut self, change: &ModelChange) {
         self.turn_to_run(change.run_id);
         let Some(rate_hz) = self.run.rate_hz() else { return };
         match RenderedModel::new(change, self.run.rendered.take(), rate_hz) {
@@ -119,39 +102,8 @@ impl Picture {
         }
     }
 
-    /// A run of another identity begins with an empty picture.
-    fn turn_to_run(&mut self, run_id: u64) {
-        if self.run.id.is_some_and(|shown| shown != run_id) {
-            let processes = std::mem::take(&mut self.run.processes);
-            *self = Self { run: Run { processes, ..Run::default() }, ..Self::default() };
-        }
-        self.run.id = Some(run_id);
-    }
-
-    #[allow(clippy::cast_precision_loss, reason = "lateness is shown with a few digits")]
-    fn take_in_sample(&mut self, sample: &Sample, rate_hz: f64, is_rendered: bool) {
-        let reading = Reading::of(sample, rate_hz, is_rendered);
-        self.take_in_reading(&reading, Some(rate_hz));
-        let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, .. } = reading;
-        if let Some(model) = self.model {
-            let known = self.run.calibration.as_ref();
-            let not_motion =
-                known.map_or(0.0, |known| known.acceleration_zero_rad_s2 + known.gravity_rad_s2(angle_rad));
-            let torque_mnm = model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2 - not_motion);
-            self.signals.push_model_torque(time_ns, torque_mnm);
-        }
-        self.signals.push_lateness(time_ns, (sample.lateness_ns.max(1) as f64).log10());
-    }
-
-    fn take_in_reading(&mut self, reading: &Reading, rate_hz: Option<f64>) {
-        self.signals.push(reading);
-        self.knob.push(reading);
-        self.scatters.push(reading, rate_hz);
-        self.run.motion = Motion::of(reading).or(self.run.motion);
-        self.run.newest = Some(*reading);
-    }
-
-    fn take_in_health(&mut self, health: &ProcessHealth) {
+    /// Takes in a consumer's word about itself.
+    pub fn take_health(&mut self, health: &ProcessHealth) {
         let finished = self.run.finished();
         // After the run its time stands still; a report would have no place on its axis.
         let (Some(process), Some(newest), false) = (self.run.processes.take_in(health), self.run.newest, finished)
@@ -163,6 +115,66 @@ impl Picture {
             let entity = entities::health(quantity, process.kind.name());
             self.waiting.entry(entity).or_default().push(time_ns, &[value]);
         }
+    }
+
+    /// Takes in consecutive samples of a run; without a rate they have no time and are not shown.
+    #[allow(clippy::cast_precision_loss, reason = "lateness is shown with a few digits")]
+    pub fn take_samples(&mut self, run_id: u64, samples: &[Sample]) {
+        self.turn_to_run(run_id);
+        let Some(rate_hz) = self.run.rate_hz() else { return };
+        let is_rendered = self.run.is_rendered();
+        for sample in samples {
+            let reading = Reading::of(sample, rate_hz, is_rendered);
+            self.take_reading(&reading, Some(rate_hz));
+            let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, .. } = reading;
+            if let Some(model) = self.model {
+                let known = self.run.calibration.as_ref();
+                let not_motion =
+                    known.map_or(0.0, |known| known.acceleration_zero_rad_s2 + known.gravity_rad_s2(angle_rad));
+                let torque_mnm = model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2 - not_motion);
+                self.signals.push_model_torque(time_ns, torque_mnm);
+            }
+            self.signals.push_lateness(time_ns, (sample.lateness_ns.max(1) as f64).log10());
+        }
+    }
+
+    /// Takes in whether a finished capture turns, and the text next to its plots, as Markdown.
+    pub fn describe_capture(&mut self, axis: Axis, text: String) {
+        self.run.axis = Some(axis);
+        self.capture_text = Some(text);
+        // Another one each time that a capture is shown: a page may still show the one before.
+        self.turn_to_run(rig::monotonic_time_ns());
+    }
+
+    /// Takes in consecutive samples of a finished capture.
+    pub fn take_readings(&mut self, readings: &[Reading]) {
+        readings.iter().for_each(|reading| self.take_reading(reading, None));
+    }
+
+    /// Takes in that there are no more, with the model for the curves, if a parameter is identified, and times in the capture,
+    /// ns, with the torque that the model gives, as the torque sensor would read it, mNm.
+    pub fn end_capture(&mut self, model: Option<KnobModel>, torque: &[(i64, f64)]) {
+        self.model = model;
+        self.fit_is_new = true;
+        torque.iter().for_each(|(time_ns, torque_mnm)| self.signals.push_model_torque(*time_ns, *torque_mnm));
+        self.run.capture_ended = true;
+    }
+
+    fn take_reading(&mut self, reading: &Reading, rate_hz: Option<f64>) {
+        self.signals.push(reading);
+        self.knob.push(reading);
+        self.scatters.push(reading, rate_hz);
+        self.run.motion = Motion::of(reading).or(self.run.motion);
+        self.run.newest = Some(*reading);
+    }
+
+    /// A run of another identity begins with an empty picture.
+    fn turn_to_run(&mut self, run_id: u64) {
+        if self.run.id.is_some_and(|shown| shown != run_id) {
+            let processes = std::mem::take(&mut self.run.processes);
+            *self = Self { run: Run { processes, ..Run::default() }, ..Self::default() };
+        }
+        self.run.id = Some(run_id);
     }
 
     /// What is new since the last frame; `None` before a run is known and once all of it was shown.
@@ -256,12 +268,6 @@ impl Picture {
     }
 }
 
-/// The rig's calibration, if there is one that can be read.
-fn calibration(description: &RunDescription) -> Option<Calibration> {
-    let known = description.calibration_at_knob();
-    known.inspect_err(|error| tracing::error!("the model is drawn as for an ideal rig: {error}")).ok()?
-}
-
 /// When it is time again; at once at first.
 #[derive(Debug, Default)]
 struct Timer(Option<Instant>);
@@ -285,8 +291,6 @@ fn since(earlier: u64, later: u64) -> i64 {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
-    use shared_types::{FitUpdate, LoopStatus};
-
     use super::*;
 
     fn status(run_id: u64) -> LoopStatus {
@@ -305,11 +309,11 @@ mod tests {
         };
         let samples: Vec<Sample> = (0..10_000).map(sample).collect();
         let mut picture = Picture::default();
-        picture.take_in(Event::Status(&status(7)));
-        picture.take_in(Event::Fit(&FitUpdate { run_id: 6, ..FitUpdate::default() }));
+        picture.take_status(&status(7));
+        picture.take_fit(&FitUpdate { run_id: 6, ..FitUpdate::default() });
         assert!(picture.run.fit.is_none(), "that is of another run");
-        picture.take_in(Event::Fit(&FitUpdate { run_id: 7, ..FitUpdate::default() }));
-        picture.take_in(Event::Samples { run_id: 7, samples: &samples });
+        picture.take_fit(&FitUpdate { run_id: 7, ..FitUpdate::default() });
+        picture.take_samples(7, &samples);
         picture
     }
 
@@ -327,7 +331,7 @@ mod tests {
     #[test]
     fn a_new_run_begins_with_an_empty_picture() {
         let mut picture = second_of_run();
-        picture.take_in(Event::Status(&status(8)));
+        picture.take_status(&status(8));
         let frame = picture.next_frame(0).unwrap();
         assert_eq!((frame.run_id, frame.time_ns, frame.series.len()), (8, 0, 0));
     }
@@ -335,12 +339,12 @@ mod tests {
     #[test]
     fn after_the_run_a_last_frame_comes_and_then_nothing_until_the_next_run() {
         let mut picture = second_of_run();
-        picture.take_in(Event::Status(&LoopStatus { finished: 1, ..status(7) }));
+        picture.take_status(&LoopStatus { finished: 1, ..status(7) });
         let last = picture.next_frame(0).unwrap();
         assert_eq!(last.series["signals/angle_rad"].times_ns.last(), Some(&999_900_000));
         assert_eq!(last.texts.len(), 3);
         assert!(picture.next_frame(0).is_none());
-        picture.take_in(Event::Status(&status(8)));
+        picture.take_status(&status(8));
         assert!(picture.next_frame(0).is_some());
     }
 
@@ -355,9 +359,9 @@ mod tests {
         };
         let readings: Vec<Reading> = (0..60_000).map(reading).collect();
         let mut picture = Picture::of_capture(readings.len());
-        picture.take_in(Event::Capture { axis: dynamics::Axis::Rotary, text: "# a capture" });
-        picture.take_in(Event::Readings(&readings));
-        picture.take_in(Event::End { model: KnobModel::from_estimates(|_| Some([1.0; 2])).as_ref(), torque: &[] });
+        picture.describe_capture(Axis::Rotary, "# a capture".to_owned());
+        picture.take_readings(&readings);
+        picture.end_capture(KnobModel::from_estimates(|_| Some([1.0; 2])), &[]);
         let frame = picture.next_frame(0).unwrap();
         let angle = &frame.series["signals/angle_rad"];
         assert_eq!((angle.times_ns.first(), angle.times_ns.last()), (Some(&0), Some(&59_999_000_000)));

@@ -1,7 +1,5 @@
 //! How the processes of the run fare: whether each is alive, how often it was late, what it lost, how often it was restarted.
 
-use std::fmt::Write as _;
-
 use shared_types::{LoopState, LoopStatus, ProcessHealth, ProcessKind};
 
 use crate::numbers::{alarmed, grouped};
@@ -138,35 +136,29 @@ fn alive(heard_ns: u64, now_ns: u64) -> (String, bool) {
 impl Row {
     /// What is to be known at a glance.
     pub fn in_words(&self) -> String {
-        let mut words = self.alive.clone();
-        if self.lost > 0 {
-            let _ = write!(words, ", {} lost", grouped(self.lost));
-        }
-        if self.restarts > 0 {
-            let _ = write!(words, ", restarted {}×", self.restarts);
-        }
-        words
+        let lost = if self.lost > 0 { format!(", {} lost", grouped(self.lost)) } else { String::new() };
+        let restarted = if self.restarts > 0 { format!(", restarted {}×", self.restarts) } else { String::new() };
+        format!("{}{lost}{restarted}", self.alive)
     }
 }
 
 /// The rows as Markdown, and how many frames the screen was too slow for.
 pub fn markdown(run: &Run, now_ns: u64, frames_dropped: u64) -> String {
-    let mut text =
-        "| process | | late | lost | restarted | CPU | memory |\n|---|---|---:|---:|---:|---:|---:|\n".to_owned();
-    for Row { name, alive, alarm, late, lost, restarts, used: [cpu, memory] } in rows(run, now_ns) {
+    let row = |Row { name, alive, alarm, late, lost, restarts, used: [cpu, memory] }| {
         let alive = if alarm { format!("**{}**", alive.to_uppercase()) } else { alive };
         let [late, lost, restarts] = [grouped(late), alarmed(lost), alarmed(u64::from(restarts))];
-        let _ = writeln!(text, "| {name} | {alive} | {late} | {lost} | {restarts} | {cpu} | {memory} |");
-    }
-    let _ = writeln!(
-        text,
-        "\nlate: of rt-loop, times it missed ticks; of the others, half seconds at whose end the newest sample was older \
-         than {LATE_MS:.0} ms. lost: samples that never arrived."
-    );
-    if frames_dropped > 0 {
-        let _ = writeln!(text, "\n{} frames were not shown: the screen is too slow", grouped(frames_dropped));
-    }
-    text
+        format!("| {name} | {alive} | {late} | {lost} | {restarts} | {cpu} | {memory} |\n")
+    };
+    let rows: String = rows(run, now_ns).into_iter().map(row).collect();
+    let dropped = match frames_dropped {
+        0 => String::new(),
+        dropped => format!("\n{} frames were not shown: the screen is too slow\n", grouped(dropped)),
+    };
+    format!(
+        "| process | | late | lost | restarted | CPU | memory |\n|---|---|---:|---:|---:|---:|---:|\n{rows}\n\
+         late: of rt-loop, times it missed ticks; of the others, half seconds at whose end the newest sample was older \
+         than {LATE_MS:.0} ms. lost: samples that never arrived.\n{dropped}"
+    )
 }
 
 #[cfg(test)]

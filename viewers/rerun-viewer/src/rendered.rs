@@ -1,8 +1,6 @@
 //! The model that a replay renders, as the text next to the plots shows it.
 
-use std::fmt::Write as _;
-
-use dynamics::{Model, ModelError};
+use dynamics::{Model, ModelError, ParameterKind};
 use shared_types::ModelChange;
 
 use crate::numbers::three_digits;
@@ -29,16 +27,16 @@ impl RenderedModel {
     /// Its parameters as a table; values that were turned stand out, with what they were.
     pub fn markdown(&self) -> String {
         let (name, from_s) = (&self.model.name, self.from_s);
-        let mut text = format!("| rendered: {name}, from {from_s:.1} s on | value | before |\n|---|---:|---:|\n");
-        for (parameter, value) in self.model.parameters() {
+        let row = |(parameter, value): (&ParameterKind, f64)| {
             let before = self.before.as_ref().and_then(|before| before.parameter(parameter.name));
             let values = match before.filter(|before| before.to_bits() != value.to_bits()) {
                 Some(before) => format!("**{}** | {} |", short(value), short(before)),
                 None => format!("{} | |", short(value)),
             };
-            let _ = writeln!(text, "| {}, {} | {values}", parameter.name.replace('_', " "), parameter.unit);
-        }
-        text + "\n"
+            format!("| {}, {} | {values}\n", parameter.name.replace('_', " "), parameter.unit)
+        };
+        let rows: String = self.model.parameters().map(row).collect();
+        format!("| rendered: {name}, from {from_s:.1} s on | value | before |\n|---|---:|---:|\n{rows}\n")
     }
 }
 

@@ -6,7 +6,8 @@ use serde::de::DeserializeOwned;
 use shared_types::services::{self, MessagePublisher, MessageSubscriber, RigNode, SampleSubscriber};
 use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, Sample, rig};
 
-use crate::source::{Event, Source};
+use crate::picture::Picture;
+use crate::source::Source;
 
 /// Reads every stream of the rig and publishes the viewer's health.
 pub struct RigSource {
@@ -57,25 +58,25 @@ fn read<T: DeserializeOwned>(json: &[u8], what: &str) -> Option<T> {
 }
 
 impl Source for RigSource {
-    fn poll(&mut self, samples_wanted: bool, take_in: &mut dyn FnMut(Event<'_>)) -> anyhow::Result<()> {
+    fn poll(&mut self, samples_wanted: bool, picture: &mut Picture) -> anyhow::Result<()> {
         while let Some(json) = self.description.receive()? {
-            read(json.payload(), "the run's description").iter().for_each(|run| take_in(Event::Description(run)));
+            read(json.payload(), "the run's description").iter().for_each(|run| picture.describe(run));
         }
         while let Some(json) = self.models.receive()? {
-            read(json.payload(), "a rendered model").iter().for_each(|change| take_in(Event::ModelChange(change)));
+            read(json.payload(), "a rendered model").iter().for_each(|change| picture.take_rendered(change));
         }
         while let Some(status) = self.status.receive()? {
             self.source.hear(&status, rig::monotonic_time_ns());
-            take_in(Event::Status(&status));
+            picture.take_status(&status);
         }
         if self.source.is_gone(rig::monotonic_time_ns()) {
-            take_in(Event::SourceGone);
+            picture.lose_source();
         }
         while let Some(fit) = self.fits.receive()? {
-            take_in(Event::Fit(&fit));
+            picture.take_fit(&fit);
         }
         while let Some(health) = self.health.receive()? {
-            take_in(Event::Health(&health));
+            picture.take_health(&health);
         }
         if samples_wanted {
             while let Some(block) = self.samples.receive()? {
@@ -84,7 +85,7 @@ impl Source for RigSource {
                     (self.run_id, self.counts) = (run_id, Counts::new(self.restarts));
                 }
                 self.counts.count(block.payload());
-                take_in(Event::Samples { run_id, samples: block.payload() });
+                picture.take_samples(run_id, block.payload());
             }
         }
         if let Some(report) = self.counts.health.report(self.counts.lost) {

@@ -9,7 +9,7 @@ use rerun::{Boxes3D, RecordingStream, RecordingStreamResult, Scale3D, TimeColumn
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
 use crate::extent;
-use crate::knob_drawing::{self, DETENTS_LABEL, color, depth, detents_in_words, label};
+use crate::knob_drawing::{color, draw_detents, label};
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
 use crate::palette::NEUTRAL;
 use crate::plot_axes::Axis;
@@ -53,7 +53,11 @@ impl Slider {
             draw_body(recording, motion, &scale)?;
         }
         if redrawn && let Some(ring) = &self.detents {
-            draw_detents(recording, ring, &scale)?;
+            let at = |travel, depth| {
+                let is_on_rail = (scale.low..=scale.high).contains(&travel);
+                is_on_rail.then(|| [single(place(&scale, travel)), single(DETENTS_Y - depth), 0.0])
+            };
+            draw_detents(recording, MotionAxis::Linear, ring, at)?;
         }
         self.scale = Some(scale);
         if !travels.is_empty() {
@@ -103,15 +107,4 @@ fn draw_body(recording: &RecordingStream, motion: Motion, scale: &Axis) -> Recor
         .with_fill_mode(FillMode::Solid);
     recording.log(format!("{KNOB}/travel/moving/body"), &body)?;
     recording.log(format!("{KNOB}/motion"), &label([0.0, 1.0, 0.0], motion.word().to_owned()))
-}
-
-fn draw_detents(recording: &RecordingStream, ring: &DetentRing, scale: &Axis) -> RecordingStreamResult<()> {
-    let depth = depth(ring);
-    let at = |[travel, share]: [f64; 2]| {
-        let is_on_rail = (scale.low..=scale.high).contains(&travel);
-        is_on_rail.then(|| [single(place(scale, travel)), single(DETENTS_Y - depth * share), 0.0])
-    };
-    knob_drawing::draw_detents(recording, ring, "line", at)?;
-    let text = MotionAxis::Linear.words(&detents_in_words(ring)).into_owned();
-    recording.log_static(DETENTS_LABEL, &label([0.0, -0.9, 0.0], text))
 }

@@ -1,9 +1,8 @@
 //! Where samples, fits and health come from.
 
-use dynamics::Axis;
-use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample};
+use shared_types::Sample;
 
-use crate::model_torque::KnobModel;
+use crate::picture::Picture;
 
 /// What is drawn of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,56 +51,16 @@ pub fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
 
-/// Something that a source has to tell.
-#[derive(Clone, Copy, Debug)]
-pub enum Event<'a> {
-    /// What the run is.
-    Description(&'a RunDescription),
-    /// Consecutive samples of a run.
-    Samples {
-        /// Identity of the run.
-        run_id: u64,
-        /// In the order of their ticks.
-        samples: &'a [Sample],
-    },
-    /// The control loop's word about itself.
-    Status(&'a LoopStatus),
-    /// The control loop died before its run had ended.
-    SourceGone,
-    /// The model fitted so far.
-    Fit(&'a FitUpdate),
-    /// The model that a replay renders from some tick on.
-    ModelChange(&'a ModelChange),
-    /// A consumer's word about itself.
-    Health(&'a ProcessHealth),
-    /// What a finished capture is.
-    Capture {
-        /// Whether it turns.
-        axis: Axis,
-        /// The text next to its plots, as Markdown.
-        text: &'a str,
-    },
-    /// Consecutive samples of a finished capture.
-    Readings(&'a [Reading]),
-    /// All of a finished capture has been sent but the model fitted to it.
-    End {
-        /// For the curves over angle and velocity; `None` if no parameter is identified.
-        model: Option<&'a KnobModel>,
-        /// Times in the run, ns, in their order, with the torque that the model gives, as the torque sensor would read it, mNm.
-        torque: &'a [(i64, f64)],
-    },
-}
-
-/// Gives events as they come, from a running rig or from what one left behind.
+/// What comes from a running rig, or from what one left behind.
 pub trait Source {
-    /// Hands over everything that has come since the last call; does not wait.
+    /// Hands everything that has come since the last call over to `picture`; does not wait.
     ///
     /// `samples_wanted` is false while the rate is unknown: samples without a time cannot be
     /// drawn and wait in the source.
     ///
     /// # Errors
     /// When the source has failed for good.
-    fn poll(&mut self, samples_wanted: bool, take_in: &mut dyn FnMut(Event<'_>)) -> anyhow::Result<()>;
+    fn poll(&mut self, samples_wanted: bool, picture: &mut Picture) -> anyhow::Result<()>;
 
     /// Whether nothing is lost by asking later: a file waits for a slow screen, a rig does not.
     fn can_wait(&self) -> bool;

@@ -1,9 +1,7 @@
 //! The text next to the plots: the run, its loop and its parameters.
 
-use std::fmt::Write as _;
-
 use identification::live::USUAL_SHARE;
-use shared_types::{Fault, LoopState, LoopStatus, RunDescription, realtime};
+use shared_types::{Estimate, Fault, LoopState, LoopStatus, RunDescription, realtime};
 
 use crate::entities::PARAMETERS;
 use crate::model_torque::finite_value;
@@ -66,32 +64,31 @@ fn control_loop(status: &LoopStatus) -> String {
 /// The parameters as Markdown: each with its value, its 95 % interval and the plain word.
 pub fn parameters(run: &Run) -> String {
     let Some(fit) = &run.fit else { return "Waiting for the fit".to_owned() };
-    let mut text = "| | parameter | value ± 95 % |\n|---|---|---|\n".to_owned();
-    let (mut enough, mut all) = (0, 0);
-    for ((name, estimate), (_, unit)) in fit.estimates().into_iter().zip(PARAMETERS) {
-        if estimate.is_in_model() {
-            all += 1;
-            enough += u32::from(estimate.is_settled());
-            let word = if estimate.is_settled() { "enough" } else { "**not yet**" };
-            let unit = finite_value(&estimate).map_or_else(String::new, |_| format!(" {unit}"));
-            let value = value_and_interval(&estimate);
-            let _ = writeln!(text, "| {word} | {} | {value}{unit} |", name.replace('_', " "));
-        }
-    }
-    if fit.residual_rms_mnm.is_finite() {
+    let estimates = || fit.estimates().into_iter().zip(PARAMETERS).filter(|((_, estimate), _)| estimate.is_in_model());
+    let row = |((name, estimate), (_, unit)): ((&str, Estimate), (_, &str))| {
+        let word = if estimate.is_settled() { "enough" } else { "**not yet**" };
+        let unit = finite_value(&estimate).map_or_else(String::new, |_| format!(" {unit}"));
+        format!("| {word} | {} | {}{unit} |\n", name.replace('_', " "), value_and_interval(&estimate))
+    };
+    let rows: String = estimates().map(row).collect();
+    let (all, enough) = (estimates().count(), estimates().filter(|((_, estimate), _)| estimate.is_settled()).count());
+    let residual = if fit.residual_rms_mnm.is_finite() {
         let samples = grouped(fit.samples);
-        let _ = writeln!(text, "\nresidual **{:.3} mNm** RMS over {samples} samples\n", fit.residual_rms_mnm);
-    }
+        format!("\nresidual **{:.3} mNm** RMS over {samples} samples\n\n", fit.residual_rms_mnm)
+    } else {
+        String::new()
+    };
     format!(
-        "## {enough} of {all} enough\n\n{text}\nenough: half the 95 % interval is as small a share of the value as was asked \
-         for, else {:.0} %, or the torque sensor cannot show the parameter\n",
+        "## {enough} of {all} enough\n\n| | parameter | value ± 95 % |\n|---|---|---|\n{rows}{residual}\n\
+         enough: half the 95 % interval is as small a share of the value as was asked for, else {:.0} %, or the torque \
+         sensor cannot show the parameter\n",
         100.0 * USUAL_SHARE
     )
 }
 
 #[cfg(test)]
 mod tests {
-    use shared_types::{Convergence, Estimate, FitUpdate, Verdict};
+    use shared_types::{Convergence, FitUpdate, Verdict};
 
     use super::*;
 

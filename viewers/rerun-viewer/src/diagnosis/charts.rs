@@ -61,20 +61,16 @@ fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rg
     points.retain(|[at, value]| at.is_finite() && value.is_finite());
     points.sort_by(|one, other| one[0].total_cmp(&other[0]));
     points.dedup_by(|one, other| one[0] == other[0]);
-    let edge = |index: usize| match (index.checked_sub(1).and_then(|before| points.get(before)), points.get(index)) {
-        (Some(before), Some(here)) => Some(f64::midpoint(before[0], here[0])),
-        _ => None,
-    };
-    #[allow(clippy::cast_possible_truncation, reason = "drawn")]
-    let widths: Vec<f32> = (0..points.len())
-        .map(|index| {
-            let middle = points[index][0];
-            let low = edge(index).or(edge(index + 1).map(|high| 2.0 * middle - high)).unwrap_or(middle - 0.5);
-            let high = edge(index + 1).unwrap_or(2.0 * middle - low);
-            (high - low) as f32
-        })
-        .collect();
     let (middles, heights): (Vec<f64>, Vec<f64>) = points.iter().map(|[at, value]| (*at, *value)).unzip();
+    let edges: Vec<f64> = middles.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
+    let edge = |index: Option<usize>| edges.get(index?).copied();
+    #[allow(clippy::cast_possible_truncation, reason = "drawn")]
+    let width = |(index, middle): (usize, &f64)| {
+        let high = edge(Some(index));
+        let low = edge(index.checked_sub(1)).or(high.map(|high| 2.0 * middle - high)).unwrap_or(middle - 0.5);
+        (high.unwrap_or(2.0 * middle - low) - low) as f32
+    };
+    let widths: Vec<f32> = middles.iter().enumerate().map(width).collect();
     let chart = BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(color.translucent(190));
     recording.log_static(entity, &chart)
 }

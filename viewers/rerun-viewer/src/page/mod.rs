@@ -88,12 +88,11 @@ impl Pages {
     }
 
     /// The figures, with who answers and the timeline by which the page tells how far it has come.
-    fn status(&self) -> Vec<u8> {
+    fn status(&self) -> String {
         let mut status = self.glance.get();
-        status.insert("instance".to_owned(), self.instance.as_str().into());
-        status.insert("timeline".to_owned(), TIMELINE.into());
-        // Words and numbers always have a JSON form.
-        serde_json::to_vec(&status).unwrap_or_default()
+        status["instance"] = self.instance.as_str().into();
+        status["timeline"] = TIMELINE.into();
+        status.to_string()
     }
 
     /// What `instance=I&from=N` or `instance=I&from=N&to=M` asks for: a line of JSON that says what is in the rerun file after

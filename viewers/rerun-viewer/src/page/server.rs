@@ -67,7 +67,7 @@ pub fn serve(listener: TcpListener, answers: impl Answer, patience: Duration) ->
 }
 
 async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, patience: Duration) {
-    let (mut ours, mut others) = (Connections::new(MOST_CONNECTIONS), Connections::new(MOST_REFUSALS));
+    let (mut ours, mut others) = (Connections::new(), Connections::new());
     loop {
         let Ok((client, peer)) = listener.accept().await else {
             // Out of file descriptors: some may be free again soon.
@@ -75,12 +75,15 @@ async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, pa
             continue;
         };
         let may_look = client.local_addr().is_ok_and(|here| peer::may_look(peer, here));
-        let (connections, answers) =
-            if may_look { (&mut ours, Some(Arc::clone(&answers))) } else { (&mut others, None) };
-        connections.make_room();
+        let (connections, most, answers) = if may_look {
+            (&mut ours, MOST_CONNECTIONS, Some(Arc::clone(&answers)))
+        } else {
+            (&mut others, MOST_REFUSALS, None)
+        };
+        make_room(connections, most);
         let asked = LastRequest::default();
         let task = tokio::spawn(attend(client, answers, asked.clone(), patience));
-        connections.open.push((task.abort_handle(), asked));
+        connections.push((task.abort_handle(), asked));
     }
 }
 
@@ -113,25 +116,16 @@ fn refusal() -> Response<Full<Bytes>> {
 type LastRequest = Arc<Mutex<Option<Instant>>>;
 
 /// The open connections, in the order in which they came.
-struct Connections {
-    open: Vec<(AbortHandle, LastRequest)>,
-    most: usize,
-}
+type Connections = Vec<(AbortHandle, LastRequest)>;
 
-impl Connections {
-    const fn new(most: usize) -> Self {
-        Self { open: Vec::new(), most }
-    }
-
-    /// Ends connections until there is room for one more: those first that never asked, then those that asked long ago.
-    fn make_room(&mut self) {
-        self.open.retain(|(task, _)| !task.is_finished());
-        let asked = |asked: &LastRequest| *asked.lock().unwrap_or_else(PoisonError::into_inner);
-        while self.open.len() >= self.most
-            && let Some(idlest) = (0..self.open.len()).min_by_key(|place| asked(&self.open[*place].1))
-        {
-            self.open.remove(idlest).0.abort();
-        }
+/// Ends connections until there are fewer than `most`: those first that never asked, then those that asked long ago.
+fn make_room(open: &mut Connections, most: usize) {
+    open.retain(|(task, _)| !task.is_finished());
+    let asked = |(_, asked): &(_, LastRequest)| *asked.lock().unwrap_or_else(PoisonError::into_inner);
+    while open.len() >= most
+        && let Some(idlest) = (0..open.len()).min_by_key(|place| asked(&open[*place]))
+    {
+        open.remove(idlest).0.abort();
     }
 }
 
@@ -159,11 +153,16 @@ mod tests {
     const LARGE: fn() -> Bytes = || Bytes::from(vec![7; 30 << 20]);
     const FOR_EVER: Duration = Duration::from_secs(3600);
 
-    fn ask(address: SocketAddr) -> TcpStream {
+    /// Sends a request, or the beginning of one.
+    fn send(address: SocketAddr, request: &str) -> TcpStream {
         let mut client = TcpStream::connect(address).unwrap();
         client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-        write!(client, "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
+        client.write_all(request.as_bytes()).unwrap();
         client
+    }
+
+    fn ask(address: SocketAddr) -> TcpStream {
+        send(address, &format!("GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"))
     }
 
     fn answer(address: SocketAddr) -> String {
@@ -175,16 +174,10 @@ mod tests {
     #[test]
     fn idle_connections_never_lock_the_page_out() {
         let address = serving(PAGE, FOR_EVER);
-        let idle: Vec<_> = (0..3 * MOST_CONNECTIONS).map(|_| TcpStream::connect(address).unwrap()).collect();
-        let half: Vec<_> = (0..3 * MOST_CONNECTIONS)
-            .map(|_| {
-                let mut client = TcpStream::connect(address).unwrap();
-                client.write_all(b"GET / HTTP/1.1\r\nHost: ").unwrap();
-                client
-            })
-            .collect();
+        let many = |begun| (0..3 * MOST_CONNECTIONS).map(move |_| send(address, begun));
+        let idle: Vec<_> = many("").chain(many("GET / HTTP/1.1\r\nHost: ")).collect();
         assert!(answer(address).ends_with("the page"));
-        drop((idle, half));
+        drop(idle);
     }
 
     #[test]
@@ -192,7 +185,7 @@ mod tests {
         let address = serving(LARGE, FOR_EVER);
         let mut loading = ask(address);
         loading.read_exact(&mut [0; 1000]).unwrap();
-        let idle: Vec<_> = (0..2 * MOST_CONNECTIONS).map(|_| TcpStream::connect(address).unwrap()).collect();
+        let idle: Vec<_> = (0..2 * MOST_CONNECTIONS).map(|_| send(address, "")).collect();
         let mut rest = Vec::new();
         loading.read_to_end(&mut rest).unwrap();
         assert!(rest.len() > (30 << 20) - 1000, "{} bytes", rest.len());
@@ -203,8 +196,7 @@ mod tests {
     fn a_header_without_an_end_is_cut_off_and_costs_no_memory() {
         let address = serving(PAGE, FOR_EVER);
         let before = resident_mib();
-        let mut client = TcpStream::connect(address).unwrap();
-        client.write_all(b"GET / HTTP/1.1\r\nX-Long: ").unwrap();
+        let mut client = send(address, "GET / HTTP/1.1\r\nX-Long: ");
         let portion = vec![b'x'; 1 << 20];
         let taken = (0..512).take_while(|_| client.write_all(&portion).is_ok()).count();
         assert!(taken < 64, "{taken} MiB of a header were taken");
@@ -215,11 +207,8 @@ mod tests {
     #[test]
     fn a_request_that_never_comes_loses_its_connection() {
         let address = serving(PAGE, PATIENCE);
-        let mut client = TcpStream::connect(address).unwrap();
-        client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-        client.write_all(b"GET / HT").unwrap();
         // Closed, with a word or without one.
-        client.read_to_end(&mut Vec::new()).unwrap();
+        send(address, "GET / HT").read_to_end(&mut Vec::new()).unwrap();
     }
 
     #[test]
@@ -249,12 +238,9 @@ mod tests {
         let address = serving(LARGE, PATIENCE);
         let mut client = ask(address);
         let (mut portion, mut taken) = (vec![0; 3 << 20], 0);
-        loop {
+        while let more @ 1.. = client.read(&mut portion).unwrap() {
             std::thread::sleep(Duration::from_millis(20));
-            match client.read(&mut portion).unwrap() {
-                0 => break,
-                more => taken += more,
-            }
+            taken += more;
         }
         assert!(taken > 30 << 20, "{taken} bytes");
     }
