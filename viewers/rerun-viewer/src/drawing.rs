@@ -94,6 +94,6 @@ fn draw_histogram(recording: &RecordingStream, counts: &[u64; 12]) -> RecordingS
     let heights: Vec<f64> = counts.iter().map(|count| (*count as f64).ln_1p() / std::f64::consts::LN_10).collect();
     recording.log(
         entities::LATENESS_HISTOGRAM,
-        &BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(MEASURED.opaque()),
+        &BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(MEASURED),
     )
 }

@@ -5,13 +5,14 @@
 
 use dynamics::Axis;
 use rerun::components::{FillMode, RotationAxisAngle};
+use rerun::datatypes::Rgba32;
 use rerun::{Angle, Boxes3D, Cylinders3D, Points3D, RecordingStream, RecordingStreamResult, TimeColumn, Transform3D};
 
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
 use crate::numbers::three_digits;
-use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, Rgb, STICKING, WHITE};
+use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, STICKING, WHITE};
 use crate::plot_axes::round_step;
 use crate::strokes::{dots, labels, lines, single};
 
@@ -55,7 +56,7 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
             ],
             [[0.045, single(0.45 * BODY_RADIUS), 0.03], [0.012, single(0.5 * (RING_RADIUS - BODY_RADIUS)), 0.012]],
         )
-        .with_colors([WHITE.opaque()])
+        .with_colors([WHITE])
         .with_fill_mode(FillMode::Solid),
     )?;
     recording.log_static(format!("{KNOB}/no_detents"), &lines([circle(RING_RADIUS)], NEUTRAL, 0.6))
@@ -89,13 +90,13 @@ pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<
 fn draw_body(recording: &RecordingStream, motion: Motion) -> RecordingStreamResult<()> {
     let body = Cylinders3D::from_lengths_and_radii([single(BODY_HEIGHT)], [single(BODY_RADIUS)])
         .with_centers([[0.0, 0.0, single(BODY_HEIGHT / 2.0)]])
-        .with_colors([color(motion).opaque()])
+        .with_colors([color(motion)])
         .with_fill_mode(FillMode::Solid);
     recording.log(format!("{KNOB}/turning/body"), &body)?;
     recording.log(format!("{KNOB}/motion"), &label([0.0, 1.55, 0.0], motion.word().to_owned()))
 }
 
-pub(crate) const fn color(motion: Motion) -> Rgb {
+pub(crate) const fn color(motion: Motion) -> Rgba32 {
     match motion {
         Motion::Sticking => STICKING,
         Motion::SlippingPositive => POSITIVE,

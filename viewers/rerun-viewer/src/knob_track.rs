@@ -12,7 +12,7 @@ const TURN_PERIOD_NS: i64 = 40_000_000;
 const MOTION_PERIOD_NS: i64 = 500_000_000;
 /// Speed below which a captured knob counts as sticking, rad/s: the largest Δv of the paper's knobs (Table 6). A
 /// rendered knob says itself whether it sticks.
-pub const STICK_VELOCITY_RAD_S: f64 = 0.04;
+const STICK_VELOCITY_RAD_S: f64 = 0.04;
 /// Points of the ring per detent.
 const POINTS_PER_DETENT: f64 = 16.0;
 /// Change of the detents, as a share of their depth and distance, that is not drawn.

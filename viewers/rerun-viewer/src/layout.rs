@@ -90,7 +90,7 @@ impl Layout {
         let from_above =
             EyeControls3D::new().with_position(EYE).with_look_target(LOOK_TARGET).with_eye_up([0.0, 0.0, 1.0]);
         self.properties.of_view(&space, "EyeControls3D", from_above);
-        let ground = Background::new(BackgroundKind::SolidColor).with_color(GROUND.opaque());
+        let ground = Background::new(BackgroundKind::SolidColor).with_color(GROUND);
         self.properties.of_view(&space, "Background", ground);
         self.properties.of_view(&space, "LineGrid3D", LineGrid3D::new().with_visible(Visible(false.into())));
         let plots = Vertical::new([self.torque(), self.signal("angle_rad", &["angle_rad"])]);

@@ -40,7 +40,7 @@ pub fn draw(
 }
 
 fn draw_points(recording: &RecordingStream, root: &str, plot: &PlotUpdate) -> RecordingStreamResult<()> {
-    let color = |turning_positive| if turning_positive { POSITIVE } else { NEGATIVE }.opaque();
+    let color = |turning_positive| if turning_positive { POSITIVE } else { NEGATIVE };
     recording.log(
         format!("{root}/quantities/measured"),
         &Points2D::new(plot.points.iter().map(|point| [single(point.x), single(point.torque_mnm)]))

@@ -54,11 +54,8 @@ fn take_again(address: SocketAddr) -> Option<TcpListener> {
     }
 }
 
-/// Takes the first free port from the wanted one on.
-///
-/// # Errors
-/// When none of them can be had at that address.
-pub fn first_free(wanted: SocketAddr) -> anyhow::Result<TcpListener> {
+/// Takes the first free port from the wanted one on, if one of them can be had at that address.
+fn first_free(wanted: SocketAddr) -> anyhow::Result<TcpListener> {
     let (bind, first) = (wanted.ip(), wanted.port());
     let last = first.saturating_add(PORTS_TRIED - 1);
     let mut refusals = (first..=last).map(|port| TcpListener::bind(SocketAddr::new(bind, port)));

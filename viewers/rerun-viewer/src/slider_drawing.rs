@@ -103,7 +103,7 @@ fn draw_rail(recording: &RecordingStream, scale: &Axis) -> RecordingStreamResult
 fn draw_body(recording: &RecordingStream, motion: Motion, scale: &Axis) -> RecordingStreamResult<()> {
     let half_mm = 0.13 / units_in_mm(scale);
     let body = Boxes3D::from_centers_and_half_sizes([[0.0, 0.0, 0.15]], [[single(half_mm), 0.24, 0.15]])
-        .with_colors([color(motion).opaque()])
+        .with_colors([color(motion)])
         .with_fill_mode(FillMode::Solid);
     recording.log(format!("{KNOB}/travel/moving/body"), &body)?;
     recording.log(format!("{KNOB}/motion"), &label([0.0, 1.0, 0.0], motion.word().to_owned()))

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use clap::Parser as _;
 use serde_json::Value;
+use shared_types::{ProcessHealth, ProcessKind};
 
 use crate::cli::Arguments;
 use crate::frame::{Frame, Points};
@@ -62,8 +63,7 @@ fn frame(number: usize) -> Frame {
 }
 
 pub(crate) fn resident_mib() -> f64 {
-    let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
-    statm.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 4096.0 / f64::from(1 << 20)
+    ProcessHealth::of_this_process(ProcessKind::Viewer, 0).resident_bytes as f64 / f64::from(1 << 20)
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! The residual over what it might go with, and effects beside their rivals, as bars.
 
+use rerun::datatypes::Rgba32;
 use rerun::{BarChart, RecordingStream, RecordingStreamResult};
 
 use super::input::{DiagnosisInput, Location, Rival, Step};
-use crate::palette::{MEASURED, MODEL, NEGATIVE, NEUTRAL, Rgb};
+use crate::palette::{MEASURED, MODEL, NEGATIVE, NEUTRAL, translucent};
 
 /// Where the maps lie, each `where/<coordinate>/before` and `…/after`.
 pub fn map_entity(coordinate: &str) -> String {
@@ -56,7 +57,7 @@ pub fn draw(recording: &RecordingStream, input: &DiagnosisInput) -> RecordingStr
 }
 
 /// A residual's map: a bar for each bin, at its middle and as wide as the way to its neighbours.
-fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rgb) -> RecordingStreamResult<()> {
+fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rgba32) -> RecordingStreamResult<()> {
     let mut points = location.map.clone();
     points.retain(|[at, value]| at.is_finite() && value.is_finite());
     points.sort_by(|one, other| one[0].total_cmp(&other[0]));
@@ -71,7 +72,7 @@ fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rg
         (high.unwrap_or(2.0 * middle - low) - low) as f32
     };
     let widths: Vec<f32> = middles.iter().enumerate().map(width).collect();
-    let chart = BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(color.translucent(190));
+    let chart = BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(translucent(color, 190));
     recording.log_static(entity, &chart)
 }
 
@@ -79,13 +80,11 @@ fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rg
 fn bars<'a>(
     recording: &RecordingStream,
     entity: &str,
-    values: impl Iterator<Item = (&'a str, f64, Rgb)>,
+    values: impl Iterator<Item = (&'a str, f64, Rgba32)>,
 ) -> RecordingStreamResult<()> {
     for (place, (name, value, color)) in (1_u32..).zip(values) {
-        let chart = BarChart::new(vec![value])
-            .with_abscissa(vec![f64::from(place)])
-            .with_widths([0.9_f32])
-            .with_color(color.opaque());
+        let chart =
+            BarChart::new(vec![value]).with_abscissa(vec![f64::from(place)]).with_widths([0.9_f32]).with_color(color);
         recording.log_static(format!("{entity}/{place:02}-{name}"), &chart)?;
     }
     Ok(())

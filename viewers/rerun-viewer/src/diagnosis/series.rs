@@ -1,14 +1,15 @@
 //! Torque and residual over time.
 
-use rerun::components::AggregationPolicy;
-use rerun::{RecordingStream, Scalars, SeriesLines, TimeColumn};
+use rerun::datatypes::Rgba32;
+use rerun::{RecordingStream, Scalars, TimeColumn};
 
 use super::input::{CaptureRows, Row};
 use crate::drawing::TIMELINE;
-use crate::palette::{MEASURED, MODEL, NEUTRAL, Rgb};
+use crate::palette::{MEASURED, MODEL, NEUTRAL};
+use crate::series_styles::line;
 
 /// A series of a capture: its name, its colour, and its value in a row.
-type Series = (&'static str, Rgb, fn(&Row) -> f64);
+type Series = (&'static str, Rgba32, fn(&Row) -> f64);
 
 /// Measured torque and what the first and the final model predict, mNm.
 const TORQUES: [Series; 3] = [
@@ -38,12 +39,7 @@ pub fn draw(recording: &RecordingStream, capture: &CaptureRows) -> anyhow::Resul
     for (quantity, series) in quantities {
         for (name, color, of) in series {
             let entity = format!("{}/{quantity}/{name}", capture.role);
-            let style = SeriesLines::new()
-                .with_names([*name])
-                .with_colors([color.opaque()])
-                .with_widths([1.2])
-                .with_aggregation_policy(AggregationPolicy::MinMax);
-            recording.log_static(entity.as_str(), &style)?;
+            recording.log_static(entity.as_str(), &line(name, *color, 1.2))?;
             let times = TimeColumn::new_duration_secs(TIMELINE, rows.iter().map(|(t_s, _)| *t_s));
             let values = Scalars::new(rows.iter().map(|(_, row)| row.as_ref().map_or(f64::NAN, of)));
             recording.send_columns(entity.as_str(), [times], values.columns_of_unit_batches()?)?;

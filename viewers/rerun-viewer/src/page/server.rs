@@ -25,7 +25,7 @@ use crate::peer;
 /// How long a client may take nothing of what waits for it, and how long it may take to send a request.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 /// Connections at once; a page needs up to six.
-pub const MOST_CONNECTIONS: usize = 64;
+const MOST_CONNECTIONS: usize = 64;
 /// Most other users who are refused at a time.
 const MOST_REFUSALS: usize = 8;
 /// Size of a request's header, bytes.
