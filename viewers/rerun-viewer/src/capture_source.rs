@@ -10,7 +10,8 @@ use loaded_capture::LoadedCapture;
 use crate::capture_summary;
 use crate::layout::Subject;
 use crate::model_torque::KnobModel;
-use crate::source::{Event, ModelTorque, Reading, Source};
+use crate::picture::Picture;
+use crate::source::{Reading, Source, nanoseconds};
 
 /// Samples handed over at once: 2 s at 10 kHz.
 const SAMPLES_PER_POLL: usize = 20_000;
@@ -24,7 +25,6 @@ pub struct CaptureSource {
     /// The fit, or one sentence on why there is none.
     fit: Result<Fit, String>,
     next_row: usize,
-    ended: bool,
 }
 
 impl CaptureSource {
@@ -43,7 +43,7 @@ impl CaptureSource {
         };
         let fit = identification::fit(&loaded.samples(), &options).map_err(|error| error.to_string());
         let LoadedCapture { capture, calibration, .. } = loaded;
-        Ok(Self { capture, calibration, fit, next_row: 0, ended: false })
+        Ok(Self { capture, calibration, fit, next_row: 0 })
     }
 
     /// Number of samples.
@@ -73,7 +73,7 @@ impl CaptureSource {
             torque_mnm: torque_mnm[row],
             contact: or_nan(contact, row),
             turning_positive: self.turning_positive(row),
-            stuck: None,
+            ..Reading::default()
         })
         .collect()
     }
@@ -92,25 +92,22 @@ impl CaptureSource {
 }
 
 impl Source for CaptureSource {
-    fn poll(&mut self, _samples_wanted: bool, take_in: &mut dyn FnMut(Event<'_>)) -> anyhow::Result<()> {
-        if self.ended {
+    fn poll(&mut self, _samples_wanted: bool, picture: &mut Picture) -> anyhow::Result<()> {
+        if picture.run().finished() {
             return Ok(());
         }
-        if self.next_row == 0 {
-            take_in(Event::Axis(self.capture.axis));
+        let (start, all) = (self.next_row, self.capture.len());
+        if start == 0 {
+            let axis = self.capture.axis;
             let text = capture_summary::markdown(&self.capture, &self.fit);
-            take_in(Event::Text(&self.capture.axis.words(&text)));
+            picture.describe_capture(axis, axis.words(&text).into_owned());
         }
-        let end = (self.next_row + SAMPLES_PER_POLL).min(self.capture.len());
-        take_in(Event::Readings(&self.readings(self.next_row..end)));
-        self.next_row = end;
-        if end == self.capture.len() {
-            if let Ok(fit) = &self.fit {
-                let calibration = self.calibration.as_ref();
-                take_in(Event::Model { model: curves(fit, calibration).as_ref(), torque: &torque(fit, calibration) });
-            }
-            take_in(Event::End);
-            self.ended = true;
+        self.next_row = (start + SAMPLES_PER_POLL).min(all);
+        picture.take_readings(&self.readings(start..self.next_row));
+        if self.next_row == all {
+            let (fit, calibration) = (self.fit.as_ref().ok(), self.calibration.as_ref());
+            let model = fit.and_then(curves).map(|knob| knob.on_rig(calibration));
+            picture.end_capture(model, &fit.map(|fit| torque(fit, calibration)).unwrap_or_default());
         }
         Ok(())
     }
@@ -121,12 +118,13 @@ impl Source for CaptureSource {
 }
 
 /// The model for the curves over angle and velocity.
-fn curves(fit: &Fit, calibration: Option<&Calibration>) -> Option<KnobModel> {
-    let half_width = |name: &str| fit.parameters.get(name)?.ci95.map(|[low, high]| (high - low) / 2.0);
-    let knob = KnobModel::from_values(|name| fit.parameters.get(name)?.value)?
-        .with_half_widths(half_width)
-        .with_characteristic(fit.effects(), characteristic_half_width_mnm(fit));
-    Some(calibration.map_or(knob, |known| knob.on_rig(known)))
+fn curves(fit: &Fit) -> Option<KnobModel> {
+    let estimate = |name: &str| {
+        let parameter = fit.parameters.get(name)?;
+        Some([parameter.value?, parameter.ci95.map_or(0.0, |[low, high]| (high - low) / 2.0)])
+    };
+    let knob = KnobModel::from_estimates(estimate)?;
+    Some(knob.with_characteristic(fit.effects(), characteristic_half_width_mnm(fit)))
 }
 
 /// RMS half width of the interval of the torque measured over the angle, both directions alike, mNm; zero without one.
@@ -140,22 +138,11 @@ fn characteristic_half_width_mnm(fit: &Fit) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// The torque of the effects as fitted, at the motion that the fit made out; nothing where the knob may stick.
-fn torque(fit: &Fit, calibration: Option<&Calibration>) -> Vec<ModelTorque> {
+/// Times, ns, with the torque of the effects as fitted at the motion that the fit made out, mNm; none where the knob may stick.
+fn torque(fit: &Fit, calibration: Option<&Calibration>) -> Vec<(i64, f64)> {
     let zero_mnm = calibration.map_or(0.0, |known| known.torque_zero_mnm);
     let model = Model { effects: fit.effects().to_vec(), ..Model::default() };
-    fit.points
-        .iter()
-        .map(|point| ModelTorque {
-            time_ns: nanoseconds(point.t_s),
-            torque_mnm: model.torque_mnm(&point.motion()) + zero_mnm,
-        })
-        .collect()
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "a capture would have to last 292 years")]
-fn nanoseconds(seconds: f64) -> i64 {
-    (seconds * 1e9).round() as i64
+    fit.points.iter().map(|point| (nanoseconds(point.t_s), model.torque_mnm(&point.motion()) + zero_mnm)).collect()
 }
 
 #[cfg(test)]
@@ -165,20 +152,13 @@ mod tests {
 
     use super::*;
 
-    /// What a source gives until it ends: readings, model torques and the text.
-    fn everything(source: &mut CaptureSource) -> (Vec<Reading>, Vec<ModelTorque>, String) {
-        let (mut readings, mut torques, mut text, mut ended) = (Vec::new(), Vec::new(), String::new(), false);
-        while !ended {
-            let mut take_in = |event: Event<'_>| match event {
-                Event::Readings(more) => readings.extend_from_slice(more),
-                Event::Model { torque, .. } => torques.extend_from_slice(torque),
-                Event::Text(new) => new.clone_into(&mut text),
-                Event::End => ended = true,
-                _ => {}
-            };
-            source.poll(true, &mut take_in).unwrap();
+    /// An inertia, mNm s²/rad, with 4 mNm of Coulomb friction, turned to and fro at 3 rad/s: time, angle and torque.
+    fn turned(inertia: f64) -> impl Fn(u32) -> (f64, f64, f64) {
+        move |row| {
+            let t_s = f64::from(row) / 1_000.0;
+            let (sine, cosine) = (3.0 * t_s).sin_cos();
+            (t_s, sine, -inertia * 9.0 * sine + 4.0 * cosine.signum())
         }
-        (readings, torques, text)
     }
 
     fn table(rows: impl Iterator<Item = (f64, f64, f64)>) -> tempfile::NamedTempFile {
@@ -191,36 +171,33 @@ mod tests {
 
     #[test]
     fn a_table_is_shown_whole_with_the_torque_of_its_model() {
-        // Inertia 0.2 mNm s²/rad and 4 mNm of Coulomb friction, turned to and fro at 3 rad/s for 50 s.
-        let rows = (0..50_000).map(|row| {
-            let t_s = f64::from(row) / 1_000.0;
-            let (sine, cosine) = (3.0 * t_s).sin_cos();
-            (t_s, sine, -0.2 * 9.0 * sine + 4.0 * cosine.signum())
-        });
-        let mut source = CaptureSource::open(table(rows).path()).unwrap();
+        let mut source = CaptureSource::open(table((0..50_000).map(turned(0.2))).path()).unwrap();
         let Subject { axis, velocity, acceleration, contact, .. } = source.subject();
         assert_eq!((axis, velocity, acceleration, contact), (dynamics::Axis::Rotary, false, false, false));
-        let (readings, torques, text) = everything(&mut source);
-        assert_eq!(readings.len(), 50_000);
-        assert!(readings.iter().zip(0..).all(|(reading, row)| reading.time_ns == row * 1_000_000));
+        let readings = source.readings(0..source.samples());
+        assert!(readings.iter().zip(0..50_000).all(|(reading, row)| reading.time_ns == row * 1_000_000));
         assert!(readings[100].turning_positive && !readings[1_000].turning_positive);
+        let fit = source.fit.as_ref().unwrap();
+        let torques = torque(fit, None);
         assert!(!torques.is_empty());
-        for moment in torques {
-            let row = usize::try_from(moment.time_ns).unwrap() / 1_000_000;
-            assert!((moment.torque_mnm - readings[row].torque_mnm).abs() < 0.1, "at row {row}");
+        for (time_ns, torque_mnm) in torques {
+            let row = usize::try_from(time_ns).unwrap() / 1_000_000;
+            assert!((torque_mnm - readings[row].torque_mnm).abs() < 0.1, "at row {row}");
         }
+        let text = capture_summary::markdown(&source.capture, &source.fit);
         let inertia = text.split("| inertia | ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
         assert!((inertia.parse::<f64>().unwrap() - 0.2).abs() < 1e-5, "{text}");
+        // More than one poll takes.
+        let mut picture = Picture::of_capture(source.samples());
+        while !picture.run().finished() {
+            source.poll(true, &mut picture).unwrap();
+        }
+        assert_eq!(picture.run().time_ns(), 49_999_000_000);
     }
 
     #[test]
     fn a_table_is_fitted_with_the_calibration_beside_it() {
-        let rows = (0..20_000).map(|row| {
-            let t_s = f64::from(row) / 1_000.0;
-            let (sine, cosine) = (3.0 * t_s).sin_cos();
-            (t_s, sine, -0.25 * 9.0 * sine + 4.0 * cosine.signum())
-        });
-        let file = table(rows);
+        let file = table((0..20_000).map(turned(0.25)));
         let calibration =
             Calibration { gripper_inertia: 0.05, torque_zero_mnm: 0.0, ..crate::model_torque::tests::calibration() };
         let beside = loaded_capture::calibration_beside(file.path());
@@ -238,8 +215,11 @@ mod tests {
     #[test]
     fn a_capture_that_cannot_be_fitted_is_shown_alone_with_the_reason() {
         let still = (0..1_000).map(|row| (f64::from(row) / 1_000.0, 0.5, f64::from(row % 3)));
-        let (readings, torques, text) = everything(&mut CaptureSource::open(table(still).path()).unwrap());
-        assert_eq!((readings.len(), torques.len()), (1_000, 0));
-        assert!(text.contains("**No model:** the knob did not move"), "{text}");
+        let mut source = CaptureSource::open(table(still).path()).unwrap();
+        let mut picture = Picture::of_capture(source.samples());
+        source.poll(true, &mut picture).unwrap();
+        let frame = picture.next_frame(0).unwrap();
+        assert!(!frame.series.contains_key("signals/model_torque_mnm") && !frame.plots.is_empty());
+        assert!(frame.texts[0].1.contains("**No model:** the knob did not move"), "{:?}", frame.texts);
     }
 }

@@ -1,51 +1,39 @@
 //! The text next to the plots of a finished capture: what it is, and what the fit tells.
 
-use std::fmt::Write as _;
-
 use archive::Capture;
 use identification::{Fit, Parameter};
 
-use crate::summary::{self, alarmed, grouped, knob_title, three_digits, with_half_width};
+use crate::extent::{self, Extent};
+use crate::numbers::{self, alarmed, grouped, three_digits, with_half_width};
+use crate::summary::knob_title;
 
 /// Largest difference between the halves of an interval that is written as value ± half width, as a share of it.
 const SYMMETRIC: f64 = 0.01;
 
 /// The text as Markdown; `fit` is the fit, or one sentence on why there is none.
 pub fn markdown(capture: &Capture, fit: &Result<Fit, String>) -> String {
-    // Writing to a String does not fail.
-    let mut text = String::new();
-    head(&mut text, capture);
-    match fit {
-        Ok(fit) => parameters(&mut text, fit),
-        Err(reason) => {
-            let _ = writeln!(text, "**No model:** {reason}\n");
-        }
-    }
-    summary::ranges(&mut text, "signal", columns(capture));
-    if let Ok(fit) = fit {
-        remarks(&mut text, fit);
-    }
-    text
+    let ranges = numbers::ranges("signal", columns(capture));
+    let (parameters, remarks) = match fit {
+        Ok(fit) => (parameters(fit), remarks(fit)),
+        Err(reason) => (format!("**No model:** {reason}\n\n"), String::new()),
+    };
+    head(capture) + &parameters + &ranges + &remarks
 }
 
-fn head(text: &mut String, capture: &Capture) {
+fn head(capture: &Capture) -> String {
     let file = capture.source.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let rate = rate(capture.rate_hz);
-    match &capture.description {
-        Some(run) => {
-            let _ = writeln!(text, "# {}\n\non **{}**, {rate}\n", knob_title(&run.knob), run.apparatus);
-            let _ = writeln!(text, "{file}\n");
-        }
-        None => {
-            let _ = writeln!(text, "# {file}\n\ntable, {rate}\n");
-        }
-    }
+    let title = match &capture.description {
+        Some(run) => format!("# {}\n\non **{}**, {rate}\n\n{file}", knob_title(&run.knob), run.apparatus),
+        None => format!("# {file}\n\ntable, {rate}"),
+    };
     let duration_s = capture.t_s.last().zip(capture.t_s.first()).map_or(0.0, |(last, first)| last - first);
-    let _ = writeln!(text, "### {duration_s:.1} s \u{2014} {} samples\n", grouped(capture.len() as u64));
-    let absent = capture.ticks_without_sample();
-    if absent > 0 {
-        let _ = writeln!(text, "{} ticks without a sample\n", alarmed(absent));
-    }
+    let samples = grouped(capture.len() as u64);
+    let absent = match capture.ticks_without_sample() {
+        0 => String::new(),
+        absent => format!("{} ticks without a sample\n\n", alarmed(absent)),
+    };
+    format!("{title}\n\n### {duration_s:.1} s \u{2014} {samples} samples\n\n{absent}")
 }
 
 /// In whole Hz or in kHz with as many digits as it has.
@@ -53,22 +41,22 @@ fn rate(rate_hz: f64) -> String {
     if rate_hz < 1_000.0 { format!("{rate_hz:.0} Hz") } else { format!("{} kHz", (rate_hz.round() / 1_000.0)) }
 }
 
-fn parameters(text: &mut String, fit: &Fit) {
-    let _ = writeln!(text, "| parameter | value ± 95 % | unit |\n|---|---:|---|");
+fn parameters(fit: &Fit) -> String {
     // Where the torque was measured over the angle, nobody looked for detents, and the scale of what was measured is 1.
     let is_looked_for = |parameter: &&Parameter| {
         fit.characteristics.is_empty()
             || !(parameter.name.starts_with("detent_") || parameter.name.ends_with("_characteristic_scale"))
     };
-    for parameter in fit.parameters.0.iter().filter(is_looked_for) {
+    let row = |parameter: &Parameter| {
         let name = parameter.name.replace('_', " ");
-        let _ = writeln!(text, "| {name} | {} | {} |", value_and_interval(parameter), parameter.unit);
-    }
-    let _ = writeln!(
-        text,
-        "\nresidual **{:.3} mNm** RMS, {:.2} % of the torque\n",
+        format!("| {name} | {} | {} |\n", value_and_interval(parameter), parameter.unit)
+    };
+    let rows: String = fit.parameters.0.iter().filter(is_looked_for).map(row).collect();
+    format!(
+        "| parameter | value ± 95 % | unit |\n|---|---:|---|\n{rows}\n\
+         residual **{:.3} mNm** RMS, {:.2} % of the torque\n\n",
         fit.residual_rms_mnm, fit.relative_error_percent
-    );
+    )
 }
 
 /// `2.301 ± 0.012`; an interval that lies unevenly about its value with both ends.
@@ -78,45 +66,36 @@ fn value_and_interval(parameter: &Parameter) -> String {
         (Some(value), None) => three_digits(value),
         (Some(value), Some([low, high])) => {
             let half_width = (high - low) / 2.0;
-            if ((high - value) - (value - low)).abs() <= SYMMETRIC * half_width {
-                return with_half_width(value, half_width);
-            }
-            format!("{} ({} to {})", three_digits(value), three_digits(low), three_digits(high))
+            let is_symmetric = ((high - value) - (value - low)).abs() <= SYMMETRIC * half_width;
+            let [middle, low, high] = [value, low, high].map(three_digits);
+            if is_symmetric { with_half_width(value, half_width) } else { format!("{middle} ({low} to {high})") }
         }
     }
 }
 
-fn columns(capture: &Capture) -> [(&'static str, Option<(f64, f64)>); 4] {
-    let columns = [
+fn columns(capture: &Capture) -> [(&'static str, Option<Extent>); 4] {
+    [
         ("angle_rad", Some(&capture.angle_rad)),
         ("velocity_rad_s", capture.velocity_rad_s.as_ref()),
         ("acceleration_rad_s2", capture.acceleration_rad_s2.as_ref()),
         ("torque_mnm", Some(&capture.torque_mnm)),
-    ];
-    let range = |column: &Vec<f64>| {
-        let range = (f64::INFINITY, f64::NEG_INFINITY);
-        column.iter().fold(range, |(low, high), value| (low.min(*value), high.max(*value)))
-    };
-    columns.map(|(name, column)| (name, column.map(range)))
+    ]
+    .map(|(name, column)| (name, column.and_then(|column| extent::of(column.iter().copied()))))
 }
 
 /// Why parameters are not identifiable, grouped by reason, and other remarks.
-fn remarks(text: &mut String, fit: &Fit) {
-    let mut reasons: Vec<(Vec<String>, &str)> = Vec::new();
+fn remarks(fit: &Fit) -> String {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for parameter in &fit.parameters.0 {
         let Some(reason) = &parameter.reason else { continue };
         let name = parameter.name.replace('_', " ");
-        match reasons.iter_mut().find(|(_, known)| known == reason) {
-            Some((names, _)) => names.push(name),
-            None => reasons.push((vec![name], reason)),
+        match reasons.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((reason, vec![name])),
         }
     }
-    for (names, reason) in reasons {
-        let _ = writeln!(text, "- **{}**: {reason}", names.join(", "));
-    }
-    for note in &fit.notes {
-        let _ = writeln!(text, "- {note}");
-    }
+    let reasons = reasons.into_iter().map(|(reason, names)| format!("**{}**: {reason}", names.join(", ")));
+    reasons.chain(fit.notes.iter().cloned()).map(|remark| format!("- {remark}\n")).collect()
 }
 
 #[cfg(test)]

@@ -3,14 +3,7 @@
 //! Time is cut into bins as wide as a pixel or so; of each bin the smallest and the largest value
 //! stay, at the times at which they were measured. A spike of one sample is therefore seen.
 
-/// Points of a time series.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Points {
-    /// Times since the start of the run, ns, ascending.
-    pub times_ns: Vec<i64>,
-    /// As many values.
-    pub values: Vec<f64>,
-}
+use crate::frame::Points;
 
 /// What stays of a bin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,10 +68,7 @@ impl Decimator {
         let Some(Bin { min, max, .. }) = self.open.take() else {
             return;
         };
-        let mut keep = |(time_ns, value)| {
-            self.done.times_ns.push(time_ns);
-            self.done.values.push(value);
-        };
+        let mut keep = |(time_ns, value)| self.done.push(time_ns, &[value]);
         match self.keep {
             Keep::Max => keep(max),
             Keep::MinMax if min.0 == max.0 => keep(min),
@@ -94,33 +84,31 @@ impl Decimator {
 mod tests {
     use super::*;
 
+    fn decimated(keep: Keep, bin_ns: i64, samples: impl IntoIterator<Item = (i64, f64)>) -> Points {
+        let mut decimator = Decimator::new(keep, bin_ns);
+        samples.into_iter().for_each(|(time_ns, value)| decimator.push(time_ns, value));
+        decimator.close_bin();
+        decimator.take()
+    }
+
     #[test]
     fn a_spike_of_one_sample_keeps_its_height_and_its_time() {
-        let mut decimator = Decimator::new(Keep::MinMax, 4_000_000);
-        for tick in 0..200_i64 {
-            let value = if tick == 77 { 1_000.0 } else { (tick as f64 * 0.1).sin() };
-            decimator.push(tick * 100_000, value);
-        }
-        decimator.close_bin();
-        let points = decimator.take();
+        let value = |tick: i64| if tick == 77 { 1_000.0 } else { (tick as f64 * 0.1).sin() };
+        let points = decimated(Keep::MinMax, 4_000_000, (0..200).map(|tick| (tick * 100_000, value(tick))));
         let spike = points.values.iter().position(|&value| value == 1_000.0);
         assert_eq!(spike.map(|at| points.times_ns[at]), Some(7_700_000));
     }
 
     #[test]
     fn ten_thousand_samples_a_second_become_five_hundred_in_order() {
-        let mut decimator = Decimator::new(Keep::MinMax, 4_000_000);
-        for tick in 0..10_000_i64 {
-            decimator.push(tick * 100_000, ((tick * 7919) % 1013) as f64);
-        }
-        decimator.close_bin();
-        let points = decimator.take();
+        let samples = (0..10_000_i64).map(|tick| (tick * 100_000, ((tick * 7919) % 1013) as f64));
+        let points = decimated(Keep::MinMax, 4_000_000, samples);
         assert_eq!(points.values.len(), 500);
         assert!(points.times_ns.is_sorted_by(|a, b| a < b));
     }
 
     #[test]
-    fn a_bin_with_one_value_gives_one_point() {
+    fn a_bin_with_one_value_gives_one_point_once_it_is_complete() {
         let mut decimator = Decimator::new(Keep::MinMax, 1_000);
         decimator.push(0, 2.0);
         decimator.push(5_000, 3.0);
@@ -130,11 +118,7 @@ mod tests {
 
     #[test]
     fn the_longest_lateness_of_a_bin_stays() {
-        let mut decimator = Decimator::new(Keep::Max, 1_000);
-        for (time_ns, value) in [(0, 5.0), (10, 9.0), (20, f64::NAN), (30, 1.0)] {
-            decimator.push(time_ns, value);
-        }
-        decimator.close_bin();
-        assert_eq!(decimator.take(), Points { times_ns: vec![10], values: vec![9.0] });
+        let points = decimated(Keep::Max, 1_000, [(0, 5.0), (10, 9.0), (20, f64::NAN), (30, 1.0)]);
+        assert_eq!(points, Points { times_ns: vec![10], values: vec![9.0] });
     }
 }

@@ -5,11 +5,11 @@ use rerun::{BarChart, RecordingStream, RecordingStreamResult, Scalars, TextDocum
 use shared_types::LATENESS_BIN_EDGES_NS;
 
 use crate::entities;
-use crate::frame::{Frame, SeriesRows};
+use crate::frame::{Frame, Points};
 use crate::palette::MEASURED;
-use crate::plot_drawing::PlotPen;
+use crate::plot_drawing::DrawnAxes;
 use crate::slider_drawing::Slider;
-use crate::{knob_drawing, series_styles};
+use crate::{knob_drawing, plot_drawing, series_styles};
 
 /// Time since the start of the run: the only timeline.
 pub const TIMELINE: &str = "time_s";
@@ -18,7 +18,7 @@ pub const TIMELINE: &str = "time_s";
 pub struct Pen {
     recording: RecordingStream,
     axis: Axis,
-    plots: PlotPen,
+    plots: DrawnAxes,
     /// What moves along a line; `None` for what turns.
     slider: Option<Slider>,
 }
@@ -36,7 +36,7 @@ impl Pen {
             knob_drawing::draw_dial(&recording)?;
         }
         let slider = (!axis.is_rotary()).then(Slider::default);
-        Ok(Self { recording, axis, plots: PlotPen::new(axis), slider })
+        Ok(Self { recording, axis, plots: DrawnAxes::new(), slider })
     }
 
     /// Draws one frame.
@@ -45,12 +45,12 @@ impl Pen {
     /// When rerun refuses a part of it.
     pub fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
         let Self { recording, axis, plots, slider } = self;
-        for rows in &frame.series {
-            draw_series(recording, rows, *axis)?;
+        for (entity, points) in &frame.series {
+            draw_series(recording, &axis.words(entity), points)?;
         }
         recording.set_time(TIMELINE, TimeCell::from_duration_nanos(frame.time_ns));
         for plot in &frame.plots {
-            plots.draw(recording, plot)?;
+            plot_drawing::draw(recording, *axis, plots, plot)?;
         }
         if let Some(counts) = &frame.lateness {
             draw_histogram(recording, counts)?;
@@ -76,17 +76,11 @@ impl Pen {
     }
 }
 
-fn draw_series(recording: &RecordingStream, rows: &SeriesRows, axis: Axis) -> anyhow::Result<()> {
-    let entity = axis.words(&rows.entity);
-    let times = TimeColumn::new_duration_nanos(TIMELINE, rows.times_ns.iter().copied());
-    let values = Scalars::new(rows.values.iter().copied());
-    if rows.values_per_row == 1 {
-        recording.send_columns(entity.as_ref(), [times], values.columns_of_unit_batches()?)?;
-    } else {
-        let lengths = rows.times_ns.iter().map(|_| rows.values_per_row);
-        recording.send_columns(entity.as_ref(), [times], values.columns(lengths)?)?;
-    }
-    Ok(())
+fn draw_series(recording: &RecordingStream, entity: &str, Points { times_ns, values }: &Points) -> anyhow::Result<()> {
+    let times = TimeColumn::new_duration_nanos(TIMELINE, times_ns.iter().copied());
+    let at_a_time = times_ns.iter().map(|_| values.len() / times_ns.len());
+    let values = Scalars::new(values.iter().copied()).columns(at_a_time)?;
+    Ok(recording.send_columns(entity, [times], values)?)
 }
 
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "drawn on a logarithmic scale")]
@@ -100,6 +94,6 @@ fn draw_histogram(recording: &RecordingStream, counts: &[u64; 12]) -> RecordingS
     let heights: Vec<f64> = counts.iter().map(|count| (*count as f64).ln_1p() / std::f64::consts::LN_10).collect();
     recording.log(
         entities::LATENESS_HISTOGRAM,
-        &BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(MEASURED.opaque()),
+        &BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(MEASURED),
     )
 }

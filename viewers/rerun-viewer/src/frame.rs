@@ -1,18 +1,19 @@
 //! What goes to the screen at once.
 
-use crate::decimation::Points;
+use std::collections::BTreeMap;
+
 use crate::knob_track::KnobUpdate;
 use crate::scatter::PlotUpdate;
 
 /// Everything that is new since the frame before; a frame that is dropped is only missed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// Identity of the run that is shown.
     pub run_id: u64,
     /// Time since the start of the run that the frame belongs to, ns.
     pub time_ns: i64,
-    /// New rows of time series.
-    pub series: Vec<SeriesRows>,
+    /// New points of time series.
+    pub series: Series,
     /// The x-y plots, when it is their turn.
     pub plots: Vec<PlotUpdate>,
     /// Ticks by lateness so far, when it is their turn; see [`shared_types::LATENESS_BIN_EDGES_NS`].
@@ -23,23 +24,22 @@ pub struct Frame {
     pub texts: Vec<(&'static str, String)>,
 }
 
-/// Rows of one time series; a row may hold several values, such as an interval's ends.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SeriesRows {
-    /// Path of the entity that shows the series.
-    pub entity: String,
+/// Time series by the paths of the entities that show them.
+pub type Series = BTreeMap<String, Points>;
+
+/// Points of a time series, never without one in a frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
     /// Times since the start of the run, ns.
     pub times_ns: Vec<i64>,
-    /// `values_per_row` values for each time.
+    /// One value for each time, or equally many, such as an interval's ends.
     pub values: Vec<f64>,
-    /// Values in a row, at least one.
-    pub values_per_row: usize,
 }
 
-impl SeriesRows {
-    /// One value a row; `None` when there are no points.
-    pub fn of_points(entity: String, points: Points) -> Option<Self> {
-        let Points { times_ns, values } = points;
-        (!times_ns.is_empty()).then_some(Self { entity, times_ns, values, values_per_row: 1 })
+impl Points {
+    /// Adds the value, or the values, at a time.
+    pub fn push(&mut self, time_ns: i64, values: &[f64]) {
+        self.times_ns.push(time_ns);
+        self.values.extend_from_slice(values);
     }
 }

@@ -3,16 +3,18 @@
 //! Lengths are in radii of the dial. Angle zero points away from the onlooker; positive angles turn
 //! counter-clockwise, seen from above.
 
+use dynamics::Axis;
 use rerun::components::{FillMode, RotationAxisAngle};
+use rerun::datatypes::Rgba32;
 use rerun::{Angle, Boxes3D, Cylinders3D, Points3D, RecordingStream, RecordingStreamResult, TimeColumn, Transform3D};
 
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
-use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, Rgb, STICKING, WHITE};
+use crate::numbers::three_digits;
+use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, STICKING, WHITE};
 use crate::plot_axes::round_step;
 use crate::strokes::{dots, labels, lines, single};
-use crate::summary::three_digits;
 
 /// Radius of the knob's body.
 const BODY_RADIUS: f64 = 0.5;
@@ -22,8 +24,6 @@ const BODY_HEIGHT: f64 = 0.34;
 const RING_RADIUS: f64 = 0.8;
 /// Depth of a detent whose torque is a whole step of its scale.
 const FULL_DEPTH: f64 = 0.13;
-/// Where the text on the detents lies.
-pub(crate) const DETENTS_LABEL: &str = "knob/detents/label";
 /// Largest angle that the dial has a label for, rad.
 const LAST_LABEL_HALF_RAD: i32 = 6;
 
@@ -56,7 +56,7 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
             ],
             [[0.045, single(0.45 * BODY_RADIUS), 0.03], [0.012, single(0.5 * (RING_RADIUS - BODY_RADIUS)), 0.012]],
         )
-        .with_colors([WHITE.opaque()])
+        .with_colors([WHITE])
         .with_fill_mode(FillMode::Solid),
     )?;
     recording.log_static(format!("{KNOB}/no_detents"), &lines([circle(RING_RADIUS)], NEUTRAL, 0.6))
@@ -80,10 +80,8 @@ pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<
         draw_body(recording, motion)?;
     }
     if let Some(ring) = &update.detents {
-        let depth = depth(ring);
-        let at = |[angle, share]: [f64; 2]| Some(place(angle, RING_RADIUS - depth * share, 0.0));
-        draw_detents(recording, ring, "ring", at)?;
-        recording.log_static(DETENTS_LABEL, &label([0.0, -1.5, 0.0], detents_in_words(ring)))?;
+        let at = |angle, depth| Some(place(angle, RING_RADIUS - depth, 0.0));
+        draw_detents(recording, Axis::Rotary, ring, at)?;
     }
     Ok(())
 }
@@ -92,13 +90,13 @@ pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<
 fn draw_body(recording: &RecordingStream, motion: Motion) -> RecordingStreamResult<()> {
     let body = Cylinders3D::from_lengths_and_radii([single(BODY_HEIGHT)], [single(BODY_RADIUS)])
         .with_centers([[0.0, 0.0, single(BODY_HEIGHT / 2.0)]])
-        .with_colors([color(motion).opaque()])
+        .with_colors([color(motion)])
         .with_fill_mode(FillMode::Solid);
     recording.log(format!("{KNOB}/turning/body"), &body)?;
     recording.log(format!("{KNOB}/motion"), &label([0.0, 1.55, 0.0], motion.word().to_owned()))
 }
 
-pub(crate) const fn color(motion: Motion) -> Rgb {
+pub(crate) const fn color(motion: Motion) -> Rgba32 {
     match motion {
         Motion::Sticking => STICKING,
         Motion::SlippingPositive => POSITIVE,
@@ -106,29 +104,25 @@ pub(crate) const fn color(motion: Motion) -> Rgb {
     }
 }
 
-/// How deep the detents are drawn.
-pub(crate) fn depth(ring: &DetentRing) -> f64 {
-    FULL_DEPTH * ring.amplitude_mnm / round_step(ring.amplitude_mnm)
-}
-
-/// Draws the line of the detents and the places of rest where `at` puts an angle with a share of the depth, if anywhere. Like the
-/// plots' axes they belong to no time, so that a page that is opened late has them first.
+/// Draws the line of the detents and the places of rest where `at` puts an angle with a depth, if anywhere, and how deep they
+/// are and how far apart in words. Like the plots' axes they belong to no time, so that a page that is opened late has them
+/// first.
 pub(crate) fn draw_detents(
     recording: &RecordingStream,
+    axis: Axis,
     ring: &DetentRing,
-    line: &str,
-    at: impl Fn([f64; 2]) -> Option<[f32; 3]>,
+    at: impl Fn(f64, f64) -> Option<[f32; 3]>,
 ) -> RecordingStreamResult<()> {
-    let outline: Vec<_> = ring.depths.iter().copied().filter_map(&at).collect();
+    let deepest = FULL_DEPTH * ring.amplitude_mnm / round_step(ring.amplitude_mnm);
+    let (line, label_y) = if axis.is_rotary() { ("ring", -1.5) } else { ("line", -0.9) };
+    let outline: Vec<_> = ring.depths.iter().filter_map(|[angle, share]| at(*angle, deepest * share)).collect();
     recording.log_static(format!("{KNOB}/detents/{line}"), &lines([outline], MODEL, 1.8))?;
-    let rests = ring.stable_rad.iter().filter_map(|angle| at([*angle, 1.0]));
-    recording.log_static(format!("{KNOB}/detents/stable"), &dots(rests, MODEL, 3.5))
-}
-
-/// How deep the detents are and how far apart.
-pub(crate) fn detents_in_words(ring: &DetentRing) -> String {
+    let rests = ring.stable_rad.iter().filter_map(|angle| at(*angle, deepest));
+    recording.log_static(format!("{KNOB}/detents/stable"), &dots(rests, MODEL, 3.5))?;
     let [deep, apart] = [ring.amplitude_mnm, ring.spacing_rad].map(three_digits);
-    format!("detents: {deep} mNm deep, {apart} rad apart")
+    let words = format!("detents: {deep} mNm deep, {apart} rad apart");
+    let text = label([0.0, label_y, 0.0], axis.words(&words).into_owned());
+    recording.log_static(format!("{KNOB}/detents/label"), &text)
 }
 
 /// A text at a place.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::decimation::Points;
+use crate::frame::Points;
 use crate::model_torque::KnobModel;
 use crate::source::Reading;
 
@@ -12,7 +12,7 @@ const TURN_PERIOD_NS: i64 = 40_000_000;
 const MOTION_PERIOD_NS: i64 = 500_000_000;
 /// Speed below which a captured knob counts as sticking, rad/s: the largest Δv of the paper's knobs (Table 6). A
 /// rendered knob says itself whether it sticks.
-pub const STICK_VELOCITY_RAD_S: f64 = 0.04;
+const STICK_VELOCITY_RAD_S: f64 = 0.04;
 /// Points of the ring per detent.
 const POINTS_PER_DETENT: f64 = 16.0;
 /// Change of the detents, as a share of their depth and distance, that is not drawn.
@@ -70,16 +70,25 @@ pub struct DetentRing {
 impl DetentRing {
     /// The detents of a model in the turn around `angle_rad`; `None` if there are none, or until they are identified.
     pub fn of(model: &KnobModel, angle_rad: f64) -> Option<Self> {
-        let spacing_rad = model.detent_spacing_rad().filter(|spacing| *spacing > TAU / MOST_DETENTS)?;
+        let [amplitude, period, phase] = model.detent()?;
+        let spacing_rad = Some(TAU * period.abs()).filter(|spacing| *spacing > TAU / MOST_DETENTS)?;
         let middle = (angle_rad / TAU).round() * TAU;
+        let (low, high) = (middle - PI, middle + PI);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16 times the most detents")]
         let points = (POINTS_PER_DETENT * (TAU / spacing_rad).max(4.0)).ceil() as u32;
+        // The knob rests where the torque turns positive: there its integral, the energy, is least.
+        let sign = (amplitude * period).signum();
         let depths = (0..=points)
-            .map(|index| middle - PI + TAU * f64::from(index) / f64::from(points))
-            .map(|angle| [angle, model.detent_depth(angle)])
+            .map(|index| low + TAU * f64::from(index) / f64::from(points))
+            .map(|angle| [angle, sign * (angle / period + phase).cos()])
             .collect();
-        let stable_rad = model.stable_angles_rad(middle - PI, middle + PI);
-        Some(Self { depths, stable_rad, amplitude_mnm: model.detent_amplitude_mnm(), spacing_rad })
+        let offset = if amplitude * period > 0.0 { 0.0 } else { PI };
+        let number = |angle: f64| (angle / period + phase - offset) / TAU;
+        let (first, last) = (number(low).min(number(high)), number(low).max(number(high)));
+        #[allow(clippy::cast_possible_truncation, reason = "angles are a few turns")]
+        let numbers = first.ceil() as i64..=last.floor() as i64;
+        let stable_rad = numbers.map(|number| period * (TAU * number as f64 + offset - phase)).collect();
+        Some(Self { depths, stable_rad, amplitude_mnm: amplitude.abs(), spacing_rad })
     }
 
     /// Whether nobody could see the difference: the fit never rests, but each drawing costs a browser something.
@@ -109,7 +118,6 @@ pub struct KnobUpdate {
 pub struct KnobTrack {
     turns: Points,
     next_ns: i64,
-    motion: Option<Motion>,
     motion_shown: Option<Motion>,
     next_motion_ns: i64,
     detents_shown: Option<DetentRing>,
@@ -119,21 +127,14 @@ pub struct KnobTrack {
 impl KnobTrack {
     /// Takes in what was measured.
     pub fn push(&mut self, reading: &Reading) {
-        self.motion = Motion::of(reading).or(self.motion);
         if !reading.angle_rad.is_finite() {
             return;
         }
         self.newest_rad = reading.angle_rad;
         if reading.time_ns >= self.next_ns {
             self.next_ns = reading.time_ns + TURN_PERIOD_NS;
-            self.turns.times_ns.push(reading.time_ns);
-            self.turns.values.push(reading.angle_rad);
+            self.turns.push(reading.time_ns, &[reading.angle_rad]);
         }
-    }
-
-    /// Whether the knob sticks now.
-    pub const fn motion(&self) -> Option<Motion> {
-        self.motion
     }
 
     /// Shows the motion once more though it may not have changed: for pages that are opened late.
@@ -141,19 +142,18 @@ impl KnobTrack {
         self.motion_shown = None;
     }
 
-    /// What is new since the last call, with the detents of a new `model`; `None` if nothing is.
-    pub fn update(&mut self, model: Option<&KnobModel>) -> Option<KnobUpdate> {
+    /// What is new since the last call, with how the knob moves now and the detents of a new `model`; `None` if nothing is.
+    pub fn update(&mut self, motion: Option<Motion>, model: Option<&KnobModel>) -> Option<KnobUpdate> {
         let turns = std::mem::take(&mut self.turns);
         let newest_ns = turns.times_ns.last().copied().unwrap_or(self.next_motion_ns);
-        let motion =
-            self.motion.filter(|motion| self.motion_shown != Some(*motion) && newest_ns >= self.next_motion_ns);
+        let motion = motion.filter(|_| self.motion_shown != motion && newest_ns >= self.next_motion_ns);
         if motion.is_some() {
             self.next_motion_ns = newest_ns + MOTION_PERIOD_NS;
             self.motion_shown = motion;
         }
         let detents = model
             .and_then(|model| DetentRing::of(model, self.newest_rad))
-            .filter(|ring| !self.detents_shown.as_ref().is_some_and(|shown| shown.looks_like(ring)));
+            .filter(|ring| self.detents_shown.as_ref().is_none_or(|shown| !shown.looks_like(ring)));
         if detents.is_some() {
             self.detents_shown.clone_from(&detents);
         }
@@ -168,26 +168,17 @@ mod tests {
     use super::*;
 
     fn reading(time_ns: i64, velocity_rad_s: f64, stuck: Option<bool>) -> Reading {
-        Reading {
-            time_ns,
-            angle_rad: 0.25,
-            velocity_rad_s,
-            acceleration_rad_s2: 0.0,
-            torque_mnm: 0.0,
-            contact: f64::NAN,
-            turning_positive: velocity_rad_s > 0.0,
-            stuck,
-        }
+        Reading { time_ns, angle_rad: 0.25, velocity_rad_s, stuck, ..Reading::default() }
     }
 
     fn detents(amplitude: f64) -> KnobModel {
         let value_of = |name: &str| match name {
-            "detent_amplitude" => Some(amplitude),
-            "detent_period" => Some(0.1),
-            "detent_phase" => Some(0.5),
+            "detent_amplitude" => Some([amplitude, 0.0]),
+            "detent_period" => Some([0.1, 0.0]),
+            "detent_phase" => Some([0.5, 0.0]),
             _ => None,
         };
-        KnobModel::from_values(value_of).unwrap()
+        KnobModel::from_estimates(value_of).unwrap()
     }
 
     #[test]
@@ -197,13 +188,9 @@ mod tests {
         assert_eq!(motion(0.041, None), Some(Motion::SlippingPositive));
         assert_eq!(motion(-3.0, None), Some(Motion::SlippingNegative));
         assert_eq!(motion(f64::NAN, None), None);
-    }
-
-    #[test]
-    fn a_rendered_knob_says_itself_whether_it_sticks() {
-        let motion = |velocity, stuck| Motion::of(&reading(0, velocity, Some(stuck)));
-        assert_eq!(motion(1.0, true), Some(Motion::Sticking));
-        assert_eq!(motion(0.001, false), Some(Motion::SlippingPositive));
+        // A rendered one says so itself.
+        assert_eq!(motion(1.0, Some(true)), Some(Motion::Sticking));
+        assert_eq!(motion(0.001, Some(false)), Some(Motion::SlippingPositive));
     }
 
     #[test]
@@ -212,10 +199,11 @@ mod tests {
             let model = detents(amplitude);
             let ring = DetentRing::of(&model, 0.0).unwrap();
             assert_eq!(ring.stable_rad.len(), 10);
+            let deepest = ring.depths.iter().max_by(|one, other| one[1].total_cmp(&other[1])).unwrap()[0];
+            assert!(ring.stable_rad.iter().any(|angle| (angle - deepest).abs() < 0.1 / 16.0 * TAU));
             for angle in ring.stable_rad {
                 // What the knob takes from the rig: positive beyond the detent, negative before it.
                 assert!(model.detent_mnm(angle + 0.05) > 0.5 && model.detent_mnm(angle - 0.05) < -0.5);
-                assert!((model.detent_depth(angle) - 1.0).abs() < 1e-9);
             }
         }
     }
@@ -230,9 +218,10 @@ mod tests {
     fn what_has_not_changed_is_not_drawn_again() {
         let mut track = KnobTrack::default();
         (0..1_000).for_each(|millisecond| track.push(&reading(millisecond * 1_000_000, 1.0, None)));
-        let first = track.update(Some(&detents(2.0))).unwrap();
+        let slipping = Some(Motion::SlippingPositive);
+        let first = track.update(slipping, Some(&detents(2.0))).unwrap();
         assert_eq!(first.turns.times_ns.len(), 25);
         assert!(first.motion.is_some() && first.detents.is_some());
-        assert_eq!(track.update(Some(&detents(2.0))), None);
+        assert_eq!(track.update(slipping, Some(&detents(2.0))), None);
     }
 }

@@ -19,6 +19,7 @@ use crate::entities::{self, PARAMETERS};
 use crate::layout_properties::{self, Properties};
 use crate::palette::GROUND;
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH};
+use crate::run::Run;
 use crate::scatter::Abscissa;
 
 /// What the live plots reach back, s.
@@ -45,13 +46,9 @@ pub struct Subject {
 
 impl Subject {
     /// The running capture, which has a velocity and an acceleration.
-    pub const fn live(axis: Axis, contact: bool) -> Self {
-        Self { is_live: true, axis, velocity: true, acceleration: true, contact }
-    }
-
-    /// What the signals' plots reach back, s; `None` for everything.
-    const fn window_s(self) -> Option<i64> {
-        if self.is_live { Some(LIVE_WINDOW_S) } else { None }
+    pub fn live(run: &Run) -> Self {
+        let contact = run.description.as_ref().is_some_and(|run| run.contact);
+        Self { is_live: true, axis: run.axis.unwrap_or_default(), velocity: true, acceleration: true, contact }
     }
 }
 
@@ -60,189 +57,178 @@ impl Subject {
 /// # Errors
 /// When rerun refuses a part of the layout.
 pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()> {
-    let mut properties = Properties::default();
-    let knob = knob(&mut properties, subject);
-    let signals = signals(&mut properties, subject);
+    let window = subject.is_live.then(|| TimeRange {
+        start: TimeRangeBoundary::CursorRelative((-LIVE_WINDOW_S * 1_000_000_000).into()),
+        end: TimeRangeBoundary::AT_CURSOR,
+    });
+    let mut layout = Layout { properties: Properties::default(), subject, window };
+    let (knob, signals) = (layout.knob(), layout.signals());
     let tabs = if subject.is_live {
-        let parameters = parameters(&mut properties, subject.axis);
-        Tabs::new([knob, signals, parameters, timing_and_processes(&mut properties)])
+        Tabs::new([knob, signals, layout.parameters(), layout.timing_and_processes()])
     } else {
         // The text tells the parameters; how the processes fared is not in the archive's columns.
         Tabs::new([signals, knob])
     };
     let following = TimePanel::new().with_play_state(PlayState::Following);
-    layout_properties::send(recording, tabs, following, &properties)
+    layout_properties::send(recording, tabs, following, &layout.properties)
 }
 
-/// The knob itself, large, with its torque and its angle.
-fn knob(properties: &mut Properties, subject: Subject) -> ContainerLike {
-    let title = "knob: green slips positive, rose slips negative, violet sticks; orange: detents of the model";
-    let space: ContainerLike = Spatial3DView::new(subject.axis.words(title)).with_origin(entities::KNOB).into();
-    let from_above = EyeControls3D::new().with_position(EYE).with_look_target(LOOK_TARGET).with_eye_up([0.0, 0.0, 1.0]);
-    properties.of_view(&space, "EyeControls3D", from_above);
-    let ground = Background::new(BackgroundKind::SolidColor).with_color(GROUND.opaque());
-    properties.of_view(&space, "Background", ground);
-    properties.of_view(&space, "LineGrid3D", LineGrid3D::new().with_visible(Visible(false.into())));
-    let torque = torque_plot(properties, subject);
-    let angle = signal_plot(properties, subject, "angle_rad", &["angle_rad"]);
-    let mut columns = vec![space, Vertical::new([torque, angle]).into()];
-    let mut shares = vec![4.5, 3.3];
-    if subject.is_live {
-        columns.push(TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT).into());
-        shares.push(4.7);
-    }
-    Horizontal::new(columns).with_column_shares(shares).with_name(subject.axis.words("Knob")).into()
+/// Lays out views and notes their properties.
+struct Layout {
+    properties: Properties,
+    subject: Subject,
+    /// What the signals' plots reach back; `None` for everything.
+    window: Option<TimeRange>,
 }
 
-fn torque_plot(properties: &mut Properties, subject: Subject) -> ContainerLike {
-    let title = "torque_mnm (blue line), model_torque_mnm (orange dots)";
-    signal_plot(properties, subject, title, &["torque_mnm", "model_torque_mnm"])
-}
-
-fn signals(properties: &mut Properties, subject: Subject) -> ContainerLike {
-    let mut signals = Vec::new();
-    let single =
-        [("angle_rad", true), ("velocity_rad_s", subject.velocity), ("acceleration_rad_s2", subject.acceleration)];
-    for (field, _) in single.into_iter().filter(|(_, is_there)| *is_there) {
-        signals.push((3.0, signal_plot(properties, subject, field, &[field])));
+impl Layout {
+    /// The knob itself, large, with its torque and its angle.
+    fn knob(&mut self) -> ContainerLike {
+        let Subject { axis, is_live, .. } = self.subject;
+        let title = "knob: green slips positive, rose slips negative, violet sticks; orange: detents of the model";
+        let space: ContainerLike = Spatial3DView::new(axis.words(title)).with_origin(entities::KNOB).into();
+        let from_above =
+            EyeControls3D::new().with_position(EYE).with_look_target(LOOK_TARGET).with_eye_up([0.0, 0.0, 1.0]);
+        self.properties.of_view(&space, "EyeControls3D", from_above);
+        let ground = Background::new(BackgroundKind::SolidColor).with_color(GROUND);
+        self.properties.of_view(&space, "Background", ground);
+        self.properties.of_view(&space, "LineGrid3D", LineGrid3D::new().with_visible(Visible(false.into())));
+        let plots = Vertical::new([self.torque(), self.signal("angle_rad", &["angle_rad"])]);
+        let mut columns = vec![space, plots.into()];
+        let mut shares = vec![4.5, 3.3];
+        if is_live {
+            columns.push(text("parameters", entities::PARAMETERS_TEXT));
+            shares.push(4.7);
+        }
+        Horizontal::new(columns).with_column_shares(shares).with_name(axis.words("Knob")).into()
     }
-    signals.push((4.0, torque_plot(properties, subject)));
-    if subject.contact {
-        signals.push((2.5, signal_plot(properties, subject, "contact (1: closed)", &["contact"])));
-    }
-    let (shares, signals): (Vec<f32>, Vec<ContainerLike>) = signals.into_iter().unzip();
 
-    let mut plots = vec![plot(properties, Abscissa::Angle, subject)];
-    if subject.velocity {
-        plots.push(plot(properties, Abscissa::Velocity, subject));
+    fn torque(&mut self) -> ContainerLike {
+        let title = "torque_mnm (blue line), model_torque_mnm (orange dots)";
+        self.signal(title, &["torque_mnm", "model_torque_mnm"])
     }
-    let (tab, text) = if subject.is_live { ("Signals and model", "run") } else { ("Capture", "capture") };
-    let summary = TextDocumentView::new(text).with_origin(entities::SUMMARY);
-    Horizontal::new([
-        Vertical::new(signals).with_row_shares(shares).into(),
-        Vertical::new(plots).into(),
-        summary.into(),
-    ])
-    .with_column_shares([3.7, 3.3, 3.2])
-    .with_name(tab)
-    .into()
-}
 
-fn signal_plot(properties: &mut Properties, subject: Subject, title: &str, fields: &[&str]) -> ContainerLike {
-    let axis = subject.axis;
-    let fields = fields.iter().map(|field| axis.words(&entities::signal(field)).into_owned());
-    let view = series(properties, &axis.words(title), fields, subject.window_s());
-    if subject.window_s().is_none() {
-        // Whoever looks into one signal sees the others at the same time.
-        properties.of_view(&view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::LinkToGlobal));
-    }
-    view
-}
+    fn signals(&mut self) -> ContainerLike {
+        let Subject { is_live, velocity, acceleration, contact, .. } = self.subject;
+        let mut signals = Vec::new();
+        let single = [("angle_rad", true), ("velocity_rad_s", velocity), ("acceleration_rad_s2", acceleration)];
+        for (field, _) in single.into_iter().filter(|(_, is_there)| *is_there) {
+            signals.push((3.0, self.signal(field, &[field])));
+        }
+        signals.push((4.0, self.torque()));
+        if contact {
+            signals.push((2.5, self.signal("contact (1: closed)", &["contact"])));
+        }
+        let (shares, signals): (Vec<f32>, Vec<ContainerLike>) = signals.into_iter().unzip();
 
-fn parameters(properties: &mut Properties, axis: Axis) -> ContainerLike {
-    let groups: [(&str, &[&str]); 6] = [
-        ("inertia", &["inertia"]),
-        ("Coulomb friction, negative (rose) and positive (green)", &["coulomb_negative", "coulomb_positive"]),
-        ("viscous friction, negative (rose) and positive (green)", &["viscous_negative", "viscous_positive"]),
-        ("detent amplitude", &["detent_amplitude"]),
-        ("detent period", &["detent_period"]),
-        ("detent phase", &["detent_phase"]),
-    ];
-    let views = groups.map(|(title, names)| {
-        let unit = PARAMETERS.iter().find(|(name, _)| *name == names[0]).map_or("", |(_, unit)| unit);
-        series(
-            properties,
-            &axis.words(&format!("{title}, {unit}")),
-            names.iter().map(|name| entities::parameter(name)),
-            None,
-        )
-    });
-    let text = TextDocumentView::new("parameters").with_origin(entities::PARAMETERS_TEXT);
-    Horizontal::new([Grid::new(views).with_grid_columns(3).into(), text.into()])
-        .with_column_shares([6.6, 3.9])
-        .with_name("Parameters")
+        let mut plots = vec![self.plot(Abscissa::Angle)];
+        if velocity {
+            plots.push(self.plot(Abscissa::Velocity));
+        }
+        let (tab, name) = if is_live { ("Signals and model", "run") } else { ("Capture", "capture") };
+        Horizontal::new([
+            Vertical::new(signals).with_row_shares(shares).into(),
+            Vertical::new(plots).into(),
+            text(name, entities::SUMMARY),
+        ])
+        .with_column_shares([3.7, 3.3, 3.2])
+        .with_name(tab)
         .into()
-}
-
-fn timing_and_processes(properties: &mut Properties) -> ContainerLike {
-    let lateness = series(
-        properties,
-        "largest lateness (blue), tick period (orange): log10 of ns",
-        [entities::LATENESS, entities::TICK_PERIOD].map(str::to_owned),
-        None,
-    );
-    let histogram: ContainerLike = BarChartView::new("ticks by lateness: log10 of (1 + ticks) over log10 of ns")
-        .with_origin(entities::LATENESS_HISTOGRAM)
-        .into();
-    let histogram = without_legend(properties, histogram);
-    let health = entities::HEALTH.map(|quantity| {
-        let title = format!("{quantity}: recorder (green), live-fitter (orange), rerun-viewer (blue)");
-        let view = TimeSeriesView::new(title).with_origin(format!("health/{quantity}"));
-        without_legend(properties, view.into())
-    });
-    let processes = TextDocumentView::new("processes").with_origin(entities::PROCESSES_TEXT);
-    Vertical::new([
-        Horizontal::new([lateness, histogram]).with_column_shares([3.0, 2.0]).into(),
-        Horizontal::new([Grid::new(health).with_grid_columns(2).into(), processes.into()])
-            .with_column_shares([3.0, 2.0])
-            .into(),
-    ])
-    .with_row_shares([2.0, 3.0])
-    .with_name("Timing and processes")
-    .into()
-}
-
-/// A view of a few series, named in its title: a legend would lie over them.
-fn series(
-    properties: &mut Properties,
-    title: &str,
-    entities: impl IntoIterator<Item = String>,
-    window_s: Option<i64>,
-) -> ContainerLike {
-    let contents = entities.into_iter().map(|entity| format!("+ /{entity}"));
-    let view = windowed(properties, TimeSeriesView::new(title).with_contents(contents).into(), window_s);
-    without_legend(properties, view)
-}
-
-/// Lets a view follow the newest `window_s` seconds, or show the whole run.
-fn windowed(properties: &mut Properties, view: ContainerLike, window_s: Option<i64>) -> ContainerLike {
-    if let Some(window_s) = window_s {
-        let range = reaching_back(window_s);
-        properties.of_view(&view, "VisibleTimeRanges", VisibleTimeRanges::new([visible(range)]));
-        let axis = TimeAxis::new()
-            .with_link(LinkAxis::Independent)
-            .with_view_range(blueprint_components::TimeRange(range))
-            .with_zoom_lock(LockRangeDuringZoom(false.into()));
-        properties.of_view(&view, "TimeAxis", axis);
     }
-    view
+
+    /// A view of signals that follows the newest seconds, or shows all of a finished capture.
+    fn signal(&mut self, title: &str, fields: &[&str]) -> ContainerLike {
+        let axis = self.subject.axis;
+        let fields = fields.iter().map(|field| axis.words(&entities::signal(field)).into_owned());
+        let view = self.series(&axis.words(title), fields);
+        let time_axis = match self.window {
+            Some(range) => {
+                self.properties.of_view(&view, "VisibleTimeRanges", VisibleTimeRanges::new([visible(range)]));
+                TimeAxis::new()
+                    .with_link(LinkAxis::Independent)
+                    .with_view_range(blueprint_components::TimeRange(range))
+                    .with_zoom_lock(LockRangeDuringZoom(false.into()))
+            }
+            // Whoever looks into one signal sees the others at the same time.
+            None => TimeAxis::new().with_link(LinkAxis::LinkToGlobal),
+        };
+        self.properties.of_view(&view, "TimeAxis", time_axis);
+        view
+    }
+
+    fn parameters(&mut self) -> ContainerLike {
+        let groups: [(&str, &[&str]); 6] = [
+            ("inertia", &["inertia"]),
+            ("Coulomb friction, negative (rose) and positive (green)", &["coulomb_negative", "coulomb_positive"]),
+            ("viscous friction, negative (rose) and positive (green)", &["viscous_negative", "viscous_positive"]),
+            ("detent amplitude", &["detent_amplitude"]),
+            ("detent period", &["detent_period"]),
+            ("detent phase", &["detent_phase"]),
+        ];
+        let views = groups.map(|(title, names)| {
+            let unit = PARAMETERS.iter().find(|(name, _)| *name == names[0]).map_or("", |(_, unit)| unit);
+            let title = format!("{title}, {unit}");
+            self.series(&self.subject.axis.words(&title), names.iter().map(|name| entities::parameter(name)))
+        });
+        Horizontal::new([Grid::new(views).with_grid_columns(3).into(), text("parameters", entities::PARAMETERS_TEXT)])
+            .with_column_shares([6.6, 3.9])
+            .with_name("Parameters")
+            .into()
+    }
+
+    fn timing_and_processes(&mut self) -> ContainerLike {
+        let lateness = self.series(
+            "largest lateness (blue), tick period (orange): log10 of ns",
+            [entities::LATENESS, entities::TICK_PERIOD].map(str::to_owned),
+        );
+        let histogram = BarChartView::new("ticks by lateness: log10 of (1 + ticks) over log10 of ns")
+            .with_origin(entities::LATENESS_HISTOGRAM);
+        let histogram = self.without_legend(histogram);
+        let health = entities::HEALTH.map(|quantity| {
+            let title = format!("{quantity}: recorder (green), live-fitter (orange), rerun-viewer (blue)");
+            self.without_legend(TimeSeriesView::new(title).with_origin(format!("health/{quantity}")))
+        });
+        let health = Grid::new(health).with_grid_columns(2).into();
+        let rows = [[lateness, histogram], [health, text("processes", entities::PROCESSES_TEXT)]];
+        Vertical::new(rows.map(|row| Horizontal::new(row).with_column_shares([3.0, 2.0]).into()))
+            .with_row_shares([2.0, 3.0])
+            .with_name("Timing and processes")
+            .into()
+    }
+
+    /// A view of a few series, named in its title: a legend would lie over them.
+    fn series(&mut self, title: &str, entities: impl IntoIterator<Item = String>) -> ContainerLike {
+        let contents = entities.into_iter().map(|entity| format!("+ /{entity}"));
+        self.without_legend(TimeSeriesView::new(title).with_contents(contents))
+    }
+
+    fn without_legend(&mut self, view: impl Into<ContainerLike>) -> ContainerLike {
+        let view = view.into();
+        self.properties.of_view(&view, "PlotLegend", PlotLegend::new().with_visible(Visible(false.into())));
+        view
+    }
+
+    fn plot(&mut self, abscissa: Abscissa) -> ContainerLike {
+        let axis = self.subject.axis;
+        let origin = axis.words(&entities::plot(abscissa)).into_owned();
+        let title = format!("torque_mnm over {} (green turning positive, rose negative)", abscissa.name());
+        let view: ContainerLike = Spatial2DView::new(axis.words(&title)).with_origin(origin.as_str()).into();
+        let bounds = rerun::datatypes::Range2D {
+            x_range: [-0.14 * BOX_WIDTH, 1.05 * BOX_WIDTH].into(),
+            y_range: [-0.10 * BOX_HEIGHT, 1.17 * BOX_HEIGHT].into(),
+        };
+        self.properties.of_view(&view, "VisualBounds2D", VisualBounds2D::new(bounds));
+        // Only the points pile up over time; axes and curves are the newest ones.
+        let points = format!("{origin}/quantities/measured");
+        let range = self.window.unwrap_or(TimeRange::EVERYTHING);
+        self.properties.of_entity(&view, &points, VisibleTimeRanges::new([visible(range)]));
+        view
+    }
 }
 
-fn without_legend(properties: &mut Properties, view: ContainerLike) -> ContainerLike {
-    properties.of_view(&view, "PlotLegend", PlotLegend::new().with_visible(Visible(false.into())));
-    view
-}
-
-fn plot(properties: &mut Properties, abscissa: Abscissa, subject: Subject) -> ContainerLike {
-    let axis = subject.axis;
-    let origin = axis.words(&entities::plot(abscissa)).into_owned();
-    let title = format!("torque_mnm over {} (green turning positive, rose negative)", abscissa.name());
-    let view: ContainerLike = Spatial2DView::new(axis.words(&title)).with_origin(origin.as_str()).into();
-    let bounds = rerun::datatypes::Range2D {
-        x_range: [-0.14 * BOX_WIDTH, 1.05 * BOX_WIDTH].into(),
-        y_range: [-0.10 * BOX_HEIGHT, 1.17 * BOX_HEIGHT].into(),
-    };
-    properties.of_view(&view, "VisualBounds2D", VisualBounds2D::new(bounds));
-    // Only the points pile up over time; axes and curves are the newest ones.
-    let points = format!("{origin}/quantities/measured");
-    let range = subject.window_s().map_or(TimeRange::EVERYTHING, reaching_back);
-    properties.of_entity(&view, &points, VisibleTimeRanges::new([visible(range)]));
-    view
-}
-
-fn reaching_back(seconds: i64) -> TimeRange {
-    let start = TimeRangeBoundary::CursorRelative((-seconds * 1_000_000_000).into());
-    TimeRange { start, end: TimeRangeBoundary::AT_CURSOR }
+/// A view of a text.
+fn text(name: &str, entity: &str) -> ContainerLike {
+    TextDocumentView::new(name).with_origin(entity).into()
 }
 
 fn visible(range: TimeRange) -> VisibleTimeRange {

@@ -16,9 +16,9 @@ use rerun_viewer::layout::Subject;
 use rerun_viewer::outbox::Outbox;
 use rerun_viewer::picture::Picture;
 use rerun_viewer::port;
-use rerun_viewer::remote::{self, Host};
+use rerun_viewer::remote;
 use rerun_viewer::rig_source::RigSource;
-use rerun_viewer::screen::{Destination, Screen};
+use rerun_viewer::screen::Screen;
 use rerun_viewer::source::Source;
 
 /// How long a run's description is waited for before the view is laid out.
@@ -59,21 +59,16 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
     let stop = if in_foreground { Stop::listen_in_foreground()? } else { Stop::listen()? };
 
     let (source, picture, subject) = open(arguments)?;
-    let destination = Destination::from_arguments(arguments)?;
-    let ends_with_run = destination.ends_with_run();
-    let exit_limit = destination.exit_limit();
-    let glance = SharedGlance::default();
-    let screen = Screen::open(destination, subject, glance.clone())?;
-    if let Some(place) = screen.place() {
-        announce(&place, subject, in_foreground);
-    }
-    if let Some(port) = screen.port().filter(|_| arguments.remote) {
-        announce_tunnel(&remote::tunnel(port, &Host::of_this_machine()), port);
-    }
-    if let (Some(port), false) = (screen.port(), in_foreground)
-        && let Err(error) = port::note(port)
-    {
-        tracing::warn!("after a restart the live view may have another address: {error:#}");
+    // A file has nothing left to do then.
+    let ends_with_run = arguments.save.is_some();
+    let exit_limit = Duration::from_secs(if ends_with_run { 10 } else { 1 });
+    let glance = SharedGlance::new(picture.run());
+    let screen = Screen::open(arguments, subject, glance.clone())?;
+    if let (Some(url), Some(port)) = (screen.url(), screen.port()) {
+        announce(&url, subject, in_foreground, arguments.remote.then_some(port));
+        if !in_foreground && let Err(error) = port::note(port) {
+            tracing::warn!("after a restart the live view may have another address: {error:#}");
+        }
     }
 
     let outbox = Arc::new(Outbox::new(OUTBOX_FRAMES));
@@ -87,10 +82,9 @@ fn show(arguments: &Arguments) -> anyhow::Result<std::convert::Infallible> {
 
     // rerun waits without limit when it is dropped, so it is given a time and then left behind.
     outbox.close();
-    let closed_in_time = match shown.recv_timeout(exit_limit) {
-        Ok(closed) => closed.map(|()| true)?,
-        Err(_) => false,
-    };
+    let closed = shown.recv_timeout(exit_limit);
+    let closed_in_time = closed.is_ok();
+    closed.unwrap_or(Ok(()))?;
     if !closed_in_time && ends_with_run {
         tracing::error!(
             "the file was not closed within {} s and may lack its end; free space on its disk and capture again",
@@ -111,13 +105,12 @@ fn open(arguments: &Arguments) -> anyhow::Result<(Box<dyn Source>, Picture, Subj
         let mut picture = Picture::default();
         // Names and units are the run's; where none is under way, those of what turns.
         let until = Instant::now() + DESCRIPTION_PATIENCE;
-        while picture.axis().is_none() && Instant::now() < until {
-            source.poll(false, &mut |event| picture.take_in(event))?;
+        while picture.run().axis.is_none() && Instant::now() < until {
+            source.poll(false, &mut picture)?;
             std::thread::sleep(POLL_PERIOD);
         }
-        let axis = picture.axis().unwrap_or_default();
-        let contact = picture.has_contact();
-        return Ok((Box::new(source), picture, Subject::live(axis, contact)));
+        let subject = Subject::live(picture.run());
+        return Ok((Box::new(source), picture, subject));
     };
     if let Some(file) = arguments.save.as_deref().filter(|file| is_same_file(file, path)) {
         anyhow::bail!("{} is the capture itself; give --save another name", file.display());
@@ -143,15 +136,15 @@ fn follow(
     let mut next_frame = Instant::now();
     while !is_over() {
         if !(source.can_wait() && outbox.is_full()) {
-            let rate_hz = picture.rate_hz();
-            source.poll(rate_hz.is_some(), &mut |event| picture.take_in(event))?;
+            let samples_wanted = picture.run().rate_hz().is_some();
+            source.poll(samples_wanted, &mut picture)?;
             if Instant::now() >= next_frame {
                 next_frame = Instant::now() + FRAME_PERIOD;
-                glance.set(picture.glance(outbox.dropped()));
+                glance.set(picture.run());
                 if let Some(frame) = picture.next_frame(outbox.dropped()) {
                     outbox.push(frame);
                 }
-                if ends_with_run && picture.finished() {
+                if ends_with_run && picture.run().finished() {
                     break;
                 }
             }
@@ -161,17 +154,14 @@ fn follow(
     Ok(())
 }
 
-/// Tells the operator how to look from elsewhere.
-#[allow(clippy::print_stdout, reason = "what was asked for with --remote")]
-fn announce_tunnel(command: &str, port: u16) {
-    println!("on the other machine: {command}");
-    println!("then open there:      http://127.0.0.1:{port}/");
-}
-
-/// Tells the operator where to look: the only line on standard output.
+/// Tells the operator where to look, and how from elsewhere if that is asked for: all that comes on standard output.
 #[allow(clippy::print_stdout, reason = "the address is this program's output")]
-fn announce(place: &str, subject: Subject, in_foreground: bool) {
+fn announce(url: &str, subject: Subject, in_foreground: bool, remote_port: Option<u16>) {
     let what = if subject.is_live { "live view" } else { "view of the capture" };
     let how_to_end = if in_foreground { " (Ctrl-C ends it)" } else { "" };
-    println!("{what}: {place}{how_to_end}");
+    println!("{what}: {url}{how_to_end}");
+    if let Some(port) = remote_port {
+        println!("on the other machine: {}", remote::tunnel(port, &remote::login()));
+        println!("then open there:      http://127.0.0.1:{port}/");
+    }
 }

@@ -1,6 +1,7 @@
 //! A bounded queue that drops its oldest: whoever fills it never waits.
 
 use std::collections::VecDeque;
+use std::sync::mpsc::RecvTimeoutError;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -17,17 +18,6 @@ struct State<T> {
     queue: VecDeque<T>,
     dropped: u64,
     closed: bool,
-}
-
-/// What came of waiting for an item.
-#[derive(Debug, PartialEq, Eq)]
-pub enum Taken<T> {
-    /// The oldest item in the queue.
-    Item(T),
-    /// Nothing came in time.
-    Nothing,
-    /// Nothing is left and nothing will come.
-    Closed,
 }
 
 impl<T> Outbox<T> {
@@ -57,15 +47,15 @@ impl<T> Outbox<T> {
     }
 
     /// Takes the oldest item, waiting for one up to `limit`.
-    pub fn take(&self, limit: Duration) -> Taken<T> {
+    ///
+    /// # Errors
+    /// [`RecvTimeoutError::Timeout`] when nothing came in time, [`RecvTimeoutError::Disconnected`] when nothing will come.
+    pub fn take(&self, limit: Duration) -> Result<T, RecvTimeoutError> {
         let waited =
             self.filled.wait_timeout_while(self.lock(), limit, |state| state.queue.is_empty() && !state.closed);
         let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
-        match state.queue.pop_front() {
-            Some(item) => Taken::Item(item),
-            None if state.closed => Taken::Closed,
-            None => Taken::Nothing,
-        }
+        let none = if state.closed { RecvTimeoutError::Disconnected } else { RecvTimeoutError::Timeout };
+        state.queue.pop_front().ok_or(none)
     }
 
     /// Counts an item that was taken but could not be used.
@@ -102,31 +92,21 @@ mod tests {
     #[test]
     fn a_stalled_screen_costs_the_oldest_frames_and_they_are_counted() {
         let outbox = Outbox::new(3);
-        (0..10).for_each(|frame| outbox.push(frame));
+        (0..3).for_each(|frame| outbox.push(frame));
+        assert!(outbox.is_full() && outbox.dropped() == 0, "a sender that can wait learns it before anything is lost");
+        (3..10).for_each(|frame| outbox.push(frame));
         assert_eq!(outbox.dropped(), 7);
-        assert_eq!(outbox.take(Duration::ZERO), Taken::Item(7));
-    }
-
-    #[test]
-    fn a_sender_that_can_wait_learns_that_the_outbox_is_full_before_anything_is_lost() {
-        let outbox = Outbox::new(2);
-        while !outbox.is_full() {
-            outbox.push('a');
-        }
-        assert_eq!(outbox.dropped(), 0);
-        assert_eq!(outbox.take(Duration::ZERO), Taken::Item('a'));
+        assert_eq!(outbox.take(Duration::ZERO), Ok(7));
         assert!(!outbox.is_full());
     }
 
     #[test]
     fn frames_that_wait_are_still_shown_after_closing() {
         let outbox = Outbox::new(3);
-        outbox.push('a');
-        assert_eq!(outbox.take(Duration::ZERO), Taken::Item('a'));
-        assert_eq!(outbox.take(Duration::ZERO), Taken::Nothing);
+        assert_eq!(outbox.take(Duration::ZERO), Err(RecvTimeoutError::Timeout));
         outbox.push('b');
         outbox.close();
-        assert_eq!(outbox.take(Duration::ZERO), Taken::Item('b'));
-        assert_eq!(outbox.take(Duration::ZERO), Taken::Closed);
+        assert_eq!(outbox.take(Duration::ZERO), Ok('b'));
+        assert_eq!(outbox.take(Duration::ZERO), Err(RecvTimeoutError::Disconnected));
     }
 }

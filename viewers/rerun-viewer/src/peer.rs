@@ -3,7 +3,7 @@
 //! A port at the loopback address is open to every user of the machine. The kernel's tables of connections say whose
 //! socket is at the other end, so that only that user sees the capture.
 
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::{IpAddr, SocketAddr};
 
 use nix::unistd::{Uid, geteuid};
 
@@ -23,10 +23,8 @@ pub fn may_look(peer: SocketAddr, here: SocketAddr) -> bool {
 
 /// Who called `sudo`, if we are root by it.
 fn before_sudo() -> Option<Uid> {
-    if !geteuid().is_root() {
-        return None;
-    }
-    std::env::var("SUDO_UID").ok()?.parse().ok().map(Uid::from_raw)
+    let user = std::env::var("SUDO_UID").ok().filter(|_| geteuid().is_root())?;
+    user.parse().ok().map(Uid::from_raw)
 }
 
 /// Whose socket on this machine is at `peer` and connected to `here`.
@@ -56,24 +54,17 @@ fn is_same(one: SocketAddr, other: SocketAddr) -> bool {
 /// An address as the kernel writes it: hexadecimal words of the machine's byte order, a colon, the port.
 fn address(text: &str) -> Option<SocketAddr> {
     let (ip, port) = text.split_once(':')?;
-    let word = |at: usize| Some(u32::from_str_radix(ip.get(at..at + 8)?, 16).ok()?.to_ne_bytes());
-    let ip = if ip.len() == 8 {
-        IpAddr::V4(Ipv4Addr::from(word(0)?))
-    } else {
-        let words = [word(0)?, word(8)?, word(16)?, word(24)?];
-        let mut bytes = [0; 16];
-        for (place, byte) in bytes.iter_mut().zip(words.into_iter().flatten()) {
-            *place = byte;
-        }
-        IpAddr::V6(Ipv6Addr::from(bytes))
-    };
+    let word = |digits: &[u8]| Some(u32::from_str_radix(str::from_utf8(digits).ok()?, 16).ok()?.to_ne_bytes());
+    let bytes = ip.as_bytes().chunks(8).map(word).collect::<Option<Vec<_>>>()?.concat();
+    let v4 = <[u8; 4]>::try_from(bytes.as_slice()).map(IpAddr::from);
+    let ip = v4.or_else(|_| <[u8; 16]>::try_from(bytes).map(IpAddr::from)).ok()?;
     Some(SocketAddr::new(ip, u16::from_str_radix(port, 16).ok()?))
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
-    use std::net::{TcpListener, TcpStream};
+    use std::net::{Ipv4Addr, TcpListener, TcpStream};
 
     use super::*;
 

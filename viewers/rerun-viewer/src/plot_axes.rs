@@ -3,6 +3,8 @@
 //! rerun has no x-y plot. One is drawn in a plane instead: the plot's box is [`BOX_WIDTH`] by
 //! [`BOX_HEIGHT`] with y downwards, whatever the quantities' units, so that it fills its view.
 
+use crate::extent::Extent;
+
 /// Width of the plot's box in the drawing.
 pub const BOX_WIDTH: f64 = 150.0;
 /// Height of the plot's box in the drawing.
@@ -11,7 +13,7 @@ pub const BOX_HEIGHT: f64 = 100.0;
 const TARGET_TICKS: f64 = 6.0;
 
 /// One axis: a range that ends on ticks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// Lower end.
     pub low: f64,
@@ -34,37 +36,31 @@ impl Axis {
         Self { low, high, step }
     }
 
-    /// This axis while it fits the range, else a new one: an axis that jumped about could not be read.
-    pub fn following(&self, low: f64, high: f64) -> Self {
-        let inside = self.low <= low && high <= self.high;
-        let fills_half = high - low > (self.high - self.low) / 2.0;
-        if inside && fills_half { self.clone() } else { Self::around(low, high) }
+    /// The axis that is shown while it fits the range, else a new one: an axis that jumped about could not be read.
+    pub fn following(shown: Option<Self>, (low, high): Extent) -> Self {
+        let fits = |axis: &Self| axis.low <= low && high <= axis.high && high - low > axis.span() / 2.0;
+        shown.filter(fits).unwrap_or_else(|| Self::around(low, high))
     }
 
     /// The ticks with their labels, from low to high.
+    #[allow(clippy::cast_possible_truncation, reason = "a few ticks")]
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let decimals = decimals(self.step);
-        let first = (self.low / self.step).round();
-        let count = ((self.high - self.low) / self.step).round();
-        let mut ticks = Vec::new();
-        let mut index = 0.0;
-        while index <= count {
-            let value = (first + index) * self.step;
-            // Rounded to the label's digits, so that no tick reads "-0".
-            let value = if value.abs() < self.step / 2.0 { 0.0 } else { value };
-            ticks.push((value, format!("{value:.decimals$}").replace('-', "\u{2212}")));
-            index += 1.0;
-        }
-        ticks
+        let [first, last] = [self.low, self.high].map(|end| (end / self.step).round() as i64);
+        (first..=last)
+            .map(|index| index as f64 * self.step)
+            .map(|value| (value, format!("{value:.decimals$}").replace('-', "\u{2212}")))
+            .collect()
     }
 
-    fn span(&self) -> f64 {
+    /// From end to end.
+    pub fn span(&self) -> f64 {
         self.high - self.low
     }
 }
 
 /// Both axes of a plot.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlotAxes {
     /// Horizontal, to the right.
     pub x: Axis,
@@ -94,18 +90,9 @@ impl PlotAxes {
 /// The smallest of 1, 2, 5 times a power of ten that is not below `least`.
 pub fn round_step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
-    let [one, two, five] = [1.0, 2.0, 5.0].map(|factor| factor * power);
     // The tolerance keeps 0.2 a step for a span of exactly 1.2.
-    let enough = |step: f64| step >= least * (1.0 - 1e-9);
-    if enough(one) {
-        one
-    } else if enough(two) {
-        two
-    } else if enough(five) {
-        five
-    } else {
-        10.0 * power
-    }
+    let enough = |step: &f64| *step >= least * (1.0 - 1e-9);
+    [1.0, 2.0, 5.0].map(|factor| factor * power).into_iter().find(enough).unwrap_or(10.0 * power)
 }
 
 /// Digits after the point that a step needs.
@@ -137,9 +124,9 @@ mod tests {
     #[test]
     fn an_axis_stays_while_the_data_fits() {
         let axis = Axis::around(-4.0, 4.0);
-        assert_eq!(axis.following(-3.0, 3.9), axis);
-        assert!(axis.following(-3.0, 4.5).high > axis.high);
-        assert!(axis.following(-0.5, 0.5).high < axis.high);
+        assert_eq!(Axis::following(Some(axis), (-3.0, 3.9)), axis);
+        assert!(Axis::following(Some(axis), (-3.0, 4.5)).high > axis.high);
+        assert!(Axis::following(Some(axis), (-0.5, 0.5)).high < axis.high);
     }
 
     #[test]

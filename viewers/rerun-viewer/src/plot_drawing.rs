@@ -1,58 +1,46 @@
 //! Draws an x-y plot in a plane: grid, frame, labels, points and curves.
 
-use std::borrow::Cow;
+use std::collections::HashMap;
 
 use dynamics::Axis;
 use rerun::{Points2D, Radius, RecordingStream, RecordingStreamResult, Scale3D, Transform3D};
 
 use crate::entities;
+use crate::model_curves::ModelCurves;
 use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE};
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH, PlotAxes};
-use crate::scatter::{Abscissa, ModelCurves, PlotUpdate};
+use crate::scatter::{Abscissa, PlotUpdate};
 use crate::strokes::{plane_labels, plane_lines, single};
 
-/// Draws plots and remembers which axes they have: axes are drawn again only when they change.
+/// The axes that were drawn: they are drawn again only when they change.
 ///
-/// Axes belong to no time: a page that is opened late is given them before anything else, and whoever looks back sees
+/// They belong to no time: a page that is opened late is given them before anything else, and whoever looks back sees
 /// the past in the present axes.
-#[derive(Debug)]
-pub struct PlotPen {
+pub type DrawnAxes = HashMap<Abscissa, PlotAxes>;
+
+/// Draws what is new in a plot at the recording's current time.
+///
+/// # Errors
+/// When rerun refuses a part of it.
+pub fn draw(
+    recording: &RecordingStream,
     axis: Axis,
-    drawn: Vec<(Abscissa, PlotAxes)>,
-}
-
-impl PlotPen {
-    /// Plots of what has that axis.
-    pub const fn new(axis: Axis) -> Self {
-        Self { axis, drawn: Vec::new() }
+    drawn: &mut DrawnAxes,
+    plot: &PlotUpdate,
+) -> RecordingStreamResult<()> {
+    let root = axis.words(&entities::plot(plot.abscissa)).into_owned();
+    if drawn.insert(plot.abscissa, plot.axes) != Some(plot.axes) {
+        let titles = [plot.abscissa.name(), "torque_mnm"].map(|name| axis.words(name).into_owned());
+        draw_axes(recording, &root, titles, &plot.axes)?;
     }
-
-    /// Draws what is new in a plot at the recording's current time.
-    ///
-    /// # Errors
-    /// When rerun refuses a part of it.
-    pub fn draw(&mut self, recording: &RecordingStream, plot: &PlotUpdate) -> RecordingStreamResult<()> {
-        let root = self.axis.words(&entities::plot(plot.abscissa)).into_owned();
-        let now = (plot.abscissa, plot.axes.clone());
-        if !self.drawn.contains(&now) {
-            draw_axes(
-                recording,
-                &root,
-                [plot.abscissa.name(), "torque_mnm"].map(|name| self.axis.words(name)),
-                &plot.axes,
-            )?;
-            self.drawn.retain(|(abscissa, _)| *abscissa != plot.abscissa);
-            self.drawn.push(now);
-        }
-        if !plot.points.is_empty() {
-            draw_points(recording, &root, plot)?;
-        }
-        plot.model.as_ref().map_or(Ok(()), |model| draw_model(recording, &root, self.axis, model))
+    if !plot.points.is_empty() {
+        draw_points(recording, &root, plot)?;
     }
+    plot.model.as_ref().map_or(Ok(()), |model| draw_model(recording, &root, axis, model))
 }
 
 fn draw_points(recording: &RecordingStream, root: &str, plot: &PlotUpdate) -> RecordingStreamResult<()> {
-    let color = |turning_positive| if turning_positive { POSITIVE } else { NEGATIVE }.opaque();
+    let color = |turning_positive| if turning_positive { POSITIVE } else { NEGATIVE };
     recording.log(
         format!("{root}/quantities/measured"),
         &Points2D::new(plot.points.iter().map(|point| [single(point.x), single(point.torque_mnm)]))
@@ -80,7 +68,7 @@ fn draw_model(recording: &RecordingStream, root: &str, axis: Axis, model: &Model
 fn draw_axes(
     recording: &RecordingStream,
     root: &str,
-    [abscissa, ordinate]: [Cow<'_, str>; 2],
+    [abscissa, ordinate]: [String; 2],
     axes: &PlotAxes,
 ) -> RecordingStreamResult<()> {
     let (x_ticks, y_ticks) = (axes.x.ticks(), axes.y.ticks());
@@ -98,8 +86,7 @@ fn draw_axes(
 
     let x_labels = x_ticks.into_iter().map(|(value, label)| ([x_at(value), height * 1.005], label));
     let y_labels = y_ticks.into_iter().map(|(value, label)| ([-0.055 * width, y_at(value) - 0.045 * height], label));
-    let titles =
-        [([width / 2.0, height * 1.085], abscissa.into_owned()), ([0.0, -0.095 * height], ordinate.into_owned())];
+    let titles = [([width / 2.0, height * 1.085], abscissa), ([0.0, -0.095 * height], ordinate)];
     let (places, labels): (Vec<[f32; 2]>, Vec<String>) = x_labels.chain(y_labels).chain(titles).unzip();
     recording.log_static(format!("{root}/labels"), &plane_labels(places, labels, NEUTRAL))?;
 

@@ -7,7 +7,7 @@ use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 
 /// Ports tried beyond the one asked for.
 const PORTS_TRIED: u16 = 10;
@@ -54,24 +54,15 @@ fn take_again(address: SocketAddr) -> Option<TcpListener> {
     }
 }
 
-/// Takes the first free port from the wanted one on.
-///
-/// # Errors
-/// When none of them can be had at that address.
-pub fn first_free(wanted: SocketAddr) -> anyhow::Result<TcpListener> {
-    let (bind, wanted) = (wanted.ip(), wanted.port());
+/// Takes the first free port from the wanted one on, if one of them can be had at that address.
+fn first_free(wanted: SocketAddr) -> anyhow::Result<TcpListener> {
+    let (bind, first) = (wanted.ip(), wanted.port());
+    let last = first.saturating_add(PORTS_TRIED - 1);
+    let mut refusals = (first..=last).map(|port| TcpListener::bind(SocketAddr::new(bind, port)));
     let mut refusal = None;
-    for port in (0..PORTS_TRIED).filter_map(|further| wanted.checked_add(further)) {
-        match TcpListener::bind(SocketAddr::new(bind, port)) {
-            Ok(listener) => return Ok(listener),
-            Err(error) => refusal = Some(error),
-        }
-    }
+    let free = refusals.find_map(|bound| bound.map_err(|error| refusal = Some(error)).ok());
     let reason = refusal.map_or_else(String::new, |error| format!(" ({error})"));
-    bail!(
-        "no port from {wanted} to {} is free at {bind}{reason}; name another one",
-        wanted.saturating_add(PORTS_TRIED - 1)
-    )
+    free.with_context(|| format!("no port from {first} to {last} is free at {bind}{reason}; name another one"))
 }
 
 #[cfg(test)]

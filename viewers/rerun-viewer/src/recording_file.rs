@@ -34,18 +34,16 @@ impl RecordingFile {
     /// # Errors
     /// When it cannot be written, or there is a file of another kind.
     pub fn create(path: &Path) -> anyhow::Result<Self> {
-        let begin = || -> anyhow::Result<State> {
-            let file = open(path)?;
-            let (version, options) = (rerun::build_info().version, EncodingOptions::PROTOBUF_COMPRESSED);
-            Ok(State { encoder: Some(Encoder::new_eager(version, options, file)?), failure: None })
-        };
         ensure!(
             may_be_replaced(path),
             "{} is no rerun file and is not overwritten; name another place",
             path.display()
         );
-        let state = begin().map_err(|error| cannot_be_written(path, &error))?;
-        Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(state)) })
+        let (version, options) = (rerun::build_info().version, EncodingOptions::PROTOBUF_COMPRESSED);
+        let encoder =
+            open(path).map_err(anyhow::Error::from).and_then(|file| Ok(Encoder::new_eager(version, options, file)?));
+        let encoder = encoder.map_err(|error| cannot_be_written(path, &error))?;
+        Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(State { encoder: Some(encoder), failure: None })) })
     }
 
     /// Where a recording sends what is drawn.

@@ -1,11 +1,9 @@
-//! The model that a replay renders, as The text next to the plots shows it.
+//! The model that a replay renders, as the text next to the plots shows it.
 
-use std::fmt::Write as _;
-
-use dynamics::{Model, ModelError};
+use dynamics::{Model, ModelError, ParameterKind};
 use shared_types::ModelChange;
 
-use crate::summary::three_digits;
+use crate::numbers::three_digits;
 
 /// The model that is felt, and what was turned of it last.
 #[derive(Clone, Debug)]
@@ -27,23 +25,18 @@ impl RenderedModel {
     }
 
     /// Its parameters as a table; values that were turned stand out, with what they were.
-    pub fn markdown(&self, text: &mut String) {
-        let _ = writeln!(
-            text,
-            "| rendered: {}, from {:.1} s on | value | before |\n|---|---:|---:|",
-            self.model.name, self.from_s
-        );
-        for (parameter, value) in self.model.parameters() {
+    pub fn markdown(&self) -> String {
+        let (name, from_s) = (&self.model.name, self.from_s);
+        let row = |(parameter, value): (&ParameterKind, f64)| {
             let before = self.before.as_ref().and_then(|before| before.parameter(parameter.name));
-            let name = parameter.name.replace('_', " ");
-            let _ = match before {
-                Some(before) if before.to_bits() != value.to_bits() => {
-                    writeln!(text, "| {name}, {} | **{}** | {} |", parameter.unit, short(value), short(before))
-                }
-                _ => writeln!(text, "| {name}, {} | {} | |", parameter.unit, short(value)),
+            let values = match before.filter(|before| before.to_bits() != value.to_bits()) {
+                Some(before) => format!("**{}** | {} |", short(value), short(before)),
+                None => format!("{} | |", short(value)),
             };
-        }
-        text.push('\n');
+            format!("| {}, {} | {values}\n", parameter.name.replace('_', " "), parameter.unit)
+        };
+        let rows: String = self.model.parameters().map(row).collect();
+        format!("| rendered: {name}, from {from_s:.1} s on | value | before |\n|---|---:|---:|\n{rows}\n")
     }
 }
 
@@ -66,8 +59,7 @@ mod tests {
     fn what_was_turned_stands_beside_what_it_was() {
         let first = RenderedModel::new(&change(0, 0.05), None, 1e4).unwrap();
         let turned = RenderedModel::new(&change(25_000, 0.07), Some(first), 1e4).unwrap();
-        let mut text = String::new();
-        turned.markdown(&mut text);
+        let text = turned.markdown();
         assert!(text.contains("rendered: wheel, from 2.5 s on"), "{text}");
         assert!(text.contains("**0.0700** | 0.0500"), "{text}");
     }

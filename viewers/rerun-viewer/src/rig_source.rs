@@ -2,10 +2,12 @@
 
 use anyhow::Context as _;
 use consumer::{Health, SourceWatch};
+use serde::de::DeserializeOwned;
 use shared_types::services::{self, MessagePublisher, MessageSubscriber, RigNode, SampleSubscriber};
-use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, Sample, rig};
+use shared_types::{FitUpdate, LoopStatus, ProcessHealth, ProcessKind, Sample, rig};
 
-use crate::source::{Event, Source};
+use crate::picture::Picture;
+use crate::source::Source;
 
 /// Reads every stream of the rig and publishes the viewer's health.
 pub struct RigSource {
@@ -19,17 +21,10 @@ pub struct RigSource {
     /// Ports live only as long as their node.
     _node: RigNode,
     restarts: u32,
+    /// The run that is counted.
+    run_id: u64,
     counts: Counts,
     source: SourceWatch,
-}
-
-/// What of the current run went through.
-#[derive(Debug)]
-struct Counts {
-    run_id: u64,
-    next_seq: Option<u64>,
-    lost: u64,
-    health: Health,
 }
 
 impl RigSource {
@@ -49,57 +44,54 @@ impl RigSource {
             own_health: services::PROCESS_HEALTH.publisher(&node)?,
             _node: node,
             restarts,
-            counts: Counts::of_run(0, restarts),
+            run_id: 0,
+            counts: Counts::new(restarts),
             source: SourceWatch::default(),
         })
     }
+}
 
-    fn report_health(&mut self) -> anyhow::Result<()> {
-        if let Some(report) = self.counts.health.report(self.counts.lost) {
-            self.own_health.send_copy(report).context("the viewer's health cannot be sent")?;
-        }
-        Ok(())
-    }
+/// Reads a message in JSON; one that cannot be read is told and not shown.
+fn read<T: DeserializeOwned>(json: &[u8], what: &str) -> Option<T> {
+    let read = serde_json::from_slice(json);
+    read.inspect_err(|error| tracing::error!("{what} cannot be read and is not shown: {error}")).ok()
 }
 
 impl Source for RigSource {
-    fn poll(&mut self, samples_wanted: bool, take_in: &mut dyn FnMut(Event<'_>)) -> anyhow::Result<()> {
+    fn poll(&mut self, samples_wanted: bool, picture: &mut Picture) -> anyhow::Result<()> {
         while let Some(json) = self.description.receive()? {
-            match serde_json::from_slice::<RunDescription>(json.payload()) {
-                Ok(description) => take_in(Event::Description(&description)),
-                Err(error) => tracing::error!("the run's description cannot be read and is not shown: {error}"),
-            }
+            read(json.payload(), "the run's description").iter().for_each(|run| picture.describe(run));
         }
         while let Some(json) = self.models.receive()? {
-            match serde_json::from_slice::<ModelChange>(json.payload()) {
-                Ok(change) => take_in(Event::ModelChange(&change)),
-                Err(error) => tracing::error!("a rendered model cannot be read and is not shown: {error}"),
-            }
+            read(json.payload(), "a rendered model").iter().for_each(|change| picture.take_rendered(change));
         }
         while let Some(status) = self.status.receive()? {
             self.source.hear(&status, rig::monotonic_time_ns());
-            take_in(Event::Status(&status));
+            picture.take_status(&status);
         }
         if self.source.is_gone(rig::monotonic_time_ns()) {
-            take_in(Event::SourceGone);
+            picture.lose_source();
         }
         while let Some(fit) = self.fits.receive()? {
-            take_in(Event::Fit(&fit));
+            picture.take_fit(&fit);
         }
         while let Some(health) = self.health.receive()? {
-            take_in(Event::Health(&health));
+            picture.take_health(&health);
         }
         if samples_wanted {
             while let Some(block) = self.samples.receive()? {
                 let run_id = block.user_header().run_id;
-                if run_id != self.counts.run_id {
-                    self.counts = Counts::of_run(run_id, self.restarts);
+                if run_id != self.run_id {
+                    (self.run_id, self.counts) = (run_id, Counts::new(self.restarts));
                 }
                 self.counts.count(block.payload());
-                take_in(Event::Samples { run_id, samples: block.payload() });
+                picture.take_samples(run_id, block.payload());
             }
         }
-        self.report_health()
+        if let Some(report) = self.counts.health.report(self.counts.lost) {
+            self.own_health.send_copy(report).context("the viewer's health cannot be sent")?;
+        }
+        Ok(())
     }
 
     fn can_wait(&self) -> bool {
@@ -107,9 +99,17 @@ impl Source for RigSource {
     }
 }
 
+/// What of a run went through.
+#[derive(Debug)]
+struct Counts {
+    next_seq: Option<u64>,
+    lost: u64,
+    health: Health,
+}
+
 impl Counts {
-    fn of_run(run_id: u64, restarts: u32) -> Self {
-        Self { run_id, next_seq: None, lost: 0, health: Health::new(ProcessKind::Viewer, restarts) }
+    fn new(restarts: u32) -> Self {
+        Self { next_seq: None, lost: 0, health: Health::new(ProcessKind::Viewer, restarts) }
     }
 
     fn count(&mut self, samples: &[Sample]) {
@@ -125,13 +125,11 @@ impl Counts {
 mod tests {
     use super::*;
 
-    fn samples(seqs: std::ops::Range<u64>) -> Vec<Sample> {
-        seqs.map(|seq| Sample { seq, ..Sample::default() }).collect()
-    }
-
     #[test]
     fn a_jump_in_the_sequence_counts_as_lost_samples() {
-        let mut counts = Counts::of_run(7, 0);
+        let samples =
+            |seqs: std::ops::Range<u64>| seqs.map(|seq| Sample { seq, ..Sample::default() }).collect::<Vec<_>>();
+        let mut counts = Counts::new(0);
         counts.count(&samples(100..110));
         counts.count(&samples(113..120));
         let report = counts.health.report(counts.lost);

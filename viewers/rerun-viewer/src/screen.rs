@@ -4,11 +4,10 @@
 //! else waits. Each run is a recording of its own. rerun's client never connects again by itself,
 //! so when its window is gone the screen looks for a new one and begins there afresh.
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::path::PathBuf;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
@@ -22,7 +21,7 @@ use crate::drawn::Drawn;
 use crate::frame::Frame;
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
-use crate::outbox::{self, Outbox};
+use crate::outbox::Outbox;
 use crate::recording_file::RecordingFile;
 use crate::{entities, layout, page, port};
 
@@ -34,124 +33,60 @@ const CONNECTION_CHECK: Duration = Duration::from_millis(500);
 const CONNECT_LIMIT: Duration = Duration::from_millis(200);
 
 /// Where to show.
-#[derive(Debug)]
-pub enum Destination {
-    /// A web page.
-    Web {
-        /// Its address and port.
-        address: SocketAddr,
-        /// The same port, taken, until the server is connected to it.
-        taken: Option<TcpListener>,
-        /// What is kept for a page opened later.
-        memory_limit: ByteSize,
-        /// How long a page may take nothing before it loses its connection.
-        patience: Duration,
-    },
-    /// rerun's own window on this machine.
-    Native {
-        /// Port that it listens at.
-        grpc_port: u16,
-        /// What it may keep.
-        memory_limit: ByteSize,
-    },
+enum Place {
+    /// A web page at that address, where what is drawn is kept.
+    Page(SocketAddr, Drawn),
+    /// rerun's own window on this machine, which listens at that port.
+    Window(u16),
     /// A rerun file.
-    File(PathBuf),
+    File(RecordingFile),
 }
 
-impl Destination {
-    /// What the command line asks for, with a port that is free.
-    ///
-    /// # Errors
-    /// When no port is free.
-    pub fn from_arguments(arguments: &Arguments) -> anyhow::Result<Self> {
-        let Arguments { native, save, bind, web_port, grpc_port, memory_limit, restarts, .. } = arguments;
-        let memory_limit = *memory_limit;
-        if let Some(path) = save {
-            return Ok(Self::File(path.clone()));
-        }
-        if *native {
-            return Ok(Self::Native { grpc_port: *grpc_port, memory_limit });
-        }
-        let taken = port::take(SocketAddr::new(*bind, *web_port), *restarts)?;
-        let address = taken.local_addr()?;
-        Ok(Self::Web { address, taken: Some(taken), memory_limit, patience: page::server::PATIENCE })
-    }
-
-    /// Whether there is nothing left to do when the run has ended.
-    pub const fn ends_with_run(&self) -> bool {
-        matches!(self, Self::File(_))
-    }
-
-    /// How long closing may take.
-    pub const fn exit_limit(&self) -> Duration {
-        match self {
-            Self::File(_) => Duration::from_secs(10),
-            Self::Web { .. } | Self::Native { .. } => Duration::from_secs(1),
-        }
-    }
-}
-
-/// An open destination.
+/// What shows frames.
 pub struct Screen {
-    destination: Destination,
+    place: Place,
     subject: Subject,
     /// Carries every run: rerun ties windows and files to one recording.
     carrier: RecordingStream,
     /// The run that is shown and the pen that draws it.
     shown: Option<(u64, Pen)>,
-    /// Where pages take from what is drawn.
-    drawn: Drawn,
-    /// Where what is drawn is written to, if to a file.
-    file: Option<RecordingFile>,
     disconnected: Arc<AtomicBool>,
     next_check: Instant,
 }
 
 impl Screen {
-    /// Opens the destination; nothing is shown yet but the layout.
+    /// Opens what the command line asks for; nothing is shown yet but the layout.
     ///
     /// # Errors
     /// When a port, the `rerun` program or the file is not available.
-    pub fn open(mut destination: Destination, subject: Subject, glance: SharedGlance) -> anyhow::Result<Self> {
-        if let Destination::Native { grpc_port, memory_limit } = &destination {
+    pub fn open(arguments: &Arguments, subject: Subject, glance: SharedGlance) -> anyhow::Result<Self> {
+        let Arguments { native, save, bind, web_port, grpc_port, memory_limit, restarts, .. } = arguments;
+        let place = if let Some(path) = save {
+            Place::File(RecordingFile::create(path)?)
+        } else if *native {
             open_window(*grpc_port, *memory_limit)?;
-        }
-        let (memory_limit, file) = match &destination {
-            Destination::Web { memory_limit, .. } => (memory_limit.as_u64(), None),
-            Destination::Native { .. } => (0, None),
-            Destination::File(path) => (0, Some(RecordingFile::create(path)?)),
+            Place::Window(*grpc_port)
+        } else {
+            let listener = port::take(SocketAddr::new(*bind, *web_port), *restarts)?;
+            let (address, drawn) = (listener.local_addr()?, Drawn::new(memory_limit.as_u64()));
+            page::serve(listener, glance, drawn.clone()).context("the web page cannot be served")?;
+            Place::Page(address, drawn)
         };
-        let drawn = Drawn::new(memory_limit);
-        let carrier = carrier(&destination, subject, &drawn, file.as_ref())?;
-        if let Destination::Web { taken, patience, .. } = &mut destination
-            && let Some(listener) = taken.take()
-        {
-            page::serve(listener, *patience, glance, drawn.clone()).context("the web page cannot be served")?;
-        }
-        Ok(Self {
-            destination,
-            subject,
-            carrier,
-            shown: None,
-            drawn,
-            file,
-            disconnected: Arc::default(),
-            next_check: Instant::now(),
-        })
+        let carrier = place.carrier(subject)?;
+        let (disconnected, next_check) = (Arc::default(), Instant::now());
+        Ok(Self { place, subject, carrier, shown: None, disconnected, next_check })
     }
 
     /// The port of the web page, if it is one.
-    pub fn port(&self) -> Option<u16> {
-        self.address().map(|address| address.port())
+    pub const fn port(&self) -> Option<u16> {
+        if let Place::Page(address, _) = &self.place { Some(address.port()) } else { None }
     }
 
-    /// The address to show to the operator.
-    pub fn place(&self) -> Option<String> {
-        self.address().map(url)
-    }
-
-    const fn address(&self) -> Option<SocketAddr> {
-        if let Destination::Web { address, .. } = &self.destination { Some(*address) } else { None }
+    /// What a browser on this machine is given, if it is a web page.
+    pub fn url(&self) -> Option<String> {
+        let Place::Page(address, _) = &self.place else { return None };
+        let host = if address.ip().is_unspecified() { IpAddr::V4(Ipv4Addr::LOCALHOST) } else { address.ip() };
+        Some(format!("http://{}/", SocketAddr::new(host, address.port())))
     }
 
     /// Shows frames from `outbox` on a thread of its own until it is closed and empty.
@@ -177,59 +112,50 @@ impl Screen {
     fn show_all(mut self, outbox: &Outbox<Frame>) -> anyhow::Result<()> {
         loop {
             match outbox.take(CONNECTION_CHECK) {
-                outbox::Taken::Item(frame) => self.show(&frame, outbox),
-                outbox::Taken::Nothing => {}
-                outbox::Taken::Closed => break,
+                Ok(frame) => self.show(&frame, outbox),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
             }
-            self.look_after_window();
-            self.file.as_ref().map_or(Ok(()), RecordingFile::check)?;
+            match &self.place {
+                Place::Page(..) => {}
+                Place::Window(port) => self.look_after_window(*port),
+                Place::File(file) => file.check()?,
+            }
         }
-        let file = self.file.take();
+        let Self { place, carrier, shown, .. } = self;
         // What was drawn leaves rerun at the latest when it is dropped.
-        drop(self);
-        file.as_ref().map_or(Ok(()), RecordingFile::finish)
+        drop((shown, carrier));
+        if let Place::File(file) = place { file.finish() } else { Ok(()) }
     }
 
     fn show(&mut self, frame: &Frame, outbox: &Outbox<Frame>) {
         if self.disconnected.load(Ordering::Relaxed) {
             outbox.count_dropped();
-            return;
-        }
-        if let Err(error) = self.draw(frame) {
+        } else if let Err(error) = self.draw(frame) {
             tracing::error!("a frame of the live view could not be drawn: {error:#}");
             outbox.count_dropped();
         }
     }
 
     fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
-        let is_page = self.port().is_some();
-        let pen = self.pen_of(frame.run_id)?;
+        let pen = match self.shown.take() {
+            Some((shown, pen)) if shown == frame.run_id => pen,
+            // A file and a window begin with the run itself.
+            None if !matches!(self.place, Place::Page(..)) => Pen::new(self.carrier.clone(), self.subject.axis)?,
+            _ => Pen::new(recording_of(frame.run_id, &self.carrier)?, self.subject.axis)?,
+        };
+        let (_, pen) = self.shown.insert((frame.run_id, pen));
         pen.draw(frame)?;
-        if is_page {
+        if let Place::Page(_, drawn) = &self.place {
             pen.flush()?;
             self.carrier.flush_blocking()?;
-            self.drawn.seal();
+            drawn.seal();
         }
         Ok(())
     }
 
-    fn pen_of(&mut self, run_id: u64) -> anyhow::Result<&mut Pen> {
-        let pen = match self.shown.take() {
-            Some((shown, pen)) if shown == run_id => pen,
-            // A file and a window begin with the run itself.
-            None if !matches!(self.destination, Destination::Web { .. }) => {
-                Pen::new(self.carrier.clone(), self.subject.axis)?
-            }
-            _ => Pen::new(recording_of(run_id, &self.carrier)?, self.subject.axis)?,
-        };
-        Ok(&mut self.shown.insert((run_id, pen)).1)
-    }
-
     /// Finds out whether rerun's window went away and, if so, looks for another one.
-    fn look_after_window(&mut self) {
-        let Destination::Native { grpc_port, .. } = self.destination else {
-            return;
-        };
+    fn look_after_window(&mut self, port: u16) {
         if Instant::now() < self.next_check {
             return;
         }
@@ -243,8 +169,8 @@ impl Screen {
                     disconnected.store(true, Ordering::Relaxed);
                 }
             });
-        } else if listens(grpc_port) {
-            match carrier(&self.destination, self.subject, &self.drawn, self.file.as_ref()) {
+        } else if listens(port) {
+            match self.place.carrier(self.subject) {
                 Ok(carrier) => self.begin_afresh(carrier),
                 Err(error) => tracing::error!("the new window cannot be used: {error:#}"),
             }
@@ -259,38 +185,26 @@ impl Screen {
     }
 }
 
-/// A recording that leads to the destination, with layout and styles.
-fn carrier(
-    destination: &Destination,
-    subject: Subject,
-    drawn: &Drawn,
-    file: Option<&RecordingFile>,
-) -> anyhow::Result<RecordingStream> {
-    let builder = RecordingStreamBuilder::new(APPLICATION);
-    let recording = match destination {
-        Destination::Web { .. } => {
-            let recording = builder.buffered()?;
-            let drawn = drawn.clone();
-            recording.set_sink(Box::new(CallbackSink::new(move |messages| drawn.take_in(messages))));
-            recording
+impl Place {
+    /// A recording that leads here, with the layout.
+    fn carrier(&self, subject: Subject) -> anyhow::Result<RecordingStream> {
+        let builder = RecordingStreamBuilder::new(APPLICATION);
+        let recording = match self {
+            Self::Window(port) => builder.connect_grpc_opts(format!("rerun+http://127.0.0.1:{port}/proxy"))?,
+            Self::Page(..) | Self::File(_) => builder.buffered()?,
+        };
+        match self {
+            Self::Page(_, drawn) => recording.set_sink(Box::new(drawn.sink())),
+            Self::Window(_) => {}
+            Self::File(file) => recording.set_sink(Box::new(file.sink())),
         }
-        Destination::Native { grpc_port, .. } => {
-            builder.connect_grpc_opts(format!("rerun+http://127.0.0.1:{grpc_port}/proxy"))?
+        layout::send(&recording, subject)?;
+        if let Self::Page(_, drawn) = self {
+            recording.flush_blocking()?;
+            drawn.seal();
         }
-        Destination::File(_) => {
-            let recording = builder.buffered()?;
-            if let Some(file) = file {
-                recording.set_sink(Box::new(file.sink()));
-            }
-            recording
-        }
-    };
-    layout::send(&recording, subject)?;
-    if matches!(destination, Destination::Web { .. }) {
-        recording.flush_blocking()?;
-        drawn.seal();
+        Ok(recording)
     }
-    Ok(recording)
 }
 
 /// The recording of a run, which goes the carrier's way. Its name is the run's: what a viewer that was started again
@@ -302,12 +216,6 @@ fn recording_of(run_id: u64, carrier: &RecordingStream) -> anyhow::Result<Record
         messages.iter().for_each(|message| carrier.record_msg(message.clone()));
     })));
     Ok(recording)
-}
-
-/// What a browser on this machine is given.
-fn url(address: SocketAddr) -> String {
-    let host = if address.ip().is_unspecified() { IpAddr::V4(Ipv4Addr::LOCALHOST) } else { address.ip() };
-    format!("http://{}/", SocketAddr::new(host, address.port()))
 }
 
 fn open_window(port: u16, memory_limit: ByteSize) -> anyhow::Result<()> {

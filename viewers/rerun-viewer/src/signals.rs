@@ -1,9 +1,9 @@
-//! The signals of a run, reduced to what a screen can show, and their extremes.
+//! The streams of a run, reduced to what a screen can show, and the extremes of the last seconds.
 
 use crate::decimation::{Decimator, Keep};
 use crate::entities::{self, MODEL_TORQUE, SIGNALS};
-use crate::extremes::Extremes;
-use crate::frame::SeriesRows;
+use crate::extent::{self, Extent};
+use crate::frame::{Points, Series};
 use crate::source::Reading;
 
 /// Width of a pixel of a plot that shows 10 s in 1000 pixels; a bin keeps two points.
@@ -11,61 +11,112 @@ const BIN_NS: i64 = 10_000_000;
 /// The model's torque is drawn as dots, which stay apart at four pixels. Without a graphics card each dot takes as long to
 /// draw as a whole line of them.
 const MODEL_BIN_NS: i64 = 40_000_000;
+/// Bin of the lateness, of which only the largest stays.
+const LATENESS_BIN_NS: i64 = 20_000_000;
+/// Steps that the extremes look back: at one in 2.5 s the 10 s that the plots show.
+const STEPS_KEPT: usize = 4;
 
-/// One decimator and one window of extremes for each of [`SIGNALS`].
+/// All of [`SIGNALS`], and the lateness.
 #[derive(Debug)]
 pub struct Signals {
-    decimators: [Decimator; SIGNALS.len()],
-    extremes: [Extremes; SIGNALS.len()],
+    signals: [Signal; SIGNALS.len()],
+    lateness: Decimator,
+}
+
+#[derive(Debug)]
+struct Signal {
+    decimator: Decimator,
+    /// Of each step, the present one first.
+    extents: [Extent; STEPS_KEPT],
+}
+
+impl Default for Signals {
+    fn default() -> Self {
+        let signals = SIGNALS.map(|field| Signal {
+            decimator: Decimator::new(Keep::MinMax, if field == MODEL_TORQUE { MODEL_BIN_NS } else { BIN_NS }),
+            extents: [extent::NOTHING; STEPS_KEPT],
+        });
+        Self { signals, lateness: Decimator::new(Keep::Max, LATENESS_BIN_NS) }
+    }
 }
 
 impl Signals {
-    /// No signals yet; the extremes look back `steps_kept` steps.
-    pub fn new(steps_kept: usize) -> Self {
-        let decimator = |field| Decimator::new(Keep::MinMax, if field == MODEL_TORQUE { MODEL_BIN_NS } else { BIN_NS });
-        Self { decimators: SIGNALS.map(decimator), extremes: std::array::from_fn(|_| Extremes::new(steps_kept)) }
-    }
-
     /// Takes in what was measured; a quantity that is not a number leaves no trace.
     pub fn push(&mut self, reading: &Reading) {
         let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact, .. } = *reading;
-        for (index, value) in
-            [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact].into_iter().enumerate()
-        {
-            self.push_at(index, time_ns, value);
-        }
+        let measured = [angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact];
+        self.signals.iter_mut().zip(measured).for_each(|(signal, value)| signal.push(time_ns, value));
     }
 
     /// Takes in what the model gives, mNm.
     pub fn push_model_torque(&mut self, time_ns: i64, torque_mnm: f64) {
-        self.push_at(SIGNALS.len() - 1, time_ns, torque_mnm);
+        self.signals[SIGNALS.len() - 1].push(time_ns, torque_mnm);
     }
 
-    fn push_at(&mut self, index: usize, time_ns: i64, value: f64) {
-        self.decimators[index].push(time_ns, value);
-        self.extremes[index].push(value);
+    /// Takes in the log10 of a tick's lateness in ns.
+    pub fn push_lateness(&mut self, time_ns: i64, log10_ns: f64) {
+        self.lateness.push(time_ns, log10_ns);
     }
 
-    /// The points that are complete, each handed out once.
-    pub fn take_rows(&mut self) -> Vec<SeriesRows> {
-        let rows = |(field, decimator): (&str, &mut Decimator)| {
-            SeriesRows::of_points(entities::signal(field), decimator.take())
-        };
-        SIGNALS.into_iter().zip(&mut self.decimators).filter_map(rows).collect()
+    /// The points of the signals that are complete, each handed out once.
+    pub fn take(&mut self) -> Series {
+        let points = |(field, signal): (&str, &mut Signal)| (entities::signal(field), signal.decimator.take());
+        let all = SIGNALS.into_iter().zip(&mut self.signals).map(points);
+        all.filter(|(_, points)| !points.times_ns.is_empty()).collect()
+    }
+
+    /// The points of the lateness that are complete, each handed out once.
+    pub fn take_lateness(&mut self) -> Points {
+        self.lateness.take()
     }
 
     /// Completes the open bins, for a run that has ended.
     pub fn close_bins(&mut self) {
-        self.decimators.iter_mut().for_each(Decimator::close_bin);
+        self.signals.iter_mut().for_each(|signal| signal.decimator.close_bin());
+        self.lateness.close_bin();
     }
 
-    /// Moves the extremes' window on by one step.
+    /// Forgets the extremes of the oldest step and begins another one.
     pub fn step_extremes(&mut self) {
-        self.extremes.iter_mut().for_each(Extremes::step);
+        for Signal { extents, .. } in &mut self.signals {
+            extents.rotate_right(1);
+            extents[0] = extent::NOTHING;
+        }
     }
 
-    /// Smallest and largest value of each signal in the window.
-    pub fn ranges(&self) -> [(&'static str, Option<(f64, f64)>); SIGNALS.len()] {
-        std::array::from_fn(|index| (SIGNALS[index], self.extremes[index].range()))
+    /// Smallest and largest value of each signal over the last steps.
+    pub fn ranges(&self) -> impl Iterator<Item = (&'static str, Option<Extent>)> {
+        let joined = |(low, high): Extent, step: &Extent| (low.min(step.0), high.max(step.1));
+        let of = move |signal: &Signal| {
+            Some(signal.extents.iter().fold(extent::NOTHING, joined)).filter(|(low, high)| low <= high)
+        };
+        SIGNALS.into_iter().zip(self.signals.iter().map(of))
+    }
+}
+
+impl Signal {
+    fn push(&mut self, time_ns: i64, value: f64) {
+        self.decimator.push(time_ns, value);
+        if value.is_finite() {
+            self.extents[0] = extent::with(self.extents[0], value);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_extreme_is_forgotten_once_the_window_has_passed_it() {
+        let mut signals = Signals::default();
+        let range = |signals: &Signals| signals.ranges().last().and_then(|(_, range)| range);
+        assert_eq!(range(&signals), None);
+        for (time_ns, value) in [50.0, -1.0, f64::NAN, 2.0].into_iter().enumerate() {
+            signals.push_model_torque(time_ns as i64, value);
+            assert_eq!(range(&signals).map(|(_, high)| high), Some(50.0));
+            signals.step_extremes();
+        }
+        assert_eq!(range(&signals), Some((-1.0, 2.0)));
     }
 }

@@ -8,7 +8,8 @@ use rerun::{Boxes3D, RecordingStream, RecordingStreamResult, Scale3D, TimeColumn
 
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
-use crate::knob_drawing::{self, DETENTS_LABEL, color, depth, detents_in_words, label};
+use crate::extent;
+use crate::knob_drawing::{color, draw_detents, label};
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
 use crate::palette::NEUTRAL;
 use crate::plot_axes::Axis;
@@ -35,13 +36,13 @@ impl Slider {
     /// When rerun refuses a part of it.
     pub fn draw(&mut self, recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
         let travels = &update.turns.values;
-        let start = self.scale.as_ref().map_or((f64::INFINITY, f64::NEG_INFINITY), |scale| (scale.low, scale.high));
-        let (low, high) = travels.iter().fold(start, |(low, high), travel| (low.min(*travel), high.max(*travel)));
+        let shown = self.scale.map_or(extent::NOTHING, |scale| (scale.low, scale.high));
+        let (low, high) = travels.iter().copied().fold(shown, extent::with);
         if low > high {
             return Ok(());
         }
-        let scale = self.scale.as_ref().map_or_else(|| Axis::around(low, high), |scale| scale.following(low, high));
-        let rescaled = self.scale.as_ref() != Some(&scale);
+        let scale = Axis::following(self.scale, (low, high));
+        let rescaled = self.scale != Some(scale);
         let redrawn = rescaled || update.motion.is_some() || update.detents.is_some();
         self.motion = update.motion.or(self.motion);
         self.detents = update.detents.clone().or_else(|| self.detents.take());
@@ -52,7 +53,11 @@ impl Slider {
             draw_body(recording, motion, &scale)?;
         }
         if redrawn && let Some(ring) = &self.detents {
-            draw_detents(recording, ring, &scale)?;
+            let at = |travel, depth| {
+                let is_on_rail = (scale.low..=scale.high).contains(&travel);
+                is_on_rail.then(|| [single(place(&scale, travel)), single(DETENTS_Y - depth), 0.0])
+            };
+            draw_detents(recording, MotionAxis::Linear, ring, at)?;
         }
         self.scale = Some(scale);
         if !travels.is_empty() {
@@ -67,7 +72,7 @@ impl Slider {
 
 /// Units of the drawing in a mm.
 fn units_in_mm(scale: &Axis) -> f64 {
-    2.0 * HALF_RAIL / (scale.high - scale.low)
+    2.0 * HALF_RAIL / scale.span()
 }
 
 /// Where a travel lies on the rail.
@@ -98,19 +103,8 @@ fn draw_rail(recording: &RecordingStream, scale: &Axis) -> RecordingStreamResult
 fn draw_body(recording: &RecordingStream, motion: Motion, scale: &Axis) -> RecordingStreamResult<()> {
     let half_mm = 0.13 / units_in_mm(scale);
     let body = Boxes3D::from_centers_and_half_sizes([[0.0, 0.0, 0.15]], [[single(half_mm), 0.24, 0.15]])
-        .with_colors([color(motion).opaque()])
+        .with_colors([color(motion)])
         .with_fill_mode(FillMode::Solid);
     recording.log(format!("{KNOB}/travel/moving/body"), &body)?;
     recording.log(format!("{KNOB}/motion"), &label([0.0, 1.0, 0.0], motion.word().to_owned()))
-}
-
-fn draw_detents(recording: &RecordingStream, ring: &DetentRing, scale: &Axis) -> RecordingStreamResult<()> {
-    let depth = depth(ring);
-    let at = |[travel, share]: [f64; 2]| {
-        let is_on_rail = (scale.low..=scale.high).contains(&travel);
-        is_on_rail.then(|| [single(place(scale, travel)), single(DETENTS_Y - depth * share), 0.0])
-    };
-    knob_drawing::draw_detents(recording, ring, "line", at)?;
-    let text = MotionAxis::Linear.words(&detents_in_words(ring)).into_owned();
-    recording.log_static(DETENTS_LABEL, &label([0.0, -0.9, 0.0], text))
 }

@@ -1,9 +1,10 @@
 //! Lines, dots and labels of one colour, of which the drawings in space and in a plane are made.
 
 use rerun::components::{LineStrip2D, LineStrip3D, Position2D, Position3D};
+use rerun::datatypes::Rgba32;
 use rerun::{LineStrips2D, LineStrips3D, Points2D, Points3D, Radius};
 
-use crate::palette::{Rgb, WHITE};
+use crate::palette::WHITE;
 
 /// rerun draws in single precision.
 #[allow(clippy::cast_possible_truncation, reason = "the screen has fewer digits than an f32")]
@@ -12,31 +13,35 @@ pub const fn single(value: f64) -> f32 {
 }
 
 /// Lines in a plane, `radius` points wide to either side.
-pub fn plane_lines(strips: impl IntoIterator<Item = impl Into<LineStrip2D>>, color: Rgb, radius: f32) -> LineStrips2D {
-    LineStrips2D::new(strips).with_colors([color.opaque()]).with_radii([Radius::new_ui_points(radius)])
+pub fn plane_lines(
+    strips: impl IntoIterator<Item = impl Into<LineStrip2D>>,
+    color: Rgba32,
+    radius: f32,
+) -> LineStrips2D {
+    LineStrips2D::new(strips).with_colors([color]).with_radii([Radius::new_ui_points(radius)])
 }
 
 /// Texts in a plane, always shown.
 pub fn plane_labels(
     places: impl IntoIterator<Item = impl Into<Position2D>>,
     labels: impl IntoIterator<Item = String>,
-    color: Rgb,
+    color: Rgba32,
 ) -> Points2D {
     Points2D::new(places)
         .with_labels(labels)
         .with_show_labels(true)
-        .with_colors([color.opaque()])
+        .with_colors([color])
         .with_radii([Radius::new_ui_points(0.0)])
 }
 
 /// Lines in space, `radius` points wide to either side.
-pub fn lines(strips: impl IntoIterator<Item = impl Into<LineStrip3D>>, color: Rgb, radius: f32) -> LineStrips3D {
-    LineStrips3D::new(strips).with_colors([color.opaque()]).with_radii([Radius::new_ui_points(radius)])
+pub fn lines(strips: impl IntoIterator<Item = impl Into<LineStrip3D>>, color: Rgba32, radius: f32) -> LineStrips3D {
+    LineStrips3D::new(strips).with_colors([color]).with_radii([Radius::new_ui_points(radius)])
 }
 
 /// Dots in space.
-pub fn dots(places: impl IntoIterator<Item = impl Into<Position3D>>, color: Rgb, radius: f32) -> Points3D {
-    Points3D::new(places).with_colors([color.opaque()]).with_radii([Radius::new_ui_points(radius)])
+pub fn dots(places: impl IntoIterator<Item = impl Into<Position3D>>, color: Rgba32, radius: f32) -> Points3D {
+    Points3D::new(places).with_colors([color]).with_radii([Radius::new_ui_points(radius)])
 }
 
 /// Texts in space, always shown; their ground is between light and dark in either theme.

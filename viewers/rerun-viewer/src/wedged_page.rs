@@ -6,14 +6,17 @@ use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use bytesize::ByteSize;
+use clap::Parser as _;
 use serde_json::Value;
+use shared_types::{ProcessHealth, ProcessKind};
 
-use crate::frame::{Frame, SeriesRows};
+use crate::cli::Arguments;
+use crate::frame::{Frame, Points};
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
 use crate::outbox::Outbox;
-use crate::screen::{Destination, Screen};
+use crate::run::Run;
+use crate::screen::Screen;
 
 /// Frames and rows of each: 16 bytes a row, 320 MB in all.
 const FRAMES: usize = 1_000;
@@ -51,33 +54,25 @@ fn frame(number: usize) -> Frame {
         let mixed = ((number * ROWS + index) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9)
     };
-    let rows = SeriesRows {
-        entity: "signals/torque_mnm".to_owned(),
+    let points = Points {
         times_ns: (0..ROWS).map(|index| (noise(index) >> 20) as i64).collect(),
         values: (0..ROWS).map(|index| noise(index) as f64).collect(),
-        values_per_row: 1,
     };
-    let time_ns = i64::try_from(number).unwrap();
-    Frame { run_id: 1, time_ns, series: vec![rows], plots: Vec::new(), lateness: None, knob: None, texts: Vec::new() }
+    let series = [("signals/torque_mnm".to_owned(), points)].into();
+    Frame { run_id: 1, time_ns: i64::try_from(number).unwrap(), series, ..Frame::default() }
 }
 
 pub(crate) fn resident_mib() -> f64 {
-    let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
-    statm.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 4096.0 / f64::from(1 << 20)
+    ProcessHealth::of_this_process(ProcessKind::Viewer, 0).resident_bytes as f64 / f64::from(1 << 20)
 }
 
 #[test]
 fn pages_that_never_read_stop_no_other_and_cost_a_bounded_memory() {
-    let taken = crate::port::first_free((Ipv4Addr::LOCALHOST, 43_000).into()).unwrap();
-    let address = taken.local_addr().unwrap();
-    let destination = Destination::Web {
-        address,
-        taken: Some(taken),
-        memory_limit: ByteSize::mib(KEPT_MIB as u64),
-        patience: Duration::from_secs(1),
-    };
-    let subject = Subject::live(dynamics::Axis::Rotary, false);
-    let screen = Screen::open(destination, subject, SharedGlance::default()).unwrap();
+    let arguments = ["rerun-viewer", "--web-port", "43000", "--memory-limit", &format!("{KEPT_MIB}MiB")];
+    let run = Run::default();
+    let arguments = Arguments::parse_from(arguments);
+    let screen = Screen::open(&arguments, Subject::live(&run), SharedGlance::new(&run)).unwrap();
+    let address = SocketAddr::from((Ipv4Addr::LOCALHOST, screen.port().unwrap()));
     let outbox = Arc::new(Outbox::new(4));
     let shown = screen.show_from(Arc::clone(&outbox)).unwrap();
     let deadline = Instant::now() + GIVEN_UP;

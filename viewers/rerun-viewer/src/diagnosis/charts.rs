@@ -1,9 +1,10 @@
 //! The residual over what it might go with, and effects beside their rivals, as bars.
 
+use rerun::datatypes::Rgba32;
 use rerun::{BarChart, RecordingStream, RecordingStreamResult};
 
-use super::input::{DiagnosisInput, Location, Step};
-use crate::palette::{MEASURED, MODEL, NEGATIVE, NEUTRAL, Rgb};
+use super::input::{DiagnosisInput, Location, Rival, Step};
+use crate::palette::{MEASURED, MODEL, NEGATIVE, NEUTRAL, translucent};
 
 /// Where the maps lie, each `where/<coordinate>/before` and `…/after`.
 pub fn map_entity(coordinate: &str) -> String {
@@ -40,42 +41,38 @@ pub fn draw(recording: &RecordingStream, input: &DiagnosisInput) -> RecordingStr
     }
     for (index, step) in found.steps.iter().enumerate() {
         let entity = step_entity(index, step);
-        let rivals = step.rivals.iter().map(|rival| {
-            let color = if rival.disqualified.is_some() { NEGATIVE } else { NEUTRAL };
-            (rival.effect.as_str(), rival.heldout_rms_after, rival.evidence, color)
-        });
-        let all: Vec<(&str, f64, f64, Rgb)> =
-            [(step.effect.as_str(), step.heldout_rms_after, step.evidence, MODEL)].into_iter().chain(rivals).collect();
-        let rms = all.iter().map(|(name, rms, _, color)| (*name, *rms, *color));
+        let contenders = step.contenders();
+        let bars_of = |value: fn(&Rival) -> f64| {
+            contenders.iter().enumerate().map(move |(place, rival)| {
+                let of_rival = if rival.disqualified.is_some() { NEGATIVE } else { NEUTRAL };
+                (rival.effect.as_str(), value(rival), if place == 0 { MODEL } else { of_rival })
+            })
+        };
         let placebo = [("placebo", step.placebo_rms, MEASURED), ("without", step.heldout_rms_before, MEASURED)];
-        bars(recording, &format!("{entity}/heldout_rms_mnm"), rms.chain(placebo))?;
-        let evidence = all.iter().map(|(name, _, evidence, color)| (*name, *evidence, *color));
-        bars(recording, &format!("{entity}/evidence_nats"), evidence)?;
+        let rms = bars_of(|rival| rival.heldout_rms_after).chain(placebo);
+        bars(recording, &format!("{entity}/heldout_rms_mnm"), rms)?;
+        bars(recording, &format!("{entity}/evidence_nats"), bars_of(|rival| rival.evidence))?;
     }
     Ok(())
 }
 
 /// A residual's map: a bar for each bin, at its middle and as wide as the way to its neighbours.
-fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rgb) -> RecordingStreamResult<()> {
+fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rgba32) -> RecordingStreamResult<()> {
     let mut points = location.map.clone();
     points.retain(|[at, value]| at.is_finite() && value.is_finite());
     points.sort_by(|one, other| one[0].total_cmp(&other[0]));
     points.dedup_by(|one, other| one[0] == other[0]);
-    let edge = |index: usize| match (index.checked_sub(1).and_then(|before| points.get(before)), points.get(index)) {
-        (Some(before), Some(here)) => Some(f64::midpoint(before[0], here[0])),
-        _ => None,
-    };
-    #[allow(clippy::cast_possible_truncation, reason = "drawn")]
-    let widths: Vec<f32> = (0..points.len())
-        .map(|index| {
-            let middle = points[index][0];
-            let low = edge(index).or(edge(index + 1).map(|high| 2.0 * middle - high)).unwrap_or(middle - 0.5);
-            let high = edge(index + 1).unwrap_or(2.0 * middle - low);
-            (high - low) as f32
-        })
-        .collect();
     let (middles, heights): (Vec<f64>, Vec<f64>) = points.iter().map(|[at, value]| (*at, *value)).unzip();
-    let chart = BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(color.translucent(190));
+    let edges: Vec<f64> = middles.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
+    let edge = |index: Option<usize>| edges.get(index?).copied();
+    #[allow(clippy::cast_possible_truncation, reason = "drawn")]
+    let width = |(index, middle): (usize, &f64)| {
+        let high = edge(Some(index));
+        let low = edge(index.checked_sub(1)).or(high.map(|high| 2.0 * middle - high)).unwrap_or(middle - 0.5);
+        (high.unwrap_or(2.0 * middle - low) - low) as f32
+    };
+    let widths: Vec<f32> = middles.iter().enumerate().map(width).collect();
+    let chart = BarChart::new(heights).with_abscissa(middles).with_widths(widths).with_color(translucent(color, 190));
     recording.log_static(entity, &chart)
 }
 
@@ -83,13 +80,11 @@ fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rg
 fn bars<'a>(
     recording: &RecordingStream,
     entity: &str,
-    values: impl Iterator<Item = (&'a str, f64, Rgb)>,
+    values: impl Iterator<Item = (&'a str, f64, Rgba32)>,
 ) -> RecordingStreamResult<()> {
     for (place, (name, value, color)) in (1_u32..).zip(values) {
-        let chart = BarChart::new(vec![value])
-            .with_abscissa(vec![f64::from(place)])
-            .with_widths([0.9_f32])
-            .with_color(color.opaque());
+        let chart =
+            BarChart::new(vec![value]).with_abscissa(vec![f64::from(place)]).with_widths([0.9_f32]).with_color(color);
         recording.log_static(format!("{entity}/{place:02}-{name}"), &chart)?;
     }
     Ok(())

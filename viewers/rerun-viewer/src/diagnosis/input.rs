@@ -1,30 +1,29 @@
-//! The JSON of a diagnosis and its captures' rows, as far as it is drawn.
+//! The JSON of a diagnosis and its captures' rows, as far as it is drawn: see the types of `identification::diagnosis`.
+#![allow(missing_docs, reason = "documented where they are written")]
+
+use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-/// A diagnosis with the rows that it compared.
+/// What `haptic-camera diagnose --recording` hands over.
 #[derive(Clone, Debug, Deserialize)]
 pub struct DiagnosisInput {
-    /// What `diagnose --json` writes.
     pub diagnosis: Diagnosis,
     /// The captures: training first, then held-out.
     pub captures: Vec<CaptureRows>,
 }
 
-/// The rows of a capture.
+/// The rows of a capture in the order of time.
 #[derive(Clone, Debug, Deserialize)]
 pub struct CaptureRows {
     /// `training` or `heldout`.
     pub role: String,
     /// The file that it is from.
     pub source: String,
-    /// The rows in the order of time.
     pub rows: Vec<Row>,
 }
 
-/// One row; see `identification::diagnosis::Row`.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[allow(missing_docs, reason = "documented where they are written")]
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 pub struct Row {
     pub t_s: f64,
     pub angle_rad: f64,
@@ -34,9 +33,7 @@ pub struct Row {
     pub residual_after_mnm: f64,
 }
 
-/// A diagnosis; see `identification::diagnosis::Diagnosis`.
 #[derive(Clone, Debug, Deserialize)]
-#[allow(missing_docs, reason = "documented where they are written")]
 pub struct Diagnosis {
     pub summary: String,
     pub heldout_rms_before: f64,
@@ -53,19 +50,15 @@ pub struct Diagnosis {
     pub notes: Vec<String>,
 }
 
-/// See `identification::diagnosis::ForwardFromCommand`.
 #[derive(Clone, Debug, Deserialize)]
-#[allow(missing_docs, reason = "documented where they are written")]
 pub struct ForwardFromCommand {
     pub angle_rms_rad: Vec<f64>,
 }
 
-/// See `identification::diagnosis::Step`.
 #[derive(Clone, Debug, Deserialize)]
-#[allow(missing_docs, reason = "documented where they are written")]
 pub struct Step {
     pub effect: String,
-    pub parameters: std::collections::BTreeMap<String, Value>,
+    pub parameters: BTreeMap<String, Value>,
     pub heldout_rms_before: f64,
     pub heldout_rms_after: f64,
     pub placebo_rms: f64,
@@ -74,18 +67,25 @@ pub struct Step {
     pub ties: Vec<String>,
 }
 
-/// See `identification::diagnosis::Value`.
+impl Step {
+    /// The effect itself, then its rivals.
+    pub fn contenders(&self) -> Vec<Rival> {
+        let Self { effect, heldout_rms_after, evidence, rivals, .. } = self;
+        let (effect, heldout_rms_after, evidence) = (effect.clone(), *heldout_rms_after, *evidence);
+        let mut contenders = vec![Rival { effect, heldout_rms_after, evidence, disqualified: None }];
+        contenders.extend_from_slice(rivals);
+        contenders
+    }
+}
+
 #[derive(Clone, Debug, Deserialize)]
-#[allow(missing_docs, reason = "documented where they are written")]
 pub struct Value {
     pub value: f64,
     pub unit: String,
     pub ci95: Option<[f64; 2]>,
 }
 
-/// See `identification::diagnosis::Rival`.
 #[derive(Clone, Debug, Deserialize)]
-#[allow(missing_docs, reason = "documented where they are written")]
 pub struct Rival {
     pub effect: String,
     pub heldout_rms_after: f64,
@@ -93,9 +93,7 @@ pub struct Rival {
     pub disqualified: Option<String>,
 }
 
-/// See `identification::diagnosis::Location`.
 #[derive(Clone, Debug, Deserialize)]
-#[allow(missing_docs, reason = "documented where they are written")]
 pub struct Location {
     pub coordinate: String,
     pub unit: String,
@@ -104,9 +102,7 @@ pub struct Location {
     pub map: Vec<[f64; 2]>,
 }
 
-/// See `identification::diagnosis::NextExperiment`.
 #[derive(Clone, Debug, Deserialize)]
-#[allow(missing_docs, reason = "documented where they are written")]
 pub struct NextExperiment {
     pub reason: String,
 }

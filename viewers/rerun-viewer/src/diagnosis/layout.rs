@@ -8,7 +8,7 @@ use rerun::blueprint::{
 use rerun::external::re_sdk_types::blueprint::archetypes::TimeAxis;
 
 use super::charts::{FORWARD, GAP, map_entity, step_entity};
-use super::input::{CaptureRows, DiagnosisInput};
+use super::input::DiagnosisInput;
 use crate::entities::SUMMARY;
 use crate::layout_properties::{self, Properties};
 
@@ -24,26 +24,22 @@ pub fn send(recording: &RecordingStream, input: &DiagnosisInput) -> anyhow::Resu
 
 /// Torque and residual of both captures, and the words.
 fn overview(properties: &mut Properties, input: &DiagnosisInput) -> ContainerLike {
-    let plots = input.captures.iter().flat_map(|capture| {
-        [
-            series(properties, capture, "torque", "torque: measured and predicted, mNm"),
-            series(properties, capture, "residual", "measured minus predicted, mNm"),
-        ]
-    });
-    let plots: Vec<ContainerLike> = plots.collect();
+    let quantities = [("torque", "torque: measured and predicted, mNm"), ("residual", "measured minus predicted, mNm")];
+    let mut plots: Vec<ContainerLike> = Vec::new();
+    for role in input.captures.iter().map(|capture| &capture.role) {
+        for (quantity, what) in quantities {
+            let view =
+                TimeSeriesView::new(format!("{role} capture, {what}")).with_origin(format!("{role}/{quantity}")).into();
+            // Each capture has its own clock.
+            properties.of_view(&view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::Independent));
+            plots.push(view);
+        }
+    }
     let text = TextDocumentView::new("diagnosis").with_origin(SUMMARY);
     Horizontal::new([Vertical::new(plots).into(), text.into()])
         .with_column_shares([5.0, 3.0])
         .with_name("Diagnosis")
         .into()
-}
-
-fn series(properties: &mut Properties, capture: &CaptureRows, quantity: &str, what: &str) -> ContainerLike {
-    let title = format!("{} capture, {what}", capture.role);
-    let view: ContainerLike = TimeSeriesView::new(title).with_origin(format!("{}/{quantity}", capture.role)).into();
-    // Each capture has its own clock.
-    properties.of_view(&view, "TimeAxis", TimeAxis::new().with_link(LinkAxis::Independent));
-    view
 }
 
 /// The residual over each coordinate, before and after.
@@ -54,14 +50,13 @@ fn maps(input: &DiagnosisInput) -> ContainerLike {
             "{}, {}: {:.0} %{mark}; mean residual before and after, mNm",
             location.coordinate, location.unit, location.explained_percent
         );
-        ContainerLike::from(BarChartView::new(title).with_origin(map_entity(&location.coordinate)))
+        chart(title, &map_entity(&location.coordinate))
     });
     Grid::new(views.collect::<Vec<_>>()).with_grid_columns(3).with_name("Maps").into()
 }
 
 /// The gap step by step, and each effect beside its rivals.
 fn effects(input: &DiagnosisInput) -> ContainerLike {
-    let chart = |title: String, origin: &str| ContainerLike::from(BarChartView::new(title).with_origin(origin));
     let mut views = vec![chart("left of the held-out capture, mNm RMS".to_owned(), GAP)];
     if input.diagnosis.forward_from_command.is_some() {
         views.push(chart("error of the motion from the command, rad RMS".to_owned(), FORWARD));
@@ -73,4 +68,8 @@ fn effects(input: &DiagnosisInput) -> ContainerLike {
         views.push(chart(title("evidence, nats"), &format!("{entity}/evidence_nats")));
     }
     Grid::new(views).with_grid_columns(2).with_name("Effects").into()
+}
+
+fn chart(title: String, origin: &str) -> ContainerLike {
+    BarChartView::new(title).with_origin(origin).into()
 }

@@ -1,28 +1,29 @@
 //! Torque and residual over time.
 
-use rerun::components::AggregationPolicy;
-use rerun::{RecordingStream, Scalars, SeriesLines, TimeColumn};
+use rerun::datatypes::Rgba32;
+use rerun::{RecordingStream, Scalars, TimeColumn};
 
 use super::input::{CaptureRows, Row};
 use crate::drawing::TIMELINE;
-use crate::palette::{MEASURED, MODEL, NEUTRAL, Rgb};
+use crate::palette::{MEASURED, MODEL, NEUTRAL};
+use crate::series_styles::line;
 
 /// A series of a capture: its name, its colour, and its value in a row.
-pub type Series = (&'static str, Rgb, fn(&Row) -> f64);
+type Series = (&'static str, Rgba32, fn(&Row) -> f64);
 
 /// Measured torque and what the first and the final model predict, mNm.
-pub const TORQUES: [Series; 3] = [
+const TORQUES: [Series; 3] = [
     ("predicted_before_mnm", NEUTRAL, |row| row.torque_mnm - row.residual_before_mnm),
     ("predicted_after_mnm", MODEL, |row| row.torque_mnm - row.residual_after_mnm),
     ("measured_mnm", MEASURED, |row| row.torque_mnm),
 ];
 
 /// What the first and the final model leave, mNm.
-pub const RESIDUALS: [Series; 2] =
+const RESIDUALS: [Series; 2] =
     [("before_mnm", NEUTRAL, |row| row.residual_before_mnm), ("after_mnm", MODEL, |row| row.residual_after_mnm)];
 
 /// The motion of the rows.
-pub const MOTIONS: [Series; 2] =
+const MOTIONS: [Series; 2] =
     [("angle_rad", MEASURED, |row| row.angle_rad), ("velocity_rad_s", MEASURED, |row| row.velocity_rad_s)];
 
 /// Longest time between two rows that belong together, in usual ones: where the knob may stick there are none.
@@ -38,12 +39,7 @@ pub fn draw(recording: &RecordingStream, capture: &CaptureRows) -> anyhow::Resul
     for (quantity, series) in quantities {
         for (name, color, of) in series {
             let entity = format!("{}/{quantity}/{name}", capture.role);
-            let style = SeriesLines::new()
-                .with_names([*name])
-                .with_colors([color.opaque()])
-                .with_widths([1.2])
-                .with_aggregation_policy(AggregationPolicy::MinMax);
-            recording.log_static(entity.as_str(), &style)?;
+            recording.log_static(entity.as_str(), &line(name, *color, 1.2))?;
             let times = TimeColumn::new_duration_secs(TIMELINE, rows.iter().map(|(t_s, _)| *t_s));
             let values = Scalars::new(rows.iter().map(|(_, row)| row.as_ref().map_or(f64::NAN, of)));
             recording.send_columns(entity.as_str(), [times], values.columns_of_unit_batches()?)?;
@@ -75,14 +71,7 @@ mod tests {
 
     #[test]
     fn a_line_does_not_bridge_a_rest() {
-        let row = |t_s| Row {
-            t_s,
-            angle_rad: 0.0,
-            velocity_rad_s: 0.0,
-            torque_mnm: 1.0,
-            residual_before_mnm: 0.0,
-            residual_after_mnm: 0.0,
-        };
+        let row = |t_s| Row { t_s, ..Row::default() };
         let rows = [0.0, 0.1, 0.2, 1.5, 1.6, 1.7].map(row);
         let missing: Vec<bool> = parted(&rows).iter().map(|(_, row)| row.is_none()).collect();
         assert_eq!(missing, [false, false, false, true, false, false, false]);

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::input::DiagnosisInput;
-use crate::summary::three_digits;
+use super::input::{DiagnosisInput, Rival};
+use crate::numbers::three_digits;
 
 /// The diagnosis as Markdown.
 pub fn markdown(input: &DiagnosisInput) -> String {
@@ -30,27 +30,17 @@ pub fn markdown(input: &DiagnosisInput) -> String {
         let _ =
             writeln!(text, "\n## {}\n\n| parameter | value | 95 % interval | unit |\n|---|---|---|---|", step.effect);
         for (name, value) in &step.parameters {
-            let interval = value.ci95.map_or_else(
-                || "–".to_owned(),
-                |[low, high]| format!("{} … {}", three_digits(low), three_digits(high)),
-            );
+            let ends = value.ci95.map(|ends| ends.map(three_digits));
+            let interval = ends.map_or("–".to_owned(), |[low, high]| format!("{low} … {high}"));
             let _ = writeln!(text, "| {name} | {} | {interval} | {} |", three_digits(value.value), value.unit);
         }
         if !step.ties.is_empty() {
             let _ = writeln!(text, "\n**A tie** with {}.", step.ties.join(" and "));
         }
         text.push_str("\n| rival | left, mNm | evidence, nats | |\n|---|---|---|---|\n");
-        let of_itself = (step.effect.as_str(), step.heldout_rms_after, step.evidence, "");
-        let rivals = step.rivals.iter().map(|rival| {
-            (
-                rival.effect.as_str(),
-                rival.heldout_rms_after,
-                rival.evidence,
-                rival.disqualified.as_deref().unwrap_or(""),
-            )
-        });
-        for (name, rms, evidence, why) in [of_itself].into_iter().chain(rivals) {
-            let _ = writeln!(text, "| {name} | {} | {} | {why} |", three_digits(rms), three_digits(evidence));
+        for Rival { effect, heldout_rms_after, evidence, disqualified } in step.contenders() {
+            let [rms, evidence] = [heldout_rms_after, evidence].map(three_digits);
+            let _ = writeln!(text, "| {effect} | {rms} | {evidence} | {} |", disqualified.unwrap_or_default());
         }
     }
     if let Some([before, after]) = found.forward_angle_rms_rad {

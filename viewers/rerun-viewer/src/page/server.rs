@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
-use hyper::header::{CONNECTION, CONTENT_TYPE, HeaderValue};
+use hyper::header::{CONNECTION, CONTENT_TYPE, HeaderName, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Request, Response, StatusCode};
@@ -25,7 +25,7 @@ use crate::peer;
 /// How long a client may take nothing of what waits for it, and how long it may take to send a request.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 /// Connections at once; a page needs up to six.
-pub const MOST_CONNECTIONS: usize = 64;
+const MOST_CONNECTIONS: usize = 64;
 /// Most other users who are refused at a time.
 const MOST_REFUSALS: usize = 8;
 /// Size of a request's header, bytes.
@@ -34,11 +34,22 @@ const MOST_HEADER: usize = 16 << 10;
 const REFUSAL: &str = "This live view belongs to another user of this machine. Start the capture as the user of this \
                        browser, or with sudo from him, or reach the page through ssh as the user who captures.\n";
 
-/// Answers requests.
-pub trait Answer: Send + Sync + 'static {
-    /// The answer to one request.
-    fn answer(&self, request: &Request<Incoming>) -> Response<Full<Bytes>>;
+/// A response with these headers.
+pub fn response<const N: usize>(
+    status: StatusCode,
+    body: Bytes,
+    headers: [(HeaderName, &'static str); N],
+) -> Response<Full<Bytes>> {
+    let mut response = Response::new(Full::from(body));
+    *response.status_mut() = status;
+    response.headers_mut().extend(headers.map(|(name, value)| (name, HeaderValue::from_static(value))));
+    response
 }
+
+/// Gives the answer to one request.
+pub trait Answer: Fn(&Request<Incoming>) -> Response<Full<Bytes>> + Send + Sync + 'static {}
+
+impl<F: Fn(&Request<Incoming>) -> Response<Full<Bytes>> + Send + Sync + 'static> Answer for F {}
 
 /// Serves everyone who connects to `listener`, on a thread of its own, as long as the process lives.
 ///
@@ -56,7 +67,7 @@ pub fn serve(listener: TcpListener, answers: impl Answer, patience: Duration) ->
 }
 
 async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, patience: Duration) {
-    let (mut ours, mut others) = (Connections::new(MOST_CONNECTIONS), Connections::new(MOST_REFUSALS));
+    let (mut ours, mut others) = (Connections::new(), Connections::new());
     loop {
         let Ok((client, peer)) = listener.accept().await else {
             // Out of file descriptors: some may be free again soon.
@@ -64,12 +75,15 @@ async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, pa
             continue;
         };
         let may_look = client.local_addr().is_ok_and(|here| peer::may_look(peer, here));
-        let (connections, answers) =
-            if may_look { (&mut ours, Some(Arc::clone(&answers))) } else { (&mut others, None) };
-        connections.make_room();
+        let (connections, most, answers) = if may_look {
+            (&mut ours, MOST_CONNECTIONS, Some(Arc::clone(&answers)))
+        } else {
+            (&mut others, MOST_REFUSALS, None)
+        };
+        make_room(connections, most);
         let asked = LastRequest::default();
         let task = tokio::spawn(attend(client, answers, asked.clone(), patience));
-        connections.open.push(Connection { task: task.abort_handle(), asked });
+        connections.push((task.abort_handle(), asked));
     }
 }
 
@@ -80,8 +94,8 @@ async fn attend(client: TcpStream, answers: Option<Arc<impl Answer>>, asked: Las
         return;
     }
     let answer = |request: Request<Incoming>| {
-        asked.set();
-        let answer = answers.as_ref().map_or_else(refusal, |answers| answers.answer(&request));
+        *asked.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        let answer = answers.as_ref().map_or_else(refusal, |answers| answers(&request));
         std::future::ready(Ok::<_, Infallible>(answer))
     };
     // That a browser goes away is no news.
@@ -94,52 +108,24 @@ async fn attend(client: TcpStream, answers: Option<Arc<impl Answer>>, asked: Las
 }
 
 fn refusal() -> Response<Full<Bytes>> {
-    let mut refusal = Response::new(Full::from(REFUSAL));
-    *refusal.status_mut() = StatusCode::FORBIDDEN;
-    refusal.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static("text/plain; charset=utf-8"));
-    refusal.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
-    refusal
+    let headers = [(CONTENT_TYPE, "text/plain; charset=utf-8"), (CONNECTION, "close")];
+    response(StatusCode::FORBIDDEN, REFUSAL.into(), headers)
 }
 
 /// When a connection sent its last request, if it has sent any.
-#[derive(Clone, Debug, Default)]
-struct LastRequest(Arc<Mutex<Option<Instant>>>);
-
-impl LastRequest {
-    fn set(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
-    }
-
-    fn get(&self) -> Option<Instant> {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// One connection and what it asks.
-struct Connection {
-    task: AbortHandle,
-    asked: LastRequest,
-}
+type LastRequest = Arc<Mutex<Option<Instant>>>;
 
 /// The open connections, in the order in which they came.
-struct Connections {
-    open: Vec<Connection>,
-    most: usize,
-}
+type Connections = Vec<(AbortHandle, LastRequest)>;
 
-impl Connections {
-    const fn new(most: usize) -> Self {
-        Self { open: Vec::new(), most }
-    }
-
-    /// Ends connections until there is room for one more: those first that never asked, then those that asked long ago.
-    fn make_room(&mut self) {
-        self.open.retain(|connection| !connection.task.is_finished());
-        while self.open.len() >= self.most
-            && let Some((idlest, _)) = self.open.iter().enumerate().min_by_key(|(_, connection)| connection.asked.get())
-        {
-            self.open.remove(idlest).task.abort();
-        }
+/// Ends connections until there are fewer than `most`: those first that never asked, then those that asked long ago.
+fn make_room(open: &mut Connections, most: usize) {
+    open.retain(|(task, _)| !task.is_finished());
+    let asked = |(_, asked): &(_, LastRequest)| *asked.lock().unwrap_or_else(PoisonError::into_inner);
+    while open.len() >= most
+        && let Some(idlest) = (0..open.len()).min_by_key(|place| asked(&open[*place]))
+    {
+        open.remove(idlest).0.abort();
     }
 }
 
@@ -155,27 +141,28 @@ mod tests {
 
     const PATIENCE: Duration = Duration::from_millis(300);
 
-    /// Answers everything with these bytes, and tells when they are let go.
-    struct Same(Bytes);
-
-    impl Answer for Same {
-        fn answer(&self, _: &Request<Incoming>) -> Response<Full<Bytes>> {
-            Response::new(Full::from(self.0.clone()))
-        }
-    }
-
-    fn serving(body: Bytes, patience: Duration) -> SocketAddr {
+    /// A server that answers everything with these bytes.
+    fn serving(body: impl Fn() -> Bytes + Send + Sync + 'static, patience: Duration) -> SocketAddr {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let address = listener.local_addr().unwrap();
-        serve(listener, Same(body), patience).unwrap();
+        serve(listener, move |_: &Request<Incoming>| Response::new(Full::from(body())), patience).unwrap();
         address
     }
 
-    fn ask(address: SocketAddr) -> TcpStream {
+    const PAGE: fn() -> Bytes = || Bytes::from_static(b"the page");
+    const LARGE: fn() -> Bytes = || Bytes::from(vec![7; 30 << 20]);
+    const FOR_EVER: Duration = Duration::from_secs(3600);
+
+    /// Sends a request, or the beginning of one.
+    fn send(address: SocketAddr, request: &str) -> TcpStream {
         let mut client = TcpStream::connect(address).unwrap();
         client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-        write!(client, "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
+        client.write_all(request.as_bytes()).unwrap();
         client
+    }
+
+    fn ask(address: SocketAddr) -> TcpStream {
+        send(address, &format!("GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"))
     }
 
     fn answer(address: SocketAddr) -> String {
@@ -186,25 +173,19 @@ mod tests {
 
     #[test]
     fn idle_connections_never_lock_the_page_out() {
-        let address = serving(Bytes::from_static(b"the page"), Duration::from_secs(3600));
-        let idle: Vec<_> = (0..3 * MOST_CONNECTIONS).map(|_| TcpStream::connect(address).unwrap()).collect();
-        let half: Vec<_> = (0..3 * MOST_CONNECTIONS)
-            .map(|_| {
-                let mut client = TcpStream::connect(address).unwrap();
-                client.write_all(b"GET / HTTP/1.1\r\nHost: ").unwrap();
-                client
-            })
-            .collect();
+        let address = serving(PAGE, FOR_EVER);
+        let many = |begun| (0..3 * MOST_CONNECTIONS).map(move |_| send(address, begun));
+        let idle: Vec<_> = many("").chain(many("GET / HTTP/1.1\r\nHost: ")).collect();
         assert!(answer(address).ends_with("the page"));
-        drop((idle, half));
+        drop(idle);
     }
 
     #[test]
     fn an_answer_on_its_way_outlives_connections_that_ask_nothing() {
-        let address = serving(Bytes::from(vec![7; 30 << 20]), Duration::from_secs(3600));
+        let address = serving(LARGE, FOR_EVER);
         let mut loading = ask(address);
         loading.read_exact(&mut [0; 1000]).unwrap();
-        let idle: Vec<_> = (0..2 * MOST_CONNECTIONS).map(|_| TcpStream::connect(address).unwrap()).collect();
+        let idle: Vec<_> = (0..2 * MOST_CONNECTIONS).map(|_| send(address, "")).collect();
         let mut rest = Vec::new();
         loading.read_to_end(&mut rest).unwrap();
         assert!(rest.len() > (30 << 20) - 1000, "{} bytes", rest.len());
@@ -213,10 +194,9 @@ mod tests {
 
     #[test]
     fn a_header_without_an_end_is_cut_off_and_costs_no_memory() {
-        let address = serving(Bytes::from_static(b"the page"), Duration::from_secs(3600));
+        let address = serving(PAGE, FOR_EVER);
         let before = resident_mib();
-        let mut client = TcpStream::connect(address).unwrap();
-        client.write_all(b"GET / HTTP/1.1\r\nX-Long: ").unwrap();
+        let mut client = send(address, "GET / HTTP/1.1\r\nX-Long: ");
         let portion = vec![b'x'; 1 << 20];
         let taken = (0..512).take_while(|_| client.write_all(&portion).is_ok()).count();
         assert!(taken < 64, "{taken} MiB of a header were taken");
@@ -226,12 +206,9 @@ mod tests {
 
     #[test]
     fn a_request_that_never_comes_loses_its_connection() {
-        let address = serving(Bytes::from_static(b"the page"), PATIENCE);
-        let mut client = TcpStream::connect(address).unwrap();
-        client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-        client.write_all(b"GET / HT").unwrap();
+        let address = serving(PAGE, PATIENCE);
         // Closed, with a word or without one.
-        client.read_to_end(&mut Vec::new()).unwrap();
+        send(address, "GET / HT").read_to_end(&mut Vec::new()).unwrap();
     }
 
     #[test]
@@ -248,16 +225,9 @@ mod tests {
                 let _ = self.1.send(());
             }
         }
-        struct Large(mpsc::Sender<()>);
-        impl Answer for Large {
-            fn answer(&self, _: &Request<Incoming>) -> Response<Full<Bytes>> {
-                Response::new(Full::from(Bytes::from_owner(Body(vec![0; 100 << 20], self.0.clone()))))
-            }
-        }
         let (freed, is_freed) = mpsc::channel();
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-        let address = listener.local_addr().unwrap();
-        serve(listener, Large(freed), PATIENCE).unwrap();
+        let body = move || Bytes::from_owner(Body(vec![0; 100 << 20], freed.clone()));
+        let address = serving(body, PATIENCE);
         let wedged = ask(address);
         is_freed.recv_timeout(Duration::from_secs(60)).unwrap();
         drop(wedged);
@@ -265,15 +235,12 @@ mod tests {
 
     #[test]
     fn a_slow_reader_keeps_its_connection() {
-        let address = serving(Bytes::from(vec![7; 30 << 20]), PATIENCE);
+        let address = serving(LARGE, PATIENCE);
         let mut client = ask(address);
         let (mut portion, mut taken) = (vec![0; 3 << 20], 0);
-        loop {
+        while let more @ 1.. = client.read(&mut portion).unwrap() {
             std::thread::sleep(Duration::from_millis(20));
-            match client.read(&mut portion).unwrap() {
-                0 => break,
-                more => taken += more,
-            }
+            taken += more;
         }
         assert!(taken > 30 << 20, "{taken} bytes");
     }

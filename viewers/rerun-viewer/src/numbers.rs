@@ -1,0 +1,100 @@
+//! Numbers as they are written in texts.
+
+use shared_types::Estimate;
+
+use crate::extent::Extent;
+use crate::model_torque::finite_value;
+
+/// `2.301 ± 0.012`, with as many digits as the interval deserves; a dash until it is identified.
+pub fn value_and_interval(estimate: &Estimate) -> String {
+    let Some(value) = finite_value(estimate) else {
+        return "\u{2013}".to_owned();
+    };
+    with_half_width(value, estimate.half_width())
+}
+
+/// Power of ten below which a number is written with it.
+const SMALL_POWER: i32 = -3;
+
+/// `2.301 ± 0.012`, with two digits of the half width; `(3.99 ± 0.03)e−6` of what is small.
+pub fn with_half_width(value: f64, half_width: f64) -> String {
+    #[allow(clippy::cast_possible_truncation, reason = "a power of ten of a number")]
+    let power = value.abs().max(half_width).log10().floor() as i32;
+    if (-30..SMALL_POWER).contains(&power) {
+        let scale = 10_f64.powi(power);
+        return format!("({})e\u{2212}{}", with_half_width(value / scale, half_width / scale), -power);
+    }
+    let sign = |number: String| number.replace('-', "\u{2212}");
+    if !half_width.is_finite() || half_width <= 0.0 {
+        return sign(format!("{value:.4}"));
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=8")]
+    let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 8.0) as usize;
+    sign(format!("{value:.decimals$} ± {half_width:.decimals$}"))
+}
+
+/// A number with about three digits that count.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=3")]
+pub fn three_digits(value: f64) -> String {
+    let decimals = (2.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 3.0) as usize;
+    let digits = format!("{:.decimals$}", value.abs());
+    let is_zero = digits.bytes().all(|digit| matches!(digit, b'0' | b'.'));
+    if value < 0.0 && !is_zero { format!("\u{2212}{digits}") } else { digits }
+}
+
+/// A count that should be zero.
+pub fn alarmed(count: u64) -> String {
+    if count == 0 { "0".to_owned() } else { format!("**{}**", grouped(count)) }
+}
+
+/// A count with its thousands apart.
+pub fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let thousands: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().filter_map(|group| str::from_utf8(group).ok()).collect();
+    thousands.join("\u{202f}")
+}
+
+/// The smallest and the largest value of each signal as a table in Markdown; nothing where there is no value.
+pub fn ranges(of: &str, ranges: impl IntoIterator<Item = (&'static str, Option<Extent>)>) -> String {
+    let row = |(signal, (low, high))| format!("| {signal} | {} | {} |\n", three_digits(low), three_digits(high));
+    let rows: String = ranges.into_iter().filter_map(|(signal, range)| Some(row((signal, range?)))).collect();
+    if rows.is_empty() { rows } else { format!("| {of} | from | to |\n|---|---:|---:|\n{rows}\n") }
+}
+
+#[cfg(test)]
+mod tests {
+    use shared_types::Verdict;
+
+    use super::*;
+
+    #[test]
+    fn a_value_has_two_digits_of_its_interval() {
+        let enough = |value: f64, half_width: f64| {
+            let (ci95_low, ci95_high, verdict) = (value - half_width, value + half_width, Verdict::Estimated.code());
+            Estimate { value, ci95_low, ci95_high, verdict, convergence: 1 }
+        };
+        assert_eq!(value_and_interval(&enough(2.301_234, 0.012_4)), "2.301 ± 0.012");
+        assert_eq!(value_and_interval(&enough(-0.035, 0.000_21)), "\u{2212}0.03500 ± 0.00021");
+        for not_identified in [Estimate { value: 5.0, ..Estimate::default() }, enough(f64::NAN, 1.0)] {
+            assert_eq!(value_and_interval(&not_identified), "\u{2013}");
+        }
+    }
+
+    #[test]
+    fn a_range_has_three_digits() {
+        assert_eq!(three_digits(-1e-5), "0.000");
+        assert_eq!([0.299_9, -3.456, 98.76, 12_345.6].map(three_digits), ["0.300", "\u{2212}3.46", "98.8", "12346"]);
+    }
+
+    #[test]
+    fn a_small_parameter_is_told_with_its_power_of_ten() {
+        assert_eq!(with_half_width(3.986e-6, 3e-8), "(3.986 \u{b1} 0.030)e\u{2212}6");
+        assert_eq!(with_half_width(-2.301, 0.012), "\u{2212}2.301 \u{b1} 0.012");
+    }
+
+    #[test]
+    fn counts_have_their_thousands_apart() {
+        assert_eq!([12, 123_456, 1_234_567].map(grouped), ["12", "123\u{202f}456", "1\u{202f}234\u{202f}567"]);
+    }
+}

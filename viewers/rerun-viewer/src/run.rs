@@ -1,0 +1,74 @@
+//! What is known of the run that is shown.
+
+use dynamics::{Axis, Calibration};
+use shared_types::{FitUpdate, LoopStatus, RunDescription};
+
+use crate::knob_track::Motion;
+use crate::processes::Processes;
+use crate::rendered::RenderedModel;
+use crate::source::Reading;
+
+/// A run, or a finished capture; every text is made of this.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// Identity; `None` before a run is known.
+    pub id: Option<u64>,
+    /// Whether what is shown turns, once that is known.
+    pub axis: Option<Axis>,
+    /// What the run is.
+    pub description: Option<RunDescription>,
+    /// Of the rig; without one the model's torque is drawn as if the rig were ideal.
+    pub calibration: Option<Calibration>,
+    /// The control loop's word about itself.
+    pub status: Option<LoopStatus>,
+    /// Whether the control loop died before its run had ended.
+    pub source_gone: bool,
+    /// The model fitted so far.
+    pub fit: Option<FitUpdate>,
+    /// The model that is rendered.
+    pub rendered: Option<RenderedModel>,
+    /// The consumers.
+    pub processes: Processes,
+    /// The newest reading.
+    pub newest: Option<Reading>,
+    /// Whether the knob sticks.
+    pub motion: Option<Motion>,
+    /// Whether all of a finished capture was taken in.
+    pub capture_ended: bool,
+}
+
+impl Run {
+    /// The sample rate, once the run or the loop has published it, Hz.
+    pub fn rate_hz(&self) -> Option<f64> {
+        let described = self.description.as_ref().map(|description| description.rate_hz);
+        described.or(self.status.map(|status| status.rate_hz)).filter(|rate_hz| *rate_hz > 0.0)
+    }
+
+    /// Whether a model is rendered.
+    pub fn is_rendered(&self) -> bool {
+        self.description.as_ref().is_some_and(RunDescription::is_rendered)
+    }
+
+    /// Whether the run has ended and all of it was taken in.
+    pub fn finished(&self) -> bool {
+        self.capture_ended || self.status.is_some_and(|status| status.finished != 0)
+    }
+
+    /// Time in the run, ns.
+    pub fn time_ns(&self) -> i64 {
+        self.newest.map_or(0, |newest| newest.time_ns)
+    }
+
+    /// Time in the run, s.
+    #[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
+    pub fn time_s(&self) -> f64 {
+        self.time_ns() as f64 / 1e9
+    }
+
+    /// Length of the run, s; `None` where the operator ends it.
+    pub fn planned_s(&self) -> Option<f64> {
+        let run = self.description.as_ref().filter(|run| run.planned_ticks > 0)?;
+        #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
+        Some(run.planned_ticks as f64 / run.rate_hz)
+    }
+}
