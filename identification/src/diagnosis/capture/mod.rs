@@ -1,5 +1,6 @@
 //! A capture made ready: motion, torque, the rows in which they are compared, and the noise that is left in these.
 
+mod encoder_noise;
 pub(crate) mod encoder_zero;
 pub(crate) mod periodogram;
 pub(crate) mod rows;
@@ -85,8 +86,12 @@ pub(crate) struct Capture {
     torque: [Vec<f64>; 3],
     /// RMS in the rows of the torque channel's noise, mNm.
     torque_noise_mnm: f64,
+    /// The same, if it is white as the upper end of its spectrum says.
+    white_torque_noise_mnm: f64,
     /// RMS in the rows of the acceleration's noise, rad/s².
     acceleration_noise_rad_s2: f64,
+    /// Rows of the acceleration that the encoder's steps make, rad/s², where it shows any.
+    of_steps_rad_s2: Option<Vec<f64>>,
     /// The same as a share of the acceleration's RMS.
     pub(crate) acceleration_noise_share: f64,
     /// What the rows amount to in fully weighted ones.
@@ -136,13 +141,18 @@ impl Capture {
         let resting_mnm = noise_at_rest(&uniform, &motion, &row_filter, &torque);
         let weight = row_filter.weight();
         let noise = SensorNoise::of(&row_filter, &motion, &band);
+        let of_steps_rad_s2 = encoder_noise::acceleration_rows_rad_s2(samples.angle_rad, &motion, &row_filter);
+        let squares_of_steps = of_steps_rad_s2.as_ref().map_or(0.0, |rows| dot(rows, rows));
+        let acceleration_noise_rad_s2 = (noise.acceleration_squares.max(squares_of_steps) / weight).sqrt();
         let acceleration = row_filter.rows(&motion.acceleration_rad_s2);
         let mut capture = Self {
             start_s,
             rate_hz,
             torque_noise_mnm: resting_mnm.map_or(white_mnm, |resting| resting.max(white_mnm)),
-            acceleration_noise_rad_s2: (noise.acceleration_squares / weight).sqrt(),
-            acceleration_noise_share: (noise.acceleration_squares / dot(&acceleration, &acceleration)).sqrt(),
+            white_torque_noise_mnm: white_mnm,
+            acceleration_noise_rad_s2,
+            of_steps_rad_s2,
+            acceleration_noise_share: acceleration_noise_rad_s2 / (dot(&acceleration, &acceleration) / weight).sqrt(),
             weight,
             angle_step_rad: smallest_step(samples.angle_rad),
             band,
@@ -179,7 +189,9 @@ impl Capture {
             rate_hz,
             band: Band::fixed(edge_hz, torque_noise_mnm),
             torque_noise_mnm,
+            white_torque_noise_mnm: torque_noise_mnm,
             acceleration_noise_rad_s2: 0.0,
+            of_steps_rad_s2: None,
             acceleration_noise_share: 0.0,
             weight: mask.iter().sum(),
             angle_step_rad: smallest_step(&motion.angle_rad),
@@ -245,19 +257,29 @@ impl Capture {
         of_cap.hypot(self.driven_noise_mnm(structure))
     }
 
-    /// RMS of a residual in the quietest tenth of its stretches, mNm: where a model is wrong, it is so by different
-    /// amounts in different stretches, and noise is in all.
-    pub(crate) fn quiet_rms_mnm(&self, residual: &[f64]) -> f64 {
+    /// RMS that a residual beside a knob of this inertia would have if all of it were like the tenth of its stretches that is the quietest for
+    /// the noise expected there, mNm: where a model is wrong, it is so by different amounts in different stretches, and noise is in all.
+    pub(crate) fn quiet_rms_mnm(&self, residual: &[f64], inertia: f64) -> f64 {
         let weights: Vec<f64> =
             self.row_filter.mask.iter().step_by(self.row_filter.step).map(|mask| mask * mask).collect();
-        let mut squares: Vec<f64> = residual
+        let of_torque = self.white_torque_noise_mnm.powi(2);
+        let even = (of_torque + (inertia * self.acceleration_noise_rad_s2).powi(2)).max(f64::MIN_POSITIVE);
+        let expected = |stretch: usize, weight: f64| match &self.of_steps_rad_s2 {
+            Some(rows) => {
+                let rows = &rows[stretch * STRETCH_ROWS..rows.len().min((stretch + 1) * STRETCH_ROWS)];
+                weight * of_torque + inertia * inertia * dot(rows, rows)
+            }
+            None => weight * even,
+        };
+        let mut ratios: Vec<f64> = residual
             .chunks(STRETCH_ROWS)
             .zip(weights.chunks(STRETCH_ROWS))
             .map(|(rows, weights)| (dot(rows, rows), weights.iter().sum::<f64>()))
-            .filter(|(_, weight)| 2.0 * weight > STRETCH_WEIGHT)
-            .map(|(square, weight)| square / weight)
+            .enumerate()
+            .filter(|(_, (_, weight))| 2.0 * weight > STRETCH_WEIGHT)
+            .map(|(stretch, (square, weight))| square / expected(stretch, weight))
             .collect();
-        if squares.len() < FEWEST_STRETCHES { f64::INFINITY } else { quantile(&mut squares, 0.1).sqrt() }
+        if ratios.len() < FEWEST_STRETCHES { f64::INFINITY } else { (quantile(&mut ratios, 0.1) * even).sqrt() }
     }
 
     /// RMS in the rows of what the angle's noise makes of a simulation that the angle drives, mNm: the simulation with

@@ -50,10 +50,13 @@ impl Judged {
         let heldout_rms_mnm = rms(&heldout_residual, heldout);
         let likelihood = -train.weight * train_rms_mnm.max(f64::MIN_POSITIVE).ln()
             - heldout.weight * heldout_rms_mnm.max(f64::MIN_POSITIVE).ln();
+        let inertia = structure.inertia();
         Self {
             // Where a servo pushes against a knob that sticks, rests are louder than the sensors; noise is everywhere.
-            train_floor_mnm: train.floor_of_mnm(&structure).min(QUIET * train.quiet_rms_mnm(&train_residual)),
-            heldout_floor_mnm: heldout.floor_of_mnm(&structure).min(QUIET * heldout.quiet_rms_mnm(&heldout_residual)),
+            train_floor_mnm: train.floor_of_mnm(&structure).min(QUIET * train.quiet_rms_mnm(&train_residual, inertia)),
+            heldout_floor_mnm: heldout
+                .floor_of_mnm(&structure)
+                .min(QUIET * heldout.quiet_rms_mnm(&heldout_residual, inertia)),
             evidence: likelihood - cost(&structure, train, heldout),
             structure,
             train_residual,
