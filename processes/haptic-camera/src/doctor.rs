@@ -31,9 +31,6 @@ const PROGRAMS: [&str; 4] = ["rt-loop", "recorder", "live-fitter", "rerun-viewer
 type Finding = Result<String, String>;
 
 /// Looks at everything a capture needs and says what is amiss and how to mend it.
-///
-/// # Errors
-/// Never; what cannot be checked is reported as a problem.
 pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     let mut findings = vec![
         ("real-time priority", priority()),

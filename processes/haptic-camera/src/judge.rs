@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use analysis::{Judgements, curve_files, curves, judged, load_specification};
 use clap::Args;
+use dynamics::Axis;
 use report::JudgedUnit;
 use sheet::{Sheet, Verdict};
 
 use crate::command_line::ColumnOptions;
 use crate::outcome::{Outcome, show};
-use crate::outputs::{kind, write_if_asked, write_json};
+use crate::outputs::ResultFiles;
 
 /// Options of `judge`.
 #[derive(Debug, Args)]
@@ -23,18 +24,11 @@ pub struct JudgeOptions {
     /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
-    /// Write the verdicts as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
 }
 
 /// Reads the specification, judges each unit, and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a file.
 pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
     let choice = options.columns.choice()?;
@@ -47,8 +41,8 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
         units.push(judged);
     }
     let judgements = Judgements::of(&specification, units);
-    write_if_asked(options.report.as_ref(), kind::PAGE, || judgements.page())?;
-    write_json(options.json.as_deref(), &judgements)?;
+    // Every unit was told as soon as it was judged.
+    options.results.tell(Axis::default(), None::<&str>, &judgements, || judgements.page())?;
     Ok(outcome(judgements.verdict))
 }
 

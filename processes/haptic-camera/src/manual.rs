@@ -26,9 +26,6 @@ pub struct ManOptions {
 }
 
 /// Prints the completions of a shell on standard output.
-///
-/// # Errors
-/// None.
 #[allow(clippy::unnecessary_wraps, reason = "every command gives the same")]
 pub fn completions(options: &CompletionsOptions) -> anyhow::Result<Outcome> {
     let mut command = CommandLine::command();
@@ -40,9 +37,6 @@ pub fn completions(options: &CompletionsOptions) -> anyhow::Result<Outcome> {
 }
 
 /// Writes a manual page for the program and one for each command.
-///
-/// # Errors
-/// When the folder cannot be written to.
 pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
     let folder = &options.folder;
     let refused = || format!("the manual pages cannot be written to {}; choose another folder", folder.display());

@@ -27,9 +27,6 @@ const ESTIMATES_S: f64 = 0.04;
 ///
 /// Once `stop` is set, or every parameter is known within the share `until`, the torque is ramped down as in a live run,
 /// and the archive ends there.
-///
-/// # Errors
-/// What keeps the run from being made, and an archive that cannot be written.
 pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Option<Share>) -> anyhow::Result<RunEnd> {
     let plan = Plan::new(request)?;
     anyhow::ensure!(plan.simulated_knob.is_some(), "the {} only runs in real time; omit --offline", plan.rig.name);

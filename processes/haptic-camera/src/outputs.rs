@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use archive::whole_file::{self, Replace, write_bytes};
+use clap::Args;
 use dynamics::Axis;
+use report::FigureNumbers;
 use serde::Serialize;
 
-use crate::outcome::{UsageError, print_json};
+use crate::outcome::{UsageError, print_json, show};
 
 /// Kinds of output, each as what it may replace: an earlier one of its kind, known by words that every one has.
 pub mod kind {
@@ -77,8 +79,8 @@ impl Files {
 
     /// With a result as JSON and as a page, what of them was asked for.
     #[must_use]
-    pub fn telling(self, json: &Option<PathBuf>, page: &Option<PathBuf>) -> Self {
-        self.writing(json, kind::JSON).writing(page, kind::PAGE)
+    pub fn telling(self, results: &ResultFiles) -> Self {
+        self.writing(&results.json, kind::JSON).writing(&results.report, kind::PAGE)
     }
 
     /// Whether standard output is for the result as JSON.
@@ -126,19 +128,50 @@ fn to_output(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Writes a result as JSON, if it was asked for: to a file, or to standard output for `-`.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
-    write_json_on(Axis::Rotary, path, result)
+/// Where a result goes beside the terminal.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ResultFiles {
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
 }
 
-/// The same of what has an axis, in its names and units.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_json_on(axis: Axis, path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
+impl ResultFiles {
+    /// Prints a result, unless standard output is for its JSON, and writes what was asked for; all in the words of its axis.
+    pub fn tell<Line: ToString>(
+        &self,
+        axis: Axis,
+        lines: impl IntoIterator<Item = Line>,
+        result: &impl Serialize,
+        page: impl FnOnce() -> String,
+    ) -> anyhow::Result<()> {
+        show_on(axis, lines);
+        self.write(axis, || (page(), FigureNumbers::new()), |_| result)
+    }
+
+    /// Writes what was asked for; with a page, the result also holds the numbers in the captions of its figures.
+    pub fn write<Content: Serialize>(
+        &self,
+        axis: Axis,
+        page: impl FnOnce() -> (String, FigureNumbers),
+        result: impl FnOnce(FigureNumbers) -> Content,
+    ) -> anyhow::Result<()> {
+        let (page, figures) = self.report.as_ref().map(|_| page()).unwrap_or_default();
+        write_json(axis, &self.json, &result(figures))?;
+        write_if_asked(&self.report, kind::PAGE, || axis.words(&page).into_owned())
+    }
+}
+
+/// Prints a result line by line in the words of an axis, unless standard output is reserved for it as JSON.
+pub fn show_on<Line: ToString>(axis: Axis, lines: impl IntoIterator<Item = Line>) {
+    show(lines.into_iter().map(|line| axis.words(&line.to_string()).into_owned()));
+}
+
+/// Writes a result as JSON in the names and units of its axis, if it was asked for: to a file, or to standard output for `-`.
+pub fn write_json(axis: Axis, path: &Option<PathBuf>, result: &impl Serialize) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
     let text = analysis::to_json_on(axis, result)?;
     if to_output(path) {
@@ -157,9 +190,6 @@ pub fn write(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
 }
 
 /// Writes a text file if it was asked for.
-///
-/// # Errors
-/// As [`write()`].
-pub fn write_if_asked(path: Option<&PathBuf>, replace: Replace, text: impl FnOnce() -> String) -> anyhow::Result<()> {
-    path.map_or(Ok(()), |path| write(path, replace, &text()))
+pub fn write_if_asked(path: &Option<PathBuf>, replace: Replace, text: impl FnOnce() -> String) -> anyhow::Result<()> {
+    path.as_ref().map_or(Ok(()), |path| write(path, replace, &text()))
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use archive::Capture;
 use clap::Args;
+use dynamics::Axis;
 use hal::Measurement;
 use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
@@ -76,7 +77,7 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     }
     let recomputed = recompute(&capture, description)?;
     show(lines(&recomputed, description.rate_hz));
-    write_json(options.json.as_deref(), &recomputed)?;
+    write_json(Axis::default(), &options.json, &recomputed)?;
     Ok(match (recomputed.equal, recomputed.missing_from_sample) {
         (false, _) => Outcome::Failed,
         (true, Some(_)) => Outcome::DataLost,

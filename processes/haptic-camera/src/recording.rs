@@ -25,9 +25,6 @@ struct CaptureRows<'a> {
 }
 
 /// Writes the diagnosis as a rerun file; without a held-out capture its rows are stretches of the training capture.
-///
-/// # Errors
-/// When the viewer's program is not there or cannot write the file.
 pub fn write(path: &Path, found: &Diagnosis, train: &str, heldout: Option<&str>) -> anyhow::Result<()> {
     let [of_train, of_heldout] = &found.rows;
     let recording = Recording {

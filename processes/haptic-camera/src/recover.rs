@@ -25,9 +25,6 @@ pub struct RecoverOptions {
 }
 
 /// Recovers what is sound and says what was kept and lost.
-///
-/// # Errors
-/// When nothing can be read or the result cannot be written.
 pub fn run(options: &RecoverOptions) -> anyhow::Result<Outcome> {
     let RecoverOptions { broken, out, keep_unchecked } = options;
     let unchecked = if *keep_unchecked { Unchecked::Keep } else { Unchecked::LeaveOut };

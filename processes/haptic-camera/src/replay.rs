@@ -1,6 +1,6 @@
 //! `replay`: the rig feels like a model, for as long as the operator wants.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use dynamics::Axis;
@@ -8,6 +8,7 @@ use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, 
 
 use crate::command_line::RunOptions;
 use crate::outcome::{Outcome, say};
+use crate::outputs::ResultFiles;
 use crate::supervision::{Archived, ModelStart, RunEnd, Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::verify;
 
@@ -16,6 +17,8 @@ const OFFLINE_S: f64 = 10.0;
 
 /// Options of `replay`.
 #[derive(Clone, Debug, Args)]
+#[command(mut_arg("json", |json| json.requires("verify").help("Write the comparison as JSON; `-` for standard output")))]
+#[command(mut_arg("report", |report| report.requires("verify").help("Write the comparison as a report page")))]
 pub struct ReplayOptions {
     /// The model to feel like: a model file, or 1 to 5 for the paper's knobs
     #[arg(value_name = "1…5|MODEL.toml")]
@@ -39,12 +42,8 @@ pub struct ReplayOptions {
     /// model, parameter by parameter
     #[arg(long, conflicts_with_all = ["hand", "hand_torque", "grip", "amplitude", "duration_s"])]
     pub verify: bool,
-    /// Write the comparison as JSON; `-` for standard output
-    #[arg(long, requires = "verify", value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the comparison as a report page
-    #[arg(long, requires = "verify", value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
     /// Rate and core
     #[command(flatten)]
     pub pace: Pace,
@@ -79,9 +78,6 @@ impl ReplayOptions {
 const LISTED_MODELS: usize = 12;
 
 /// Renders a model from start to end and keeps what the hand did.
-///
-/// # Errors
-/// Whatever keeps a run from being started, recorded or ended.
 pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     if options.verify {

@@ -12,9 +12,6 @@ use crate::outcome::Outcome;
 use crate::supervision::{Shown, SupervisedRun};
 
 /// Makes the run in a folder of its own that says its purpose; gives its archive, and whether data was lost.
-///
-/// # Errors
-/// Whatever keeps the run from being made, recorded or coming to its end.
 pub fn archive(
     request: RunRequest,
     rig: &RigOptions,

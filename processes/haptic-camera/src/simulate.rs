@@ -41,9 +41,6 @@ pub enum SimulationDrive {
 }
 
 /// Simulates the model, says how far it is from the capture, and writes one of the same length and rate if asked to.
-///
-/// # Errors
-/// One sentence on what is wrong with the model, the capture or the output.
 pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
     let model = load::model(&options.model)?;
     let like = load::load_chosen(&options.like, &options.columns)?;

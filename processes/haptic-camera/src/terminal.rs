@@ -24,10 +24,14 @@ pub fn bar(steps: u64, template: &str) -> ProgressBar {
     ProgressBar::new(steps).with_style(style)
 }
 
-/// A table without lines, under a header, with the columns at these places aligned to the right.
-pub fn table(header: impl Into<Row>, right: impl IntoIterator<Item = usize>) -> Table {
+/// A table without lines of these rows under a header, with the columns at these places aligned to the right.
+pub fn table<Cells: Into<Row>>(
+    header: impl Into<Row>,
+    right: impl IntoIterator<Item = usize>,
+    rows: impl IntoIterator<Item = Cells>,
+) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(header);
+    table.load_preset(presets::NOTHING).set_header(header).add_rows(rows);
     for index in right {
         if let Some(column) = table.column_mut(index) {
             column.set_cell_alignment(CellAlignment::Right);
@@ -59,6 +63,16 @@ pub fn paragraph(mark: &str, text: &str, width: u16) -> Vec<String> {
 /// A table line by line, without trailing blanks.
 pub fn lines(table: &Table) -> Vec<String> {
     table.lines().map(|line| line.trim_end().to_owned()).collect()
+}
+
+/// A number with so many decimals; nothing for none.
+pub fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(String::new, |value| format!("{value:.digits$}"))
+}
+
+/// An interval with so many decimals; nothing for none.
+pub fn interval(ci95: Option<[f64; 2]>, digits: usize) -> String {
+    ci95.map_or_else(String::new, |[low, high]| format!("{low:.digits$} to {high:.digits$}"))
 }
 
 /// Names with the reason that they have in common: one line for each reason.

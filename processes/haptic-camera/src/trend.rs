@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use analysis::Row;
 use anyhow::{Context as _, ensure};
 use clap::Args;
+use dynamics::Axis;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 
-use crate::outcome::{Outcome, show};
-use crate::outputs::{kind, write_if_asked, write_json};
+use crate::outcome::Outcome;
+use crate::outputs::ResultFiles;
 
 /// Options of `trend`.
 #[derive(Debug, Args)]
@@ -22,12 +23,8 @@ pub struct TrendOptions {
     /// How captures are grouped
     #[arg(long, value_enum, default_value = "knob")]
     pub by: TrendGroups,
-    /// Write the result as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
 }
 
 /// How captures are grouped.
@@ -48,18 +45,14 @@ const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 type Point = (f64, [Option<f64>; 3]);
 
 /// Reads a table and tells what changes.
-///
-/// # Errors
-/// One sentence on what is wrong with the table or an output.
 pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
     let by = match options.by {
         TrendGroups::Knob => "knob",
         TrendGroups::Rig => "rig",
     };
     let trend = read(&options.table, by)?;
-    show(trend.groups.iter().map(|group| words(by, group)));
-    write_json(options.json.as_deref(), &trend)?;
-    write_if_asked(options.report.as_ref(), kind::PAGE, || report::trend_page(&trend))?;
+    let lines = trend.groups.iter().map(|group| words(by, group));
+    options.results.tell(Axis::default(), lines, &trend, || report::trend_page(&trend))?;
     Ok(Outcome::Done)
 }
 

@@ -24,9 +24,6 @@ pub struct ViewOptions {
 }
 
 /// Becomes the viewer, which so has the terminal's Ctrl-C to itself and gives its own exit status.
-///
-/// # Errors
-/// When the viewer cannot be started.
 pub fn run(options: &ViewOptions) -> anyhow::Result<Outcome> {
     let mut command = std::process::Command::new(program_path("rerun-viewer")?);
     command.arg(if options.native { "--native" } else { "--web" });

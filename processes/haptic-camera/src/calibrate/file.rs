@@ -22,9 +22,6 @@ pub struct Previous {
 
 impl Previous {
     /// Reads a calibration file.
-    ///
-    /// # Errors
-    /// One sentence on what is wrong with it.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let calibration = Calibration::load(path)?;
         let text = foreign_files::read_text(path)?;
@@ -34,9 +31,6 @@ impl Previous {
 }
 
 /// Writes the known calibration with the newly found values; `replaced` is what it may replace.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn write(
     path: &Path,
     replaced: Replace,

@@ -15,9 +15,10 @@ use rt_loop::request::{Pace, RunRequest};
 use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
+use crate::outputs::show_on;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
-use crate::terminal::{self, digits};
+use crate::terminal::{self, digits, number};
 
 /// Options of `calibrate`.
 #[derive(Debug, Args)]
@@ -63,9 +64,6 @@ pub enum CalibrationKind {
 const FAST_AMPLITUDE_RAD: f64 = 0.1;
 
 /// Calibrates from the captures given, or makes one.
-///
-/// # Errors
-/// One sentence on why a capture does not do, or a file cannot be read or written.
 pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let given = options.rig.request.calibration.as_deref();
     let previous = given.map(file::Previous::read).transpose()?;
@@ -104,15 +102,14 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let (Some(known), Some(calibrated)) = (known, calibration::combine(&found)) else {
         anyhow::bail!("there is no capture to calibrate from");
     };
+    let mut lines = Vec::new();
     if !calibrated.estimates.is_empty() {
-        say(known.axis.words(&table(&known, &calibrated).to_string()));
+        lines.push(table(&known, &calibrated).to_string());
     }
-    for line in calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging)) {
-        say(known.axis.words(&format!("cogging  {line}")));
-    }
-    for note in &calibrated.notes {
-        say(known.axis.words(&format!("- {note}")));
-    }
+    let cogging = calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging));
+    lines.extend(cogging.map(|line| format!("cogging  {line}")));
+    lines.extend(calibrated.notes.iter().map(|note| format!("- {note}")));
+    show_on(known.axis, lines);
     file::write(&options.out, options.replaced(), &calibrated, &known, previous.as_ref(), &captures)?;
     say(format!("calibration  {}", options.out.display()));
     Ok(outcome)
@@ -185,22 +182,21 @@ impl CalibrationKind {
 
 /// Each quantity as it was believed and as it was found, with its interval.
 fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
-    let mut table = terminal::table(["quantity", "before", "found", "95 %", "unit"], 1..4);
     let before = toml::Table::try_from(known).unwrap_or_default();
-    for estimate in &calibrated.estimates {
+    let rows = calibrated.estimates.iter().map(|estimate| {
         // Delays are fractions of a sample: microseconds read better.
         let (factor, unit) = if estimate.unit == "s" { (1e6, "µs") } else { (1.0, estimate.unit) };
         let digits = digits(factor * estimate.half_width);
         let believed = before.get(estimate.quantity).and_then(toml::Value::as_float);
-        table.add_row([
+        [
             estimate.quantity.to_owned(),
-            believed.map_or_else(String::new, |value| format!("{:.digits$}", factor * value)),
+            number(believed.map(|value| factor * value), digits),
             format!("{:.digits$}", factor * estimate.value),
             format!("±{:.digits$}", factor * estimate.half_width),
             unit.to_owned(),
-        ]);
-    }
-    table
+        ]
+    });
+    terminal::table(["quantity", "before", "found", "95 %", "unit"], 1..4, rows)
 }
 
 /// Each harmonic of a motor's cogging with its intervals; one line that says so where there is none.

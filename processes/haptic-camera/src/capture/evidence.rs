@@ -6,7 +6,7 @@ use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, dia
 use loaded_capture::LoadedCapture;
 
 use super::CaptureOptions;
-use crate::diagnose::{progress_bar, show_progress};
+use crate::diagnose::with_progress;
 use crate::outcome::say;
 
 /// Rest put between two captures that are made into one, s: longer than any gap that is filled in.
@@ -30,8 +30,6 @@ pub(super) fn diagnosed(
         vec![fitted.remove(1)]
     };
     let (train, heldout) = (Joined::of(&fitted), Joined::of(&held_out));
-    let bar = progress_bar();
-    let progress = |progress| show_progress(&bar, progress);
     let asked = DiagnoseOptions {
         calibration: fitted[0].calibration.clone(),
         axis: fitted[0].capture.axis,
@@ -44,12 +42,12 @@ pub(super) fn diagnosed(
             },
         ),
         reach_rad: options.reach,
-        progress: Some(&progress),
         ..DiagnoseOptions::default()
     };
-    let found = diagnose(&train.samples(), Some(&heldout.samples()), &asked);
-    bar.finish_and_clear();
-    let found = found?;
+    let found = with_progress(|progress| {
+        let asked = DiagnoseOptions { progress: Some(progress), ..asked };
+        Ok(diagnose(&train.samples(), Some(&heldout.samples()), &asked)?)
+    })?;
     say(format!("\n{}", found.summary));
     Ok(found)
 }

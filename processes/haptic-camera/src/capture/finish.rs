@@ -11,7 +11,7 @@ use loaded_capture::LoadedCapture;
 use crate::fit;
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{kind, write};
+use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::supervision::{Archived, RunEnd};
 use crate::until_ci::{Known, StopRule};
 
@@ -38,7 +38,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
             }
             say(format!("view     haptic-camera view {archive}"));
             say("");
-            fit::show_fit(loaded.truth.as_ref(), &fitted);
+            show_on(fitted.axis, fit::lines(loaded.truth.as_ref(), &fitted));
             if let Some(achieved) = &end.achieved {
                 let step_mnm = loaded.calibration.as_ref().map_or(0.0, |known| known.torque_step_mnm);
                 tell_precision(achieved, &fitted, step_mnm);
@@ -62,14 +62,13 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     };
     let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
     let beside = |extension| named(number, extension);
-    let (model, report) = (beside("toml"), beside("html"));
+    let model = beside("toml");
     write(&model, kind::FITTED_MODEL, &fitted.model(&analysis::title(loaded)).to_toml())?;
     say(format!("model    {}", model.display()));
-    let (page, figures) = analysis::fit_page(loaded, fitted);
-    write(&report, kind::PAGE, &page)?;
-    say(format!("report   {}", report.display()));
-    // For `list`, and for whoever computes with the intervals.
-    fit::write_numbers(Some(&beside("json")), loaded, fitted, figures)
+    // The JSON is for `list`, and for whoever computes with the intervals.
+    fit::write_results(&ResultFiles { json: Some(beside("json")), report: Some(beside("html")) }, loaded, fitted)?;
+    say(format!("report   {}", beside("html").display()));
+    Ok(())
 }
 
 /// What a run that goes on until enough is known came to, and how long it took of the planned sweep.
@@ -112,9 +111,6 @@ pub(crate) fn share_words(known: &Known) -> String {
 }
 
 /// Tells how the run went and reads its archive; `None` when there is none.
-///
-/// # Errors
-/// When the archive cannot be read.
 pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(LoadedCapture, Outcome)>> {
     end.tell();
     let Some(archive) = end.left_archive(archive) else { return Ok(None) };

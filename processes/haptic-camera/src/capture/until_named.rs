@@ -17,7 +17,7 @@ use super::{finish, supervised};
 use crate::diagnose;
 use crate::diagnosis_text;
 use crate::outcome::{Outcome, remark, say, show};
-use crate::outputs::{kind, write};
+use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::recording;
 use crate::supervision::{claim_archive, ending_signals};
 
@@ -160,7 +160,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     let Some([first, held_out]) = taken.first_chunk() else { return Ok(()) };
     let axis = first.loaded.capture.axis;
     show([""]);
-    show(diagnosis_text::lines(found).iter().map(|line| axis.words(line)));
+    show_on(axis, diagnosis_text::lines(found));
     let beside = |extension: &str| {
         let stem = first.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         first.path.with_file_name(format!("{stem}-diagnosis.{extension}"))
@@ -179,8 +179,9 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         train: analysis::facts(&first.loaded),
         heldout: Some(analysis::facts(&held_out.loaded)),
     };
-    let report = options.report.clone().unwrap_or_else(|| beside("html"));
-    diagnose::tell(axis, &page, options.json.as_deref(), Some(&report))?;
+    let report = options.results.report.clone().unwrap_or_else(|| beside("html"));
+    let results = ResultFiles { report: Some(report.clone()), ..options.results.clone() };
+    diagnose::write_results(&results, axis, &page)?;
     say(format!("report   {}", report.display()));
     if let Some(path) = &options.recording {
         recording::write(path, found, &analysis::title(&first.loaded), Some(&analysis::title(&held_out.loaded)))?;

@@ -18,8 +18,8 @@ use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
 use crate::fit_tables::true_value;
 use crate::load;
-use crate::outcome::{Outcome, show};
-use crate::outputs::{kind, write_if_asked, write_json_on};
+use crate::outcome::Outcome;
+use crate::outputs::ResultFiles;
 
 /// Options of `compare`.
 #[derive(Debug, Args)]
@@ -30,30 +30,20 @@ pub struct CompareOptions {
     /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
-    /// Write the result as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
 }
 
 /// Longest name of a model that stands over a column, letters.
 const LONGEST_NAME: usize = 24;
 
 /// Fits every capture, averages those of one knob, and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a capture, a model or a file.
 pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let compared = compare(&options.subjects, &options.columns)?;
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
     anyhow::ensure!(axes.all(|other| other == axis), "some of these are rotary and some linear; compare one kind");
-    show(table::lines(&compared).iter().map(|line| axis.words(line)));
-    write_json_on(axis, options.json.as_deref(), &compared)?;
-    let page = || axis.words(&report::comparison_page(&compared)).into_owned();
-    write_if_asked(options.report.as_ref(), kind::PAGE, page)?;
+    options.results.tell(axis, table::lines(&compared), &compared, || report::comparison_page(&compared))?;
     Ok(Outcome::Done)
 }
 

@@ -121,9 +121,6 @@ fn effects(model: &Model) -> String {
 
 /// What the model may replace: one that was composed before, so that a number is changed and felt again. Refuses a place where
 /// something would be lost: a fitted model, a drawn table or a capture costs more to have again.
-///
-/// # Errors
-/// One sentence that says what lies there and what to do.
 fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
     let out = &options.out;
     if options.overwrite {
@@ -155,20 +152,19 @@ const MANY: usize = 8;
 
 /// Effect by effect, every parameter with its value and where that comes from.
 fn parts_table(composition: &Composition, model: &Model) -> Table {
-    let mut table = table(["effect", "parameter", "value", "unit", "from"], [2]);
-    for effect in &model.effects {
+    let rows = model.effects.iter().flat_map(|effect| {
         let mut name = effect.kind().name;
-        for (parameter, value) in shown(effect) {
+        let parameters = shown(effect).map(move |(parameter, value)| {
             let from = composition.origin_of(parameter.name).unwrap_or_default();
-            table.add_row([name, parameter.name, &value.to_string(), parameter.unit, from]);
-            name = "";
-        }
-        if let Some(drawn) = effect.table() {
+            [std::mem::take(&mut name), parameter.name, &value.to_string(), parameter.unit, from].map(str::to_owned)
+        });
+        let points = effect.table().map(|drawn| {
             let points = format!("{} over {} rad", drawn.points().len(), drawn.period_rad().unwrap_or_default());
-            table.add_row(["", "points", &points, "", ""]);
-        }
-    }
-    table
+            ["", "points", &points, "", ""].map(str::to_owned)
+        });
+        parameters.chain(points)
+    });
+    table(["effect", "parameter", "value", "unit", "from"], [2], rows)
 }
 
 fn shown(effect: &Effect) -> impl Iterator<Item = (&'static dynamics::ParameterKind, f64)> + '_ {

@@ -86,7 +86,7 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
             text: knob.name.clone().into_owned(),
         },
     };
-    write_json(Some(&options.out), &exported)?;
+    write_json(model.axis, &Some(options.out.clone()), &exported)?;
     let (out, rms_mnm) = (options.out.display(), exported.left_out_rms_mnm);
     say(format!("{out}: leaves out {rms_mnm:.6} mNm RMS along {}", exported.along));
     exported.left_out.iter().for_each(|words| say(format!("- {words}")));

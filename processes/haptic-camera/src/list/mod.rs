@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
+use dynamics::Axis;
 use serde::Serialize;
 
 use crate::outcome::{Outcome, show};
@@ -55,6 +56,6 @@ pub fn run(options: &ListOptions) -> anyhow::Result<Outcome> {
     } else {
         show(table::lines(&entries));
     }
-    write_json(options.json.as_deref(), &Listing { captures: &entries })?;
+    write_json(Axis::default(), &options.json, &Listing { captures: &entries })?;
     Ok(Outcome::Done)
 }

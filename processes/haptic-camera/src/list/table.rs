@@ -12,22 +12,19 @@ const KNOB_LETTERS: usize = 7;
 
 /// The table, and a sentence on each file that is no whole capture.
 pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
-    let mut table = terminal::table(["file", "knob", "captured", "s", "error", "95 %", "health"], 3..6);
-    for entry in entries {
-        let number = |value: Option<f64>, digits: usize| {
-            value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
-        };
-        let percent = entry.quality.relative_error_percent.map(|error| format!("{error:.1} %"));
-        table.add_row([
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
+    let rows = entries.iter().map(|entry| {
+        [
             shortened(&one_line(&entry.file), NAME_LETTERS),
             shortened(&one_line(entry.knob.as_deref().unwrap_or("-")), KNOB_LETTERS),
-            entry.captured_at.as_deref().and_then(minutes).unwrap_or_else(|| "-".to_owned()),
-            number(entry.duration_s, 1),
-            percent.unwrap_or_else(|| "-".to_owned()),
-            number(entry.quality.mean_ci95_mnm, 3),
+            or_dash(entry.captured_at.as_deref().and_then(minutes)),
+            or_dash(entry.duration_s.map(|duration_s| format!("{duration_s:.1}"))),
+            or_dash(entry.quality.relative_error_percent.map(|error| format!("{error:.1} %"))),
+            or_dash(entry.quality.mean_ci95_mnm.map(|half_width| format!("{half_width:.3}"))),
             word(entry).to_owned(),
-        ]);
-    }
+        ]
+    });
+    let mut table = terminal::table(["file", "knob", "captured", "s", "error", "95 %", "health"], 3..6, rows);
     table.column_iter_mut().for_each(|column| {
         column.set_padding((0, 1));
     });

@@ -11,8 +11,8 @@ use serde::Serialize;
 use super::torque_run;
 use crate::command_line::RigOptions;
 use crate::load;
-use crate::outcome::{Outcome, is_output_json, remark, say};
-use crate::outputs::write_json_on;
+use crate::outcome::{Outcome, remark, show};
+use crate::outputs::write_json;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use crate::terminal::table;
@@ -75,9 +75,6 @@ struct Checked {
 }
 
 /// Brings the rig up and tells what it shows.
-///
-/// # Errors
-/// Whatever keeps it from coming up.
 pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     let folder = tempfile::tempdir()?;
@@ -88,10 +85,8 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let axis = capture.axis;
     let mut found = check(&capture);
     found.doubts.extend(doubts(&RigFile::load(&options.file)?)?);
-    if !is_output_json() {
-        tell(&found, axis);
-    }
-    write_json_on(axis, options.json.as_deref(), &found)?;
+    show(lines(&found, axis));
+    write_json(axis, &options.json, &found)?;
     found.doubts.iter().chain(&found.amiss).for_each(|told| remark(axis.words(told)));
     Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
 }
@@ -199,19 +194,22 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-fn tell(found: &Checked, axis: Axis) {
-    say(format!("rig      {}", found.rig));
-    let mut table = table(["channel", "mean", "span", "noise RMS", "unit"], 1..4);
-    for Reading { channel, unit, mean, span, noise_rms } in &found.channels {
-        table.add_row([*channel, &format!("{mean:.6}"), &format!("{span:.3e}"), &format!("{noise_rms:.3e}"), unit]);
-    }
-    say(axis.words(&table.to_string()));
-    let Checked { rate_hz, samples, missed_ticks, stale_ticks, .. } = found;
-    say(format!("rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without new data"));
-    if let (Some(mean_us), Some(deviation_us)) = (found.read_after_us, found.read_after_sd_us) {
-        say(format!("read     {mean_us:.1} µs after the tick, ± {deviation_us:.1} µs"));
-    }
-    if let Some(watchdog) = &found.watchdog {
-        say(format!("watchdog {watchdog}"));
-    }
+fn lines(found: &Checked, axis: Axis) -> Vec<String> {
+    let Checked { rig, rate_hz, samples, missed_ticks, stale_ticks, channels, .. } = found;
+    let rows = channels.iter().map(|Reading { channel, unit, mean, span, noise_rms }| {
+        [*channel, &format!("{mean:.6}"), &format!("{span:.3e}"), &format!("{noise_rms:.3e}"), unit].map(str::to_owned)
+    });
+    let table = table(["channel", "mean", "span", "noise RMS", "unit"], 1..4, rows).to_string();
+    let mut lines = vec![format!("rig      {rig}"), axis.words(&table).into_owned()];
+    lines.push(format!(
+        "rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without new data"
+    ));
+    lines.extend(
+        found
+            .read_after_us
+            .zip(found.read_after_sd_us)
+            .map(|(mean_us, deviation_us)| format!("read     {mean_us:.1} µs after the tick, ± {deviation_us:.1} µs")),
+    );
+    lines.extend(found.watchdog.iter().map(|watchdog| format!("watchdog {watchdog}")));
+    lines
 }

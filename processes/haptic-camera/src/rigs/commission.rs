@@ -69,9 +69,6 @@ const DIFFERENT: f64 = 1.5;
 const VAGUE_SHARE: f64 = 0.2;
 
 /// Turns the rig, more with every try, until its inertia is known, and writes it into the rig's file.
-///
-/// # Errors
-/// Whatever keeps the rig from being turned, or the file from being written.
 pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     let request = torque_run(&options.file, options.rate_hz, TRY_S)?;

@@ -58,9 +58,6 @@ pub struct RigScanOptions {
 const USUAL_RATE_HZ: f64 = 10_000.0;
 
 /// Does what is asked about rigs.
-///
-/// # Errors
-/// One sentence on why it cannot be done.
 pub fn run(command: &RigCommand) -> anyhow::Result<Outcome> {
     match command {
         RigCommand::Check(options) => check::run(options),

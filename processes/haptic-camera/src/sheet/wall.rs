@@ -19,9 +19,6 @@ const STEPS: u32 = 7200;
 const DETENTS: f64 = 4.0;
 
 /// The page that a designer pins to the wall.
-///
-/// # Errors
-/// If a shipped knob is none.
 pub fn page() -> anyhow::Result<WallPage> {
     let papers = (1..=5).map(of_paper).collect::<anyhow::Result<Vec<WallKnob>>>()?;
     let smart: Vec<WallKnob> = smartknob::ALL.iter().map(of_smartknob).collect();

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use analysis::load_specification;
 use anyhow::{Context as _, bail};
 use clap::Args;
+use dynamics::Axis;
 use sheet::{Design, Gauge};
 
 use super::values::{StudyOptions, Unit, columns, studied, units};
@@ -33,9 +34,6 @@ const MAY_DO_PERCENT: f64 = 30.0;
 const CATEGORIES: u64 = 5;
 
 /// Studies each figure and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a file, or with who measured what.
 pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let studied = studied(&options.study, specification.as_ref())?;
@@ -48,7 +46,7 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
         results.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
     }
     show(results.iter().map(|(name, gauge)| words(name, gauge)));
-    write_json(options.study.json.as_deref(), &results)?;
+    write_json(Axis::default(), &options.study.json, &results)?;
     Ok(Outcome::Done)
 }
 

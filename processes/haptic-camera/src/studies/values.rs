@@ -68,9 +68,6 @@ pub fn studied(options: &StudyOptions, specification: Option<&Specification>) ->
 }
 
 /// Every unit with its figures.
-///
-/// # Errors
-/// One sentence on what is wrong with a file.
 pub fn units(options: &StudyOptions, studied: &[Studied]) -> anyhow::Result<Vec<Unit>> {
     if let Some(table) = &options.values {
         return of_table(table);

@@ -25,9 +25,6 @@ pub(crate) struct Archived {
 
 impl Archived {
     /// Counts what is in an archive, in memory that does not grow with it.
-    ///
-    /// # Errors
-    /// When it cannot be read.
     pub(crate) fn read(archive: &Path) -> Result<Self, ArchiveError> {
         let Overview { samples, lost_samples, rig, description, .. } = Overview::read(archive)?;
         Ok(Self { samples, missing: lost_samples, gaps: Vec::new(), rig, run: description })

@@ -13,9 +13,6 @@ use shared_types::{lease, rig};
 use crate::outcome::is_output_json;
 
 /// The command that starts one of our programs, which lie beside this one, for as long as this one lives.
-///
-/// # Errors
-/// When it is not there.
 pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
     let path = program_path(name)?;
     anyhow::ensure!(path.exists(), "the program {} is missing; build the whole workspace", path.display());
@@ -34,9 +31,6 @@ pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
 }
 
 /// Where one of our programs lies: beside this one.
-///
-/// # Errors
-/// When the system does not tell where this program lies.
 pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
     Ok(std::env::current_exe().context("the location of this program is unknown")?.with_file_name(name))
 }

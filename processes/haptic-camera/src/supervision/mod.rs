@@ -77,9 +77,6 @@ pub(crate) struct SupervisedRun {
 }
 
 /// Claims the name of an archive in `out`.
-///
-/// # Errors
-/// When the folder cannot be made.
 pub(crate) fn claim_archive(out: &Path, knob: &str, before: &str) -> anyhow::Result<Claim> {
     std::fs::create_dir_all(out)
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", out.display()))?;
@@ -99,9 +96,6 @@ pub(crate) fn archive_stem(knob: &str, before: &str) -> String {
 
 impl SupervisedRun {
     /// Makes the run and its archive; `None` when the control loop itself said why it cannot run.
-    ///
-    /// # Errors
-    /// Whatever keeps the run from being started, recorded or ended.
     pub(crate) fn take(&self, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         if self.offline {
             say(format!("{}, offline", self.in_words));
@@ -320,9 +314,6 @@ pub(crate) fn ending_signals() -> Vec<i32> {
 }
 
 /// Set by the signals that end a run in order.
-///
-/// # Errors
-/// When the system refuses.
 pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
     let interrupted = Arc::new(AtomicBool::new(false));
     for signal in ending_signals() {

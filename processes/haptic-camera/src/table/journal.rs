@@ -79,9 +79,6 @@ impl<'spec> Journal<'spec> {
     }
 
     /// Keeps a row: it is there whatever happens afterwards.
-    ///
-    /// # Errors
-    /// When the disk takes no more.
     pub(super) fn add(&mut self, seen: &Seen, row: &Row) -> anyhow::Result<()> {
         let cells = row.cells().iter().map(|(_, cell)| written(cell)).collect();
         let line: Line = (seen.path.clone(), seen.bytes, seen.written_ns.to_string(), cells);

@@ -41,9 +41,6 @@ const SETTLED_S: f64 = 0.5;
 pub type Maker<'a> = dyn FnMut(&str, HandRequest, Option<f64>, f64) -> anyhow::Result<PathBuf> + 'a;
 
 /// Captures the rendered knob and compares it with its model; gives also its fit as a knob of one body.
-///
-/// # Errors
-/// When a run cannot be made, or a capture cannot be read or fitted.
 pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Result<(Verification, Fit)> {
     let mut captures = Vec::new();
     let mut capture = |name: &str, hand, amplitude_rad, duration_s| -> anyhow::Result<LoadedCapture> {

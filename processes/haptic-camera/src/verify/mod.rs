@@ -19,7 +19,6 @@ use rt_loop::request::HandRequest;
 use serde::Serialize;
 
 use crate::outcome::{Outcome, show};
-use crate::outputs::{kind, write, write_json_on};
 use crate::replay::ReplayOptions;
 use crate::supervision::{Shown, SupervisedRun, archive_stem};
 
@@ -121,9 +120,6 @@ fn added(found: &Diagnosis) -> AddedByRendering {
 }
 
 /// Verifies a rendering and tells the result; failed if the rendered knob is not the model's.
-///
-/// # Errors
-/// What keeps a capture from being made, read or fitted.
 pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
     let mut asked = options.request();
     // The model that is to be felt: the one asked for, or the nearest to it that the rig renders.
@@ -153,10 +149,9 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
             Ok(archive)
         };
     let (verification, fit) = captures::verify(&model, options.pace.rate_hz, &mut make)?;
-    show(table::lines(&verification).iter().map(|line| model.axis.words(line)));
-    write_json_on(model.axis, options.json.as_deref(), &verification)?;
-    if let Some(path) = &options.report {
-        write(path, kind::PAGE, &model.axis.words(&page(&model, &fit, &verification)))?;
+    let results = &options.results;
+    results.tell(model.axis, table::lines(&verification), &verification, || page(&model, &fit, &verification))?;
+    if let Some(path) = &results.report {
         show([format!("report   {}", path.display())]);
     }
     Ok(if verification.passed { whole } else { Outcome::Failed })

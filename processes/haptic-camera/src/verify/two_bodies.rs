@@ -14,9 +14,6 @@ use super::{Compared, LostMotion, added};
 ///
 /// The model is refined on the sweep, its inner body simulated behind the measured motion of the cap: that tells the
 /// parameters with their intervals. The torque error is the intended model's, not refined, along the measured motion.
-///
-/// # Errors
-/// When a capture cannot be prepared or diagnosed.
 pub(super) fn compared(model: &Model, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Compared> {
     let whole = diagnosed(model, train, heldout)?;
     let gap = model.coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
