@@ -16,7 +16,6 @@ use crate::outputs::{ResultFiles, kind, show_on, write_if_asked};
 use crate::recording;
 use crate::terminal;
 
-/// Options of `diagnose`.
 #[derive(Debug, Args)]
 pub struct DiagnoseOptions {
     /// The capture that models are fitted to: an archive, a CSV or an MDF file
@@ -25,7 +24,6 @@ pub struct DiagnoseOptions {
     /// A held-out capture of the same knob with another motion; without one, sections of the first are held out
     #[arg(long, value_name = "CAPTURE")]
     pub heldout: Option<PathBuf>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     /// The model to start from [default: inertia, friction and detents, fitted]

@@ -169,7 +169,6 @@ fn parameters(steps: &[Step]) -> Table {
     table(["parameter", "value", "95 % interval", "unit"], 1..3, rows)
 }
 
-/// Unequal detents one by one.
 fn detents(step: &Step) -> Table {
     let cell = |value: &Value, factor: f64| {
         let half = value.ci95.map(|[low, high]| 0.5 * factor * (high - low));
@@ -190,7 +189,6 @@ fn decimals(width: f64) -> usize {
     (0..12).take_while(|decimals| f64::from(*decimals) + order < 1.0).count()
 }
 
-/// A table that fits the terminal.
 fn table<const COLUMNS: usize>(
     header: [&str; COLUMNS],
     right: Range<usize>,

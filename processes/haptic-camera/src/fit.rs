@@ -17,13 +17,11 @@ use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{ResultFiles, kind, show_on, write, write_if_asked};
 
-/// Options of `fit`.
 #[derive(Debug, Args)]
 pub struct FitOptions {
     /// The capture: an archive, a CSV or an MDF file; several of the same knob give one model
     #[arg(required = true, value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     #[command(flatten)]
@@ -70,6 +68,7 @@ impl From<Preparation> for identification::PreparationMethod {
 pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
     let captures = options.captures.iter().map(|path| load::load_measured(path, &options.columns));
     let captures = captures.collect::<anyhow::Result<Vec<_>>>()?;
+    load::common_axis(captures.iter().map(|one| one.capture.axis))?;
     let fits = captures.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
     let model = match (captures.as_slice(), fits.as_slice()) {
         ([capture], [fit]) => {

@@ -108,7 +108,6 @@ pub fn repeatability_table(average: &Average) -> Table {
     table(header, 1..shown + 4, average.fit.parameters.0.iter().filter_map(row))
 }
 
-/// Whether the captures agree as a whole.
 pub fn agreement_line(agreement: Agreement) -> String {
     let words = if agreement.agrees() { "agree within" } else { "differ by more than" };
     format!(

@@ -12,7 +12,6 @@ use crate::command_line::ColumnOptions;
 use crate::outcome::{Outcome, show};
 use crate::outputs::ResultFiles;
 
-/// Options of `judge`.
 #[derive(Debug, Args)]
 pub struct JudgeOptions {
     /// Units: for each a capture, a tester's file, or a folder of repeated captures
@@ -21,7 +20,6 @@ pub struct JudgeOptions {
     /// Limits on the figures and an envelope for the curve
     #[arg(long, value_name = "SPEC.toml")]
     pub spec: PathBuf,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     #[command(flatten)]

@@ -28,6 +28,11 @@ pub fn model(path: &Path) -> Result<Model, ModelError> {
     path.to_str().map_or_else(|| Model::load(path), knobs::named)
 }
 
+/// Whether a name is that of a model: a shipped knob's number or a model file.
+pub fn names_model(name: &str) -> bool {
+    knobs::is_shipped(name) || Path::new(name).extension().is_some_and(|ending| ending == "toml")
+}
+
 /// The axis of several captures, the turning one of none.
 ///
 /// # Errors

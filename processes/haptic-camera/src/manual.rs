@@ -9,7 +9,6 @@ use crate::command_line::CommandLine;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{kind, write};
 
-/// Options of `completions`.
 #[derive(Debug, Args)]
 pub struct CompletionsOptions {
     /// The shell
@@ -17,7 +16,6 @@ pub struct CompletionsOptions {
     pub shell: clap_complete::Shell,
 }
 
-/// Options of `man`.
 #[derive(Debug, Args)]
 pub struct ManOptions {
     /// The folder for the pages; created if it does not exist
@@ -26,7 +24,6 @@ pub struct ManOptions {
 }
 
 /// Prints the completions of a shell on standard output.
-#[allow(clippy::unnecessary_wraps, reason = "every command gives the same")]
 pub fn completions(options: &CompletionsOptions) -> anyhow::Result<Outcome> {
     let mut command = CommandLine::command();
     let name = command.get_name().to_owned();

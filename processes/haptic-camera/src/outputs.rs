@@ -16,19 +16,15 @@ use crate::outcome::{UsageError, print_json, show};
 pub mod kind {
     use archive::whole_file::Replace::{self, Marked, Nothing};
 
-    /// A result as JSON.
     pub const JSON: Replace = Marked("\"made_by\": \"haptic-camera\"");
-    /// A report page.
     pub const PAGE: Replace = Marked("<meta name=\"generator\" content=\"haptic-camera\">");
     /// The figures of a data sheet as a table.
     pub const FIGURES: Replace = Marked(super::FIGURES_HEADER);
     /// Figures of many units as a Q-DAS file.
     pub const QDAS: Replace = Marked(sheet::QDAS_REMARK);
-    /// A model that was fitted.
     pub const FITTED_MODEL: Replace = Marked(" samples: residual ");
     /// A model with what a diagnosis found.
     pub const DIAGNOSED_MODEL: Replace = Marked("\ndescription = \"diagnosed from ");
-    /// A model that was composed.
     pub const COMPOSED_MODEL: Replace = Marked("\norigin = ");
     /// What is known of a rig.
     pub const CALIBRATION: Replace = Marked(loaded_capture::CALIBRATION_MARK);
@@ -36,9 +32,7 @@ pub mod kind {
     pub const HEADER: Replace = Marked(" as numbers, made by haptic-camera ");
     /// A model for a simulator.
     pub const SIMULATOR: Replace = Marked(". SI units: N m, rad, s.\n");
-    /// A capture that was simulated.
     pub const SIMULATION: Replace = Marked("\"apparatus\": \"simulation\"");
-    /// A manual page.
     pub const MANUAL_PAGE: Replace = Marked(".TH haptic-camera");
     /// A diagnosis as a rerun file: the application's name, which rerun writes first.
     pub const RECORDING: Replace = Marked("haptic-camera-diagnosis");
@@ -49,7 +43,6 @@ pub mod kind {
 /// The first line of a table of figures.
 pub const FIGURES_HEADER: &str = "figure,angle_rad,direction,value,unit,ci95_low,ci95_high,definition\n";
 
-/// The files that a call names.
 #[derive(Debug, Default)]
 pub struct Files {
     inputs: Vec<PathBuf>,
@@ -58,7 +51,6 @@ pub struct Files {
 }
 
 impl Files {
-    /// With files that are read.
     #[must_use]
     pub fn reading<File: AsRef<Path>>(mut self, paths: impl IntoIterator<Item = File>) -> Self {
         self.inputs.extend(paths.into_iter().map(|path| path.as_ref().to_owned()));
@@ -123,7 +115,6 @@ fn is_same_folder(one: &Path, other: &Path) -> bool {
     matches!((one, other), (Ok(one), Ok(other)) if one == other)
 }
 
-/// Whether standard output is meant.
 fn to_output(path: &Path) -> bool {
     path == Path::new("-")
 }

@@ -10,7 +10,6 @@ use clap::Args;
 
 use crate::outcome::{Outcome, remark, say};
 
-/// Options of `recover`.
 #[derive(Debug, Args)]
 pub struct RecoverOptions {
     /// The truncated or damaged archive, or one that a killed recorder left in parts; it is not changed

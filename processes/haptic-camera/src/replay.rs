@@ -15,7 +15,6 @@ use crate::verify;
 /// Length of an offline replay, which nobody can stop by hand, s.
 const OFFLINE_S: f64 = 10.0;
 
-/// Options of `replay`.
 #[derive(Clone, Debug, Args)]
 #[command(mut_arg("json", |json| json.requires("verify").help("Write the comparison as JSON; `-` for standard output")))]
 #[command(mut_arg("report", |report| report.requires("verify").help("Write the comparison as a report page")))]
@@ -29,7 +28,6 @@ pub struct ReplayOptions {
     /// Render the nearest model within the rig's limits instead of refusing one that exceeds them, and list the changes
     #[arg(long)]
     pub nearest: bool,
-    /// The hand on the simulated rig
     #[command(flatten)]
     pub hand: HandRequest,
     /// Amplitude of the hand's sweep, rad or mm [default: that of the sweep]
@@ -44,19 +42,15 @@ pub struct ReplayOptions {
     pub verify: bool,
     #[command(flatten)]
     pub results: ResultFiles,
-    /// Rate and core
     #[command(flatten)]
     pub pace: Pace,
-    /// The rig
     #[command(flatten)]
     pub rig: RigRequest,
-    /// Archive and view
     #[command(flatten)]
     pub run: RunOptions,
 }
 
 impl ReplayOptions {
-    /// The request to the control loop.
     #[must_use]
     pub fn request(&self) -> RunRequest {
         let Self { model, name, nearest, hand, amplitude, duration_s, pace, rig, run, .. } = self;
@@ -101,7 +95,6 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     }
 }
 
-/// What is rendered, and for whom.
 fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String {
     let HandRequest { hand, hand_torque, .. } = &options.hand;
     let model = request.knob_name();
@@ -123,7 +116,6 @@ fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String
 fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
     end.tell();
     end.models.iter().enumerate().take(LISTED_MODELS).for_each(|(index, ModelStart { tick, name })| {
-        #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
         let from_s = *tick as f64 / end.status.rate_hz.max(1.0);
         say(format!("{} {name} from {from_s:.2} s on", if index == 0 { "rendered" } else { "        " }));
     });

@@ -11,7 +11,6 @@ use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::kind;
 
-/// Options of `simulate`.
 #[derive(Debug, Args)]
 pub struct SimulateOptions {
     /// The model
@@ -20,7 +19,6 @@ pub struct SimulateOptions {
     /// The capture that gives the motion or torque
     #[arg(long, value_name = "CAPTURE")]
     pub like: PathBuf,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     /// Where to write the simulated capture: an archive, or CSV if the name ends in .csv
@@ -31,7 +29,6 @@ pub struct SimulateOptions {
     pub drive: SimulationDrive,
 }
 
-/// What a simulation takes from a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum SimulationDrive {
     /// The motion: the model's torque is simulated.

@@ -18,7 +18,6 @@ pub fn size() -> Option<(u16, u16)> {
     console::Term::stderr().size_checked()
 }
 
-/// A progress bar of that many steps.
 pub fn bar(steps: u64, template: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(steps).with_style(style)
@@ -93,7 +92,6 @@ pub fn digits(width: f64) -> usize {
 }
 
 /// Decimals that show a value with so many digits, within bounds.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
 pub fn decimals(value: f64, digits: f64, [least, most]: [f64; 2]) -> usize {
     let order = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     (digits - 1.0 - order).clamp(least, most) as usize

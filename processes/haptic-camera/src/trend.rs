@@ -14,7 +14,6 @@ use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 use crate::outcome::Outcome;
 use crate::outputs::ResultFiles;
 
-/// Options of `trend`.
 #[derive(Debug, Args)]
 pub struct TrendOptions {
     /// A file made by `table`
@@ -27,7 +26,6 @@ pub struct TrendOptions {
     pub results: ResultFiles,
 }
 
-/// How captures are grouped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TrendGroups {
     /// By knob, to show wear and compare batches.
@@ -36,7 +34,6 @@ pub enum TrendGroups {
     Rig,
 }
 
-/// Nanoseconds of a day.
 const DAY_NS: f64 = 86_400e9;
 /// How the ends of a parameter's interval are called after it.
 const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
@@ -44,7 +41,6 @@ const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 /// A parameter in a capture: when it was captured, ns since 1970, and value with both ends of its interval.
 type Point = (f64, [Option<f64>; 3]);
 
-/// Reads a table and tells what changes.
 pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
     let by = match options.by {
         TrendGroups::Knob => "knob",
@@ -95,7 +91,6 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         let row = row.with_context(foreign)?;
         let cells: BTreeMap<&str, &Field> = row.get_column_iter().map(|(name, field)| (name.as_str(), field)).collect();
         let text = |name: &str| if let Some(Field::Str(text)) = cells.get(name) { Some(text.clone()) } else { None };
-        #[allow(clippy::cast_precision_loss, reason = "a time of which microseconds matter at most")]
         let real = |name: &str| match cells.get(name)? {
             Field::Double(real) => Some(*real),
             Field::Long(count) => u64::try_from(*count).ok().map(|count| count as f64),

@@ -9,7 +9,6 @@ use clap::Args;
 use crate::outcome::Outcome;
 use crate::supervision::program_path;
 
-/// Options of `view`.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
     /// A finished capture [default: the running one]

@@ -13,7 +13,7 @@ use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::supervision::{Archived, RunEnd};
-use crate::until_ci::{Known, StopRule};
+use crate::until_ci::{StopRule, open, share_words};
 
 /// Names that are tried for what is made of a capture.
 const NAMES_TRIED: u32 = 1_000;
@@ -75,7 +75,7 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
 pub(super) fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
     let share = achieved.asked;
     let Some(ended_s) = achieved.ended_s else {
-        let open: Vec<String> = achieved.open().iter().map(share_words).collect();
+        let open: Vec<String> = achieved.last.iter().flat_map(|last| open(&last.parameters)).map(share_words).collect();
         return format!(
             "not known within {share} by the end: {}; give a longer --duration-s, or a larger share",
             if open.is_empty() { "there was no steady estimate".to_owned() } else { open.join(", ") }
@@ -90,23 +90,15 @@ pub(super) fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
 
 /// Holds the fit of the archive against what the sweep was ended for.
 fn tell_precision(achieved: &StopRule, fitted: &Fit, torque_step_mnm: f64) {
-    let Some(knowledge) = achieved.verify(fitted, torque_step_mnm) else { return };
+    let Some(known) = achieved.verify(fitted, torque_step_mnm) else { return };
     let share = achieved.asked;
-    let open: Vec<String> = knowledge.open().iter().map(share_words).collect();
-    let converged = knowledge.parameters.iter().filter(|known| known.convergence == Convergence::Converged);
+    let open: Vec<String> = open(&known).into_iter().map(share_words).collect();
+    let converged = known.iter().filter(|known| known.convergence == Convergence::Converged);
     let widest = converged.max_by(|one, other| one.share().unwrap_or(0.0).total_cmp(&other.share().unwrap_or(0.0)));
     if !open.is_empty() {
         remark(format!("not known within {share} in the fit of the archive: {}", open.join(", ")));
     } else if let Some(widest) = widest {
         say(format!("every parameter is known within {share}; the widest interval: {}", share_words(widest)));
-    }
-}
-
-/// A parameter with its interval's share of the value.
-pub(crate) fn share_words(known: &Known) -> String {
-    match known.share() {
-        Some(share) => format!("{} ± {:.2} %", known.name, 100.0 * share),
-        None => format!("{} not estimated yet", known.name),
     }
 }
 

@@ -19,15 +19,12 @@ use crate::outputs::ResultFiles;
 use crate::supervision::{Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::until_ci::Share;
 pub(crate) use budget::Budget;
-pub(crate) use finish::share_words;
 
-/// Options of `capture`.
 #[derive(Clone, Debug, Args)]
 #[command(mut_arg("json", |json| json.requires("diagnose").help("Write the diagnosis as JSON; `-` for standard output")))]
 #[command(mut_arg("report", |report| report.requires("diagnose")
     .help("Write the report page of the diagnosis here, instead of next to the first capture")))]
 pub struct CaptureOptions {
-    /// Rig, knob, motion and rate
     #[command(flatten)]
     pub request: RunRequest,
     /// End the sweep once every parameter is known within this share of its value, as 1%; --duration-s is then the longest.
@@ -44,7 +41,6 @@ pub struct CaptureOptions {
     /// Largest number of slow turns for a verdict
     #[arg(long, requires = "spec", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub turns: u32,
-    /// Archive and view
     #[command(flatten)]
     pub run: RunOptions,
     /// Diagnose the captures, and run experiments that discriminate between rival effects until one is left.
@@ -86,7 +82,6 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     }
 }
 
-/// What the run of a capture needs.
 fn supervised(options: &CaptureOptions, claim: &Claim) -> SupervisedRun {
     SupervisedRun {
         in_words: in_words(options),
@@ -99,7 +94,6 @@ fn supervised(options: &CaptureOptions, claim: &Claim) -> SupervisedRun {
     }
 }
 
-/// What is captured, and how.
 fn in_words(options: &CaptureOptions) -> String {
     let knob = options.request.knob_name();
     let RunRequest { sweep, torque, amplitude, duration_s, pace, .. } = &options.request;

@@ -8,7 +8,7 @@ use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
-use rt_loop::request::{RigRequest, RunRequest};
+use rt_loop::request::RunRequest;
 
 use super::CaptureOptions;
 use super::evidence::diagnosed;
@@ -50,10 +50,8 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
         signal_hook::flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;
     }
     let held_out = if options.request.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
-    let first = [
-        Experiment { sweep: options.request.sweep.clone(), amplitude_rad: options.request.amplitude },
-        Experiment { sweep: held_out.to_owned(), amplitude_rad: options.request.amplitude },
-    ];
+    let first = [options.request.sweep.as_str(), held_out]
+        .map(|sweep| Experiment { sweep: sweep.to_owned(), amplitude_rad: options.request.amplitude });
     let mut taken: Vec<Taken> = Vec::new();
     let mut worst = Outcome::Done;
     for experiment in first {
@@ -125,7 +123,7 @@ pub(super) fn one_more(
     let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
     (*sweep, *amplitude) = (experiment.sweep.clone(), experiment.amplitude_rad);
     // Another run has other noise.
-    if is_simulated(rig) {
+    if rt_loop::rigs::file(rig).is_ok_and(|file| file.driver == "simulated") {
         rig.simulated.seed = Some(rig.simulated.seed.unwrap_or(1).wrapping_add(index as u64));
     }
     let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
@@ -133,10 +131,6 @@ pub(super) fn one_more(
     let Some(end) = run.take(interrupted)? else { return Ok(None) };
     let read = finish::read_back(&run.archive, &end)?;
     Ok(read.map(|(loaded, outcome)| (Taken { experiment, path: loaded.capture.source.clone(), loaded }, outcome)))
-}
-
-fn is_simulated(rig: &RigRequest) -> bool {
-    rt_loop::rigs::file(rig).is_ok_and(|file| file.driver == "simulated")
 }
 
 fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {

@@ -18,13 +18,11 @@ use crate::outputs::write_json;
 use crate::terminal::{self, digits, interval, number};
 pub use breakaway::Threshold;
 
-/// Options of `check`.
 #[derive(Debug, Args)]
 pub struct CheckOptions {
     /// Captures to look at: a slow turn for the detents, a creep or a torque ramp for the breakaway
     #[arg(required = true, value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     /// The fitted model to check
@@ -35,13 +33,11 @@ pub struct CheckOptions {
     pub json: Option<PathBuf>,
 }
 
-/// What one capture shows.
 #[derive(Debug, Serialize)]
 struct Shown {
     capture: String,
     /// Detents counted, if the capture turns far enough both ways.
     detents: Option<DetentCount>,
-    /// Why no detents were counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_detents: Option<String>,
     /// Torque at which the knob broke away in the negative direction, a magnitude.
@@ -49,7 +45,6 @@ struct Shown {
     static_positive: Option<Threshold>,
     /// Stretches in which the knob turned freely until it met what is behind its lost motion.
     free_travel: Vec<FreeTravel>,
-    /// Why there is no breakaway.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_static: Option<String>,
 }
@@ -65,14 +60,12 @@ struct Agreement {
     difference_percent: Option<f64>,
 }
 
-/// What `check --json` writes.
 #[derive(Debug, Serialize)]
 struct Check {
     captures: Vec<Shown>,
     agreement: Vec<Agreement>,
 }
 
-/// Looks at the captures and compares.
 pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     let model = options.model.as_deref().map(load::model).transpose()?;
     let (mut captures, mut axes) = (Vec::new(), Vec::new());
@@ -191,7 +184,6 @@ fn agreement(axis: Axis, captures: &[Shown], model: Option<&Model>) -> Vec<Agree
     agreement
 }
 
-/// What was seen beside what was fitted.
 fn table(agreement: &[Agreement]) -> Table {
     let rows = agreement.iter().map(|row| {
         let digits = digits(row.ci95.map_or(1e-3 * row.checked.abs(), |[low, high]| high - low));

@@ -112,7 +112,6 @@ fn interval_digits(half_width: f64) -> usize {
     if leading < 1.95 { two_digits } else { two_digits.saturating_sub(1) }
 }
 
-/// A value with so many significant digits.
 fn significant(value: f64, digits: f64) -> String {
     format!("{value:.*}", decimals(value, digits, [0.0, 9.0]))
 }

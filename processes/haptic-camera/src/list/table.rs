@@ -5,9 +5,7 @@ use operator::one_line;
 use super::entry::{Entry, Health};
 use crate::terminal;
 
-/// Most of a name that fits.
 const NAME_LETTERS: usize = 27;
-/// Most of a knob's name that fits.
 const KNOB_LETTERS: usize = 7;
 
 /// The table, and a sentence on each file that is no whole capture.
@@ -34,7 +32,6 @@ pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
     lines
 }
 
-/// Date and time to the minute.
 fn minutes(date: &str) -> Option<String> {
     Some(format!("{} {}", date.get(..10)?, date.get(11..16)?))
 }
@@ -71,27 +68,18 @@ fn remark(entry: &Entry) -> Option<String> {
     if let Some(problem) = &entry.problem {
         return Some(format!("- {problem}"));
     }
-    let mut words = Vec::new();
-    if let (Some(gaps), Some(lost)) = (entry.gaps, entry.lost_samples)
-        && lost > 0
-    {
-        words.push(format!("{lost} samples lost in {gaps} gaps"));
-    }
-    if let Some(ticks) = entry.missed_ticks.filter(|&ticks| ticks > 0) {
-        words.push(format!("{ticks} ticks missed"));
-    }
-    if let Some(ticks) = entry.stale_ticks.filter(|&ticks| ticks > 0) {
-        words.push(format!("{ticks} ticks without new data"));
-    }
-    if let Some(drift_ppm) = entry.clock_drift_ppm {
-        words.push(format!("the rig's clock drifted by {drift_ppm:+.1} ppm"));
-    }
-    if entry.health == Health::Fault {
-        words.push("the run ended in a fault".to_owned());
-    }
-    if entry.recovered {
-        words.push("recovered from a broken archive".to_owned());
-    }
+    let some = |count: Option<u64>| count.filter(|&count| count > 0);
+    let words: Vec<String> = [
+        some(entry.lost_samples).zip(entry.gaps).map(|(lost, gaps)| format!("{lost} samples lost in {gaps} gaps")),
+        some(entry.missed_ticks).map(|ticks| format!("{ticks} ticks missed")),
+        some(entry.stale_ticks).map(|ticks| format!("{ticks} ticks without new data")),
+        entry.clock_drift_ppm.map(|drift_ppm| format!("the rig's clock drifted by {drift_ppm:+.1} ppm")),
+        (entry.health == Health::Fault).then(|| "the run ended in a fault".to_owned()),
+        entry.recovered.then(|| "recovered from a broken archive".to_owned()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     (!words.is_empty()).then(|| format!("- {}: {}", one_line(&entry.file), words.join(", ")))
 }
 

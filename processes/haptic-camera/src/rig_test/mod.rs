@@ -27,7 +27,6 @@ use crate::supervision::listen_for_interrupt;
 use crate::terminal::table;
 use channel::{Channel, LAG_HZ};
 
-/// Options of `rig-test`.
 #[derive(Debug, Args)]
 pub struct RigTestOptions {
     /// Interpretation of the paper's sweep: paper (as printed) or linear-chirp
@@ -38,7 +37,6 @@ pub struct RigTestOptions {
     pub rate_hz: f64,
     #[command(flatten)]
     pub results: ResultFiles,
-    /// How the rig is turned
     #[command(flatten)]
     pub rig: RigOptions,
 }
@@ -50,19 +48,12 @@ const TONE_S: f64 = 3.0;
 
 /// Turns the rig and compares.
 pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
-    let free = |sweep: &str, duration_s| RunRequest {
-        knob: Some("none".to_owned()),
-        sweep: sweep.to_owned(),
-        duration_s,
-        pace: Pace { rate_hz: options.rate_hz, core: None },
-        rig: options.rig.request.clone(),
-        ..RunRequest::default()
+    let of = |on_it: &str, sweep: &str, duration_s| {
+        let pace = Pace { rate_hz: options.rate_hz, core: None };
+        rig_run::request(on_it, sweep, duration_s, pace, options.rig.request.clone())
     };
-    let locked = |sweep: &str, duration_s| RunRequest {
-        knob: Some("locked".to_owned()),
-        torque: true,
-        ..free(sweep, duration_s)
-    };
+    let free = |sweep: &str, duration_s| of("none", sweep, duration_s);
+    let locked = |sweep: &str, duration_s| RunRequest { torque: true, ..of("locked", sweep, duration_s) };
     let interrupted = listen_for_interrupt()?;
     let mut outcome = Outcome::Done;
     let mut made = |request, purpose| {
@@ -139,7 +130,6 @@ fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
     CaptureFacts { title: title.to_owned(), ..analysis::facts(loaded) }
 }
 
-/// The rig's command.
 fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
     let description = loaded.capture.description.as_ref().context("the run has no description")?;
     Ok(description.excitation()?)

@@ -8,7 +8,7 @@ use dynamics::Axis;
 use hal::RigFile;
 use serde::Serialize;
 
-use super::torque_run;
+use super::{span, torque_run};
 use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, remark, show};
@@ -17,7 +17,6 @@ use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use crate::terminal::table;
 
-/// Options of `rig check`.
 #[derive(Debug, Args)]
 pub struct RigCheckOptions {
     /// The rig's file
@@ -45,7 +44,6 @@ const SLOW_SHARE: f64 = 0.5;
 struct Reading {
     channel: &'static str,
     unit: &'static str,
-    /// Its mean.
     mean: f64,
     /// From its least to its most.
     span: f64,
@@ -53,7 +51,6 @@ struct Reading {
     noise_rms: f64,
 }
 
-/// What a rig showed of itself.
 #[derive(Clone, Debug, Serialize)]
 struct Checked {
     rig: String,
@@ -70,7 +67,6 @@ struct Checked {
     channels: Vec<Reading>,
     /// What in its file looks like another unit, or is counted twice, in sentences.
     doubts: Vec<String>,
-    /// What is amiss, in sentences.
     amiss: Vec<String>,
 }
 
@@ -91,7 +87,6 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
 }
 
-#[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
 fn check(capture: &Capture) -> Checked {
     let run = capture.description.as_ref();
     let angle = reading("angle", "rad", &capture.angle_rad);
@@ -175,20 +170,16 @@ fn doubts(file: &RigFile) -> anyhow::Result<Vec<String>> {
 }
 
 fn reading(channel: &'static str, unit: &'static str, values: &[f64]) -> Reading {
-    let (least, most) =
-        values.iter().fold((f64::MAX, f64::MIN), |(least, most), value| (least.min(*value), most.max(*value)));
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // The difference of two readings has the noise of both.
     let noise_rms = deviation(&steps) / std::f64::consts::SQRT_2;
-    Reading { channel, unit, mean: mean(values), span: most - least, noise_rms }
+    Reading { channel, unit, mean: mean(values), span: span(values.iter().copied()), noise_rms }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn deviation(values: &[f64]) -> f64 {
     let mean = mean(values);
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()

@@ -18,7 +18,7 @@ use rt_loop::request::RunRequest;
 use shared_types::Fault;
 
 use self::in_file::Known;
-use super::torque_run;
+use super::{span, torque_run};
 use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
@@ -26,7 +26,6 @@ use crate::rig_run;
 use crate::supervision::{EndedInFault, listen_for_interrupt};
 use crate::terminal::digits;
 
-/// Options of `rig commission`.
 #[derive(Debug, Args)]
 pub struct RigCommissionOptions {
     /// The rig's file
@@ -122,7 +121,6 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     }
 }
 
-/// The fault in which a run ended, if it did.
 fn fault_of(error: &anyhow::Error) -> Option<Fault> {
     error.downcast_ref::<EndedInFault>().and_then(|ended| ended.fault)
 }
@@ -157,7 +155,6 @@ impl fmt::Display for Inertia {
     }
 }
 
-/// What a try tells.
 struct Found {
     moved_rad: f64,
     /// What the motor drives.
@@ -259,11 +256,7 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
 /// What a try tells; `None` where the knob hardly moved.
 fn find(loaded: &LoadedCapture) -> Option<Found> {
     let capture = &loaded.capture;
-    let (least, most) = capture
-        .angle_rad
-        .iter()
-        .fold((f64::MAX, f64::MIN), |(least, most), angle| (least.min(*angle), most.max(*angle)));
-    let moved_rad = most - least;
+    let moved_rad = span(capture.angle_rad.iter().copied());
     if moved_rad < ENOUGH_RAD * capture.axis.fingertip_way() {
         return None;
     }

@@ -16,7 +16,6 @@ use crate::load;
 use crate::outcome::Outcome;
 use crate::outputs::{FIGURES_HEADER, ResultFiles, kind, write, write_if_asked};
 
-/// Options of `sheet`.
 #[derive(Debug, Args)]
 #[command(mut_arg("report", |report| report.requires("captures")))]
 pub struct SheetOptions {
@@ -26,7 +25,6 @@ pub struct SheetOptions {
     /// A capture of the same part at speed, for inertia, viscous friction and breakaway; give it again for further ones
     #[arg(long, requires = "captures", value_name = "CAPTURE")]
     pub dynamic: Vec<PathBuf>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     #[command(flatten)]

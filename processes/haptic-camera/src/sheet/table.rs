@@ -7,7 +7,6 @@ use sheet::{Detent, Figure, Sheet};
 
 use crate::terminal::{by_reason, digits, interval, table};
 
-/// The sheet line by line.
 pub fn lines(sheet: &Sheet, files: &[PathBuf]) -> Vec<String> {
     let mut lines = vec![heading(sheet, files), figures(sheet).to_string()];
     let missing = sheet.in_order().filter_map(|figure| Some((figure.kind.name, figure.reason.as_deref()?)));
@@ -18,7 +17,6 @@ pub fn lines(sheet: &Sheet, files: &[PathBuf]) -> Vec<String> {
     lines
 }
 
-/// What the sheet is of.
 fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
     let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match files {

@@ -15,10 +15,8 @@ use crate::outcome::{Outcome, show};
 use crate::outputs::{kind, write_if_asked, write_json};
 use crate::terminal;
 
-/// Options of `capability`.
 #[derive(Debug, Args)]
 pub struct CapabilityOptions {
-    /// Units in the order in which they were made
     #[command(flatten)]
     pub study: StudyOptions,
     /// Limits on the figures

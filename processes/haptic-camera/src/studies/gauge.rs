@@ -13,10 +13,8 @@ use super::values::{StudyOptions, Unit, columns, studied, units};
 use crate::outcome::{Outcome, show};
 use crate::outputs::write_json;
 
-/// Options of `gauge`.
 #[derive(Debug, Args)]
 pub struct GaugeOptions {
-    /// Captures in folders PART/OPERATOR/
     #[command(flatten)]
     pub study: StudyOptions,
     /// Limits on the figures, for %GRR of the tolerance
@@ -50,7 +48,6 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The values by operator, part and trial.
 fn by_operator(units: &[Unit], values: &[f64], design: Design) -> anyhow::Result<Vec<Vec<Vec<f64>>>> {
     if units.iter().any(|unit| unit.part.is_empty() || unit.operator.is_empty()) {
         bail!(

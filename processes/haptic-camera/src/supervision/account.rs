@@ -5,7 +5,6 @@ use std::path::Path;
 use archive::{ArchiveError, Capture, Gap, Overview, RigAccount};
 use shared_types::{LoopStatus, RunDescription};
 
-/// Most gaps to list in a message.
 const LISTED_GAPS: usize = 5;
 
 /// What lies in the archive of a run.

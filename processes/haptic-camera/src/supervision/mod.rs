@@ -27,7 +27,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use crate::large_job;
 use crate::offline_run;
 use crate::outcome::{Outcome, remark, say};
-use crate::until_ci::{Knowledge, Share, StopRule};
+use crate::until_ci::{Share, StopRule, estimate_of};
 pub(crate) use account::Archived;
 use child::Child;
 pub(crate) use child::program;
@@ -68,7 +68,6 @@ pub(crate) struct SupervisedRun {
     pub(crate) offline: bool,
     /// The viewer's argument; `None` without a live view.
     pub(crate) viewer: Option<&'static str>,
-    /// Where the archive goes.
     pub(crate) archive: PathBuf,
     /// Ends the run once every parameter is known within this share.
     pub(crate) until: Option<Share>,
@@ -172,6 +171,7 @@ impl SupervisedRun {
             }
             let has_ended = control_loop.has_ended();
             link.listen();
+            control_loop.hear(link.status.monotonic_time_ns);
             if link.status.finished == 1 {
                 break;
             }
@@ -194,7 +194,7 @@ impl SupervisedRun {
                 stopped_by_operator = true;
                 stop(&link, control_loop);
             }
-            if link.silence_of_loop() > LOOP_HUNG {
+            if control_loop.silence() > LOOP_HUNG {
                 remark("the control loop does not respond and is killed");
                 control_loop.end(LOOP_ENDS);
             }
@@ -221,9 +221,8 @@ impl SupervisedRun {
 /// Whether the live fitter's newest word ends a run that goes on until enough is known; true once at most.
 fn is_enough_known(rule: Option<&mut StopRule>, link: &LoopLink) -> bool {
     let Some((rule, fit)) = rule.filter(|rule| !rule.has_ended()).zip(link.fit()) else { return false };
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     let time_s = fit.latest_tick as f64 / link.status.rate_hz.max(1.0);
-    rule.take(time_s, Knowledge::from(fit))
+    rule.take(time_s, estimate_of(fit))
 }
 
 /// Has the loop take the torque down and end; by force if it does not answer.

@@ -24,7 +24,6 @@ use files::{Seen, captures};
 use journal::Journal;
 pub(crate) use parquet_file::write_column;
 
-/// Options of `table`.
 #[derive(Debug, Args)]
 pub struct TableOptions {
     /// Folders of captures, searched recursively
@@ -110,7 +109,6 @@ fn add_rows(
     })
 }
 
-/// The place of a table's journal.
 pub fn journal_beside(table: &std::path::Path) -> PathBuf {
     archive::whole_file::beside(table, ".incomplete")
 }
