@@ -77,7 +77,7 @@ fn starting_model(path: &Path) -> anyhow::Result<Model> {
 pub fn with_progress(
     diagnose: impl FnOnce(&(dyn Fn(Progress) + Sync)) -> anyhow::Result<Diagnosis>,
 ) -> anyhow::Result<Diagnosis> {
-    let bar = terminal::bar(1, "{bar:24} {pos}/{len} {msg}");
+    let bar = terminal::bar(Some(1), "{bar:24} {pos}/{len} {msg}");
     let found = diagnose(&|progress| match progress {
         Progress::Tried { effect, done, of } => {
             bar.set_length(of as u64);

@@ -28,7 +28,6 @@ const PROGRAMS: [&str; 4] = ["rt-loop", "recorder", "live-fitter", "rerun-viewer
 /// What was found of one thing: in order, or amiss with how to mend it.
 type Finding = Result<String, String>;
 
-/// Looks at everything a capture needs and says what is amiss and how to mend it.
 pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     let mut findings = vec![
         ("real-time priority", priority()),

@@ -54,17 +54,6 @@ pub enum Preparation {
     CentralDifferences,
 }
 
-impl From<Preparation> for identification::PreparationMethod {
-    fn from(preparation: Preparation) -> Self {
-        match preparation {
-            Preparation::Automatic => Self::Automatic,
-            Preparation::Paper => Self::Paper,
-            Preparation::CentralDifferences => Self::CentralDifferences,
-        }
-    }
-}
-
-/// Fits a capture, or one model to several captures of the same knob, and writes what was asked for.
 pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
     let captures = options.captures.iter().map(|path| load::load_measured(path, &options.columns));
     let captures = captures.collect::<anyhow::Result<Vec<_>>>()?;
@@ -86,7 +75,11 @@ pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
 fn fit_as_asked(loaded: &LoadedCapture, options: &FitOptions) -> anyhow::Result<Fit> {
     let usual = analysis::fit_options(loaded);
     let characteristic = options.characteristic || usual.characteristic;
-    let preparation = options.preparation.into();
+    let preparation = match options.preparation {
+        Preparation::Automatic => PreparationMethod::Automatic,
+        Preparation::Paper => PreparationMethod::Paper,
+        Preparation::CentralDifferences => PreparationMethod::CentralDifferences,
+    };
     Ok(analysis::fit_with(loaded, &identification::FitOptions { characteristic, preparation, ..usual })?)
 }
 

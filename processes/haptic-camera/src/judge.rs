@@ -26,7 +26,6 @@ pub struct JudgeOptions {
     pub results: ResultFiles,
 }
 
-/// Reads the specification, judges each unit, and writes what was asked for.
 pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
     let choice = options.columns.choice()?;

@@ -58,7 +58,7 @@ fn main() -> ExitCode {
         Err(status) => return status,
     };
     let files = command.files();
-    if files.give_json() {
+    if files.gives_json {
         outcome::keep_output_for_json();
     }
     let result = files.check().and_then(|()| match command {

@@ -47,7 +47,8 @@ pub const FIGURES_HEADER: &str = "figure,angle_rad,direction,value,unit,ci95_low
 pub struct Files {
     inputs: Vec<PathBuf>,
     outputs: Vec<(PathBuf, Replace)>,
-    gives_json: bool,
+    /// Whether standard output is for the result as JSON.
+    pub gives_json: bool,
 }
 
 impl Files {
@@ -75,12 +76,6 @@ impl Files {
         self.writing(&results.json, kind::JSON).writing(&results.report, kind::PAGE)
     }
 
-    /// Whether standard output is for the result as JSON.
-    #[must_use]
-    pub fn give_json(&self) -> bool {
-        self.gives_json
-    }
-
     /// Refuses outputs that would cost something, before any work is done.
     ///
     /// # Errors
@@ -105,14 +100,12 @@ impl Files {
 pub fn is_same(one: &Path, other: &Path) -> bool {
     match (one.metadata(), other.metadata()) {
         (Ok(one), Ok(other)) => one.is_file() && (one.dev(), one.ino()) == (other.dev(), other.ino()),
-        (Err(_), Err(_)) => one.file_name() == other.file_name() && is_same_folder(one, other),
+        (Err(_), Err(_)) if one.file_name() == other.file_name() => {
+            let folders = [one, other].map(|path| whole_file::folder_of(path).canonicalize());
+            matches!(folders, [Ok(one), Ok(other)] if one == other)
+        }
         _ => false,
     }
-}
-
-fn is_same_folder(one: &Path, other: &Path) -> bool {
-    let [one, other] = [one, other].map(|path| whole_file::folder_of(path).canonicalize());
-    matches!((one, other), (Ok(one), Ok(other)) if one == other)
 }
 
 fn to_output(path: &Path) -> bool {

@@ -23,7 +23,6 @@ pub struct RecoverOptions {
     pub keep_unchecked: bool,
 }
 
-/// Recovers what is sound and says what was kept and lost.
 pub fn run(options: &RecoverOptions) -> anyhow::Result<Outcome> {
     let RecoverOptions { broken, out, keep_unchecked } = options;
     let unchecked = if *keep_unchecked { Unchecked::Keep } else { Unchecked::LeaveOut };

@@ -41,7 +41,11 @@ pub enum SimulationDrive {
 pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
     let model = load::model(&options.model)?;
     let like = load::load_chosen(&options.like, &options.columns)?;
-    let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, options.drive.into())?;
+    let drive = match options.drive {
+        SimulationDrive::Motion => Drive::Motion,
+        SimulationDrive::Torque => Drive::Torque,
+    };
+    let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, drive)?;
     let differs = match options.drive {
         SimulationDrive::Motion => format!(
             "the model's torque differs from the capture's by {rms_difference:.3} of {captured_rms:.3} mNm RMS: \
@@ -62,13 +66,4 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         say(format!("{}: {} samples", out.display(), capture.len()));
     }
     Ok(Outcome::Done)
-}
-
-impl From<SimulationDrive> for Drive {
-    fn from(drive: SimulationDrive) -> Self {
-        match drive {
-            SimulationDrive::Motion => Self::Motion,
-            SimulationDrive::Torque => Self::Torque,
-        }
-    }
 }

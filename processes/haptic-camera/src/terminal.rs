@@ -18,9 +18,10 @@ pub fn size() -> Option<(u16, u16)> {
     console::Term::stderr().size_checked()
 }
 
-pub fn bar(steps: u64, template: &str) -> ProgressBar {
+/// A progress bar of that many steps, if they are known.
+pub fn bar(steps: Option<u64>, template: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(steps).with_style(style)
+    steps.map_or_else(ProgressBar::no_length, ProgressBar::new).with_style(style)
 }
 
 /// A table without lines of these rows under a header, with the columns at these places aligned to the right.

@@ -35,7 +35,6 @@ pub struct CompareOptions {
 /// Longest name of a model that stands over a column, letters.
 const LONGEST_NAME: usize = 24;
 
-/// Fits every capture, averages those of one knob, and writes what was asked for.
 pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let compared = compare(&options.subjects, &options.columns)?;
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);

@@ -55,7 +55,13 @@ pub struct ComposeOptions {
 pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let sources = Sources::load(options)?;
     let replaced = replaced(options)?;
-    let composition = composed(&sources, options).map_err(|error| UsageError(error.into()))?;
+    let composed = || {
+        let mut composition = sources.parts.composition()?;
+        sources.values.iter().try_for_each(|(name, source)| composition.take_parameter(name, source))?;
+        options.set.iter().try_for_each(|(name, value)| composition.set(name, *value))?;
+        Ok(composition)
+    };
+    let composition: Composition = composed().map_err(|error: CompositionError| UsageError(error.into()))?;
     let of_file = || options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = options.name.clone().unwrap_or_else(of_file);
     let model = composition.model(&name, &sources.parts.description());
@@ -93,17 +99,6 @@ impl Sources {
             values: from.iter().map(value).collect::<Result<_, ModelError>>()?,
         })
     }
-}
-
-fn composed(sources: &Sources, options: &ComposeOptions) -> Result<Composition, CompositionError> {
-    let mut composition = sources.parts.composition()?;
-    for (name, source) in &sources.values {
-        composition.take_parameter(name, source)?;
-    }
-    for (name, value) in &options.set {
-        composition.set(name, *value)?;
-    }
-    Ok(composition)
 }
 
 /// What the model may replace: one that was composed before, so that a number is changed and felt again. Refuses a place where

@@ -46,7 +46,6 @@ const SWEEP_S: f64 = 6.0;
 /// Length of the run at one frequency, s.
 const TONE_S: f64 = 3.0;
 
-/// Turns the rig and compares.
 pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
     let of = |on_it: &str, sweep: &str, duration_s| {
         let pace = Pace { rate_hz: options.rate_hz, core: None };

@@ -70,7 +70,6 @@ struct Checked {
     amiss: Vec<String>,
 }
 
-/// Brings the rig up and tells what it shows.
 pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     let folder = tempfile::tempdir()?;

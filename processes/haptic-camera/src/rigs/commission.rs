@@ -198,24 +198,18 @@ impl Found {
     }
 }
 
-/// The last of several, with an interval that holds those of all.
-fn of_all(tries: &[Found], inertia: impl Fn(&Found) -> Inertia) -> Option<Inertia> {
-    tries.iter().map(inertia).reduce(|before, next| Inertia {
-        value: next.value,
-        low: before.low.min(next.low),
-        high: before.high.max(next.high),
-    })
-}
-
 /// Tells what the tries have in common, and writes it into the rig's file: the motor's inertia where a sensor parts it from the knob's.
 fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let axis = file.axis;
     let say = |text: String| say(axis.words(&text));
-    let Some(((last, driven), motor)) =
-        tries.last().zip(of_all(tries, |found| found.driven)).zip(of_all(tries, Found::motor))
-    else {
-        anyhow::bail!("no try moved the knob");
+    let Some(last) = tries.last() else { anyhow::bail!("no try moved the knob") };
+    // The last value, with an interval that holds those of all.
+    let of_all = |inertia: fn(&Found) -> Inertia| {
+        let widest =
+            |all: Inertia, one: Inertia| Inertia { low: all.low.min(one.low), high: all.high.max(one.high), ..all };
+        tries.iter().map(inertia).fold(inertia(last), widest)
     };
+    let (driven, motor) = (of_all(|found| found.driven), of_all(Found::motor));
     say(format!("moved    {:.3} rad", last.moved_rad));
     say(format!("inertia  {driven} in total, driven by the motor"));
     if let Some(Some(behind)) = last.behind {
@@ -241,15 +235,9 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
     }
     let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
     in_file::write(&options.file, path, axis, &known)?;
-    if has_sensor {
-        say(format!("written  motor_inertia = {motor} under [calibration] of {}", path.display()));
-    } else {
-        // What was on the gripper nothing tells here.
-        say(format!(
-            "write    motor_inertia = {motor} under [calibration] of {}, if nothing was on the gripper",
-            path.display()
-        ));
-    }
+    // Without a sensor nothing tells what was on the gripper.
+    let (done, condition) = if has_sensor { ("written ", "") } else { ("write   ", ", if nothing was on the gripper") };
+    say(format!("{done} motor_inertia = {motor} under [calibration] of {}{condition}", path.display()));
     Ok(Outcome::Done)
 }
 

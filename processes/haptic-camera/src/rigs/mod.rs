@@ -95,17 +95,14 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
     let stop = || interrupted.load(Ordering::Relaxed);
     let found = rt_loop::rigs::scan(&rt_loop::rigs::ALL, &options.target, &stop)?;
     found.lines.iter().for_each(say);
-    match (&options.out, &found.rig_file) {
-        (Some(out), Some(text)) => {
-            write(out, kind::DATA, text)?;
-            say(format!("rig file {}", out.display()));
-            Ok(Outcome::Done)
-        }
-        (Some(_), None) => {
-            anyhow::bail!("{} has no device for a rig; no rig file is written", options.target)
-        }
-        (None, _) => Ok(Outcome::Done),
+    if let Some(out) = &options.out {
+        let text = found.rig_file.as_ref();
+        let text =
+            text.with_context(|| format!("{} has no device for a rig; no rig file is written", options.target))?;
+        write(out, kind::DATA, text)?;
+        say(format!("rig file {}", out.display()));
     }
+    Ok(Outcome::Done)
 }
 
 /// A run on the rig of a file that commands torques, none by default.

@@ -37,7 +37,6 @@ pub struct SheetOptions {
     pub wall: Option<PathBuf>,
 }
 
-/// Reads the curves, makes the sheet, and writes what was asked for.
 pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if let Some(path) = &options.wall {
         write(path, kind::PAGE, &report::wall_page(&wall::page()?))?;

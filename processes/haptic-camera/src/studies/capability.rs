@@ -30,7 +30,6 @@ pub struct CapabilityOptions {
     pub dfq: Option<PathBuf>,
 }
 
-/// Studies each limited figure and writes what was asked for.
 pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
     let studied = studied(&options.study, Some(&specification))?;

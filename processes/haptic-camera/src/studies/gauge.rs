@@ -31,7 +31,6 @@ const MAY_DO_PERCENT: f64 = 30.0;
 /// Fewest categories of parts that a gauge should tell apart (AIAG).
 const CATEGORIES: u64 = 5;
 
-/// Studies each figure and writes what was asked for.
 pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let studied = studied(&options.study, specification.as_ref())?;

@@ -110,9 +110,9 @@ impl LoopLink {
         self.fit.as_ref().filter(|fit| fit.run_id == self.status.run_id)
     }
 
-    /// Whether a consumer has reported.
-    pub(crate) fn has_heard_from(&self, kind: ProcessKind) -> bool {
-        self.health.iter().any(|health| health.process == kind.code())
+    /// What a consumer last said of itself; `None` when it never has.
+    pub(crate) fn health_of(&self, kind: ProcessKind) -> Option<&ProcessHealth> {
+        self.health.iter().find(|health| health.process == kind.code())
     }
 
     /// When a consumer's process last said how it is, CLOCK_MONOTONIC, ns; `None` when it never has.
@@ -122,8 +122,7 @@ impl LoopLink {
 
     /// How long nothing has come from a recorder that has reported before.
     pub(crate) fn absence_of_recorder(&self) -> Duration {
-        let recorder = self.health.iter().find(|health| health.process == ProcessKind::Recorder.code());
-        let last_ns = recorder.map(|health| health.monotonic_time_ns);
+        let last_ns = self.health_of(ProcessKind::Recorder).map(|health| health.monotonic_time_ns);
         last_ns.map_or(Duration::ZERO, |last_ns| Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(last_ns)))
     }
 

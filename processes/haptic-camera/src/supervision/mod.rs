@@ -21,7 +21,7 @@ use rt_loop::LONGEST_PREPARATION_S;
 use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::fault_injection::{self, FaultInjection};
-use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime, rig};
+use shared_types::{CommandKind, Fault, LoopState, ProcessKind, realtime, rig};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::large_job;
@@ -142,12 +142,15 @@ impl SupervisedRun {
         let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
         let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status.core)?;
         let ready_by = Instant::now() + RECORDER_READY;
-        while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
+        while link.health_of(ProcessKind::Recorder).is_none() && Instant::now() < ready_by {
             std::thread::sleep(CYCLE);
             link.listen();
             consumers.revive(&link);
         }
-        self.tell_start(&link.status);
+        say(format!("{}, core {}", self.in_words, link.status.core));
+        if link.status.realtime & realtime::FULL != realtime::FULL {
+            remark("without full real-time permission: ticks may be late, and the capture records that");
+        }
 
         if let Err(error) = link.request(CommandKind::Start) {
             let had_ended = control_loop.has_ended();
@@ -208,13 +211,6 @@ impl SupervisedRun {
         let LoopLink { status, rig, models, .. } = link;
         let (interrupted, achieved) = (stopped_by_operator, rule);
         Ok(Some(RunEnd { status, recorder_exit, restarts, rig, models, interrupted, achieved, loop_failed }))
-    }
-
-    fn tell_start(&self, status: &LoopStatus) {
-        say(format!("{}, core {}", self.in_words, status.core));
-        if status.realtime & realtime::FULL != realtime::FULL {
-            remark("without full real-time permission: ticks may be late, and the capture records that");
-        }
     }
 }
 

@@ -113,9 +113,7 @@ fn time_in_words(ns: u64) -> String {
 /// Ticks missed and samples lost, by whom.
 pub(super) fn losses(link: &LoopLink) -> String {
     let status = &link.status;
-    let lost_by = |kind: ProcessKind| {
-        link.health.iter().find(|health| health.process == kind.code()).map_or(0, |health| health.lost_samples)
-    };
+    let lost_by = |kind: ProcessKind| link.health_of(kind).map_or(0, |health| health.lost_samples);
     let lost: Vec<(&str, u64)> = [ProcessKind::Recorder, ProcessKind::LiveFitter, ProcessKind::Viewer]
         .into_iter()
         .map(|kind| (kind.name(), lost_by(kind)))

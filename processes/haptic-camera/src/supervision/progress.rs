@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use dynamics::Axis;
 use identification::live::LiveParameter;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use shared_types::Sample;
 
 use super::SupervisedRun;
@@ -53,13 +53,12 @@ impl Progress {
         let whole_panel =
             shown == Shown::Fit && size.is_some_and(|(rows, columns)| rows > FIT_LINES && columns >= WIDTH);
         let bar = size.map(|_| {
-            let bar = duration_s.map_or_else(ProgressBar::no_length, |duration_s| ProgressBar::new(steps(duration_s)));
             let template = match (duration_s, whole_panel) {
                 (Some(_), true) => "{bar:38}  {prefix}\n{msg}",
                 (Some(_), false) => "{bar:16} {msg}",
                 (None, _) => "{msg}",
             };
-            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            let bar = terminal::bar(duration_s.map(steps), template);
             hold_panel(&bar);
             bar
         });
