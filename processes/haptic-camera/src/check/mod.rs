@@ -173,14 +173,14 @@ fn agreement(axis: Axis, captures: &[Shown], model: Option<&Model>) -> Vec<Agree
         }
         add("detent_period", "rad", count.period_rad, Some(count.period_ci95_rad), period);
     }
-    let thresholds: [(_, fn(&Shown) -> &Option<Threshold>); 2] =
-        [("static_negative", |shown| &shown.static_negative), ("static_positive", |shown| &shown.static_positive)];
-    for (quantity, of) in thresholds {
+    let mut add_static = |quantity, of: fn(&Shown) -> &Option<Threshold>| {
         if let Some(threshold) = captures.iter().filter_map(|shown| of(shown).as_ref()).max_by_key(|seen| seen.times) {
             let fitted = model.and_then(|model| model.parameter(quantity));
             add(quantity, "mNm", threshold.torque_mnm, threshold.ci95_mnm, fitted);
         }
-    }
+    };
+    add_static("static_negative", |shown| &shown.static_negative);
+    add_static("static_positive", |shown| &shown.static_positive);
     agreement
 }
 

@@ -46,7 +46,7 @@ pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
 
 /// A column to be: a model, or the captures of one knob.
 enum Subject {
-    Model(ComparedKnob),
+    Model(Box<ComparedKnob>),
     Captures { group: Option<Group>, fitted: Vec<(LoadedCapture, Fit)> },
 }
 
@@ -82,7 +82,7 @@ fn compare(given: &[String], columns: &ColumnOptions) -> anyhow::Result<Comparis
     let mut subjects: Vec<Subject> = Vec::new();
     for name in given {
         if load::names_model(name) {
-            subjects.push(Subject::Model(of_model(name, knobs::named(name)?)));
+            subjects.push(Subject::Model(Box::new(of_model(name, knobs::named(name)?))));
             continue;
         }
         let loaded = load::load_measured(&PathBuf::from(name), columns)?;
@@ -98,7 +98,7 @@ fn compare(given: &[String], columns: &ColumnOptions) -> anyhow::Result<Comparis
         }
     }
     let knobs = subjects.into_iter().map(|subject| match subject {
-        Subject::Model(knob) => Ok(knob),
+        Subject::Model(knob) => Ok(*knob),
         Subject::Captures { group, fitted } => of_captures(group.as_ref(), &fitted),
     });
     let mut compared = Comparison {
