@@ -19,6 +19,20 @@ pub fn diagnose(
     model: Option<Model>,
     progress: Option<&(dyn Fn(Progress) + Sync)>,
 ) -> Result<Diagnosis, AnalysisError> {
+    diagnose_within(None, train, heldout, model, progress)
+}
+
+/// The same, with the largest distance from the start to which the next experiment may move the control, rad.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_within(
+    reach_rad: Option<f64>,
+    train: &LoadedCapture,
+    heldout: Option<&LoadedCapture>,
+    model: Option<Model>,
+    progress: Option<&(dyn Fn(Progress) + Sync)>,
+) -> Result<Diagnosis, AnalysisError> {
     model.iter().try_for_each(|model| same_axis(model, train))?;
     let judge = heldout.unwrap_or(train);
     let commanded = train.commanded_torque_mnm().zip(judge.commanded_torque_mnm());
@@ -29,7 +43,7 @@ pub fn diagnose(
         heldout_t_s: &judge.capture.t_s,
     });
     let calibration = train.calibration.clone();
-    let asked = DiagnoseOptions { calibration, axis: train.capture.axis, model, commanded, progress, reach_rad: None };
+    let asked = DiagnoseOptions { calibration, axis: train.capture.axis, model, commanded, progress, reach_rad };
     let samples = heldout.map(LoadedCapture::samples);
     Ok(diagnosis::diagnose(&train.samples(), samples.as_ref(), &asked)?)
 }

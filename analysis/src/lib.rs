@@ -12,7 +12,7 @@ mod row;
 mod sheet;
 mod simulation;
 
-pub use diagnosis::{DiagnosisResult, diagnose, diagnosed_model, refuse_drawn};
+pub use diagnosis::{DiagnosisResult, diagnose, diagnose_within, diagnosed_model, refuse_drawn};
 pub use error::AnalysisError;
 pub use facts::{facts, fit_page, title};
 pub use fit::{AverageResult, FitResult, common_truth, fit, fit_options, fit_with, mean_fit, titles};

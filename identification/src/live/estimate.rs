@@ -4,7 +4,7 @@ use dynamics::{Effect, ParameterKind, Part, effects};
 use nalgebra::DMatrix;
 
 use super::blocks::{Blocks, Solution};
-use super::convergence::{Convergence, Criterion, MotionRms};
+use super::convergence::{Convergence, Criterion, MotionRms, relative_half_width};
 use crate::uncertainty::statistics::deviation_of_sum;
 
 /// Blocks that must scatter before intervals mean anything.
@@ -47,6 +47,24 @@ impl LiveParameter {
     #[must_use]
     pub fn half_width(&self) -> Option<f64> {
         self.ci95.map(|[low, high]| 0.5 * (high - low))
+    }
+
+    /// The half width as a share of the value; of a phase, of one radian. `None` while there is no interval.
+    #[must_use]
+    pub fn share(&self) -> Option<f64> {
+        Some(relative_half_width(self.name, self.value?, self.half_width()?)).filter(|share| share.is_finite())
+    }
+
+    /// Whether the model that was fitted has this parameter.
+    #[must_use]
+    pub fn is_in_model(&self) -> bool {
+        self.verdict != Verdict::Absent
+    }
+
+    /// Whether a capture need not go on for this parameter.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        !self.is_in_model() || self.convergence != Convergence::Open
     }
 }
 

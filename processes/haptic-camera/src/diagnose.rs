@@ -5,19 +5,17 @@ use std::path::{Path, PathBuf};
 use analysis::{DiagnosisResult, diagnosed_model, refuse_drawn};
 use clap::Args;
 use dynamics::{Axis, Model};
-use identification::diagnosis::Progress;
-use indicatif::ProgressBar;
+use identification::diagnosis::{Diagnosis, Progress};
 use report::DiagnosisPage;
 
 use crate::command_line::ColumnOptions;
 use crate::diagnosis_text;
 use crate::load;
-use crate::outcome::{Outcome, show};
-use crate::outputs::{kind, write, write_if_asked, write_json_on};
+use crate::outcome::Outcome;
+use crate::outputs::{ResultFiles, kind, show_on, write_if_asked};
 use crate::recording;
 use crate::terminal;
 
-/// Options of `diagnose`.
 #[derive(Debug, Args)]
 pub struct DiagnoseOptions {
     /// The capture that models are fitted to: an archive, a CSV or an MDF file
@@ -26,21 +24,16 @@ pub struct DiagnoseOptions {
     /// A held-out capture of the same knob with another motion; without one, sections of the first are held out
     #[arg(long, value_name = "CAPTURE")]
     pub heldout: Option<PathBuf>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     /// The model to start from [default: inertia, friction and detents, fitted]
     #[arg(long, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
-    /// Write the diagnosis as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
     /// Write the model with the added effects
     #[arg(long, value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
     /// Write a rerun file: measured and predicted torque, maps of the residual, each effect with its rivals
     #[arg(long, value_name = "FILE.rrd")]
     pub recording: Option<PathBuf>,
@@ -56,16 +49,12 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<Outcome> {
     let heldout = options.heldout.as_deref().map(load).transpose()?;
     let axis = train.capture.axis;
     let model = options.model.as_deref().map(starting_model).transpose()?;
-    let bar = progress_bar();
-    let progress = |progress: Progress| show_progress(&bar, progress);
-    let found = analysis::diagnose(&train, heldout.as_ref(), model, Some(&progress));
-    bar.finish_and_clear();
-    let found = found?;
-    show(diagnosis_text::lines(&found).iter().map(|line| axis.words(line)));
-    write_if_asked(options.out.as_ref(), kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &train).to_toml())?;
+    let found = with_progress(|progress| Ok(analysis::diagnose(&train, heldout.as_ref(), model, Some(progress))?))?;
+    show_on(axis, diagnosis_text::lines(&found));
+    write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &train).to_toml())?;
     let page =
         DiagnosisPage { found: &found, train: analysis::facts(&train), heldout: heldout.as_ref().map(analysis::facts) };
-    tell(axis, &page, options.json.as_deref(), options.report.as_deref())?;
+    write_results(&options.results, axis, &page)?;
     if let Some(path) = &options.recording {
         recording::write(path, &found, &analysis::title(&train), heldout.as_ref().map(analysis::title).as_deref())?;
     }
@@ -73,31 +62,23 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<Outcome> {
 }
 
 /// Writes a diagnosis as JSON and as a page, what of them was asked for.
-///
-/// # Errors
-/// When a file cannot be written.
-pub fn tell(axis: Axis, page: &DiagnosisPage<'_>, json: Option<&Path>, report: Option<&Path>) -> anyhow::Result<()> {
-    let made = report.map(|path| (path, report::diagnosis_page_with_numbers(page)));
-    let figures = made.as_ref().map(|(_, (_, figures))| figures.clone()).unwrap_or_default();
-    write_json_on(axis, json, &DiagnosisResult::of(page, figures))?;
-    made.map_or(Ok(()), |(path, (html, _))| write(path, kind::PAGE, &axis.words(&html)))
+pub fn write_results(results: &ResultFiles, axis: Axis, page: &DiagnosisPage<'_>) -> anyhow::Result<()> {
+    let result = |figures| DiagnosisResult::of(page, figures);
+    results.write(axis, || report::diagnosis_page_with_numbers(page), result)
 }
 
-/// The model to start from.
 fn starting_model(path: &Path) -> anyhow::Result<Model> {
     let model = load::model(path)?;
     refuse_drawn(&model, &path.display().to_string())?;
     Ok(model)
 }
 
-/// A bar for [`show_progress`].
-pub fn progress_bar() -> ProgressBar {
-    terminal::bar(1, "{bar:24} {pos}/{len} {msg}")
-}
-
-/// Shows how far a diagnosis is.
-pub fn show_progress(bar: &ProgressBar, progress: Progress) {
-    match progress {
+/// Makes a diagnosis while a bar shows how far it is.
+pub fn with_progress(
+    diagnose: impl FnOnce(&(dyn Fn(Progress) + Sync)) -> anyhow::Result<Diagnosis>,
+) -> anyhow::Result<Diagnosis> {
+    let bar = terminal::bar(Some(1), "{bar:24} {pos}/{len} {msg}");
+    let found = diagnose(&|progress| match progress {
         Progress::Tried { effect, done, of } => {
             bar.set_length(of as u64);
             bar.set_position(done as u64);
@@ -106,5 +87,7 @@ pub fn show_progress(bar: &ProgressBar, progress: Progress) {
         Progress::Added { effect, heldout_over_floor } => {
             bar.println(format!("added {effect}: residual {heldout_over_floor:.2} times the noise"));
         }
-    }
+    });
+    bar.finish_and_clear();
+    found
 }

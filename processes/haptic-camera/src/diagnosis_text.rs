@@ -136,60 +136,51 @@ fn ties(steps: &[Step]) -> Vec<String> {
 }
 
 fn steps(steps: &[Step], decimals: usize) -> Table {
-    let mut table = table(["added", "before", "after", "null", "closest rival"], 1..4);
-    for step in steps {
+    let row = |step: &Step| {
         let rival = step.rivals.iter().find(|rival| rival.disqualified.is_none());
         let rms_mnm = |value: f64| format!("{value:.decimals$}");
-        table.add_row([
+        [
             step.effect.to_owned(),
             rms_mnm(step.heldout_rms_before),
             rms_mnm(step.heldout_rms_after),
             rms_mnm(step.placebo_rms),
             rival.map_or_else(|| "none".to_owned(), |one| format!("{} {}", one.effect, rms_mnm(one.heldout_rms_after))),
-        ]);
-    }
-    table
+        ]
+    };
+    table(["added", "before", "after", "null", "closest rival"], 1..4, steps.iter().map(row))
 }
 
 /// The parameters of what was added, each effect's in the order of its law.
 fn parameters(steps: &[Step]) -> Table {
-    let mut table = table(["parameter", "value", "95 % interval", "unit"], 1..3);
-    for step in steps {
+    let rows = steps.iter().flat_map(|step| {
         let kind = effects::by_name(step.effect);
         let place = |name: &str| {
             kind.map_or(0, |kind| kind.parameters.iter().take_while(|parameter| parameter.name != name).count())
         };
         let mut ordered: Vec<_> = step.parameters.iter().collect();
         ordered.sort_by_key(|(name, _)| place(name));
-        for (name, value) in ordered {
+        ordered.into_iter().map(|(name, value)| {
             let digits = decimals(value.ci95.map_or(0.01 * value.value, |[low, high]| high - low));
             let interval =
                 value.ci95.map_or_else(|| "–".to_owned(), |[low, high]| format!("{low:.digits$} … {high:.digits$}"));
-            table.add_row([*name, &format!("{:.digits$}", value.value), &interval, value.unit]);
-        }
-    }
-    table
+            [*name, &format!("{:.digits$}", value.value), &interval, value.unit].map(str::to_owned)
+        })
+    });
+    table(["parameter", "value", "95 % interval", "unit"], 1..3, rows)
 }
 
-/// Unequal detents one by one.
 fn detents(step: &Step) -> Table {
-    let mut table = table(["rest, °", "pitch, °", "peak, mNm", "trough, mNm"], 0..4);
     let cell = |value: &Value, factor: f64| {
         let half = value.ci95.map(|[low, high]| 0.5 * factor * (high - low));
         let digits = decimals(half.unwrap_or(0.01));
         let interval = half.map_or_else(String::new, |half| format!(" ± {half:.digits$}"));
         format!("{:.digits$}{interval}", factor * value.value)
     };
-    for detent in &step.detents {
-        let degrees = 1.0_f64.to_degrees();
-        table.add_row([
-            cell(&detent.rest, degrees),
-            cell(&detent.pitch, degrees),
-            cell(&detent.peak, 1.0),
-            cell(&detent.trough, 1.0),
-        ]);
-    }
-    table
+    let degrees = 1.0_f64.to_degrees();
+    let rows = step.detents.iter().map(|detent| {
+        [cell(&detent.rest, degrees), cell(&detent.pitch, degrees), cell(&detent.peak, 1.0), cell(&detent.trough, 1.0)]
+    });
+    table(["rest, °", "pitch, °", "peak, mNm", "trough, mNm"], 0..4, rows)
 }
 
 /// Decimals that show two or three digits of an interval's width.
@@ -198,9 +189,12 @@ fn decimals(width: f64) -> usize {
     (0..12).take_while(|decimals| f64::from(*decimals) + order < 1.0).count()
 }
 
-/// A table that fits the terminal.
-fn table<const COLUMNS: usize>(header: [&str; COLUMNS], right: Range<usize>) -> Table {
-    let mut table = terminal::table(header, right);
+fn table<const COLUMNS: usize>(
+    header: [&str; COLUMNS],
+    right: Range<usize>,
+    rows: impl Iterator<Item = [String; COLUMNS]>,
+) -> Table {
+    let mut table = terminal::table(header, right, rows);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
     table
 }

@@ -16,7 +16,6 @@ use crate::outcome::{Outcome, say};
 use crate::supervision::program_path;
 use crate::terminal::{self, WIDTH};
 
-/// Options of `doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorOptions {
     /// Also check whether this rig's driver is available
@@ -24,16 +23,11 @@ pub struct DoctorOptions {
     pub rig: Option<PathBuf>,
 }
 
-/// The programs that a capture starts.
 const PROGRAMS: [&str; 4] = ["rt-loop", "recorder", "live-fitter", "rerun-viewer"];
 
 /// What was found of one thing: in order, or amiss with how to mend it.
 type Finding = Result<String, String>;
 
-/// Looks at everything a capture needs and says what is amiss and how to mend it.
-///
-/// # Errors
-/// Never; what cannot be checked is reported as a problem.
 pub fn run(options: &DoctorOptions) -> anyhow::Result<Outcome> {
     let mut findings = vec![
         ("real-time priority", priority()),

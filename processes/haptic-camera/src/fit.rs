@@ -1,6 +1,6 @@
 //! `fit`: from a capture to a model.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use analysis::{AverageResult, FitResult, common_truth, titles};
 use anyhow::Context as _;
@@ -9,32 +9,26 @@ use clap::Args;
 use dynamics::Model;
 use identification::{Fit, MeasuredCurve, PreparationMethod};
 use loaded_capture::LoadedCapture;
-use report::{AveragePage, FigureNumbers};
+use report::AveragePage;
 
 use crate::command_line::ColumnOptions;
 use crate::fit_tables::{agreement_line, harmonic_table, parameter_table, reasons, repeatability_table};
 use crate::load;
-use crate::outcome::{Outcome, is_output_json, say};
-use crate::outputs::{kind, write, write_if_asked, write_json_on};
+use crate::outcome::{Outcome, say};
+use crate::outputs::{ResultFiles, kind, show_on, write, write_if_asked};
 
-/// Options of `fit`.
 #[derive(Debug, Args)]
 pub struct FitOptions {
     /// The capture: an archive, a CSV or an MDF file; several of the same knob give one model
     #[arg(required = true, value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
-    /// Write the result as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
     /// Write the fitted model
     #[arg(long, value_name = "MODEL.toml")]
     pub out: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
     /// Write the fitted parameters into a joint of this MuJoCo model, changing the file: armature, damping, frictionloss, detents
     #[arg(long, value_name = "MUJOCO.xml")]
     pub into: Option<PathBuf>,
@@ -60,69 +54,48 @@ pub enum Preparation {
     CentralDifferences,
 }
 
-impl From<Preparation> for identification::PreparationMethod {
-    fn from(preparation: Preparation) -> Self {
-        match preparation {
-            Preparation::Automatic => Self::Automatic,
-            Preparation::Paper => Self::Paper,
-            Preparation::CentralDifferences => Self::CentralDifferences,
-        }
-    }
-}
-
-/// Fits a capture, or one model to several captures of the same knob, and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a capture or a file.
 pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
     let captures = options.captures.iter().map(|path| load::load_measured(path, &options.columns));
     let captures = captures.collect::<anyhow::Result<Vec<_>>>()?;
+    load::common_axis(captures.iter().map(|one| one.capture.axis))?;
     let fits = captures.iter().map(|one| fit_as_asked(one, options)).collect::<anyhow::Result<Vec<Fit>>>()?;
-    let (model, page) = match (captures.as_slice(), fits.as_slice()) {
-        ([capture], [fit]) => of_one(capture, fit, options)?,
+    let model = match (captures.as_slice(), fits.as_slice()) {
+        ([capture], [fit]) => {
+            show_on(fit.axis, lines(capture.truth.as_ref(), fit));
+            write_results(&options.results, capture, fit)?;
+            fit.model(&analysis::title(capture))
+        }
         _ => of_several(&captures, &fits, options)?,
     };
-    write_if_asked(options.out.as_ref(), kind::FITTED_MODEL, || model.to_toml())?;
+    write_if_asked(&options.out, kind::FITTED_MODEL, || model.to_toml())?;
     write_into(options, &model)?;
-    write_if_asked(options.report.as_ref(), kind::PAGE, || page)?;
     Ok(Outcome::Done)
 }
 
 fn fit_as_asked(loaded: &LoadedCapture, options: &FitOptions) -> anyhow::Result<Fit> {
     let usual = analysis::fit_options(loaded);
     let characteristic = options.characteristic || usual.characteristic;
-    let preparation = options.preparation.into();
+    let preparation = match options.preparation {
+        Preparation::Automatic => PreparationMethod::Automatic,
+        Preparation::Paper => PreparationMethod::Paper,
+        Preparation::CentralDifferences => PreparationMethod::CentralDifferences,
+    };
     Ok(analysis::fit_with(loaded, &identification::FitOptions { characteristic, preparation, ..usual })?)
 }
 
-/// Tells the fit of one capture; gives the model, and the page if it was asked for.
-fn of_one(capture: &LoadedCapture, fit: &Fit, options: &FitOptions) -> anyhow::Result<(Model, String)> {
-    if !is_output_json() {
-        show_fit(capture.truth.as_ref(), fit);
-    }
-    let (page, figures) = options.report.as_ref().map(|_| analysis::fit_page(capture, fit)).unwrap_or_default();
-    write_numbers(options.json.as_deref(), capture, fit, figures)?;
-    Ok((fit.model(&analysis::title(capture)), page))
-}
-
-/// Tells what several captures have in common; gives the model, and the page if it was asked for.
-fn of_several(captures: &[LoadedCapture], fits: &[Fit], options: &FitOptions) -> anyhow::Result<(Model, String)> {
+/// Tells what several captures have in common, and gives the model.
+fn of_several(captures: &[LoadedCapture], fits: &[Fit], options: &FitOptions) -> anyhow::Result<Model> {
     let average = identification::average(fits).context("there is no capture to fit")?;
     let each: Vec<&LoadedCapture> = captures.iter().collect();
     let truth = common_truth(&each);
-    if !is_output_json() {
-        show_fit(truth, &average.fit);
-        average.agreement.map(agreement_line).into_iter().for_each(say);
-        say("");
-        say(repeatability_table(&average));
-    }
-    write_json_on(average.fit.axis, options.json.as_deref(), &AverageResult::of(&average, &each, fits))?;
-    let page = options.report.as_ref().map(|_| {
+    let mut lines = lines(truth, &average.fit);
+    lines.extend(average.agreement.map(agreement_line));
+    lines.extend([String::new(), repeatability_table(&average).to_string()]);
+    options.results.tell(average.fit.axis, lines, &AverageResult::of(&average, &each, fits), || {
         let captures = captures.iter().map(analysis::facts).collect();
-        let page = report::average_page(&AveragePage { average: &average, fits, captures, truth });
-        average.fit.axis.words(&page).into_owned()
-    });
-    Ok((average.model(&titles(&each)), page.unwrap_or_default()))
+        report::average_page(&AveragePage { average: &average, fits, captures, truth })
+    })?;
+    Ok(average.model(&titles(&each)))
 }
 
 /// Writes the model into a joint of a MuJoCo file, if that was asked for.
@@ -140,46 +113,29 @@ fn write_into(options: &FitOptions, model: &Model) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes every number of a fit as JSON to a file, or to standard output for `-`; `figures` are those in a page's captions.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_numbers(
-    path: Option<&Path>,
-    loaded: &LoadedCapture,
-    fit: &Fit,
-    figures: FigureNumbers,
-) -> anyhow::Result<()> {
-    write_json_on(fit.axis, path, &FitResult::of(loaded, fit, figures))
+/// Writes every number of a fit as JSON and the page, what of them was asked for.
+pub fn write_results(results: &ResultFiles, loaded: &LoadedCapture, fit: &Fit) -> anyhow::Result<()> {
+    let result = |figures| FitResult::of(loaded, fit, figures);
+    results.write(fit.axis, || analysis::fit_page(loaded, fit), result)
 }
 
 /// Fits a capture with all that is known of its rig.
-///
-/// # Errors
-/// Why it cannot be fitted, in one sentence.
 pub fn fit_capture(loaded: &LoadedCapture) -> anyhow::Result<Fit> {
     Ok(analysis::fit(loaded, PreparationMethod::default())?)
 }
 
-/// Prints the fit for people, beside the true values where they are known.
-pub fn show_fit(truth: Option<&Model>, fit: &Fit) {
-    let say = |text: &dyn std::fmt::Display| say(fit.axis.words(&text.to_string()));
-    say(&parameter_table(fit, truth));
+/// The fit for people, beside the true values where they are known.
+pub fn lines(truth: Option<&Model>, fit: &Fit) -> Vec<String> {
     let decimals = decimals(fit.mean_ci95_mnm);
-    say(&format!(
+    let mut lines = vec![parameter_table(fit, truth).to_string()];
+    lines.push(format!(
         "residual {:.decimals$} mNm RMS, {:.2} % of the torque; mean 95 % interval ±{:.decimals$} mNm",
         fit.residual_rms_mnm, fit.relative_error_percent, fit.mean_ci95_mnm
     ));
-    for curve in &fit.characteristics {
-        say(&characteristic_line(curve));
-    }
-    if let Some(table) = harmonic_table(fit) {
-        say(&"");
-        say(&table);
-    }
-    for line in reasons(fit).iter().chain(&fit.notes) {
-        say(&format!("- {line}"));
-    }
+    lines.extend(fit.characteristics.iter().map(characteristic_line));
+    lines.extend(harmonic_table(fit).iter().flat_map(|table| [String::new(), table.to_string()]));
+    lines.extend(reasons(fit).iter().chain(&fit.notes).map(|line| format!("- {line}")));
+    lines
 }
 
 /// Three decimals, or as many as show a small number.

@@ -5,7 +5,7 @@ use dynamics::effects::detent::canonical;
 use dynamics::{Model, effects};
 use identification::{Agreement, Average, Fit, Parameter};
 
-use crate::terminal::{by_reason, digits, table};
+use crate::terminal::{by_reason, digits, interval, table};
 
 /// Parameters with intervals, and the true values where they are known.
 pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
@@ -13,23 +13,17 @@ pub fn parameter_table(fit: &Fit, truth: Option<&Model>) -> Table {
     if truth.is_some() {
         header.extend(["true", ""]);
     }
-    let mut table = table(header, [1, 2, 4]);
-    for parameter in &fit.parameters.0 {
+    let row = |parameter: &Parameter| {
         let digits = digits_of(parameter);
-        let (value, interval) = match (parameter.value, parameter.ci95) {
-            (Some(value), Some([low, high])) => {
-                (format!("{value:.digits$}"), format!("{low:.digits$} to {high:.digits$}"))
-            }
-            (Some(value), None) => (format!("{value:.digits$}"), String::new()),
-            (None, _) => ("-".to_owned(), "not identifiable".to_owned()),
+        let (value, interval) = match parameter.value {
+            Some(value) => (format!("{value:.digits$}"), interval(parameter.ci95, digits)),
+            None => ("-".to_owned(), "not identifiable".to_owned()),
         };
         let mut row = vec![parameter.name.to_owned(), value, interval, parameter.unit.to_owned()];
-        if let Some(model) = truth {
-            row.extend(truth_cells(parameter, model, digits));
-        }
-        table.add_row(row);
-    }
-    table
+        row.extend(truth.into_iter().flat_map(|model| truth_cells(parameter, model, digits)));
+        row
+    };
+    table(header, [1, 2, 4], fit.parameters.0.iter().map(row))
 }
 
 /// Why parameters are not identifiable, a line for each reason.
@@ -74,19 +68,18 @@ pub fn harmonic_table(fit: &Fit) -> Option<Table> {
     let first = harmonics.first()?;
     let whole_model = first.relative_error_percent.is_some();
     let share = if whole_model { "relative error with it %" } else { "of the residual %" };
-    let mut table = table(["per turn", "of the detent", "amplitude mNm", "phase rad", share], 0..5);
-    for harmonic in harmonics {
-        // Where every harmonic is a whole number per turn, it is written as one.
-        let digits = if harmonics.iter().all(|one| one.per_turn.fract() == 0.0) { 0 } else { 3 };
-        table.add_row([
+    // Where every harmonic is a whole number per turn, it is written as one.
+    let digits = if harmonics.iter().all(|one| one.per_turn.fract() == 0.0) { 0 } else { 3 };
+    let rows = harmonics.iter().map(|harmonic| {
+        [
             format!("{:.digits$}", harmonic.per_turn),
             harmonic.order.map_or_else(String::new, |order| format!("{order}×")),
             with_interval(harmonic.amplitude_mnm, harmonic.amplitude_ci95_mnm),
             with_interval(harmonic.phase_rad, harmonic.phase_ci95_rad),
             format!("{:.2}", harmonic.relative_error_percent.unwrap_or(harmonic.explains_percent)),
-        ]);
-    }
-    Some(table)
+        ]
+    });
+    Some(table(["per turn", "of the detent", "amplitude mNm", "phase rad", share], 0..5, rows))
 }
 
 fn with_interval(value: f64, ci95: Option<[f64; 2]>) -> String {
@@ -102,25 +95,19 @@ pub fn repeatability_table(average: &Average) -> Table {
     let shown = if average.captures <= SIDE_BY_SIDE { average.captures } else { 0 };
     header.extend((1..=shown).map(|number| format!("capture {number}")));
     header.extend(["difference", "allowed", "ratio", "unit"].map(str::to_owned));
-    let mut table = table(header, 1..shown + 4);
-    for parameter in &average.fit.parameters.0 {
-        let Some(record) = average.repeatability.get(parameter.name) else { continue };
+    let row = |parameter: &Parameter| {
+        let record = average.repeatability.get(parameter.name)?;
         let digits = digits(record.difference_ci95);
+        let value = |value: &Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"));
         let mut row = vec![parameter.name.to_owned()];
-        row.extend(record.values.iter().take(shown).map(|value| match value {
-            Some(value) => format!("{value:.digits$}"),
-            None => "-".to_owned(),
-        }));
-        row.push(format!("{:.digits$}", record.difference));
-        row.push(format!("±{:.digits$}", record.difference_ci95));
-        row.push(format!("{:.2}", record.ratio));
-        row.push(record.unit.to_owned());
-        table.add_row(row);
-    }
-    table
+        row.extend(record.values.iter().take(shown).map(value));
+        row.extend([format!("{:.digits$}", record.difference), format!("±{:.digits$}", record.difference_ci95)]);
+        row.extend([format!("{:.2}", record.ratio), record.unit.to_owned()]);
+        Some(row)
+    };
+    table(header, 1..shown + 4, average.fit.parameters.0.iter().filter_map(row))
 }
 
-/// Whether the captures agree as a whole.
 pub fn agreement_line(agreement: Agreement) -> String {
     let words = if agreement.agrees() { "agree within" } else { "differ by more than" };
     format!(

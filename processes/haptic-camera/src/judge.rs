@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use analysis::{Judgements, curve_files, curves, judged, load_specification};
 use clap::Args;
+use dynamics::Axis;
 use report::JudgedUnit;
 use sheet::{Sheet, Verdict};
 
 use crate::command_line::ColumnOptions;
 use crate::outcome::{Outcome, show};
-use crate::outputs::{kind, write_if_asked, write_json};
+use crate::outputs::ResultFiles;
 
-/// Options of `judge`.
 #[derive(Debug, Args)]
 pub struct JudgeOptions {
     /// Units: for each a capture, a tester's file, or a folder of repeated captures
@@ -20,21 +20,12 @@ pub struct JudgeOptions {
     /// Limits on the figures and an envelope for the curve
     #[arg(long, value_name = "SPEC.toml")]
     pub spec: PathBuf,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
-    /// Write the verdicts as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
 }
 
-/// Reads the specification, judges each unit, and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a file.
 pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
     let choice = options.columns.choice()?;
@@ -47,8 +38,8 @@ pub fn run(options: &JudgeOptions) -> anyhow::Result<Outcome> {
         units.push(judged);
     }
     let judgements = Judgements::of(&specification, units);
-    write_if_asked(options.report.as_ref(), kind::PAGE, || judgements.page())?;
-    write_json(options.json.as_deref(), &judgements)?;
+    // Every unit was told as soon as it was judged.
+    options.results.tell(Axis::default(), None::<&str>, &judgements, || judgements.page())?;
     Ok(outcome(judgements.verdict))
 }
 

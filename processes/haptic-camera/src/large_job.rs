@@ -14,7 +14,6 @@ const LARGE: u64 = 18_000_000;
 const GIGABYTE: f64 = 1e9;
 
 /// Tells how large the archive of a run of so many ticks becomes, and the memory that its fit takes.
-#[allow(clippy::cast_precision_loss, reason = "ticks of a day")]
 pub fn tell(ticks: u64) {
     if ticks >= LARGE {
         let archived = ticks as f64 * ARCHIVED_BYTES;
@@ -31,7 +30,6 @@ pub fn tell(ticks: u64) {
 ///
 /// # Errors
 /// One sentence with the longest run that would fit.
-#[allow(clippy::cast_precision_loss, reason = "ticks of a day, and bytes for display")]
 pub fn admit(ticks: u64, rate_hz: f64, archive: &Path) -> anyhow::Result<()> {
     if ticks < LARGE {
         return Ok(());

@@ -9,35 +9,28 @@ use crate::command_line::ColumnOptions;
 use crate::outcome::remark;
 
 /// Loads a capture or a tester's file, with such a remark.
-///
-/// # Errors
-/// One sentence on what is wrong with a file or with the columns that were asked for.
 pub fn load_measured(path: &Path, columns: &ColumnOptions) -> anyhow::Result<LoadedCapture> {
     Ok(with_remark(LoadedCapture::load_measured(path, columns.choice()?.as_ref())?))
 }
 
 /// Loads a capture whose columns may have been named, with such a remark.
-///
-/// # Errors
-/// One sentence on what is wrong with a file or with the columns that were asked for.
 pub fn load_chosen(path: &Path, columns: &ColumnOptions) -> anyhow::Result<LoadedCapture> {
     Ok(with_remark(LoadedCapture::load_chosen(path, columns.choice()?.as_ref())?))
 }
 
 /// Loads a capture, with a remark on the calibration's file if that is another.
-///
-/// # Errors
-/// One sentence on what is wrong with a file.
 pub fn load(path: &Path) -> anyhow::Result<LoadedCapture> {
     Ok(with_remark(LoadedCapture::load(path)?))
 }
 
 /// Loads a model file, or a shipped model by its name.
-///
-/// # Errors
-/// What is wrong with the file.
 pub fn model(path: &Path) -> Result<Model, ModelError> {
     path.to_str().map_or_else(|| Model::load(path), knobs::named)
+}
+
+/// Whether a name is that of a model: a shipped knob's number or a model file.
+pub fn names_model(name: &str) -> bool {
+    knobs::is_shipped(name) || Path::new(name).extension().is_some_and(|ending| ending == "toml")
 }
 
 /// The axis of several captures, the turning one of none.

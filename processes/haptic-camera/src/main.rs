@@ -1,5 +1,8 @@
 //! The operator's program: `haptic-camera`.
 //!
+//! Whatever a command needs and cannot have, read or write ends it with an error: one sentence that says what is wrong and
+//! what to do, printed once, here. The documentation of a function names only the errors that need more than that.
+//!
 //! Exit status: 0 done, 1 failed, 2 wrong usage, 3 done but data was lost; of `judge`, 4 a unit fails and 5 one is undecided.
 
 mod calibrate;
@@ -55,7 +58,7 @@ fn main() -> ExitCode {
         Err(status) => return status,
     };
     let files = command.files();
-    if files.give_json() {
+    if files.gives_json {
         outcome::keep_output_for_json();
     }
     let result = files.check().and_then(|()| match command {

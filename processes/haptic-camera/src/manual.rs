@@ -9,7 +9,6 @@ use crate::command_line::CommandLine;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{kind, write};
 
-/// Options of `completions`.
 #[derive(Debug, Args)]
 pub struct CompletionsOptions {
     /// The shell
@@ -17,7 +16,6 @@ pub struct CompletionsOptions {
     pub shell: clap_complete::Shell,
 }
 
-/// Options of `man`.
 #[derive(Debug, Args)]
 pub struct ManOptions {
     /// The folder for the pages; created if it does not exist
@@ -26,10 +24,6 @@ pub struct ManOptions {
 }
 
 /// Prints the completions of a shell on standard output.
-///
-/// # Errors
-/// None.
-#[allow(clippy::unnecessary_wraps, reason = "every command gives the same")]
 pub fn completions(options: &CompletionsOptions) -> anyhow::Result<Outcome> {
     let mut command = CommandLine::command();
     let name = command.get_name().to_owned();
@@ -40,9 +34,6 @@ pub fn completions(options: &CompletionsOptions) -> anyhow::Result<Outcome> {
 }
 
 /// Writes a manual page for the program and one for each command.
-///
-/// # Errors
-/// When the folder cannot be written to.
 pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
     let folder = &options.folder;
     let refused = || format!("the manual pages cannot be written to {}; choose another folder", folder.display());

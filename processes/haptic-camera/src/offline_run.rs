@@ -16,7 +16,7 @@ use shared_types::{Fault, LoopState, LoopStatus, RunDescription, Sample};
 use crate::large_job;
 use crate::outcome::remark;
 use crate::supervision::{ModelStart, RigWords, RunEnd};
-use crate::until_ci::{Knowledge, Share, StopRule};
+use crate::until_ci::{Share, StopRule};
 
 /// Time for which the rig is armed before the run begins, s.
 const ARMED_S: f64 = 0.3;
@@ -27,9 +27,6 @@ const ESTIMATES_S: f64 = 0.04;
 ///
 /// Once `stop` is set, or every parameter is known within the share `until`, the torque is ramped down as in a live run,
 /// and the archive ends there.
-///
-/// # Errors
-/// What keeps the run from being made, and an archive that cannot be written.
 pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Option<Share>) -> anyhow::Result<RunEnd> {
     let plan = Plan::new(request)?;
     anyhow::ensure!(plan.simulated_knob.is_some(), "the {} only runs in real time; omit --offline", plan.rig.name);
@@ -99,16 +96,11 @@ impl Watch {
             return false;
         }
         self.next_s = time_s + ESTIMATES_S;
-        self.rule.take(time_s, Knowledge::from(&self.fit.estimate()))
+        self.rule.take(time_s, self.fit.estimate())
     }
 }
 
 /// The sample with the time that its tick would have had.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a run's nanoseconds are positive and fit 64 bits"
-)]
 fn dated(sample: &Sample, run: &RunDescription) -> Sample {
     let since_start_ns = (sample.time_s(run.rate_hz) * 1e9).round() as u64;
     Sample { monotonic_time_ns: run.clock.monotonic_time_ns.saturating_add(since_start_ns), ..*sample }
@@ -127,12 +119,6 @@ fn armed(plan: Plan) -> anyhow::Result<(Box<dyn Apparatus>, ControlState)> {
 }
 
 /// Makes the run tick by tick; every sample goes to `keep` as it comes, so that memory does not grow with the run.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "ticks of a run of a day"
-)]
 fn turn(
     (mut apparatus, mut state): (Box<dyn Apparatus>, ControlState),
     rate_hz: f64,

@@ -18,21 +18,18 @@ static OUTPUT_IS_JSON: AtomicBool = AtomicBool::new(false);
 /// The first error of writing to standard output.
 static LOST_OUTPUT: OnceLock<Error> = OnceLock::new();
 
-/// How a command ended.
+/// How a command ended, with its exit status; what went wrong has been printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Done.
-    Done,
-    /// Failed; the error has been printed.
-    Failed,
-    /// Wrong usage; the error has been printed.
-    WrongUsage,
-    /// Done, but data was lost; how much has been printed.
-    DataLost,
+    Done = 0,
+    Failed = 1,
+    WrongUsage = 2,
+    /// Done, but data was lost.
+    DataLost = 3,
     /// Done: a unit is out of specification.
-    OutOfSpecification,
+    OutOfSpecification = 4,
     /// Done, but the verdict on a unit is undecided.
-    Undecided,
+    Undecided = 5,
 }
 
 impl Outcome {
@@ -59,14 +56,7 @@ impl Outcome {
 
 impl From<Outcome> for ExitCode {
     fn from(outcome: Outcome) -> Self {
-        Self::from(match outcome {
-            Outcome::Done => 0,
-            Outcome::Failed => 1,
-            Outcome::WrongUsage => 2,
-            Outcome::DataLost => 3,
-            Outcome::OutOfSpecification => 4,
-            Outcome::Undecided => 5,
-        })
+        Self::from(outcome as u8)
     }
 }
 
@@ -133,7 +123,6 @@ pub fn hold_panel(panel: &ProgressBar) {
     *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = Some(panel.clone());
 }
 
-/// Unregisters the panel.
 pub fn release_panel() {
     *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }

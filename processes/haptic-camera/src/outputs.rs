@@ -5,28 +5,26 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use archive::whole_file::{self, Replace, write_bytes};
+use clap::Args;
 use dynamics::Axis;
+use report::FigureNumbers;
 use serde::Serialize;
 
-use crate::outcome::{UsageError, print_json};
+use crate::outcome::{UsageError, print_json, show};
 
 /// Kinds of output, each as what it may replace: an earlier one of its kind, known by words that every one has.
 pub mod kind {
     use archive::whole_file::Replace::{self, Marked, Nothing};
 
-    /// A result as JSON.
     pub const JSON: Replace = Marked("\"made_by\": \"haptic-camera\"");
-    /// A report page.
     pub const PAGE: Replace = Marked("<meta name=\"generator\" content=\"haptic-camera\">");
     /// The figures of a data sheet as a table.
     pub const FIGURES: Replace = Marked(super::FIGURES_HEADER);
     /// Figures of many units as a Q-DAS file.
     pub const QDAS: Replace = Marked(sheet::QDAS_REMARK);
-    /// A model that was fitted.
     pub const FITTED_MODEL: Replace = Marked(" samples: residual ");
     /// A model with what a diagnosis found.
     pub const DIAGNOSED_MODEL: Replace = Marked("\ndescription = \"diagnosed from ");
-    /// A model that was composed.
     pub const COMPOSED_MODEL: Replace = Marked("\norigin = ");
     /// What is known of a rig.
     pub const CALIBRATION: Replace = Marked(loaded_capture::CALIBRATION_MARK);
@@ -34,9 +32,7 @@ pub mod kind {
     pub const HEADER: Replace = Marked(" as numbers, made by haptic-camera ");
     /// A model for a simulator.
     pub const SIMULATOR: Replace = Marked(". SI units: N m, rad, s.\n");
-    /// A capture that was simulated.
     pub const SIMULATION: Replace = Marked("\"apparatus\": \"simulation\"");
-    /// A manual page.
     pub const MANUAL_PAGE: Replace = Marked(".TH haptic-camera");
     /// A diagnosis as a rerun file: the application's name, which rerun writes first.
     pub const RECORDING: Replace = Marked("haptic-camera-diagnosis");
@@ -47,16 +43,15 @@ pub mod kind {
 /// The first line of a table of figures.
 pub const FIGURES_HEADER: &str = "figure,angle_rad,direction,value,unit,ci95_low,ci95_high,definition\n";
 
-/// The files that a call names.
 #[derive(Debug, Default)]
 pub struct Files {
     inputs: Vec<PathBuf>,
     outputs: Vec<(PathBuf, Replace)>,
-    gives_json: bool,
+    /// Whether standard output is for the result as JSON.
+    pub gives_json: bool,
 }
 
 impl Files {
-    /// With files that are read.
     #[must_use]
     pub fn reading<File: AsRef<Path>>(mut self, paths: impl IntoIterator<Item = File>) -> Self {
         self.inputs.extend(paths.into_iter().map(|path| path.as_ref().to_owned()));
@@ -77,14 +72,8 @@ impl Files {
 
     /// With a result as JSON and as a page, what of them was asked for.
     #[must_use]
-    pub fn telling(self, json: &Option<PathBuf>, page: &Option<PathBuf>) -> Self {
-        self.writing(json, kind::JSON).writing(page, kind::PAGE)
-    }
-
-    /// Whether standard output is for the result as JSON.
-    #[must_use]
-    pub fn give_json(&self) -> bool {
-        self.gives_json
+    pub fn telling(self, results: &ResultFiles) -> Self {
+        self.writing(&results.json, kind::JSON).writing(&results.report, kind::PAGE)
     }
 
     /// Refuses outputs that would cost something, before any work is done.
@@ -111,34 +100,62 @@ impl Files {
 pub fn is_same(one: &Path, other: &Path) -> bool {
     match (one.metadata(), other.metadata()) {
         (Ok(one), Ok(other)) => one.is_file() && (one.dev(), one.ino()) == (other.dev(), other.ino()),
-        (Err(_), Err(_)) => one.file_name() == other.file_name() && is_same_folder(one, other),
+        (Err(_), Err(_)) if one.file_name() == other.file_name() => {
+            let folders = [one, other].map(|path| whole_file::folder_of(path).canonicalize());
+            matches!(folders, [Ok(one), Ok(other)] if one == other)
+        }
         _ => false,
     }
 }
 
-fn is_same_folder(one: &Path, other: &Path) -> bool {
-    let [one, other] = [one, other].map(|path| whole_file::folder_of(path).canonicalize());
-    matches!((one, other), (Ok(one), Ok(other)) if one == other)
-}
-
-/// Whether standard output is meant.
 fn to_output(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Writes a result as JSON, if it was asked for: to a file, or to standard output for `-`.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_json(path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
-    write_json_on(Axis::Rotary, path, result)
+/// Where a result goes beside the terminal.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ResultFiles {
+    /// Write the result as JSON; `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the report page
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
 }
 
-/// The same of what has an axis, in its names and units.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_json_on(axis: Axis, path: Option<&Path>, result: &impl Serialize) -> anyhow::Result<()> {
+impl ResultFiles {
+    /// Prints a result, unless standard output is for its JSON, and writes what was asked for; all in the words of its axis.
+    pub fn tell<Line: ToString>(
+        &self,
+        axis: Axis,
+        lines: impl IntoIterator<Item = Line>,
+        result: &impl Serialize,
+        page: impl FnOnce() -> String,
+    ) -> anyhow::Result<()> {
+        show_on(axis, lines);
+        self.write(axis, || (page(), FigureNumbers::new()), |_| result)
+    }
+
+    /// Writes what was asked for; with a page, the result also holds the numbers in the captions of its figures.
+    pub fn write<Content: Serialize>(
+        &self,
+        axis: Axis,
+        page: impl FnOnce() -> (String, FigureNumbers),
+        result: impl FnOnce(FigureNumbers) -> Content,
+    ) -> anyhow::Result<()> {
+        let (page, figures) = self.report.as_ref().map(|_| page()).unwrap_or_default();
+        write_json(axis, &self.json, &result(figures))?;
+        write_if_asked(&self.report, kind::PAGE, || axis.words(&page).into_owned())
+    }
+}
+
+/// Prints a result line by line in the words of an axis, unless standard output is reserved for it as JSON.
+pub fn show_on<Line: ToString>(axis: Axis, lines: impl IntoIterator<Item = Line>) {
+    show(lines.into_iter().map(|line| axis.words(&line.to_string()).into_owned()));
+}
+
+/// Writes a result as JSON in the names and units of its axis, if it was asked for: to a file, or to standard output for `-`.
+pub fn write_json(axis: Axis, path: &Option<PathBuf>, result: &impl Serialize) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
     let text = analysis::to_json_on(axis, result)?;
     if to_output(path) {
@@ -157,9 +174,6 @@ pub fn write(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
 }
 
 /// Writes a text file if it was asked for.
-///
-/// # Errors
-/// As [`write()`].
-pub fn write_if_asked(path: Option<&PathBuf>, replace: Replace, text: impl FnOnce() -> String) -> anyhow::Result<()> {
-    path.map_or(Ok(()), |path| write(path, replace, &text()))
+pub fn write_if_asked(path: &Option<PathBuf>, replace: Replace, text: impl FnOnce() -> String) -> anyhow::Result<()> {
+    path.as_ref().map_or(Ok(()), |path| write(path, replace, &text()))
 }

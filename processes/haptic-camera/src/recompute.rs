@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use archive::Capture;
 use clap::Args;
+use dynamics::Axis;
 use hal::Measurement;
 use rt_loop::recomputation::{Recomputation, RecordedTick};
 use serde::Serialize;
@@ -13,7 +14,6 @@ use shared_types::{LoopState, RunDescription, Sample};
 use crate::outcome::{Outcome, remark, show};
 use crate::outputs::write_json;
 
-/// Options of `recompute`.
 #[derive(Debug, Args)]
 pub struct RecomputeOptions {
     /// The archive of a replay
@@ -24,20 +24,15 @@ pub struct RecomputeOptions {
     pub json: Option<PathBuf>,
 }
 
-/// The result of computing a replay again.
 #[derive(Debug, Default, Serialize)]
 pub struct Recomputed {
-    /// The archive.
     pub capture: PathBuf,
-    /// Ticks that were computed again.
     pub ticks: usize,
-    /// Models that were rendered.
     pub models: usize,
     /// Whether every torque command is equal, bit for bit.
     pub equal: bool,
     /// The first tick at which it is not.
     pub first_difference: Option<Difference>,
-    /// How many ticks differ.
     pub different_ticks: usize,
     /// Largest difference, mNm.
     pub largest_difference_mnm: f64,
@@ -48,7 +43,6 @@ pub struct Recomputed {
 /// A tick whose torque command is another than recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
-    /// The tick.
     pub tick: u64,
     /// Its time in the run, s.
     pub t_s: f64,
@@ -76,7 +70,7 @@ pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     }
     let recomputed = recompute(&capture, description)?;
     show(lines(&recomputed, description.rate_hz));
-    write_json(options.json.as_deref(), &recomputed)?;
+    write_json(Axis::default(), &options.json, &recomputed)?;
     Ok(match (recomputed.equal, recomputed.missing_from_sample) {
         (false, _) => Outcome::Failed,
         (true, Some(_)) => Outcome::DataLost,

@@ -5,38 +5,16 @@ use std::process::{Command, Stdio};
 
 use anyhow::Context as _;
 use identification::diagnosis::{Diagnosis, Row};
-use serde::Serialize;
+use serde_json::json;
 
 use crate::supervision::program_path;
 
-/// What the viewer's program reads.
-#[derive(Serialize)]
-struct Recording<'a> {
-    diagnosis: &'a Diagnosis,
-    captures: [CaptureRows<'a>; 2],
-}
-
-/// The rows of a capture that were compared.
-#[derive(Serialize)]
-struct CaptureRows<'a> {
-    role: &'static str,
-    source: &'a str,
-    rows: &'a [Row],
-}
-
 /// Writes the diagnosis as a rerun file; without a held-out capture its rows are stretches of the training capture.
-///
-/// # Errors
-/// When the viewer's program is not there or cannot write the file.
 pub fn write(path: &Path, found: &Diagnosis, train: &str, heldout: Option<&str>) -> anyhow::Result<()> {
     let [of_train, of_heldout] = &found.rows;
-    let recording = Recording {
-        diagnosis: found,
-        captures: [
-            CaptureRows { role: "training", source: train, rows: of_train },
-            CaptureRows { role: "heldout", source: heldout.unwrap_or(train), rows: of_heldout },
-        ],
-    };
+    let capture = |role: &str, source: &str, rows: &[Row]| json!({ "role": role, "source": source, "rows": rows });
+    let captures = [capture("training", train, of_train), capture("heldout", heldout.unwrap_or(train), of_heldout)];
+    let recording = json!({ "diagnosis": found, "captures": captures });
     let folder = tempfile::tempdir().context("the recording's rows cannot be stored")?;
     let json = folder.path().join("diagnosis.json");
     std::fs::write(&json, serde_json::to_vec(&recording)?).context("the recording's rows cannot be written")?;

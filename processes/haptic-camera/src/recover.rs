@@ -10,7 +10,6 @@ use clap::Args;
 
 use crate::outcome::{Outcome, remark, say};
 
-/// Options of `recover`.
 #[derive(Debug, Args)]
 pub struct RecoverOptions {
     /// The truncated or damaged archive, or one that a killed recorder left in parts; it is not changed
@@ -24,10 +23,6 @@ pub struct RecoverOptions {
     pub keep_unchecked: bool,
 }
 
-/// Recovers what is sound and says what was kept and lost.
-///
-/// # Errors
-/// When nothing can be read or the result cannot be written.
 pub fn run(options: &RecoverOptions) -> anyhow::Result<Outcome> {
     let RecoverOptions { broken, out, keep_unchecked } = options;
     let unchecked = if *keep_unchecked { Unchecked::Keep } else { Unchecked::LeaveOut };

@@ -1,6 +1,6 @@
 //! `replay`: the rig feels like a model, for as long as the operator wants.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use dynamics::Axis;
@@ -8,14 +8,16 @@ use rt_loop::request::{HandRequest, LONGEST_DURATION_S, Pace, RenderingRequest, 
 
 use crate::command_line::RunOptions;
 use crate::outcome::{Outcome, say};
+use crate::outputs::ResultFiles;
 use crate::supervision::{Archived, ModelStart, RunEnd, Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::verify;
 
 /// Length of an offline replay, which nobody can stop by hand, s.
 const OFFLINE_S: f64 = 10.0;
 
-/// Options of `replay`.
 #[derive(Clone, Debug, Args)]
+#[command(mut_arg("json", |json| json.requires("verify").help("Write the comparison as JSON; `-` for standard output")))]
+#[command(mut_arg("report", |report| report.requires("verify").help("Write the comparison as a report page")))]
 pub struct ReplayOptions {
     /// The model to feel like: a model file, or 1 to 5 for the paper's knobs
     #[arg(value_name = "1…5|MODEL.toml")]
@@ -26,7 +28,6 @@ pub struct ReplayOptions {
     /// Render the nearest model within the rig's limits instead of refusing one that exceeds them, and list the changes
     #[arg(long)]
     pub nearest: bool,
-    /// The hand on the simulated rig
     #[command(flatten)]
     pub hand: HandRequest,
     /// Amplitude of the hand's sweep, rad or mm [default: that of the sweep]
@@ -39,25 +40,17 @@ pub struct ReplayOptions {
     /// model, parameter by parameter
     #[arg(long, conflicts_with_all = ["hand", "hand_torque", "grip", "amplitude", "duration_s"])]
     pub verify: bool,
-    /// Write the comparison as JSON; `-` for standard output
-    #[arg(long, requires = "verify", value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the comparison as a report page
-    #[arg(long, requires = "verify", value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
-    /// Rate and core
+    #[command(flatten)]
+    pub results: ResultFiles,
     #[command(flatten)]
     pub pace: Pace,
-    /// The rig
     #[command(flatten)]
     pub rig: RigRequest,
-    /// Archive and view
     #[command(flatten)]
     pub run: RunOptions,
 }
 
 impl ReplayOptions {
-    /// The request to the control loop.
     #[must_use]
     pub fn request(&self) -> RunRequest {
         let Self { model, name, nearest, hand, amplitude, duration_s, pace, rig, run, .. } = self;
@@ -79,9 +72,6 @@ impl ReplayOptions {
 const LISTED_MODELS: usize = 12;
 
 /// Renders a model from start to end and keeps what the hand did.
-///
-/// # Errors
-/// Whatever keeps a run from being started, recorded or ended.
 pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     if options.verify {
@@ -105,7 +95,6 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     }
 }
 
-/// What is rendered, and for whom.
 fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String {
     let HandRequest { hand, hand_torque, .. } = &options.hand;
     let model = request.knob_name();
@@ -127,7 +116,6 @@ fn in_words(options: &ReplayOptions, axis: Axis, request: &RunRequest) -> String
 fn conclude(archive: &Path, end: &RunEnd) -> anyhow::Result<Outcome> {
     end.tell();
     end.models.iter().enumerate().take(LISTED_MODELS).for_each(|(index, ModelStart { tick, name })| {
-        #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
         let from_s = *tick as f64 / end.status.rate_hz.max(1.0);
         say(format!("{} {name} from {from_s:.2} s on", if index == 0 { "rendered" } else { "        " }));
     });

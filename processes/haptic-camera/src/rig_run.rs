@@ -5,16 +5,19 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::Context as _;
 use archive::claim;
-use rt_loop::request::RunRequest;
+use rt_loop::request::{Pace, RigRequest, RunRequest};
 
 use crate::command_line::RigOptions;
 use crate::outcome::Outcome;
 use crate::supervision::{Shown, SupervisedRun};
 
+/// A run through a sweep with something else on the rig than a knob: `none`, or `locked`.
+pub fn request(on_it: &str, sweep: &str, duration_s: f64, pace: Pace, rig: RigRequest) -> RunRequest {
+    let (knob, sweep) = (Some(on_it.to_owned()), sweep.to_owned());
+    RunRequest { knob, sweep, duration_s, pace, rig, ..RunRequest::default() }
+}
+
 /// Makes the run in a folder of its own that says its purpose; gives its archive, and whether data was lost.
-///
-/// # Errors
-/// Whatever keeps the run from being made, recorded or coming to its end.
 pub fn archive(
     request: RunRequest,
     rig: &RigOptions,

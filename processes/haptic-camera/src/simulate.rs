@@ -11,7 +11,6 @@ use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::kind;
 
-/// Options of `simulate`.
 #[derive(Debug, Args)]
 pub struct SimulateOptions {
     /// The model
@@ -20,7 +19,6 @@ pub struct SimulateOptions {
     /// The capture that gives the motion or torque
     #[arg(long, value_name = "CAPTURE")]
     pub like: PathBuf,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     /// Where to write the simulated capture: an archive, or CSV if the name ends in .csv
@@ -31,7 +29,6 @@ pub struct SimulateOptions {
     pub drive: SimulationDrive,
 }
 
-/// What a simulation takes from a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum SimulationDrive {
     /// The motion: the model's torque is simulated.
@@ -41,13 +38,14 @@ pub enum SimulationDrive {
 }
 
 /// Simulates the model, says how far it is from the capture, and writes one of the same length and rate if asked to.
-///
-/// # Errors
-/// One sentence on what is wrong with the model, the capture or the output.
 pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
     let model = load::model(&options.model)?;
     let like = load::load_chosen(&options.like, &options.columns)?;
-    let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, options.drive.into())?;
+    let drive = match options.drive {
+        SimulationDrive::Motion => Drive::Motion,
+        SimulationDrive::Torque => Drive::Torque,
+    };
+    let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, drive)?;
     let differs = match options.drive {
         SimulationDrive::Motion => format!(
             "the model's torque differs from the capture's by {rms_difference:.3} of {captured_rms:.3} mNm RMS: \
@@ -68,13 +66,4 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         say(format!("{}: {} samples", out.display(), capture.len()));
     }
     Ok(Outcome::Done)
-}
-
-impl From<SimulationDrive> for Drive {
-    fn from(drive: SimulationDrive) -> Self {
-        match drive {
-            SimulationDrive::Motion => Self::Motion,
-            SimulationDrive::Torque => Self::Torque,
-        }
-    }
 }

@@ -30,9 +30,7 @@ pub struct SmartKnob {
     pub positions: u32,
     /// Width of a position, degrees.
     pub width_deg: f64,
-    /// Strength of the detents.
     pub detent_strength: f64,
-    /// Strength of the end stops.
     pub endstop_strength: f64,
     /// Widths from the middle at which the position changes.
     pub snap_point: f64,
@@ -94,7 +92,6 @@ impl SmartKnob {
         let step = width / f64::from(STEPS);
         let steps = (0..).take_while(|index| f64::from(*index) * step <= self.reach_rad()).count();
         let first = -0.8 * width;
-        #[allow(clippy::cast_precision_loss, reason = "some hundred steps")]
         let angles: Vec<f64> = (0..steps).map(|index| first + index as f64 * step).collect();
         let mut turned = Turned { knob: self, position: 0 };
         let mut felt = |angle: f64| turned.volts_at(angle);
@@ -115,7 +112,6 @@ impl SmartKnob {
 
 /// A knob as it is turned: it keeps its position until the next one's is reached.
 pub struct Turned<'knob> {
-    /// The knob.
     pub knob: &'knob SmartKnob,
     /// The position that it is in, counted towards positive angle; the middle of position 0 is at angle 0.
     pub position: i32,

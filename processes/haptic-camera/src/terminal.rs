@@ -18,16 +18,20 @@ pub fn size() -> Option<(u16, u16)> {
     console::Term::stderr().size_checked()
 }
 
-/// A progress bar of that many steps.
-pub fn bar(steps: u64, template: &str) -> ProgressBar {
+/// A progress bar of that many steps, if they are known.
+pub fn bar(steps: Option<u64>, template: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(steps).with_style(style)
+    steps.map_or_else(ProgressBar::no_length, ProgressBar::new).with_style(style)
 }
 
-/// A table without lines, under a header, with the columns at these places aligned to the right.
-pub fn table(header: impl Into<Row>, right: impl IntoIterator<Item = usize>) -> Table {
+/// A table without lines of these rows under a header, with the columns at these places aligned to the right.
+pub fn table<Cells: Into<Row>>(
+    header: impl Into<Row>,
+    right: impl IntoIterator<Item = usize>,
+    rows: impl IntoIterator<Item = Cells>,
+) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(header);
+    table.load_preset(presets::NOTHING).set_header(header).add_rows(rows);
     for index in right {
         if let Some(column) = table.column_mut(index) {
             column.set_cell_alignment(CellAlignment::Right);
@@ -61,6 +65,16 @@ pub fn lines(table: &Table) -> Vec<String> {
     table.lines().map(|line| line.trim_end().to_owned()).collect()
 }
 
+/// A number with so many decimals; nothing for none.
+pub fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(String::new, |value| format!("{value:.digits$}"))
+}
+
+/// An interval with so many decimals; nothing for none.
+pub fn interval(ci95: Option<[f64; 2]>, digits: usize) -> String {
+    ci95.map_or_else(String::new, |[low, high]| format!("{low:.digits$} to {high:.digits$}"))
+}
+
 /// Names with the reason that they have in common: one line for each reason.
 pub fn by_reason<'a>(named: impl IntoIterator<Item = (&'a str, &'a str)>) -> Vec<String> {
     let mut lines: Vec<(Vec<&str>, &str)> = Vec::new();
@@ -79,7 +93,6 @@ pub fn digits(width: f64) -> usize {
 }
 
 /// Decimals that show a value with so many digits, within bounds.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a handful of digits")]
 pub fn decimals(value: f64, digits: f64, [least, most]: [f64; 2]) -> usize {
     let order = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     (digits - 1.0 - order).clamp(least, most) as usize

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use analysis::Row;
 use anyhow::{Context as _, ensure};
 use clap::Args;
+use dynamics::Axis;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 
-use crate::outcome::{Outcome, show};
-use crate::outputs::{kind, write_if_asked, write_json};
+use crate::outcome::Outcome;
+use crate::outputs::ResultFiles;
 
-/// Options of `trend`.
 #[derive(Debug, Args)]
 pub struct TrendOptions {
     /// A file made by `table`
@@ -22,15 +22,10 @@ pub struct TrendOptions {
     /// How captures are grouped
     #[arg(long, value_enum, default_value = "knob")]
     pub by: TrendGroups,
-    /// Write the result as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
 }
 
-/// How captures are grouped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TrendGroups {
     /// By knob, to show wear and compare batches.
@@ -39,7 +34,6 @@ pub enum TrendGroups {
     Rig,
 }
 
-/// Nanoseconds of a day.
 const DAY_NS: f64 = 86_400e9;
 /// How the ends of a parameter's interval are called after it.
 const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
@@ -47,19 +41,14 @@ const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 /// A parameter in a capture: when it was captured, ns since 1970, and value with both ends of its interval.
 type Point = (f64, [Option<f64>; 3]);
 
-/// Reads a table and tells what changes.
-///
-/// # Errors
-/// One sentence on what is wrong with the table or an output.
 pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
     let by = match options.by {
         TrendGroups::Knob => "knob",
         TrendGroups::Rig => "rig",
     };
     let trend = read(&options.table, by)?;
-    show(trend.groups.iter().map(|group| words(by, group)));
-    write_json(options.json.as_deref(), &trend)?;
-    write_if_asked(options.report.as_ref(), kind::PAGE, || report::trend_page(&trend))?;
+    let lines = trend.groups.iter().map(|group| words(by, group));
+    options.results.tell(Axis::default(), lines, &trend, || report::trend_page(&trend))?;
     Ok(Outcome::Done)
 }
 
@@ -102,7 +91,6 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         let row = row.with_context(foreign)?;
         let cells: BTreeMap<&str, &Field> = row.get_column_iter().map(|(name, field)| (name.as_str(), field)).collect();
         let text = |name: &str| if let Some(Field::Str(text)) = cells.get(name) { Some(text.clone()) } else { None };
-        #[allow(clippy::cast_precision_loss, reason = "a time of which microseconds matter at most")]
         let real = |name: &str| match cells.get(name)? {
             Field::Double(real) => Some(*real),
             Field::Long(count) => u64::try_from(*count).ok().map(|count| count as f64),

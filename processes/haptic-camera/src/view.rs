@@ -9,7 +9,6 @@ use clap::Args;
 use crate::outcome::Outcome;
 use crate::supervision::program_path;
 
-/// Options of `view`.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
     /// A finished capture [default: the running one]
@@ -24,9 +23,6 @@ pub struct ViewOptions {
 }
 
 /// Becomes the viewer, which so has the terminal's Ctrl-C to itself and gives its own exit status.
-///
-/// # Errors
-/// When the viewer cannot be started.
 pub fn run(options: &ViewOptions) -> anyhow::Result<Outcome> {
     let mut command = std::process::Command::new(program_path("rerun-viewer")?);
     command.arg(if options.native { "--native" } else { "--web" });

@@ -34,7 +34,9 @@ pub use comparison::{
 use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use identification::{Average, Fit};
-pub use rendering::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
+pub use rendering::{
+    AddedByRendering, HeldStill, LostMotion, RenderedParameter, Rendering, RenderingLimits, RenderingPage,
+};
 pub use rig_test::{ChannelDifference, ChannelLag, ChannelTrace, RigTest};
 pub use sheet::{JudgedUnit, SheetPage, VerdictsPage, WallKnob, WallPage};
 pub use shown::{DiagnosisNumbers, FigureNumbers, FitNumbers, ModelValue};

@@ -6,7 +6,10 @@ use std::f64::consts::TAU;
 use dynamics::{Model, knobs};
 use identification::diagnosis::Verdict;
 use identification::{Fit, FitOptions, Samples, fit};
-use report::{AddedByRendering, CaptureFacts, HeldStill, RenderedParameter, RenderingPage, rendering_page};
+use report::{
+    AddedByRendering, CaptureFacts, HeldStill, RenderedParameter, Rendering, RenderingLimits, RenderingPage,
+    rendering_page,
+};
 
 /// Four seconds of knob 3 swept by formula, and its fit.
 fn fitted(model: &Model) -> Fit {
@@ -47,27 +50,25 @@ fn parameter(name: &'static str, intended: f64, rendered: Option<f64>, passed: O
 }
 
 fn page<'a>(model: &'a Model, fit: &'a Fit) -> RenderingPage<'a> {
-    RenderingPage {
-        intended: model,
-        fit,
+    let rendering = Rendering {
+        model: model.name.clone(),
         capture: CaptureFacts {
             source: "sweep.mcap".to_owned(),
             software_version: "0.1.0".to_owned(),
             ..CaptureFacts::default()
         },
-        sources: vec!["sweep.mcap".to_owned(), "creep.mcap".to_owned()],
+        captures: vec!["run/sweep.mcap".into(), "run/creep.mcap".into()],
         rate_hz: 9_500.0,
         parameters: vec![
             parameter("coulomb_positive", 2.3, Some(2.307), Some(true)),
             parameter("coulomb_negative", 2.6, Some(2.9), Some(false)),
             parameter("static_positive", 10.37, None, None),
         ],
-        largest_difference_percent: 2.1,
-        largest_static_difference_percent: 5.3,
+        limits: RenderingLimits { difference_percent: 2.1, static_difference_percent: 5.3, torque_error_percent: 5.7 },
         torque_error_rms_mnm: 0.0517,
         torque_rms_mnm: 2.741,
         torque_error_percent: 1.886,
-        largest_torque_error_percent: 5.7,
+        lost_motion: None,
         held_still: Some(HeldStill { torque_mnm: 5.13, duration_s: 9.47, encoder_steps: 0.0 }),
         added: Some(AddedByRendering {
             verdict: Verdict::Effects,
@@ -78,7 +79,8 @@ fn page<'a>(model: &'a Model, fit: &'a Fit) -> RenderingPage<'a> {
         }),
         notes: vec!["the knob was warm".to_owned()],
         passed: false,
-    }
+    };
+    RenderingPage { intended: model, fit, rendering }
 }
 
 /// The page's text, its style and tick labels apart.
@@ -143,21 +145,22 @@ fn what_is_lacking_is_stated_in_words_and_a_rendering_that_passes_says_so() {
     let mut pointless = fit.clone();
     pointless.points.clear();
     for verdict in [Verdict::None, Verdict::OutsideLibrary] {
-        let added = whole.added.clone().map(|added| AddedByRendering { verdict, effects: Vec::new(), ..added });
-        let text = text_of(&rendering_page(&RenderingPage { added, passed: true, ..whole.clone() }));
+        let added = whole.rendering.added.clone();
+        let added = added.map(|added| AddedByRendering { verdict, effects: Vec::new(), ..added });
+        let rendering = Rendering { added, passed: true, ..whole.rendering.clone() };
+        let text = text_of(&rendering_page(&RenderingPage { rendering, ..whole }));
         let expected = if verdict == Verdict::None { "Nothing" } else { "Something without a name." };
         assert!(text.contains(expected) && text.contains("The rendered knob is the model’s."), "{text}");
     }
-    let lacking = RenderingPage {
-        fit: &pointless,
+    let lacking = Rendering {
         parameters: Vec::new(),
         held_still: None,
         added: None,
         notes: Vec::new(),
         torque_error_percent: f64::NAN,
-        ..whole
+        ..whole.rendering
     };
-    let page = rendering_page(&lacking);
+    let page = rendering_page(&RenderingPage { intended: &model, fit: &pointless, rendering: lacking });
     let text = text_of(&page);
     for words in ["Too few rows", "bears no torque at rest", "could not tell"] {
         assert!(text.contains(words), "{words} is missing in {text}");

@@ -13,39 +13,18 @@ use super::cogging_lines;
 use crate::outputs;
 use crate::terminal::digits;
 
-/// A calibration file as it was.
-pub struct Previous {
-    /// Its values.
-    pub calibration: Calibration,
-    comments: Vec<String>,
-}
-
-impl Previous {
-    /// Reads a calibration file.
-    ///
-    /// # Errors
-    /// One sentence on what is wrong with it.
-    pub fn read(path: &Path) -> anyhow::Result<Self> {
-        let calibration = Calibration::load(path)?;
-        let text = foreign_files::read_text(path)?;
-        let comments = text.lines().filter(|line| line.starts_with("# ")).map(str::to_owned).collect();
-        Ok(Self { calibration, comments })
-    }
-}
-
-/// Writes the known calibration with the newly found values; `replaced` is what it may replace.
-///
-/// # Errors
-/// When the file cannot be written.
+/// Writes the known calibration with the newly found values, and with the comments of the previous file on the others;
+/// `replaced` is what it may replace.
 pub fn write(
     path: &Path,
     replaced: Replace,
     calibrated: &Calibrated,
     known: &Calibration,
-    previous: Option<&Previous>,
+    previous: Option<&Path>,
     captures: &[PathBuf],
 ) -> anyhow::Result<()> {
-    let learnt = |comment: &&String| {
+    let before = previous.map(foreign_files::read_text).transpose()?.unwrap_or_default();
+    let learnt = |comment: &&str| {
         calibrated
             .estimates
             .iter()
@@ -53,7 +32,7 @@ pub fn write(
             || (calibrated.cogging.is_some() && comment.starts_with("# motor_cogging"))
     };
     let mut text = CALIBRATION_MARK.to_owned();
-    for comment in previous.iter().flat_map(|previous| &previous.comments).filter(|comment| !learnt(comment)) {
+    for comment in before.lines().filter(|line| line.starts_with("# ") && !learnt(line)) {
         let _ = writeln!(text, "{comment}");
     }
     let date = jiff::Zoned::now().strftime("%Y-%m-%d %H:%M:%S %Z");
@@ -75,11 +54,7 @@ pub fn write(
     }
     let learnt = calibrated.applied_to(known);
     learnt.check().with_context(|| {
-        format!(
-            "{} is not written: the captures give a calibration that no rig can \
-        have",
-            path.display()
-        )
+        format!("{} is not written: the captures give a calibration that no rig can have", path.display())
     })?;
     text += &learnt.to_toml();
     outputs::write(path, replaced, &text)

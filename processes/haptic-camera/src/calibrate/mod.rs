@@ -15,11 +15,11 @@ use rt_loop::request::{Pace, RunRequest};
 use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, say};
+use crate::outputs::show_on;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
-use crate::terminal::{self, digits};
+use crate::terminal::{self, digits, number};
 
-/// Options of `calibrate`.
 #[derive(Debug, Args)]
 #[command(mut_arg("calibration", |calibration| calibration
     .help("The previous calibration, instead of the captures' own")
@@ -34,15 +34,12 @@ pub struct CalibrateOptions {
     /// Write the calibration here; may be the file given as --calibration
     #[arg(long, value_name = "CALIBRATION.toml")]
     pub out: PathBuf,
-    /// Rate and core, if no capture is given
     #[command(flatten)]
     pub pace: Pace,
-    /// The rig, if no capture is given
     #[command(flatten)]
     pub rig: RigOptions,
 }
 
-/// What `calibrate` can determine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum CalibrationKind {
     /// Gravity in the acceleration signal, from a slow turn of more than 360°.
@@ -63,19 +60,15 @@ pub enum CalibrationKind {
 const FAST_AMPLITUDE_RAD: f64 = 0.1;
 
 /// Calibrates from the captures given, or makes one.
-///
-/// # Errors
-/// One sentence on why a capture does not do, or a file cannot be read or written.
 pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let given = options.rig.request.calibration.as_deref();
-    let previous = given.map(file::Previous::read).transpose()?;
+    let mut known = given.map(Calibration::load).transpose()?;
     let (captures, outcome) = if options.captures.is_empty() {
         let (capture, outcome) = options.what.capture(&options.pace, &options.rig)?;
         (vec![capture], outcome)
     } else {
         (options.captures.clone(), Outcome::Done)
     };
-    let mut known: Option<Calibration> = previous.as_ref().map(|previous| previous.calibration.clone());
     let mut found = Vec::new();
     for path in &captures {
         let loaded = load::load(path)?;
@@ -104,16 +97,15 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     let (Some(known), Some(calibrated)) = (known, calibration::combine(&found)) else {
         anyhow::bail!("there is no capture to calibrate from");
     };
+    let mut lines = Vec::new();
     if !calibrated.estimates.is_empty() {
-        say(known.axis.words(&table(&known, &calibrated).to_string()));
+        lines.push(table(&known, &calibrated).to_string());
     }
-    for line in calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging)) {
-        say(known.axis.words(&format!("cogging  {line}")));
-    }
-    for note in &calibrated.notes {
-        say(known.axis.words(&format!("- {note}")));
-    }
-    file::write(&options.out, options.replaced(), &calibrated, &known, previous.as_ref(), &captures)?;
+    let cogging = calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging));
+    lines.extend(cogging.map(|line| format!("cogging  {line}")));
+    lines.extend(calibrated.notes.iter().map(|note| format!("- {note}")));
+    show_on(known.axis, lines);
+    file::write(&options.out, options.replaced(), &calibrated, &known, given, &captures)?;
     say(format!("calibration  {}", options.out.display()));
     Ok(outcome)
 }
@@ -148,7 +140,6 @@ impl CalibrationKind {
         }
     }
 
-    /// What it is about, in words.
     fn subject(self) -> &'static str {
         match self {
             Self::Gravity => "gravity",
@@ -162,21 +153,16 @@ impl CalibrationKind {
 
     /// Makes the capture that it needs at this pace; gives it, and whether data was lost.
     fn capture(self, pace: &Pace, rig: &RigOptions) -> anyhow::Result<(PathBuf, Outcome)> {
-        let fast = |sweep: &str, amplitude, duration_s| RunRequest {
-            knob: Some("none".to_owned()),
-            sweep: sweep.to_owned(),
-            amplitude,
-            duration_s,
-            pace: pace.clone(),
-            rig: rig.request.clone(),
-            ..RunRequest::default()
-        };
+        let alone =
+            |sweep: &str, duration_s| rig_run::request("none", sweep, duration_s, pace.clone(), rig.request.clone());
         let way = rt_loop::rigs::file(&rig.request)?.axis.fingertip_way();
         let request = match self {
-            Self::Friction => fast("linear-chirp", None, 10.0),
-            Self::Gravity | Self::Cogging => fast("slow-turn", None, 15.0),
-            Self::Zero => RunRequest { torque: true, ..fast("hold", None, 5.0) },
-            Self::Gripper | Self::Latency => fast("fast-multisine", Some(FAST_AMPLITUDE_RAD * way), 10.0),
+            Self::Friction => alone("linear-chirp", 10.0),
+            Self::Gravity | Self::Cogging => alone("slow-turn", 15.0),
+            Self::Zero => RunRequest { torque: true, ..alone("hold", 5.0) },
+            Self::Gripper | Self::Latency => {
+                RunRequest { amplitude: Some(FAST_AMPLITUDE_RAD * way), ..alone("fast-multisine", 10.0) }
+            }
         };
         let interrupted = listen_for_interrupt()?;
         rig_run::archive(request, rig, &format!("calibrate-{}", self.subject()), &interrupted)
@@ -185,22 +171,21 @@ impl CalibrationKind {
 
 /// Each quantity as it was believed and as it was found, with its interval.
 fn table(known: &Calibration, calibrated: &Calibrated) -> Table {
-    let mut table = terminal::table(["quantity", "before", "found", "95 %", "unit"], 1..4);
     let before = toml::Table::try_from(known).unwrap_or_default();
-    for estimate in &calibrated.estimates {
+    let rows = calibrated.estimates.iter().map(|estimate| {
         // Delays are fractions of a sample: microseconds read better.
         let (factor, unit) = if estimate.unit == "s" { (1e6, "µs") } else { (1.0, estimate.unit) };
         let digits = digits(factor * estimate.half_width);
         let believed = before.get(estimate.quantity).and_then(toml::Value::as_float);
-        table.add_row([
+        [
             estimate.quantity.to_owned(),
-            believed.map_or_else(String::new, |value| format!("{:.digits$}", factor * value)),
+            number(believed.map(|value| factor * value), digits),
             format!("{:.digits$}", factor * estimate.value),
             format!("±{:.digits$}", factor * estimate.half_width),
             unit.to_owned(),
-        ]);
-    }
-    table
+        ]
+    });
+    terminal::table(["quantity", "before", "found", "95 %", "unit"], 1..4, rows)
 }
 
 /// Each harmonic of a motor's cogging with its intervals; one line that says so where there is none.

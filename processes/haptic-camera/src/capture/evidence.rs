@@ -1,12 +1,12 @@
 //! The captures that a diagnosis rests on, and how further ones join them.
 
+use archive::Capture;
 use dynamics::effects;
-use identification::Samples;
-use identification::diagnosis::{CommandedTorque, DiagnoseOptions, Diagnosis, diagnose};
+use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 
 use super::CaptureOptions;
-use crate::diagnose::{progress_bar, show_progress};
+use crate::diagnose::with_progress;
 use crate::outcome::say;
 
 /// Rest put between two captures that are made into one, s: longer than any gap that is filled in.
@@ -29,27 +29,10 @@ pub(super) fn diagnosed(
     } else {
         vec![fitted.remove(1)]
     };
-    let (train, heldout) = (Joined::of(&fitted), Joined::of(&held_out));
-    let bar = progress_bar();
-    let progress = |progress| show_progress(&bar, progress);
-    let asked = DiagnoseOptions {
-        calibration: fitted[0].calibration.clone(),
-        axis: fitted[0].capture.axis,
-        commanded: train.commanded_torque_mnm.as_deref().zip(heldout.commanded_torque_mnm.as_deref()).map(
-            |(of_train, of_heldout)| CommandedTorque {
-                train: of_train,
-                train_t_s: train.samples().t_s,
-                heldout: of_heldout,
-                heldout_t_s: heldout.samples().t_s,
-            },
-        ),
-        reach_rad: options.reach,
-        progress: Some(&progress),
-        ..DiagnoseOptions::default()
-    };
-    let found = diagnose(&train.samples(), Some(&heldout.samples()), &asked);
-    bar.finish_and_clear();
-    let found = found?;
+    let (train, heldout) = (joined(&fitted), joined(&held_out));
+    let found = with_progress(|progress| {
+        Ok(analysis::diagnose_within(options.reach, &train, Some(&heldout), None, Some(progress))?)
+    })?;
     say(format!("\n{}", found.summary));
     Ok(found)
 }
@@ -61,52 +44,31 @@ fn depends_on_time(found: &Diagnosis) -> bool {
     names.into_iter().any(|name| of_time.contains(name))
 }
 
-/// Columns of captures one after the other.
+/// Captures one after the other as one, with what is known of the first one's rig. A column that one of them lacks is left out.
 ///
 /// Between two captures lies a gap, as if samples had been lost: what spans it is left out of every comparison.
-struct Joined {
-    t_s: Vec<f64>,
-    angle_rad: Vec<f64>,
-    velocity_rad_s: Option<Vec<f64>>,
-    acceleration_rad_s2: Option<Vec<f64>>,
-    torque_mnm: Vec<f64>,
-    /// Torque commanded from the motor, mNm; none unless every capture has it.
-    commanded_torque_mnm: Option<Vec<f64>>,
-}
-
-impl Joined {
-    /// Puts captures one after the other. A column that one of them lacks is left out.
-    fn of(captures: &[&LoadedCapture]) -> Self {
-        let mut t_s: Vec<f64> = Vec::new();
-        for one in captures {
-            let first = one.capture.t_s.first().copied().unwrap_or(0.0);
-            let start = t_s.last().map_or(first, |last| last + PAUSE_S);
-            t_s.extend(one.capture.t_s.iter().map(|time| time - first + start));
-        }
-        let all = |column: fn(&LoadedCapture) -> Option<&[f64]>| -> Option<Vec<f64>> {
-            let columns: Option<Vec<&[f64]>> = captures.iter().map(|one| column(one)).collect();
-            Some(columns?.concat())
-        };
-        Self {
-            t_s,
-            angle_rad: all(|one| Some(&one.capture.angle_rad)).unwrap_or_default(),
-            velocity_rad_s: all(|one| one.capture.velocity_rad_s.as_deref()),
-            acceleration_rad_s2: all(|one| one.capture.acceleration_rad_s2.as_deref()),
-            torque_mnm: all(|one| Some(&one.capture.torque_mnm)).unwrap_or_default(),
-            commanded_torque_mnm: all(|one| one.capture.commanded_torque_mnm.as_deref()),
-        }
+fn joined(captures: &[&LoadedCapture]) -> LoadedCapture {
+    let mut t_s: Vec<f64> = Vec::new();
+    for one in captures {
+        let first = one.capture.t_s.first().copied().unwrap_or(0.0);
+        let start = t_s.last().map_or(first, |last| last + PAUSE_S);
+        t_s.extend(one.capture.t_s.iter().map(|time| time - first + start));
     }
-
-    /// The columns that a diagnosis takes.
-    fn samples(&self) -> Samples<'_> {
-        Samples {
-            t_s: &self.t_s,
-            angle_rad: &self.angle_rad,
-            velocity_rad_s: self.velocity_rad_s.as_deref(),
-            acceleration_rad_s2: self.acceleration_rad_s2.as_deref(),
-            torque_mnm: &self.torque_mnm,
-        }
-    }
+    let all = |column: fn(&Capture) -> Option<&Vec<f64>>| -> Option<Vec<f64>> {
+        let columns: Option<Vec<&Vec<f64>>> = captures.iter().map(|one| column(&one.capture)).collect();
+        Some(columns?.into_iter().flatten().copied().collect())
+    };
+    let capture = Capture {
+        axis: captures[0].capture.axis,
+        t_s,
+        angle_rad: all(|one| Some(&one.angle_rad)).unwrap_or_default(),
+        velocity_rad_s: all(|one| one.velocity_rad_s.as_ref()),
+        acceleration_rad_s2: all(|one| one.acceleration_rad_s2.as_ref()),
+        torque_mnm: all(|one| Some(&one.torque_mnm)).unwrap_or_default(),
+        commanded_torque_mnm: all(|one| one.commanded_torque_mnm.as_ref()),
+        ..Capture::default()
+    };
+    LoadedCapture { capture, calibration: captures[0].calibration.clone(), ..LoadedCapture::default() }
 }
 
 #[cfg(test)]
@@ -114,10 +76,9 @@ mod tests {
     use archive::Capture;
     use loaded_capture::LoadedCapture;
 
-    use super::Joined;
+    use super::joined;
 
     fn loaded(samples: usize, accelerated: bool) -> LoadedCapture {
-        #[allow(clippy::cast_precision_loss, reason = "a few samples")]
         let angle: Vec<f64> = (0..samples).map(|index| index as f64).collect();
         let capture = Capture {
             acceleration_rad_s2: accelerated.then(|| vec![0.5; samples]),
@@ -129,7 +90,7 @@ mod tests {
     #[test]
     fn captures_follow_each_other_with_a_gap_in_between() {
         let (one, other) = (loaded(3, true), loaded(4, true));
-        let joined = Joined::of(&[&one, &other]);
+        let joined = joined(&[&one, &other]);
         let samples = joined.samples();
         assert_eq!(samples.angle_rad, [0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 3.0]);
         assert_eq!(samples.acceleration_rad_s2.map(<[f64]>::len), Some(7));
@@ -140,8 +101,8 @@ mod tests {
     #[test]
     fn a_column_that_one_capture_lacks_is_left_out() {
         let (one, other) = (loaded(3, true), loaded(4, false));
-        let joined = Joined::of(&[&one, &other]);
+        let joined = joined(&[&one, &other]);
         assert!(joined.samples().acceleration_rad_s2.is_none());
-        assert!(joined.commanded_torque_mnm.is_none());
+        assert!(joined.commanded_torque_mnm().is_none());
     }
 }

@@ -11,9 +11,9 @@ use loaded_capture::LoadedCapture;
 use crate::fit;
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
-use crate::outputs::{kind, write};
+use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::supervision::{Archived, RunEnd};
-use crate::until_ci::{Known, StopRule};
+use crate::until_ci::{StopRule, open, share_words};
 
 /// Names that are tried for what is made of a capture.
 const NAMES_TRIED: u32 = 1_000;
@@ -38,7 +38,7 @@ pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::
             }
             say(format!("view     haptic-camera view {archive}"));
             say("");
-            fit::show_fit(loaded.truth.as_ref(), &fitted);
+            show_on(fitted.axis, fit::lines(loaded.truth.as_ref(), &fitted));
             if let Some(achieved) = &end.achieved {
                 let step_mnm = loaded.calibration.as_ref().map_or(0.0, |known| known.torque_step_mnm);
                 tell_precision(achieved, &fitted, step_mnm);
@@ -62,21 +62,20 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     };
     let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
     let beside = |extension| named(number, extension);
-    let (model, report) = (beside("toml"), beside("html"));
+    let model = beside("toml");
     write(&model, kind::FITTED_MODEL, &fitted.model(&analysis::title(loaded)).to_toml())?;
     say(format!("model    {}", model.display()));
-    let (page, figures) = analysis::fit_page(loaded, fitted);
-    write(&report, kind::PAGE, &page)?;
-    say(format!("report   {}", report.display()));
-    // For `list`, and for whoever computes with the intervals.
-    fit::write_numbers(Some(&beside("json")), loaded, fitted, figures)
+    // The JSON is for `list`, and for whoever computes with the intervals.
+    fit::write_results(&ResultFiles { json: Some(beside("json")), report: Some(beside("html")) }, loaded, fitted)?;
+    say(format!("report   {}", beside("html").display()));
+    Ok(())
 }
 
 /// What a run that goes on until enough is known came to, and how long it took of the planned sweep.
 pub(super) fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
     let share = achieved.asked;
     let Some(ended_s) = achieved.ended_s else {
-        let open: Vec<String> = achieved.open().iter().map(share_words).collect();
+        let open: Vec<String> = achieved.last.iter().flat_map(|last| open(&last.parameters)).map(share_words).collect();
         return format!(
             "not known within {share} by the end: {}; give a longer --duration-s, or a larger share",
             if open.is_empty() { "there was no steady estimate".to_owned() } else { open.join(", ") }
@@ -91,10 +90,10 @@ pub(super) fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
 
 /// Holds the fit of the archive against what the sweep was ended for.
 fn tell_precision(achieved: &StopRule, fitted: &Fit, torque_step_mnm: f64) {
-    let Some(knowledge) = achieved.verify(fitted, torque_step_mnm) else { return };
+    let Some(known) = achieved.verify(fitted, torque_step_mnm) else { return };
     let share = achieved.asked;
-    let open: Vec<String> = knowledge.open().iter().map(share_words).collect();
-    let converged = knowledge.parameters.iter().filter(|known| known.convergence == Convergence::Converged);
+    let open: Vec<String> = open(&known).into_iter().map(share_words).collect();
+    let converged = known.iter().filter(|known| known.convergence == Convergence::Converged);
     let widest = converged.max_by(|one, other| one.share().unwrap_or(0.0).total_cmp(&other.share().unwrap_or(0.0)));
     if !open.is_empty() {
         remark(format!("not known within {share} in the fit of the archive: {}", open.join(", ")));
@@ -103,18 +102,7 @@ fn tell_precision(achieved: &StopRule, fitted: &Fit, torque_step_mnm: f64) {
     }
 }
 
-/// A parameter with its interval's share of the value.
-pub(crate) fn share_words(known: &Known) -> String {
-    match known.share() {
-        Some(share) => format!("{} ± {:.2} %", known.name, 100.0 * share),
-        None => format!("{} not estimated yet", known.name),
-    }
-}
-
 /// Tells how the run went and reads its archive; `None` when there is none.
-///
-/// # Errors
-/// When the archive cannot be read.
 pub(super) fn read_back(archive: &Path, end: &RunEnd) -> anyhow::Result<Option<(LoadedCapture, Outcome)>> {
     end.tell();
     let Some(archive) = end.left_archive(archive) else { return Ok(None) };

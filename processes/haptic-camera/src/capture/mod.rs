@@ -15,15 +15,16 @@ use rt_loop::request::RunRequest;
 
 use crate::command_line::RunOptions;
 use crate::outcome::Outcome;
+use crate::outputs::ResultFiles;
 use crate::supervision::{Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::until_ci::Share;
 pub(crate) use budget::Budget;
-pub(crate) use finish::share_words;
 
-/// Options of `capture`.
 #[derive(Clone, Debug, Args)]
+#[command(mut_arg("json", |json| json.requires("diagnose").help("Write the diagnosis as JSON; `-` for standard output")))]
+#[command(mut_arg("report", |report| report.requires("diagnose")
+    .help("Write the report page of the diagnosis here, instead of next to the first capture")))]
 pub struct CaptureOptions {
-    /// Rig, knob, motion and rate
     #[command(flatten)]
     pub request: RunRequest,
     /// End the sweep once every parameter is known within this share of its value, as 1%; --duration-s is then the longest.
@@ -40,7 +41,6 @@ pub struct CaptureOptions {
     /// Largest number of slow turns for a verdict
     #[arg(long, requires = "spec", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub turns: u32,
-    /// Archive and view
     #[command(flatten)]
     pub run: RunOptions,
     /// Diagnose the captures, and run experiments that discriminate between rival effects until one is left.
@@ -57,12 +57,8 @@ pub struct CaptureOptions {
     /// Largest distance from the start to move the control in experiments, rad or mm [default: that of the first two captures]
     #[arg(long, requires = "diagnose", value_name = "RAD", allow_negative_numbers = true)]
     pub reach: Option<f64>,
-    /// Write the diagnosis as JSON; `-` for standard output
-    #[arg(long, requires = "diagnose", value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the report page of the diagnosis here, instead of next to the first capture
-    #[arg(long, requires = "diagnose", value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
     /// Write the diagnosis as a rerun file
     #[arg(long, requires = "diagnose", value_name = "FILE.rrd")]
     pub recording: Option<PathBuf>,
@@ -70,9 +66,6 @@ pub struct CaptureOptions {
 
 /// Runs a capture from start to end, or capture after capture until the knob's effects have names or
 /// the verdict on it is certain.
-///
-/// # Errors
-/// Whatever keeps a run from being started, recorded or ended.
 pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     if options.diagnose {
@@ -89,7 +82,6 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     }
 }
 
-/// What the run of a capture needs.
 fn supervised(options: &CaptureOptions, claim: &Claim) -> SupervisedRun {
     SupervisedRun {
         in_words: in_words(options),
@@ -102,7 +94,6 @@ fn supervised(options: &CaptureOptions, claim: &Claim) -> SupervisedRun {
     }
 }
 
-/// What is captured, and how.
 fn in_words(options: &CaptureOptions) -> String {
     let knob = options.request.knob_name();
     let RunRequest { sweep, torque, amplitude, duration_s, pace, .. } = &options.request;

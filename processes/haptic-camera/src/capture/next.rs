@@ -10,7 +10,6 @@ const SAME_AMPLITUDE: f64 = 0.01;
 /// A motion that the knob is turned through.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Experiment {
-    /// The excitation's name.
     pub(super) sweep: String,
     /// Its amplitude, rad; the sweep's own if none.
     pub(super) amplitude_rad: Option<f64>,
@@ -27,10 +26,8 @@ impl Experiment {
     }
 }
 
-/// What comes after a diagnosis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Next {
-    /// Another experiment, which tells these apart.
     Experiment(Experiment, [String; 2]),
     /// Nothing is in doubt.
     Settled,
@@ -47,7 +44,6 @@ pub(super) fn next(found: &Diagnosis, made: &[Experiment], duration_s: f64, budg
         return if tied { Next::Undecidable } else { Next::Settled };
     };
     let experiment = Experiment { sweep: proposed.excitation.clone(), amplitude_rad: Some(proposed.amplitude_rad) };
-    #[allow(clippy::cast_precision_loss, reason = "a few captures")]
     let turned_s = made.len() as f64 * duration_s;
     if made.iter().any(|done| done.is_like(&experiment)) {
         Next::Undecidable

@@ -16,9 +16,6 @@ use crate::outcome::{Outcome, remark, say};
 const TURN: (&str, f64) = ("slow-turn", 15.0);
 
 /// Turns or presses the unit until it passes or fails, or the turns are spent.
-///
-/// # Errors
-/// Whatever keeps a run from being made or a sheet from being read, and one sentence on what is wrong with the specification.
 pub(super) fn run(
     options: &CaptureOptions,
     spec: &std::path::Path,

@@ -8,7 +8,7 @@ use dynamics::Model;
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
-use rt_loop::request::{RigRequest, RunRequest};
+use rt_loop::request::RunRequest;
 
 use super::CaptureOptions;
 use super::evidence::diagnosed;
@@ -17,7 +17,7 @@ use super::{finish, supervised};
 use crate::diagnose;
 use crate::diagnosis_text;
 use crate::outcome::{Outcome, remark, say, show};
-use crate::outputs::{kind, write};
+use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::recording;
 use crate::supervision::{claim_archive, ending_signals};
 
@@ -50,10 +50,8 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
         signal_hook::flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;
     }
     let held_out = if options.request.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
-    let first = [
-        Experiment { sweep: options.request.sweep.clone(), amplitude_rad: options.request.amplitude },
-        Experiment { sweep: held_out.to_owned(), amplitude_rad: options.request.amplitude },
-    ];
+    let first = [options.request.sweep.as_str(), held_out]
+        .map(|sweep| Experiment { sweep: sweep.to_owned(), amplitude_rad: options.request.amplitude });
     let mut taken: Vec<Taken> = Vec::new();
     let mut worst = Outcome::Done;
     for experiment in first {
@@ -125,7 +123,7 @@ pub(super) fn one_more(
     let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
     (*sweep, *amplitude) = (experiment.sweep.clone(), experiment.amplitude_rad);
     // Another run has other noise.
-    if is_simulated(rig) {
+    if rt_loop::rigs::file(rig).is_ok_and(|file| file.driver == "simulated") {
         rig.simulated.seed = Some(rig.simulated.seed.unwrap_or(1).wrapping_add(index as u64));
     }
     let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
@@ -133,10 +131,6 @@ pub(super) fn one_more(
     let Some(end) = run.take(interrupted)? else { return Ok(None) };
     let read = finish::read_back(&run.archive, &end)?;
     Ok(read.map(|(loaded, outcome)| (Taken { experiment, path: loaded.capture.source.clone(), loaded }, outcome)))
-}
-
-fn is_simulated(rig: &RigRequest) -> bool {
-    rt_loop::rigs::file(rig).is_ok_and(|file| file.driver == "simulated")
 }
 
 fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
@@ -160,7 +154,7 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     let Some([first, held_out]) = taken.first_chunk() else { return Ok(()) };
     let axis = first.loaded.capture.axis;
     show([""]);
-    show(diagnosis_text::lines(found).iter().map(|line| axis.words(line)));
+    show_on(axis, diagnosis_text::lines(found));
     let beside = |extension: &str| {
         let stem = first.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         first.path.with_file_name(format!("{stem}-diagnosis.{extension}"))
@@ -179,8 +173,9 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
         train: analysis::facts(&first.loaded),
         heldout: Some(analysis::facts(&held_out.loaded)),
     };
-    let report = options.report.clone().unwrap_or_else(|| beside("html"));
-    diagnose::tell(axis, &page, options.json.as_deref(), Some(&report))?;
+    let report = options.results.report.clone().unwrap_or_else(|| beside("html"));
+    let results = ResultFiles { report: Some(report.clone()), ..options.results.clone() };
+    diagnose::write_results(&results, axis, &page)?;
     say(format!("report   {}", report.display()));
     if let Some(path) = &options.recording {
         recording::write(path, found, &analysis::title(&first.loaded), Some(&analysis::title(&held_out.loaded)))?;

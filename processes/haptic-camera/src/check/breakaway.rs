@@ -14,7 +14,6 @@ pub struct Threshold {
     pub torque_mnm: f64,
     /// Its 95 % interval from the scatter; `None` for a single breakaway.
     pub ci95_mnm: Option<[f64; 2]>,
-    /// Number of breakaways.
     pub times: usize,
 }
 
@@ -34,7 +33,6 @@ impl Threshold {
         })
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a few breakaways")]
     fn from_torques(mut torques: Vec<f64>) -> Option<Self> {
         if torques.is_empty() {
             return None;

@@ -13,18 +13,16 @@ use serde::Serialize;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, is_output_json, say};
-use crate::outputs::write_json_on;
-use crate::terminal::{self, digits};
+use crate::outcome::{Outcome, show};
+use crate::outputs::write_json;
+use crate::terminal::{self, digits, interval, number};
 pub use breakaway::Threshold;
 
-/// Options of `check`.
 #[derive(Debug, Args)]
 pub struct CheckOptions {
     /// Captures to look at: a slow turn for the detents, a creep or a torque ramp for the breakaway
     #[arg(required = true, value_name = "CAPTURE")]
     pub captures: Vec<PathBuf>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     /// The fitted model to check
@@ -35,13 +33,11 @@ pub struct CheckOptions {
     pub json: Option<PathBuf>,
 }
 
-/// What one capture shows.
 #[derive(Debug, Serialize)]
 struct Shown {
     capture: String,
     /// Detents counted, if the capture turns far enough both ways.
     detents: Option<DetentCount>,
-    /// Why no detents were counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_detents: Option<String>,
     /// Torque at which the knob broke away in the negative direction, a magnitude.
@@ -49,7 +45,6 @@ struct Shown {
     static_positive: Option<Threshold>,
     /// Stretches in which the knob turned freely until it met what is behind its lost motion.
     free_travel: Vec<FreeTravel>,
-    /// Why there is no breakaway.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_static: Option<String>,
 }
@@ -65,17 +60,12 @@ struct Agreement {
     difference_percent: Option<f64>,
 }
 
-/// What `check --json` writes.
 #[derive(Debug, Serialize)]
 struct Check {
     captures: Vec<Shown>,
     agreement: Vec<Agreement>,
 }
 
-/// Looks at the captures and compares.
-///
-/// # Errors
-/// One sentence on what is wrong with a capture or the model.
 pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     let model = options.model.as_deref().map(load::model).transpose()?;
     let (mut captures, mut axes) = (Vec::new(), Vec::new());
@@ -87,17 +77,14 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     let axis = load::common_axis(axes)?;
     withhold_breakaways(axis, &mut captures);
     let check = Check { agreement: agreement(axis, &captures, model.as_ref()), captures };
-    if !is_output_json() {
-        if check.agreement.is_empty() {
-            say("found neither detents nor breakaways");
-        } else {
-            say(axis.words(&table(&check.agreement).to_string()));
-        }
-        for shown in &check.captures {
-            say(format!("- {}: {}", shown.capture, axis.words(&shown.in_words(axis))));
-        }
-    }
-    write_json_on(axis, options.json.as_deref(), &check)?;
+    let found = if check.agreement.is_empty() {
+        "found neither detents nor breakaways".to_owned()
+    } else {
+        axis.words(&table(&check.agreement).to_string()).into_owned()
+    };
+    let shown = |shown: &Shown| format!("- {}: {}", shown.capture, axis.words(&shown.in_words(axis)));
+    show(std::iter::once(found).chain(check.captures.iter().map(shown)));
+    write_json(axis, &options.json, &check)?;
     Ok(Outcome::Done)
 }
 
@@ -122,11 +109,11 @@ fn withhold_breakaways(axis: Axis, captures: &mut [Shown]) {
         return;
     }
     let longest_rad = ways.iter().copied().fold(0.0, f64::max);
-    let times = if ways.len() == 1 { "once".to_owned() } else { format!("{} times", ways.len()) };
     let reason = format!(
-        "static_negative and static_positive are not identifiable: the knob turned freely, {times} and for up to {}, \
+        "static_negative and static_positive are not identifiable: the knob turned freely, {} and for up to {}, \
          before it met any torque, and the start of motion through such backlash looks like a breakaway; remove the \
          backlash, or run `diagnose`",
+        times_in_words(ways.len()),
         way_in_words(axis, longest_rad)
     );
     for shown in captures {
@@ -141,6 +128,10 @@ fn way_in_words(axis: Axis, way_rad: f64) -> String {
         Axis::Rotary => format!("{:.2}° ({way_rad:.3} rad)", way_rad.to_degrees()),
         Axis::Linear => format!("{way_rad:.3} mm"),
     }
+}
+
+fn times_in_words(times: usize) -> String {
+    if times == 1 { "once".to_owned() } else { format!("{times} times") }
 }
 
 impl Shown {
@@ -158,10 +149,8 @@ impl Shown {
             (None, None) => {}
         }
         for (threshold, direction) in [(&self.static_negative, "negative"), (&self.static_positive, "positive")] {
-            if let Some(threshold) = threshold {
-                let times = if threshold.times == 1 { "once".to_owned() } else { format!("{} times", threshold.times) };
-                words.push(format!("broke away {times} in the {direction} direction"));
-            }
+            let times = threshold.as_ref().map(|threshold| times_in_words(threshold.times));
+            words.extend(times.map(|times| format!("broke away {times} in the {direction} direction")));
         }
         words.extend(self.no_static.clone());
         words.join("; ")
@@ -172,14 +161,8 @@ impl Shown {
 fn agreement(axis: Axis, captures: &[Shown], model: Option<&Model>) -> Vec<Agreement> {
     let mut agreement = Vec::new();
     let mut add = |quantity, unit, checked: f64, ci95, model: Option<f64>| {
-        agreement.push(Agreement {
-            quantity,
-            unit,
-            checked,
-            ci95,
-            model,
-            difference_percent: model.map(|model| 100.0 * (checked / model - 1.0)),
-        });
+        let difference_percent = model.map(|model| 100.0 * (checked / model - 1.0));
+        agreement.push(Agreement { quantity, unit, checked, ci95, model, difference_percent });
     };
     let counted = captures.iter().filter_map(|shown| shown.detents.as_ref());
     if let Some(count) = counted.max_by(|a, b| a.turned_rad.total_cmp(&b.turned_rad)) {
@@ -190,35 +173,28 @@ fn agreement(axis: Axis, captures: &[Shown], model: Option<&Model>) -> Vec<Agree
         }
         add("detent_period", "rad", count.period_rad, Some(count.period_ci95_rad), period);
     }
-    let negative = captures.iter().filter_map(|shown| shown.static_negative.as_ref());
-    let positive = captures.iter().filter_map(|shown| shown.static_positive.as_ref());
-    let thresholds = [
-        ("static_negative", negative.max_by_key(|threshold| threshold.times)),
-        ("static_positive", positive.max_by_key(|threshold| threshold.times)),
-    ];
-    for (quantity, threshold) in thresholds {
-        if let Some(threshold) = threshold {
+    let mut add_static = |quantity, of: fn(&Shown) -> &Option<Threshold>| {
+        if let Some(threshold) = captures.iter().filter_map(|shown| of(shown).as_ref()).max_by_key(|seen| seen.times) {
             let fitted = model.and_then(|model| model.parameter(quantity));
             add(quantity, "mNm", threshold.torque_mnm, threshold.ci95_mnm, fitted);
         }
-    }
+    };
+    add_static("static_negative", |shown| &shown.static_negative);
+    add_static("static_positive", |shown| &shown.static_positive);
     agreement
 }
 
-/// What was seen beside what was fitted.
 fn table(agreement: &[Agreement]) -> Table {
-    let mut table = terminal::table(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"], 1..5);
-    for row in agreement {
-        let width = row.ci95.map_or(1e-3 * row.checked.abs(), |[low, high]| high - low);
-        let digits = digits(width);
-        table.add_row([
+    let rows = agreement.iter().map(|row| {
+        let digits = digits(row.ci95.map_or(1e-3 * row.checked.abs(), |[low, high]| high - low));
+        [
             row.quantity.to_owned(),
             format!("{:.digits$}", row.checked),
-            row.ci95.map_or_else(String::new, |[low, high]| format!("{low:.digits$} to {high:.digits$}")),
-            row.model.map_or_else(String::new, |model| format!("{model:.digits$}")),
+            interval(row.ci95, digits),
+            number(row.model, digits),
             row.difference_percent.map_or_else(String::new, |percent| format!("{percent:+.1} %")),
             row.unit.to_owned(),
-        ]);
-    }
-    table
+        ]
+    });
+    terminal::table(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"], 1..5, rows)
 }

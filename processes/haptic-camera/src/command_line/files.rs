@@ -21,16 +21,16 @@ impl Command {
                 .reading(&options.spec)
                 .reading(&options.request.rig.rig)
                 .reading(&options.request.rig.calibration)
-                .telling(&options.json, &options.report)
+                .telling(&options.results)
                 .writing(&options.recording, kind::RECORDING),
             Self::Replay(options) => files
                 .reading([&options.model, &options.hand.hand])
                 .reading(&options.rig.rig)
                 .reading(&options.rig.calibration)
-                .telling(&options.json, &options.report),
+                .telling(&options.results),
             Self::Fit(options) => files
                 .reading(&options.captures)
-                .telling(&options.json, &options.report)
+                .telling(&options.results)
                 .writing(&options.out, kind::FITTED_MODEL)
                 // The file is changed in place.
                 .writing(&options.into, Replace::Anything),
@@ -38,23 +38,19 @@ impl Command {
                 .reading([&options.train])
                 .reading(&options.heldout)
                 .reading(&options.model)
-                .telling(&options.json, &options.report)
+                .telling(&options.results)
                 .writing(&options.out, kind::DIAGNOSED_MODEL)
                 .writing(&options.recording, kind::RECORDING),
             Self::Calibrate(options) => {
                 // The given calibration may be overwritten.
                 files.reading(&options.captures).writing(&options.out, options.replaced())
             }
-            Self::RigTest(options) => {
-                files.reading(&options.rig.request.calibration).telling(&options.json, &options.report)
-            }
+            Self::RigTest(options) => files.reading(&options.rig.request.calibration).telling(&options.results),
             Self::Check(options) => {
                 files.reading(&options.captures).reading(&options.model).writing(&options.json, kind::JSON)
             }
-            Self::Compare(options) => files.reading(&options.subjects).telling(&options.json, &options.report),
-            Self::Judge(options) => {
-                files.reading(&options.captures).reading([&options.spec]).telling(&options.json, &options.report)
-            }
+            Self::Compare(options) => files.reading(&options.subjects).telling(&options.results),
+            Self::Judge(options) => files.reading(&options.captures).reading([&options.spec]).telling(&options.results),
             Self::Capability(options) => files
                 .reading(&options.study.captures)
                 .reading(&options.study.values)
@@ -69,10 +65,9 @@ impl Command {
             Self::Sheet(options) => files
                 .reading(&options.captures)
                 .reading(&options.dynamic)
-                .writing(&options.json, kind::JSON)
+                .telling(&options.results)
                 .writing(&options.csv, kind::FIGURES)
-                .writing(&options.wall, kind::PAGE)
-                .writing(&options.report, kind::PAGE),
+                .writing(&options.wall, kind::PAGE),
             Self::Simulate(options) => {
                 files.reading([&options.model, &options.like]).writing(&options.out, options.kind())
             }
@@ -82,7 +77,7 @@ impl Command {
                 .writing(&options.out, options.kind())
                 .writing(options.isaac_lab().as_ref(), kind::JSON),
             Self::Table(options) => files.reading(&options.spec).writing(&options.out, kind::DATA),
-            Self::Trend(options) => files.reading([&options.table]).telling(&options.json, &options.report),
+            Self::Trend(options) => files.reading([&options.table]).telling(&options.results),
             Self::List(options) => files.writing(&options.json, kind::JSON),
             Self::Recompute(options) => files.reading([&options.capture]).writing(&options.json, kind::JSON),
             Self::Recover(options) => files.reading([&options.broken]).writing(&options.out, kind::DATA),

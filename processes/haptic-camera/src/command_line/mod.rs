@@ -33,7 +33,6 @@ pub struct CommandLine {
     pub command: Command,
 }
 
-/// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Turn a knob through a sweep, watch it live, and write an archive and a fitted model

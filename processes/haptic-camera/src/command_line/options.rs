@@ -35,7 +35,6 @@ impl ColumnOptions {
 /// Options of commands that turn the rig without a knob.
 #[derive(Debug, Args)]
 pub struct RigOptions {
-    /// The rig
     #[command(flatten)]
     pub request: RigRequest,
     /// Run the simulated rig as fast as the processor can, without the real-time processes

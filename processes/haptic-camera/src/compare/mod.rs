@@ -18,48 +18,35 @@ use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
 use crate::fit_tables::true_value;
 use crate::load;
-use crate::outcome::{Outcome, show};
-use crate::outputs::{kind, write_if_asked, write_json_on};
+use crate::outcome::Outcome;
+use crate::outputs::ResultFiles;
 
-/// Options of `compare`.
 #[derive(Debug, Args)]
 pub struct CompareOptions {
     /// What to compare: captures, model files, or 1 to 5 for the paper's knobs; captures of one knob are averaged
     #[arg(required = true, value_name = "CAPTURE|MODEL.toml")]
     pub subjects: Vec<String>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
-    /// Write the result as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
 }
 
 /// Longest name of a model that stands over a column, letters.
 const LONGEST_NAME: usize = 24;
 
-/// Fits every capture, averages those of one knob, and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a capture, a model or a file.
 pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
     let compared = compare(&options.subjects, &options.columns)?;
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
     anyhow::ensure!(axes.all(|other| other == axis), "some of these are rotary and some linear; compare one kind");
-    show(table::lines(&compared).iter().map(|line| axis.words(line)));
-    write_json_on(axis, options.json.as_deref(), &compared)?;
-    let page = || axis.words(&report::comparison_page(&compared)).into_owned();
-    write_if_asked(options.report.as_ref(), kind::PAGE, page)?;
+    options.results.tell(axis, table::lines(&compared), &compared, || report::comparison_page(&compared))?;
     Ok(Outcome::Done)
 }
 
 /// A column to be: a model, or the captures of one knob.
 enum Subject {
-    Model { file: String, model: Model },
+    Model(Box<ComparedKnob>),
     Captures { group: Option<Group>, fitted: Vec<(LoadedCapture, Fit)> },
 }
 
@@ -68,7 +55,6 @@ enum Subject {
 struct Group {
     /// The knob, as the operator named it.
     knob: String,
-    /// Whether the rig rendered it.
     rendered: bool,
     /// The model that a simulated rig turned.
     truth: Option<Model>,
@@ -95,8 +81,8 @@ impl Group {
 fn compare(given: &[String], columns: &ColumnOptions) -> anyhow::Result<Comparison> {
     let mut subjects: Vec<Subject> = Vec::new();
     for name in given {
-        if names_model(name) {
-            subjects.push(Subject::Model { file: name.clone(), model: knobs::named(name)? });
+        if load::names_model(name) {
+            subjects.push(Subject::Model(Box::new(of_model(name, knobs::named(name)?))));
             continue;
         }
         let loaded = load::load_measured(&PathBuf::from(name), columns)?;
@@ -112,7 +98,7 @@ fn compare(given: &[String], columns: &ColumnOptions) -> anyhow::Result<Comparis
         }
     }
     let knobs = subjects.into_iter().map(|subject| match subject {
-        Subject::Model { file, model } => Ok(of_model(file, model)),
+        Subject::Model(knob) => Ok(*knob),
         Subject::Captures { group, fitted } => of_captures(group.as_ref(), &fitted),
     });
     let mut compared = Comparison {
@@ -156,19 +142,19 @@ fn name_apart(compared: &mut Comparison) {
     }
 }
 
-fn of_model(file: String, model: Model) -> ComparedKnob {
+fn of_model(file: &str, model: Model) -> ComparedKnob {
     let mut parameters = ComparedParameters::new();
     for (kind, value) in model.parameters() {
         let value = Some(true_value(&model, kind.name).unwrap_or(value));
         parameters.insert(kind.name, ComparedValue::new(value, kind.unit, None, None));
     }
     // A fitted model's name is that of its capture; a shipped knob's number is no file.
-    let stem = Path::new(&file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem = Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let short = !model.name.is_empty() && model.name.chars().count() <= LONGEST_NAME;
     let name = if short { model.name.clone() } else { stem };
     let knob = ComparedKnob {
         name: format!("{name}, model"),
-        model_file: Some(file),
+        model_file: Some(file.to_owned()),
         parameters,
         paper: paper::knob_of(&model),
         ..ComparedKnob::default()
@@ -235,9 +221,4 @@ fn quality(fit: &Fit) -> ComparedQuality {
         mean_ci95_mnm: fit.mean_ci95_mnm,
         samples: fit.samples,
     }
-}
-
-/// Whether what was named is a model: a shipped knob's number or a model file.
-fn names_model(subject: &str) -> bool {
-    knobs::is_shipped(subject) || Path::new(subject).extension().is_some_and(|extension| extension == "toml")
 }

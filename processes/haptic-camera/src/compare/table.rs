@@ -63,33 +63,29 @@ fn width(table: &Table) -> usize {
 fn table(knobs: &[ComparedKnob]) -> Table {
     let names = knobs.iter().map(|knob| knob.name.clone());
     let header: Vec<String> = ["parameter".to_owned()].into_iter().chain(names).chain(["unit".to_owned()]).collect();
-    let mut table = terminal::table(header, 1..=knobs.len());
-    let kinds = dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters);
-    for kind in kinds {
+    let mut rows = Vec::new();
+    for kind in dynamics::effects::ALL.iter().flat_map(|effect| effect.parameters) {
         let own = knobs.iter().map(|knob| knob.parameters.get(kind.name));
         // Models list every parameter of their effects, many of them zero.
         if own.clone().flatten().any(|own| own.value != Some(0.0)) {
-            table.add_row(row(kind.name, own.map(|own| own.map(cell)), kind.unit));
+            rows.push(row(kind.name, own.map(|own| own.map(cell)), kind.unit));
         }
         let printed = knobs.iter().map(|knob| knob.paper.as_ref()?.parameters.get(kind.name));
         if printed.clone().any(|printed| printed.is_some()) {
-            let name = if knobs.iter().any(|knob| knob.parameters.contains_key(kind.name)) {
-                "  paper".to_owned()
-            } else {
-                format!("{}, paper", kind.name)
-            };
+            let is_above = knobs.iter().any(|knob| knob.parameters.contains_key(kind.name));
+            let name = if is_above { "  paper".to_owned() } else { format!("{}, paper", kind.name) };
             let cells = printed.map(|printed| printed.map(|printed| significant(printed.value, PAPER_DIGITS)));
-            table.add_row(row(&name, cells, kind.unit));
+            rows.push(row(&name, cells, kind.unit));
         }
     }
     for (name, unit, show) in QUALITIES.into_iter().filter(|_| knobs.iter().any(|knob| knob.quality.is_some())) {
-        table.add_row(row(name, knobs.iter().map(|knob| knob.quality.as_ref().map(show)), unit));
+        rows.push(row(name, knobs.iter().map(|knob| knob.quality.as_ref().map(show)), unit));
         if name == "mean_ci95_mnm" && knobs.iter().any(|knob| knob.paper.is_some()) {
             let printed = |knob: &ComparedKnob| Some(significant(knob.paper.as_ref()?.mean_ci95_mnm, PAPER_DIGITS));
-            table.add_row(row("  paper", knobs.iter().map(printed), unit));
+            rows.push(row("  paper", knobs.iter().map(printed), unit));
         }
     }
-    table
+    terminal::table(header, 1..=knobs.len(), rows)
 }
 
 fn row(name: &str, cells: impl Iterator<Item = Option<String>>, unit: &str) -> Vec<String> {
@@ -116,7 +112,6 @@ fn interval_digits(half_width: f64) -> usize {
     if leading < 1.95 { two_digits } else { two_digits.saturating_sub(1) }
 }
 
-/// A value with so many significant digits.
 fn significant(value: f64, digits: f64) -> String {
     format!("{value:.*}", decimals(value, digits, [0.0, 9.0]))
 }

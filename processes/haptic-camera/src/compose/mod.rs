@@ -10,12 +10,12 @@ use clap::Args;
 use comfy_table::Table;
 use dynamics::{Composition, CompositionError, Effect, Model, ModelError, Parts, Role, Source, composition_notes};
 
-pub use self::arguments::{Assignment, Extra};
+pub use self::arguments::name_and_number;
+use self::arguments::{knob_and_effect, name_and_knob};
 use crate::outcome::{Outcome, UsageError, remark, say};
 use crate::outputs::{is_same, kind, write};
 use crate::terminal::table;
 
-/// Options of `compose`.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("parts").args(["inertia", "friction", "detents", "extra"]).required(true).multiple(true)))]
 pub struct ComposeOptions {
@@ -29,14 +29,14 @@ pub struct ComposeOptions {
     #[arg(long, value_name = "1…5|FILE.toml|FILE.csv")]
     pub detents: Option<String>,
     /// Add an effect of another knob, as in 5:backlash or springy.toml:return-spring; may be repeated
-    #[arg(long, value_name = "KNOB:EFFECT")]
-    pub extra: Vec<Extra>,
+    #[arg(long, value_name = "KNOB:EFFECT", value_parser = knob_and_effect)]
+    pub extra: Vec<(String, String)>,
     /// Set a parameter, as in detent_amplitude=1.5; may be repeated
-    #[arg(long, value_name = "NAME=NUMBER")]
-    pub set: Vec<Assignment<f64>>,
+    #[arg(long, value_name = "NAME=NUMBER", value_parser = name_and_number)]
+    pub set: Vec<(String, f64)>,
     /// Take a parameter's value from another knob, as in detent_amplitude=4; may be repeated
-    #[arg(long, value_name = "NAME=KNOB")]
-    pub from: Vec<Assignment<String>>,
+    #[arg(long, value_name = "NAME=KNOB", value_parser = name_and_knob)]
+    pub from: Vec<(String, String)>,
     /// The model's name [default: that of its file]
     #[arg(long)]
     pub name: Option<String>,
@@ -55,16 +55,22 @@ pub struct ComposeOptions {
 pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let sources = Sources::load(options)?;
     let replaced = replaced(options)?;
-    let composition = composed(&sources, options).map_err(|error| UsageError(error.into()))?;
-    let model = composition.model(&name(options), &sources.parts.description());
+    let composed = || {
+        let mut composition = sources.parts.composition()?;
+        sources.values.iter().try_for_each(|(name, source)| composition.take_parameter(name, source))?;
+        options.set.iter().try_for_each(|(name, value)| composition.set(name, *value))?;
+        Ok(composition)
+    };
+    let composition: Composition = composed().map_err(|error: CompositionError| UsageError(error.into()))?;
+    let of_file = || options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = options.name.clone().unwrap_or_else(of_file);
+    let model = composition.model(&name, &sources.parts.description());
     write(&options.out, replaced, &model.to_toml())?;
     say(model.axis.words(&parts_table(&composition, &model).to_string()));
-    say(format!(
-        "{}: {}; {}",
-        options.out.display(),
-        effects(&model),
-        model.axis.words(&format!("its torque changes by up to {:.4} mNm/rad", model.steepest_stiffness_mnm_rad()))
-    ));
+    let (out, count, steepest) = (options.out.display(), model.effects.len(), model.steepest_stiffness_mnm_rad());
+    let effects = if count == 1 { "effect" } else { "effects" };
+    let steepest = format!("its torque changes by up to {steepest:.4} mNm/rad");
+    say(format!("{out}: {count} {effects}; {}", model.axis.words(&steepest)));
     for note in composition_notes(&model) {
         remark(format!("note: {}", model.axis.words(&note.to_string())));
     }
@@ -83,8 +89,8 @@ impl Sources {
         let roles = [(Role::Inertia, inertia), (Role::Friction, friction), (Role::Detents, detents)];
         let role =
             |(role, given): (Role, &Option<String>)| Some(Source::named(given.as_ref()?).map(|from| (role, from)));
-        let effect = |extra: &Extra| Ok((extra.effect.clone(), Source::named(&extra.source)?));
-        let value = |from: &Assignment<String>| Ok((from.name.clone(), Source::named(&from.value)?));
+        let effect = |(source, effect): &(String, String)| Ok((effect.clone(), Source::named(source)?));
+        let value = |(name, source): &(String, String)| Ok((name.clone(), Source::named(source)?));
         Ok(Self {
             parts: Parts {
                 roles: roles.into_iter().filter_map(role).collect::<Result<_, _>>()?,
@@ -95,35 +101,8 @@ impl Sources {
     }
 }
 
-fn composed(sources: &Sources, options: &ComposeOptions) -> Result<Composition, CompositionError> {
-    let mut composition = sources.parts.composition()?;
-    for (name, source) in &sources.values {
-        composition.take_parameter(name, source)?;
-    }
-    for Assignment { name, value } in &options.set {
-        composition.set(name, *value)?;
-    }
-    Ok(composition)
-}
-
-/// The name asked for, otherwise that of the file.
-fn name(options: &ComposeOptions) -> String {
-    let of_file = || options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    options.name.clone().unwrap_or_else(of_file)
-}
-
-fn effects(model: &Model) -> String {
-    match model.effects.len() {
-        1 => "1 effect".to_owned(),
-        count => format!("{count} effects"),
-    }
-}
-
 /// What the model may replace: one that was composed before, so that a number is changed and felt again. Refuses a place where
 /// something would be lost: a fitted model, a drawn table or a capture costs more to have again.
-///
-/// # Errors
-/// One sentence that says what lies there and what to do.
 fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
     let out = &options.out;
     if options.overwrite {
@@ -133,21 +112,18 @@ fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
     if sources(options).any(|source| is_same(source.as_ref(), out)) {
         bail!("{shown} is itself a source of the model; choose another name for --out, or give --overwrite");
     }
-    match out.is_file().then(|| Model::load(out)) {
-        None => {}
-        Some(Ok(model)) if model.effects.iter().any(|effect| effect.origin().is_some()) => {}
-        Some(Ok(_)) => {
-            bail!("{shown} exists and was not composed; choose another name for --out, or give --overwrite")
-        }
-        Some(Err(_)) => bail!("{shown} exists and is not a model; choose another name for --out, or give --overwrite"),
-    }
-    Ok(kind::COMPOSED_MODEL)
+    let what = match out.is_file().then(|| Model::load(out)) {
+        Some(Ok(model)) if model.effects.iter().all(|effect| effect.origin().is_none()) => "was not composed",
+        Some(Err(_)) => "is not a model",
+        None | Some(Ok(_)) => return Ok(kind::COMPOSED_MODEL),
+    };
+    bail!("{shown} exists and {what}; choose another name for --out, or give --overwrite")
 }
 
 fn sources(options: &ComposeOptions) -> impl Iterator<Item = &String> {
     let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
     let parts = [inertia, friction, detents].into_iter().flatten();
-    parts.chain(extra.iter().map(|extra| &extra.source)).chain(from.iter().map(|from| &from.value))
+    parts.chain(extra.iter().map(|(source, _)| source)).chain(from.iter().map(|(_, source)| source))
 }
 
 /// Parameters of one effect beyond which zeros are left out: harmonics that are not there.
@@ -155,20 +131,19 @@ const MANY: usize = 8;
 
 /// Effect by effect, every parameter with its value and where that comes from.
 fn parts_table(composition: &Composition, model: &Model) -> Table {
-    let mut table = table(["effect", "parameter", "value", "unit", "from"], [2]);
-    for effect in &model.effects {
+    let rows = model.effects.iter().flat_map(|effect| {
         let mut name = effect.kind().name;
-        for (parameter, value) in shown(effect) {
+        let parameters = shown(effect).map(move |(parameter, value)| {
             let from = composition.origin_of(parameter.name).unwrap_or_default();
-            table.add_row([name, parameter.name, &value.to_string(), parameter.unit, from]);
-            name = "";
-        }
-        if let Some(drawn) = effect.table() {
+            [std::mem::take(&mut name), parameter.name, &value.to_string(), parameter.unit, from].map(str::to_owned)
+        });
+        let points = effect.table().map(|drawn| {
             let points = format!("{} over {} rad", drawn.points().len(), drawn.period_rad().unwrap_or_default());
-            table.add_row(["", "points", &points, "", ""]);
-        }
-    }
-    table
+            ["", "points", &points, "", ""].map(str::to_owned)
+        });
+        parameters.chain(points)
+    });
+    table(["effect", "parameter", "value", "unit", "from"], [2], rows)
 }
 
 fn shown(effect: &Effect) -> impl Iterator<Item = (&'static dynamics::ParameterKind, f64)> + '_ {

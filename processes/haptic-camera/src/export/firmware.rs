@@ -13,8 +13,12 @@ use dynamics::{Axis, Model, ParameterKind};
 
 use super::torque_over_angle::TorqueOverAngle;
 
-/// Numbers in a line.
 const PER_LINE: usize = 6;
+/// Pieces of C, with names between `@` for what is filled in.
+const SMARTKNOB: &str = include_str!("smartknob.h.in");
+const TABLE: &str = include_str!("table.h.in");
+const ENDS_ROTARY: &str = include_str!("table_ends_rotary.h.in");
+const ENDS_LINEAR: &str = include_str!("table_ends_linear.h.in");
 
 /// The header; `name` is what its names begin with.
 pub(super) fn header(model: &Model, table: Option<&TorqueOverAngle>, source: &str, name: &str) -> String {
@@ -36,8 +40,8 @@ pub(super) fn header(model: &Model, table: Option<&TorqueOverAngle>, source: &st
     );
     constants(model, &upper, &mut text);
     if let Some(table) = table {
-        smart_knob(model, table, &upper, &mut text);
-        write_table(table, &upper, &mut text);
+        text += &smart_knob(model, table, &upper);
+        text += &tabulated(table, &upper);
     }
     let _ = writeln!(text, "\n#endif");
     text
@@ -62,21 +66,9 @@ fn constants(model: &Model, upper: &str, text: &mut String) {
 }
 
 /// What SmartKnob's configuration takes.
-fn smart_knob(model: &Model, table: &TorqueOverAngle, upper: &str, text: &mut String) {
-    let Some(rest) = table.rest.filter(|_| table.is_period) else { return };
-    let _ = write!(
-        text,
-        "\n/* SmartKnob (github.com/scottbez1/smartknob, firmware/src/motor_task.cpp): its motor is given 4 V per radian off the\n\
-         \x20* middle of a position and unit of strength. MOTOR_MNM_PER_V is the torque of your motor per volt. Its detents are\n\
-         \x20* straight springs; a snap point of half a position changes over where this knob does. */\n\
-         #define {upper}_SMARTKNOB_POSITION_WIDTH_RADIANS {}\n\
-         #define {upper}_SMARTKNOB_SNAP_POINT 0.5f\n\
-         #define {upper}_DETENT_STIFFNESS_MNM_PER_RAD {}\n\
-         #define {upper}_SMARTKNOB_DETENT_STRENGTH_UNIT(MOTOR_MNM_PER_V) \\\n    \
-         ({upper}_DETENT_STIFFNESS_MNM_PER_RAD / (4.0f * (MOTOR_MNM_PER_V)))\n",
-        float(table.span_rad),
-        float(rest.stiffness_mnm_rad)
-    );
+fn smart_knob(model: &Model, table: &TorqueOverAngle, upper: &str) -> String {
+    let Some(rest) = table.rest.filter(|_| table.is_period) else { return String::new() };
+    let mut text = SMARTKNOB.to_owned();
     if let Some(stiffest) = stiffest_end_stop_mnm_rad(model) {
         let _ = write!(
             text,
@@ -84,6 +76,8 @@ fn smart_knob(model: &Model, table: &TorqueOverAngle, upper: &str, text: &mut St
             float(stiffest)
         );
     }
+    let (width, stiffness) = (float(table.span_rad), float(rest.stiffness_mnm_rad));
+    filled(&text, &[("@UPPER@", upper), ("@WIDTH@", &width), ("@STIFFNESS@", &stiffness)])
 }
 
 /// Stiffness of the stiffer end stop, mNm/rad, where the model has them.
@@ -91,59 +85,44 @@ pub(super) fn stiffest_end_stop_mnm_rad(model: &Model) -> Option<f64> {
     model.effect(end_stop::KIND.name).map(|stop| stop.values()[2].max(stop.values()[3]))
 }
 
-fn write_table(table: &TorqueOverAngle, upper: &str, text: &mut String) {
-    let lower = upper.to_lowercase();
-    let points = table.torque_mnm.len();
-    let over = match (table.axis, table.is_period) {
+fn tabulated(table: &TorqueOverAngle, upper: &str) -> String {
+    let axis = table.axis;
+    let over = match (axis, table.is_period) {
         (Axis::Linear, _) => "the travel",
         (Axis::Rotary, true) => "one period of the detents",
         (Axis::Rotary, false) => "one turn",
     };
-    let axis = table.axis;
-    let unit = axis.position_unit().to_uppercase();
-    let [array, at, torque, angle, place] =
-        ["torque_mnm", "torque_at_mnm", "Torque", "angle", "angle_rad"].map(|name| axis.words(name));
-    let _ = write!(
-        text,
-        "\n/* {} over {over}: point i is at i * SPAN / POINTS. */\n\
-         #define {upper}_TABLE_POINTS {points}\n#define {upper}_TABLE_SPAN_{unit} {}\n\
-         static const float {lower}_{array}[{upper}_TABLE_POINTS] = {{\n",
-        comment(&table.effects.join(" + ")),
-        float(table.span_rad)
-    );
-    for line in table.torque_mnm.chunks(PER_LINE) {
-        let numbers: Vec<String> = line.iter().map(|&torque| float(torque)).collect();
-        let _ = writeln!(text, "    {},", numbers.join(", "));
-    }
     // What turns comes round again; what is pressed does not.
     let (beyond, ends) = match axis {
-        Axis::Rotary => (
-            "it repeats after SPAN",
-            format!(
-                "    long whole = (long)place - (place < (float)(long)place);\n    \
-                 float part = place - (float)whole;\n    \
-                 long first = ((whole % {upper}_TABLE_POINTS) + {upper}_TABLE_POINTS) % {upper}_TABLE_POINTS;\n    \
-                 long second = (first + 1) % {upper}_TABLE_POINTS;\n"
-            ),
-        ),
-        Axis::Linear => (
-            "beyond its ends it stays as it is there",
-            format!(
-                "    if (place < 0.0f) place = 0.0f;\n    \
-                 if (place > {upper}_TABLE_POINTS - 1) place = {upper}_TABLE_POINTS - 1;\n    \
-                 long first = (long)place;\n    \
-                 long second = first + (first < {upper}_TABLE_POINTS - 1);\n    \
-                 float part = place - (float)first;\n"
-            ),
-        ),
+        Axis::Rotary => ("it repeats after SPAN", ENDS_ROTARY),
+        Axis::Linear => ("beyond its ends it stays as it is there", ENDS_LINEAR),
     };
-    let _ = write!(
-        text,
-        "}};\n\n/* {torque} at any {angle}: straight lines between the points; {beyond}. */\n\
-         static inline float {lower}_{at}(float {place})\n{{\n    \
-         float place = {place} * ({upper}_TABLE_POINTS / {upper}_TABLE_SPAN_{unit});\n\
-         {ends}    return {lower}_{array}[first] + part * ({lower}_{array}[second] - {lower}_{array}[first]);\n}}\n"
-    );
+    let line = |line: &[f64]| line.iter().map(|&torque| float(torque)).collect::<Vec<_>>().join(", ");
+    let lines: Vec<String> =
+        table.torque_mnm.chunks(PER_LINE).map(|torques| format!("    {},\n", line(torques))).collect();
+    let given = [
+        ("@EFFECTS@", comment(&table.effects.join(" + "))),
+        ("@OVER@", over.to_owned()),
+        ("@BEYOND@", beyond.to_owned()),
+        ("@ENDS@", ends.to_owned()),
+        ("@NUMBERS@", lines.concat()),
+        ("@POINTS@", table.torque_mnm.len().to_string()),
+        ("@SPAN@", float(table.span_rad)),
+        ("@UNIT@", axis.position_unit().to_uppercase()),
+        ("@ARRAY@", axis.words("torque_mnm").into_owned()),
+        ("@AT@", axis.words("torque_at_mnm").into_owned()),
+        ("@TORQUE@", axis.words("Torque").into_owned()),
+        ("@ANGLE@", axis.words("angle").into_owned()),
+        ("@PLACE@", axis.words("angle_rad").into_owned()),
+        ("@LOWER@", upper.to_lowercase()),
+        ("@UPPER@", upper.to_owned()),
+    ];
+    filled(TABLE, &given.each_ref().map(|(name, text)| (*name, text.as_str())))
+}
+
+/// A piece of C with its places filled.
+fn filled(template: &str, given: &[(&str, &str)]) -> String {
+    given.iter().fold(template.to_owned(), |text, (place, given)| text.replace(place, given))
 }
 
 /// The parameter's unit; that of a phase is no travel.
@@ -159,7 +138,6 @@ fn macro_name(axis: Axis, kind: &ParameterKind) -> String {
 }
 
 /// The shortest literal that is the same single-precision number.
-#[allow(clippy::cast_possible_truncation, reason = "firmware computes in single precision")]
 fn float(value: f64) -> String {
     format!("{:?}f", value as f32)
 }

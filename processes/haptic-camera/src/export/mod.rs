@@ -12,7 +12,7 @@ use anyhow::{Context as _, anyhow, bail};
 use archive::attachment;
 use archive::whole_file::write_bytes;
 use clap::Args;
-use dynamics::knobs;
+use dynamics::{Model, knobs};
 
 use crate::command_line::ColumnOptions;
 use crate::load;
@@ -20,7 +20,6 @@ use crate::outcome::{Outcome, UsageError, say};
 use crate::outputs::{kind, write};
 use torque_over_angle::TorqueOverAngle;
 
-/// Options of `export`.
 #[derive(Debug, Args)]
 pub struct ExportOptions {
     /// What to export: a capture, or a model as file or as 1 to 5 for the paper's knobs
@@ -31,7 +30,6 @@ pub struct ExportOptions {
     /// a model for SmartKnob's firmware as .json
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     /// Number of points in a model's table
@@ -53,7 +51,6 @@ fn positive(text: &str) -> Result<f64, String> {
     if number.is_finite() && number > 0.0 { Ok(number) } else { Err("it must be greater than zero".to_owned()) }
 }
 
-/// The angle that a table covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TableSpan {
     /// From one detent to the next.
@@ -69,16 +66,21 @@ pub enum TableSpan {
 pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let is_model = knobs::is_shipped(&options.source) || source.extension().is_some_and(|ending| ending == "toml");
-    match (is_model, ending.as_str()) {
-        (true, "h") => firmware_header(options),
-        (true, "xml") => simulator::mjcf(options),
-        (true, "urdf") => simulator::urdf(options),
-        (true, "fmu") => simulator::fmu(options),
-        (true, "json") => smartknob::write(options),
-        (true, "csv") => model_table(options),
-        (false, "parquet") => capture_as_parquet(source, options),
-        (false, "csv") => capture_as_csv(source, options),
+    let is_model = load::names_model(&options.source);
+    let model = || knobs::named(&options.source);
+    let done = match (is_model, ending.as_str()) {
+        (true, "h") => firmware_header(&model()?, options)?,
+        (true, "xml") => simulator::mjcf(&model()?, options)?,
+        (true, "urdf") => simulator::urdf(&model()?, options)?,
+        (true, "fmu") => simulator::fmu(&model()?, options)?,
+        (true, "json") => smartknob::write(options)?,
+        (true, "csv") => {
+            let table = TorqueOverAngle::of(&model()?, options.points, options.over)?;
+            write(&options.out, kind::DATA, &table.to_csv())?;
+            table.in_words()
+        }
+        (false, "parquet") => capture_as_parquet(source, options)?,
+        (false, "csv") => capture_as_csv(source, options)?,
         _ => {
             let (what, known) = if is_model {
                 ("model", ".csv, .h, .xml, .urdf, .fmu or .json")
@@ -88,49 +90,37 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
             let out = options.out.display();
             bail!(UsageError(anyhow!("{out} has an unknown extension; a {what} is exported as {known}")))
         }
-    }
+    };
+    say(format!("{}: {done}", options.out.display()));
+    Ok(Outcome::Done)
 }
 
 /// The columns that `fit` reads, with what it must know of the rig beside them: it then finds the same.
-fn capture_as_csv(source: &Path, options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let ExportOptions { out, columns, .. } = options;
-    let loaded = load::load_chosen(source, columns)?;
-    let calibration = loaded.write_csv(out)?;
+fn capture_as_csv(source: &Path, options: &ExportOptions) -> anyhow::Result<String> {
+    let loaded = load::load_chosen(source, &options.columns)?;
+    let calibration = loaded.write_csv(&options.out)?;
     let units = loaded.capture.axis.words("angles in rad, torque in mNm, time in s");
-    say(format!("{}: {} samples; {units}", out.display(), loaded.capture.len()));
-    if let Some(place) = calibration {
-        say(format!("{}: the rig's calibration, which `fit` reads along with the table", place.display()));
-    }
-    Ok(Outcome::Done)
+    let beside = calibration.map_or_else(String::new, |place| {
+        format!("\n{}: the rig's calibration, which `fit` reads along with the table", place.display())
+    });
+    Ok(format!("{} samples; {units}{beside}", loaded.capture.len()))
 }
 
-fn capture_as_parquet(source: &Path, options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let ExportOptions { out, columns, .. } = options;
-    let loaded = load::load_chosen(source, columns)?;
+fn capture_as_parquet(source: &Path, options: &ExportOptions) -> anyhow::Result<String> {
+    let loaded = load::load_chosen(source, &options.columns)?;
     let (bytes, columns) =
         parquet_file::bytes(&loaded).with_context(|| format!("{} cannot be written as Parquet", source.display()))?;
-    write_bytes(out, kind::DATA, &bytes)?;
-    say(format!("{}: {} samples, {columns} columns with their units", out.display(), loaded.capture.len()));
-    Ok(Outcome::Done)
-}
-
-fn model_table(options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let table = TorqueOverAngle::of(&knobs::named(&options.source)?, options.points, options.over)?;
-    write(&options.out, kind::DATA, &table.to_csv())?;
-    say(format!("{}: {}", options.out.display(), table.in_words()));
-    Ok(Outcome::Done)
+    write_bytes(&options.out, kind::DATA, &bytes)?;
+    Ok(format!("{} samples, {columns} columns with their units", loaded.capture.len()))
 }
 
 /// Of a knob without any torque of the angle the header has its inertia and friction alone.
-fn firmware_header(options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let model = knobs::named(&options.source)?;
+fn firmware_header(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
     let has_table = model.effects.iter().any(|effect| effect.kind().steepest_mnm_rad.is_some());
-    let table = has_table.then(|| TorqueOverAngle::of(&model, options.points, options.over)).transpose()?;
+    let table = has_table.then(|| TorqueOverAngle::of(model, options.points, options.over)).transpose()?;
     let guard = options.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    write(&options.out, kind::HEADER, &firmware::header(&model, table.as_ref(), &options.source, &guard))?;
-    let words = table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words());
-    say(format!("{}: {words}", options.out.display()));
-    Ok(Outcome::Done)
+    write(&options.out, kind::HEADER, &firmware::header(model, table.as_ref(), &options.source, &guard))?;
+    Ok(table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words()))
 }
 
 /// Attachments of an archive that go along as metadata.

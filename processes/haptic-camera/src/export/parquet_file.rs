@@ -18,9 +18,6 @@ use crate::table::write_column;
 /// The file's bytes and the number of its columns: one group of rows, every value there.
 ///
 /// Measured numbers hardly repeat, so dictionaries would only add to them.
-///
-/// # Errors
-/// What the library says.
 pub(super) fn bytes(loaded: &LoadedCapture) -> Result<(Vec<u8>, usize), ParquetError> {
     let columns: Vec<(&str, Values<'_>)> = columns::of(&loaded.capture).collect();
     let fields = columns.iter().map(|(name, values)| field(name, values)).collect::<Result<Vec<_>, _>>()?;

@@ -3,12 +3,11 @@
 use anyhow::Context as _;
 use archive::whole_file::write_bytes;
 use dynamics::excitation::{Drive, Excitation};
-use dynamics::{Axis, Model, Motion, knobs};
+use dynamics::{Axis, Model, Motion};
 use simulators::{Export, fmi, isaac_lab, left_out_mnm};
 
 use super::ExportOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
 use crate::outputs::{kind, write};
 use crate::supervision::program_path;
 
@@ -19,49 +18,44 @@ const FMU_LIBRARY: &str = "libhaptic_knob.so";
 const SWEEP_S: f64 = 6.0;
 const SWEEP_HZ: f64 = 2_000.0;
 
-/// Writes the file and tells what it leaves out.
+/// Writes the file; gives what it leaves out, in words.
 fn write_export<Content: AsRef<[u8]>>(
     options: &ExportOptions,
     model: &Model,
     export: &Export<Content>,
-) -> anyhow::Result<Outcome> {
+) -> anyhow::Result<String> {
     let (motions, motion) = motion(options, model.axis)?;
     write_bytes(&options.out, kind::SIMULATOR, export.content.as_ref())?;
     let left_out_mnm = left_out_mnm(model, &export.said, &motions);
-    let left_out = model.axis.words(&format!("leaves out {left_out_mnm:.6} mNm RMS")).into_owned();
-    say(format!("{}: {left_out} along {motion}", options.out.display()));
-    export.left_out.iter().for_each(|words| say(format!("- {}", model.axis.words(words))));
-    Ok(Outcome::Done)
+    let mut words = model.axis.words(&format!("leaves out {left_out_mnm:.6} mNm RMS")).into_owned();
+    words += &format!(" along {motion}");
+    words.extend(export.left_out.iter().map(|left_out| format!("\n- {}", model.axis.words(left_out))));
+    Ok(words)
 }
 
-/// The model for MuJoCo.
-pub(super) fn mjcf(options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let model = knobs::named(&options.source)?;
-    write_export(options, &model, &simulators::mjcf(&model))
+pub(super) fn mjcf(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
+    write_export(options, model, &simulators::mjcf(model))
 }
 
 /// The URDF, and beside it the fields of Isaac Lab's actuators, for which URDF has no place.
-pub(super) fn urdf(options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let model = knobs::named(&options.source)?;
-    let done = write_export(options, &model, &simulators::urdf(&model))?;
-    let Some(beside) = options.isaac_lab() else { return Ok(done) };
-    write(&beside, kind::JSON, &isaac_lab(&model))?;
-    say(format!("{}: armature and friction as Isaac Lab's ImplicitActuatorCfg takes them", beside.display()));
-    Ok(done)
+pub(super) fn urdf(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
+    let words = write_export(options, model, &simulators::urdf(model))?;
+    let Some(beside) = options.isaac_lab() else { return Ok(words) };
+    write(&beside, kind::JSON, &isaac_lab(model))?;
+    let beside = beside.display();
+    Ok(format!("{words}\n{beside}: armature and friction as Isaac Lab's ImplicitActuatorCfg takes them"))
 }
 
 /// An FMU around the library that lies beside this program.
-pub(super) fn fmu(options: &ExportOptions) -> anyhow::Result<Outcome> {
-    let model = knobs::named(&options.source)?;
+pub(super) fn fmu(model: &Model, options: &ExportOptions) -> anyhow::Result<String> {
     let place = program_path(FMU_LIBRARY)?;
     let library = std::fs::read(&place).with_context(|| {
         format!("{} cannot be read; build it with `cargo build --release -p knob-fmu`", place.display())
     })?;
-    write_export(options, &model, &fmi::fmu(&model, &library)?)
+    write_export(options, model, &fmi::fmu(model, &library)?)
 }
 
 /// The motion along which torques are compared, and what it is called.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand samples")]
 pub(super) fn motion(options: &ExportOptions, axis: Axis) -> anyhow::Result<(Vec<Motion>, String)> {
     if let Some(capture) = &options.along {
         let loaded = load::load(capture)?;

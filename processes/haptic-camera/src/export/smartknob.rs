@@ -10,7 +10,7 @@ use super::ExportOptions;
 use super::firmware::stiffest_end_stop_mnm_rad;
 use super::simulator::motion;
 use super::torque_over_angle::TorqueOverAngle;
-use crate::outcome::{Outcome, UsageError, say};
+use crate::outcome::UsageError;
 use crate::outputs::write_json;
 use crate::smartknob::{SmartKnob, Turned, V_PER_RAD};
 
@@ -44,8 +44,8 @@ struct Configuration {
     text: String,
 }
 
-/// Writes the configuration and tells what it leaves out.
-pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
+/// Writes the configuration; gives what it leaves out, in words.
+pub(super) fn write(options: &ExportOptions) -> anyhow::Result<String> {
     let motor_mnm_per_v = options.motor_mnm_per_v.ok_or_else(|| {
         UsageError(anyhow!("SmartKnob's strengths are in volts; give the motor's torque per volt as --motor-mnm-per-v"))
     })?;
@@ -86,15 +86,13 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<Outcome> {
             text: knob.name.clone().into_owned(),
         },
     };
-    write_json(Some(&options.out), &exported)?;
-    let (out, rms_mnm) = (options.out.display(), exported.left_out_rms_mnm);
-    say(format!("{out}: leaves out {rms_mnm:.6} mNm RMS along {}", exported.along));
-    exported.left_out.iter().for_each(|words| say(format!("- {words}")));
-    Ok(Outcome::Done)
+    write_json(model.axis, &Some(options.out.clone()), &exported)?;
+    let mut words = format!("leaves out {:.6} mNm RMS along {}", exported.left_out_rms_mnm, exported.along);
+    words.extend(exported.left_out.iter().map(|left_out| format!("\n- {left_out}")));
+    Ok(words)
 }
 
 /// The first position between the end stops, counted from that at angle zero, and how many there are; none without stops.
-#[allow(clippy::cast_possible_truncation, reason = "`as` saturates")]
 fn positions(model: &Model, middle_rad: f64, width_rad: f64) -> [i32; 2] {
     let Some(stop) = model.effect(end_stop::KIND.name) else { return [0, 0] };
     let [low_rad, high_rad, ..] = *stop.values() else { return [0, 0] };

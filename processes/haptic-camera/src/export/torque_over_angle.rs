@@ -90,7 +90,6 @@ impl TorqueOverAngle {
     }
 
     /// Angle of a point, rad.
-    #[allow(clippy::cast_precision_loss, reason = "points are few")]
     pub(super) fn angle_rad(&self, index: usize) -> f64 {
         self.span_rad * index as f64 / self.torque_mnm.len() as f64
     }
@@ -106,7 +105,6 @@ impl TorqueOverAngle {
         text
     }
 
-    /// What the table is, in a line.
     pub(super) fn in_words(&self) -> String {
         let over = if self.is_period { "one period of the detents" } else { "one turn" };
         let (points, span_rad) = (self.torque_mnm.len(), self.span_rad);

@@ -16,16 +16,12 @@ use crate::load;
 /// Samples up to which a capture is fitted for a list: a minute and a half at 10 kHz, a second's work or so.
 const MOST_SAMPLES: u64 = 1_000_000;
 
-/// What a file is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Health {
-    /// Every sample is there.
     #[default]
     Whole,
-    /// Samples are missing.
     SamplesLost,
-    /// The run ended in a fault.
     Fault,
     /// The file ends in the middle.
     Truncated,
@@ -37,12 +33,9 @@ pub(super) enum Health {
     Unreadable,
 }
 
-/// A file of the folder.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Entry {
-    /// Name in the folder.
     pub(super) file: String,
-    /// Whether it is whole.
     pub(super) health: Health,
     /// What is wrong with a file that cannot be read.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -57,11 +50,9 @@ pub(super) struct Entry {
     pub(super) duration_s: Option<f64>,
     /// Sample rate, Hz.
     pub(super) rate_hz: Option<f64>,
-    /// Samples that are there.
     pub(super) samples: Option<u64>,
     /// Runs of samples that are not.
     pub(super) gaps: Option<u64>,
-    /// Samples that are not.
     pub(super) lost_samples: Option<u64>,
     /// Ticks that the loop missed; none from a table.
     pub(super) missed_ticks: Option<u64>,
@@ -71,7 +62,6 @@ pub(super) struct Entry {
     pub(super) clock_drift_ppm: Option<f64>,
     /// Whether it was made of a broken archive.
     pub(super) recovered: bool,
-    /// How good its fit is.
     #[serde(flatten)]
     pub(super) quality: Quality,
     /// When, ns since 1970: what the list is sorted by.
@@ -83,47 +73,36 @@ impl Entry {
     /// Looks at a file, whatever it is.
     pub(super) fn of(path: &Path) -> Self {
         match Overview::read(path) {
-            Ok(overview) => Self::of_capture(path, overview),
+            Ok(overview) => Self::of_capture(path, &overview),
             Err(error) => Self::of_other(path, &error),
         }
     }
 
-    fn of_capture(path: &Path, overview: Overview) -> Self {
-        let Overview {
-            samples,
-            rate_hz,
-            duration_s,
-            gaps,
-            lost_samples,
-            missed_ticks,
-            rig,
-            fault,
-            recovered,
-            description,
-        } = overview;
-        let begun_ns = description.as_ref().map(|run| u128::from(run.clock.wall_clock_time_ns));
+    fn of_capture(path: &Path, overview: &Overview) -> Self {
+        let description = overview.description.as_ref();
+        let begun_ns = description.map(|run| u128::from(run.clock.wall_clock_time_ns));
         let captured_at_ns = begun_ns.filter(|&time| time > 0).unwrap_or_else(|| written_ns(path));
         let health = match () {
-            () if fault => Health::Fault,
-            () if lost_samples > 0 => Health::SamplesLost,
+            () if overview.fault => Health::Fault,
+            () if overview.lost_samples > 0 => Health::SamplesLost,
             () => Health::Whole,
         };
         Self {
             file: name(path),
             health,
             captured_at: date(captured_at_ns),
-            replay: description.as_ref().is_some_and(RunDescription::is_rendered),
-            knob: description.map(|run| run.knob),
-            duration_s: Some(duration_s),
-            rate_hz: Some(rate_hz),
-            samples: Some(samples),
-            gaps: Some(gaps),
-            lost_samples: Some(lost_samples),
-            missed_ticks,
-            stale_ticks: Some(rig.stale_samples.values().sum()),
-            clock_drift_ppm: rig.clock.map(|clock| clock.drift_ppm),
-            recovered,
-            quality: Quality::of(path, samples),
+            replay: description.is_some_and(RunDescription::is_rendered),
+            knob: description.map(|run| run.knob.clone()),
+            duration_s: Some(overview.duration_s),
+            rate_hz: Some(overview.rate_hz),
+            samples: Some(overview.samples),
+            gaps: Some(overview.gaps),
+            lost_samples: Some(overview.lost_samples),
+            missed_ticks: overview.missed_ticks,
+            stale_ticks: Some(overview.rig.stale_samples.values().sum()),
+            clock_drift_ppm: overview.rig.clock.as_ref().map(|clock| clock.drift_ppm),
+            recovered: overview.recovered,
+            quality: Quality::of(path, overview.samples),
             captured_at_ns,
             ..Self::default()
         }
@@ -152,7 +131,6 @@ impl Entry {
         }
     }
 
-    /// By time, then by name.
     pub(super) fn order(&self) -> (u128, &str) {
         (self.captured_at_ns, &self.file)
     }

@@ -3,17 +3,17 @@
 mod entry;
 mod table;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
 use clap::Args;
-use serde::Serialize;
+use dynamics::Axis;
 
 use crate::outcome::{Outcome, show};
 use crate::outputs::write_json;
 use entry::Entry;
 
-/// Options of `list`.
 #[derive(Debug, Args)]
 pub struct ListOptions {
     /// The folder to list
@@ -26,12 +26,6 @@ pub struct ListOptions {
 
 /// Endings of what lies beside a capture and was made of it: no captures, and no strangers.
 const RESULTS: [&str; 7] = ["toml", "json", "html", "rrd", "parquet", "h", "incomplete"];
-
-/// What the JSON holds.
-#[derive(Serialize)]
-struct Listing<'a> {
-    captures: &'a [Entry],
-}
 
 /// Lists the captures of a folder by time.
 ///
@@ -55,6 +49,6 @@ pub fn run(options: &ListOptions) -> anyhow::Result<Outcome> {
     } else {
         show(table::lines(&entries));
     }
-    write_json(options.json.as_deref(), &Listing { captures: &entries })?;
+    write_json(Axis::default(), &options.json, &BTreeMap::from([("captures", &entries)]))?;
     Ok(Outcome::Done)
 }

@@ -5,29 +5,24 @@ use operator::one_line;
 use super::entry::{Entry, Health};
 use crate::terminal;
 
-/// Most of a name that fits.
 const NAME_LETTERS: usize = 27;
-/// Most of a knob's name that fits.
 const KNOB_LETTERS: usize = 7;
 
 /// The table, and a sentence on each file that is no whole capture.
 pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
-    let mut table = terminal::table(["file", "knob", "captured", "s", "error", "95 %", "health"], 3..6);
-    for entry in entries {
-        let number = |value: Option<f64>, digits: usize| {
-            value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
-        };
-        let percent = entry.quality.relative_error_percent.map(|error| format!("{error:.1} %"));
-        table.add_row([
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
+    let rows = entries.iter().map(|entry| {
+        [
             shortened(&one_line(&entry.file), NAME_LETTERS),
             shortened(&one_line(entry.knob.as_deref().unwrap_or("-")), KNOB_LETTERS),
-            entry.captured_at.as_deref().and_then(minutes).unwrap_or_else(|| "-".to_owned()),
-            number(entry.duration_s, 1),
-            percent.unwrap_or_else(|| "-".to_owned()),
-            number(entry.quality.mean_ci95_mnm, 3),
+            or_dash(entry.captured_at.as_deref().and_then(minutes)),
+            or_dash(entry.duration_s.map(|duration_s| format!("{duration_s:.1}"))),
+            or_dash(entry.quality.relative_error_percent.map(|error| format!("{error:.1} %"))),
+            or_dash(entry.quality.mean_ci95_mnm.map(|half_width| format!("{half_width:.3}"))),
             word(entry).to_owned(),
-        ]);
-    }
+        ]
+    });
+    let mut table = terminal::table(["file", "knob", "captured", "s", "error", "95 %", "health"], 3..6, rows);
     table.column_iter_mut().for_each(|column| {
         column.set_padding((0, 1));
     });
@@ -37,7 +32,6 @@ pub(super) fn lines(entries: &[Entry]) -> Vec<String> {
     lines
 }
 
-/// Date and time to the minute.
 fn minutes(date: &str) -> Option<String> {
     Some(format!("{} {}", date.get(..10)?, date.get(11..16)?))
 }
@@ -74,27 +68,18 @@ fn remark(entry: &Entry) -> Option<String> {
     if let Some(problem) = &entry.problem {
         return Some(format!("- {problem}"));
     }
-    let mut words = Vec::new();
-    if let (Some(gaps), Some(lost)) = (entry.gaps, entry.lost_samples)
-        && lost > 0
-    {
-        words.push(format!("{lost} samples lost in {gaps} gaps"));
-    }
-    if let Some(ticks) = entry.missed_ticks.filter(|&ticks| ticks > 0) {
-        words.push(format!("{ticks} ticks missed"));
-    }
-    if let Some(ticks) = entry.stale_ticks.filter(|&ticks| ticks > 0) {
-        words.push(format!("{ticks} ticks without new data"));
-    }
-    if let Some(drift_ppm) = entry.clock_drift_ppm {
-        words.push(format!("the rig's clock drifted by {drift_ppm:+.1} ppm"));
-    }
-    if entry.health == Health::Fault {
-        words.push("the run ended in a fault".to_owned());
-    }
-    if entry.recovered {
-        words.push("recovered from a broken archive".to_owned());
-    }
+    let some = |count: Option<u64>| count.filter(|&count| count > 0);
+    let words: Vec<String> = [
+        some(entry.lost_samples).zip(entry.gaps).map(|(lost, gaps)| format!("{lost} samples lost in {gaps} gaps")),
+        some(entry.missed_ticks).map(|ticks| format!("{ticks} ticks missed")),
+        some(entry.stale_ticks).map(|ticks| format!("{ticks} ticks without new data")),
+        entry.clock_drift_ppm.map(|drift_ppm| format!("the rig's clock drifted by {drift_ppm:+.1} ppm")),
+        (entry.health == Health::Fault).then(|| "the run ended in a fault".to_owned()),
+        entry.recovered.then(|| "recovered from a broken archive".to_owned()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     (!words.is_empty()).then(|| format!("- {}: {}", one_line(&entry.file), words.join(", ")))
 }
 

@@ -16,7 +16,6 @@ const NM_PER_MNM: f64 = 1e-3;
 /// Time for which a tone is faded in and the rig settles, s.
 const SETTLED_S: f64 = 1.0;
 
-/// A channel of the paper's Table 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     Position,
@@ -153,7 +152,6 @@ impl Channel {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn mean_and_sd(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

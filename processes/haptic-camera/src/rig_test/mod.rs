@@ -7,13 +7,12 @@ mod channel;
 
 use std::io::IsTerminal as _;
 use std::os::fd::AsFd as _;
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context as _;
 use clap::Args;
 use comfy_table::Table;
-use dynamics::Excitation;
+use dynamics::{Axis, Excitation};
 use loaded_capture::LoadedCapture;
 use nix::poll::{PollFd, PollFlags, poll};
 use report::{CaptureFacts, ChannelDifference, ChannelLag, RigTest};
@@ -21,14 +20,13 @@ use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
 use crate::load;
-use crate::outcome::{Outcome, is_output_json, say};
-use crate::outputs::{kind, write_if_asked, write_json};
+use crate::outcome::{Outcome, say};
+use crate::outputs::ResultFiles;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use crate::terminal::table;
 use channel::{Channel, LAG_HZ};
 
-/// Options of `rig-test`.
 #[derive(Debug, Args)]
 pub struct RigTestOptions {
     /// Interpretation of the paper's sweep: paper (as printed) or linear-chirp
@@ -37,13 +35,8 @@ pub struct RigTestOptions {
     /// Samples per second
     #[arg(long, default_value_t = 5_000.0, allow_negative_numbers = true)]
     pub rate_hz: f64,
-    /// Write the result as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
-    /// How the rig is turned
+    #[command(flatten)]
+    pub results: ResultFiles,
     #[command(flatten)]
     pub rig: RigOptions,
 }
@@ -53,24 +46,13 @@ const SWEEP_S: f64 = 6.0;
 /// Length of the run at one frequency, s.
 const TONE_S: f64 = 3.0;
 
-/// Turns the rig and compares.
-///
-/// # Errors
-/// Whatever keeps the rig from being turned, and a file that cannot be written.
 pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
-    let free = |sweep: &str, duration_s| RunRequest {
-        knob: Some("none".to_owned()),
-        sweep: sweep.to_owned(),
-        duration_s,
-        pace: Pace { rate_hz: options.rate_hz, core: None },
-        rig: options.rig.request.clone(),
-        ..RunRequest::default()
+    let of = |on_it: &str, sweep: &str, duration_s| {
+        let pace = Pace { rate_hz: options.rate_hz, core: None };
+        rig_run::request(on_it, sweep, duration_s, pace, options.rig.request.clone())
     };
-    let locked = |sweep: &str, duration_s| RunRequest {
-        knob: Some("locked".to_owned()),
-        torque: true,
-        ..free(sweep, duration_s)
-    };
+    let free = |sweep: &str, duration_s| of("none", sweep, duration_s);
+    let locked = |sweep: &str, duration_s| RunRequest { torque: true, ..of("locked", sweep, duration_s) };
     let interrupted = listen_for_interrupt()?;
     let mut outcome = Outcome::Done;
     let mut made = |request, purpose| {
@@ -108,16 +90,16 @@ pub fn run(options: &RigTestOptions) -> anyhow::Result<Outcome> {
         test.lag_at_30_hz.push(channel.lag(tone, &commanded_tone));
         test.traces.push(channel.trace((sweep, &commanded), (tone, &commanded_tone)));
     }
-    if !is_output_json() {
-        say("");
-        let scaled = if axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
-        say(format!("original minus measured; filtered: its SD after the paper's low-pass filters{scaled}"));
-        say(differences(&test.differences));
-        say("");
-        say(lags(&test.lag_at_30_hz));
-    }
-    write_json(options.json.as_deref(), &test)?;
-    write_if_asked(options.report.as_ref(), kind::PAGE, || report::rig_test_page(&test))?;
+    let scaled = if axis.is_rotary() { "" } else { "; the paper's rig 20 mm from its axis" };
+    let lines = [
+        String::new(),
+        format!("original minus measured; filtered: its SD after the paper's low-pass filters{scaled}"),
+        differences(&test.differences).to_string(),
+        String::new(),
+        lags(&test.lag_at_30_hz).to_string(),
+    ];
+    // The channels' names and units are those of the axis already.
+    options.results.tell(Axis::default(), lines, &test, || report::rig_test_page(&test))?;
     Ok(outcome)
 }
 
@@ -147,7 +129,6 @@ fn facts(title: &str, loaded: &LoadedCapture) -> CaptureFacts {
     CaptureFacts { title: title.to_owned(), ..analysis::facts(loaded) }
 }
 
-/// The rig's command.
 fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
     let description = loaded.capture.description.as_ref().context("the run has no description")?;
     Ok(description.excitation()?)
@@ -155,9 +136,8 @@ fn excitation(loaded: &LoadedCapture) -> anyhow::Result<Excitation> {
 
 /// Original minus measured, beside the paper's rig; `filtered` is the SD behind the filters that the paper fits with.
 fn differences(differences: &[ChannelDifference]) -> Table {
-    let mut table = table(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"], 1..6);
-    for row in differences {
-        table.add_row([
+    let rows = differences.iter().map(|row| {
+        [
             row.channel.to_owned(),
             format!("{:.5}", row.mean),
             format!("{:.5}", row.sd),
@@ -165,22 +145,21 @@ fn differences(differences: &[ChannelDifference]) -> Table {
             format!("{:.4}", row.paper_mean),
             format!("{:.4}", row.paper_sd),
             row.unit.to_owned(),
-        ]);
-    }
-    table
+        ]
+    });
+    table(["channel", "mean", "SD", "filtered", "paper's mean", "paper's SD", "unit"], 1..6, rows)
 }
 
 /// Phase lags at 30 Hz, beside what the paper says of its own.
 fn lags(lags: &[ChannelLag]) -> Table {
-    let mut table = table(["lag at 30 Hz", "rad", "ms", "gain", "paper"], 1..5);
-    for lag in lags {
-        table.add_row([
+    let rows = lags.iter().map(|lag| {
+        [
             lag.channel.to_owned(),
             format!("{:.4}", lag.phase_rad),
             format!("{:.3}", lag.delay_ms),
             format!("{:.4}", lag.gain),
             format!("< {} rad", lag.paper_phase_rad_below),
-        ]);
-    }
-    table
+        ]
+    });
+    table(["lag at 30 Hz", "rad", "ms", "gain", "paper"], 1..5, rows)
 }

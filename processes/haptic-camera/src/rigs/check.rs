@@ -8,16 +8,15 @@ use dynamics::Axis;
 use hal::RigFile;
 use serde::Serialize;
 
-use super::torque_run;
+use super::{span, torque_run};
 use crate::command_line::RigOptions;
 use crate::load;
-use crate::outcome::{Outcome, is_output_json, remark, say};
-use crate::outputs::write_json_on;
+use crate::outcome::{Outcome, remark, show};
+use crate::outputs::write_json;
 use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use crate::terminal::table;
 
-/// Options of `rig check`.
 #[derive(Debug, Args)]
 pub struct RigCheckOptions {
     /// The rig's file
@@ -45,7 +44,6 @@ const SLOW_SHARE: f64 = 0.5;
 struct Reading {
     channel: &'static str,
     unit: &'static str,
-    /// Its mean.
     mean: f64,
     /// From its least to its most.
     span: f64,
@@ -53,7 +51,6 @@ struct Reading {
     noise_rms: f64,
 }
 
-/// What a rig showed of itself.
 #[derive(Clone, Debug, Serialize)]
 struct Checked {
     rig: String,
@@ -70,14 +67,9 @@ struct Checked {
     channels: Vec<Reading>,
     /// What in its file looks like another unit, or is counted twice, in sentences.
     doubts: Vec<String>,
-    /// What is amiss, in sentences.
     amiss: Vec<String>,
 }
 
-/// Brings the rig up and tells what it shows.
-///
-/// # Errors
-/// Whatever keeps it from coming up.
 pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     let folder = tempfile::tempdir()?;
@@ -88,15 +80,12 @@ pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let axis = capture.axis;
     let mut found = check(&capture);
     found.doubts.extend(doubts(&RigFile::load(&options.file)?)?);
-    if !is_output_json() {
-        tell(&found, axis);
-    }
-    write_json_on(axis, options.json.as_deref(), &found)?;
+    show(lines(&found, axis));
+    write_json(axis, &options.json, &found)?;
     found.doubts.iter().chain(&found.amiss).for_each(|told| remark(axis.words(told)));
     Ok(if found.amiss.is_empty() { Outcome::Done } else { Outcome::Failed })
 }
 
-#[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
 fn check(capture: &Capture) -> Checked {
     let run = capture.description.as_ref();
     let angle = reading("angle", "rad", &capture.angle_rad);
@@ -180,38 +169,37 @@ fn doubts(file: &RigFile) -> anyhow::Result<Vec<String>> {
 }
 
 fn reading(channel: &'static str, unit: &'static str, values: &[f64]) -> Reading {
-    let (least, most) =
-        values.iter().fold((f64::MAX, f64::MIN), |(least, most), value| (least.min(*value), most.max(*value)));
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // The difference of two readings has the noise of both.
     let noise_rms = deviation(&steps) / std::f64::consts::SQRT_2;
-    Reading { channel, unit, mean: mean(values), span: most - least, noise_rms }
+    Reading { channel, unit, mean: mean(values), span: span(values.iter().copied()), noise_rms }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a number of samples")]
 fn deviation(values: &[f64]) -> f64 {
     let mean = mean(values);
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-fn tell(found: &Checked, axis: Axis) {
-    say(format!("rig      {}", found.rig));
-    let mut table = table(["channel", "mean", "span", "noise RMS", "unit"], 1..4);
-    for Reading { channel, unit, mean, span, noise_rms } in &found.channels {
-        table.add_row([*channel, &format!("{mean:.6}"), &format!("{span:.3e}"), &format!("{noise_rms:.3e}"), unit]);
-    }
-    say(axis.words(&table.to_string()));
-    let Checked { rate_hz, samples, missed_ticks, stale_ticks, .. } = found;
-    say(format!("rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without new data"));
-    if let (Some(mean_us), Some(deviation_us)) = (found.read_after_us, found.read_after_sd_us) {
-        say(format!("read     {mean_us:.1} µs after the tick, ± {deviation_us:.1} µs"));
-    }
-    if let Some(watchdog) = &found.watchdog {
-        say(format!("watchdog {watchdog}"));
-    }
+fn lines(found: &Checked, axis: Axis) -> Vec<String> {
+    let Checked { rig, rate_hz, samples, missed_ticks, stale_ticks, channels, .. } = found;
+    let rows = channels.iter().map(|Reading { channel, unit, mean, span, noise_rms }| {
+        [*channel, &format!("{mean:.6}"), &format!("{span:.3e}"), &format!("{noise_rms:.3e}"), unit].map(str::to_owned)
+    });
+    let table = table(["channel", "mean", "span", "noise RMS", "unit"], 1..4, rows).to_string();
+    let mut lines = vec![format!("rig      {rig}"), axis.words(&table).into_owned()];
+    lines.push(format!(
+        "rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without new data"
+    ));
+    lines.extend(
+        found
+            .read_after_us
+            .zip(found.read_after_sd_us)
+            .map(|(mean_us, deviation_us)| format!("read     {mean_us:.1} µs after the tick, ± {deviation_us:.1} µs")),
+    );
+    lines.extend(found.watchdog.iter().map(|watchdog| format!("watchdog {watchdog}")));
+    lines
 }

@@ -18,7 +18,7 @@ use rt_loop::request::RunRequest;
 use shared_types::Fault;
 
 use self::in_file::Known;
-use super::torque_run;
+use super::{span, torque_run};
 use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
@@ -26,7 +26,6 @@ use crate::rig_run;
 use crate::supervision::{EndedInFault, listen_for_interrupt};
 use crate::terminal::digits;
 
-/// Options of `rig commission`.
 #[derive(Debug, Args)]
 pub struct RigCommissionOptions {
     /// The rig's file
@@ -69,9 +68,6 @@ const DIFFERENT: f64 = 1.5;
 const VAGUE_SHARE: f64 = 0.2;
 
 /// Turns the rig, more with every try, until its inertia is known, and writes it into the rig's file.
-///
-/// # Errors
-/// Whatever keeps the rig from being turned, or the file from being written.
 pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     let request = torque_run(&options.file, options.rate_hz, TRY_S)?;
@@ -125,7 +121,6 @@ pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     }
 }
 
-/// The fault in which a run ended, if it did.
 fn fault_of(error: &anyhow::Error) -> Option<Fault> {
     error.downcast_ref::<EndedInFault>().and_then(|ended| ended.fault)
 }
@@ -160,7 +155,6 @@ impl fmt::Display for Inertia {
     }
 }
 
-/// What a try tells.
 struct Found {
     moved_rad: f64,
     /// What the motor drives.
@@ -204,24 +198,18 @@ impl Found {
     }
 }
 
-/// The last of several, with an interval that holds those of all.
-fn of_all(tries: &[Found], inertia: impl Fn(&Found) -> Inertia) -> Option<Inertia> {
-    tries.iter().map(inertia).reduce(|before, next| Inertia {
-        value: next.value,
-        low: before.low.min(next.low),
-        high: before.high.max(next.high),
-    })
-}
-
 /// Tells what the tries have in common, and writes it into the rig's file: the motor's inertia where a sensor parts it from the knob's.
 fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let axis = file.axis;
     let say = |text: String| say(axis.words(&text));
-    let Some(((last, driven), motor)) =
-        tries.last().zip(of_all(tries, |found| found.driven)).zip(of_all(tries, Found::motor))
-    else {
-        anyhow::bail!("no try moved the knob");
+    let Some(last) = tries.last() else { anyhow::bail!("no try moved the knob") };
+    // The last value, with an interval that holds those of all.
+    let of_all = |inertia: fn(&Found) -> Inertia| {
+        let widest =
+            |all: Inertia, one: Inertia| Inertia { low: all.low.min(one.low), high: all.high.max(one.high), ..all };
+        tries.iter().map(inertia).fold(inertia(last), widest)
     };
+    let (driven, motor) = (of_all(|found| found.driven), of_all(Found::motor));
     say(format!("moved    {:.3} rad", last.moved_rad));
     say(format!("inertia  {driven} in total, driven by the motor"));
     if let Some(Some(behind)) = last.behind {
@@ -247,26 +235,16 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
     }
     let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
     in_file::write(&options.file, path, axis, &known)?;
-    if has_sensor {
-        say(format!("written  motor_inertia = {motor} under [calibration] of {}", path.display()));
-    } else {
-        // What was on the gripper nothing tells here.
-        say(format!(
-            "write    motor_inertia = {motor} under [calibration] of {}, if nothing was on the gripper",
-            path.display()
-        ));
-    }
+    // Without a sensor nothing tells what was on the gripper.
+    let (done, condition) = if has_sensor { ("written ", "") } else { ("write   ", ", if nothing was on the gripper") };
+    say(format!("{done} motor_inertia = {motor} under [calibration] of {}{condition}", path.display()));
     Ok(Outcome::Done)
 }
 
 /// What a try tells; `None` where the knob hardly moved.
 fn find(loaded: &LoadedCapture) -> Option<Found> {
     let capture = &loaded.capture;
-    let (least, most) = capture
-        .angle_rad
-        .iter()
-        .fold((f64::MAX, f64::MIN), |(least, most), angle| (least.min(*angle), most.max(*angle)));
-    let moved_rad = most - least;
+    let moved_rad = span(capture.angle_rad.iter().copied());
     if moved_rad < ENOUGH_RAD * capture.axis.fingertip_way() {
         return None;
     }

@@ -15,9 +15,9 @@ use self::check::RigCheckOptions;
 use self::commission::RigCommissionOptions;
 use crate::outcome::{Outcome, say};
 use crate::outputs::{kind, write};
+use crate::rig_run;
 use crate::supervision::{listen_for_interrupt, program};
 
-/// The commands about rigs.
 #[derive(Debug, Subcommand)]
 pub enum RigCommand {
     /// Start a rig without torque: readings and noise of its channels, rate, watchdog
@@ -32,7 +32,6 @@ pub enum RigCommand {
     Commission(RigCommissionOptions),
 }
 
-/// Options of `rig new`.
 #[derive(Debug, Args)]
 pub struct RigNewOptions {
     /// The driver, as listed by `rig list`
@@ -43,7 +42,6 @@ pub struct RigNewOptions {
     pub out: PathBuf,
 }
 
-/// Options of `rig scan`.
 #[derive(Debug, Args)]
 pub struct RigScanOptions {
     /// A network interface or a tty
@@ -57,10 +55,6 @@ pub struct RigScanOptions {
 /// Sample rate of a rig whose file names none, Hz.
 const USUAL_RATE_HZ: f64 = 10_000.0;
 
-/// Does what is asked about rigs.
-///
-/// # Errors
-/// One sentence on why it cannot be done.
 pub fn run(command: &RigCommand) -> anyhow::Result<Outcome> {
     match command {
         RigCommand::Check(options) => check::run(options),
@@ -71,7 +65,6 @@ pub fn run(command: &RigCommand) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Writes a rig file to begin with.
 fn new(options: &RigNewOptions) -> anyhow::Result<Outcome> {
     let kind = rt_loop::rigs::ALL.into_iter().find(|kind| kind.name == options.driver);
     let names = || rt_loop::rigs::ALL.map(|kind| kind.name).join(", ");
@@ -102,17 +95,14 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
     let stop = || interrupted.load(Ordering::Relaxed);
     let found = rt_loop::rigs::scan(&rt_loop::rigs::ALL, &options.target, &stop)?;
     found.lines.iter().for_each(say);
-    match (&options.out, &found.rig_file) {
-        (Some(out), Some(text)) => {
-            write(out, kind::DATA, text)?;
-            say(format!("rig file {}", out.display()));
-            Ok(Outcome::Done)
-        }
-        (Some(_), None) => {
-            anyhow::bail!("{} has no device for a rig; no rig file is written", options.target)
-        }
-        (None, _) => Ok(Outcome::Done),
+    if let Some(out) = &options.out {
+        let text = found.rig_file.as_ref();
+        let text =
+            text.with_context(|| format!("{} has no device for a rig; no rig file is written", options.target))?;
+        write(out, kind::DATA, text)?;
+        say(format!("rig file {}", out.display()));
     }
+    Ok(Outcome::Done)
 }
 
 /// A run on the rig of a file that commands torques, none by default.
@@ -121,13 +111,13 @@ fn torque_run(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow::Res
     let described = rt_loop::rigs::file(&rig)?;
     let fastest_hz = described.rates.map(|rates| rates.fastest_hz).or(described.limits.map(|limits| limits.rate_hz));
     let rate_hz = rate_hz.or(fastest_hz).unwrap_or(USUAL_RATE_HZ);
-    Ok(RunRequest {
-        knob: Some("none".to_owned()),
-        sweep: "hold".to_owned(),
-        torque: true,
-        duration_s,
-        pace: Pace { rate_hz, core: None },
-        rig,
-        ..RunRequest::default()
-    })
+    let request = rig_run::request("none", "hold", duration_s, Pace { rate_hz, core: None }, rig);
+    Ok(RunRequest { torque: true, ..request })
+}
+
+/// From the least of the values to the most; negative of none.
+pub fn span(values: impl IntoIterator<Item = f64>) -> f64 {
+    let values = values.into_iter();
+    let (least, most) = values.fold((f64::MAX, f64::MIN), |(least, most), value| (least.min(value), most.max(value)));
+    most - least
 }

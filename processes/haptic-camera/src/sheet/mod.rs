@@ -8,15 +8,16 @@ use std::path::PathBuf;
 
 use analysis::{curve_files, curves, mean_fit};
 use clap::Args;
+use dynamics::Axis;
 use sheet::Sheet;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, is_output_json, say};
-use crate::outputs::{FIGURES_HEADER, kind, write, write_if_asked, write_json};
+use crate::outcome::Outcome;
+use crate::outputs::{FIGURES_HEADER, ResultFiles, kind, write, write_if_asked};
 
-/// Options of `sheet`.
 #[derive(Debug, Args)]
+#[command(mut_arg("report", |report| report.requires("captures")))]
 pub struct SheetOptions {
     /// Captures or testers' files of one part, or a folder of them; several are averaged
     #[arg(required_unless_present = "wall", value_name = "CAPTURE")]
@@ -24,27 +25,18 @@ pub struct SheetOptions {
     /// A capture of the same part at speed, for inertia, viscous friction and breakaway; give it again for further ones
     #[arg(long, requires = "captures", value_name = "CAPTURE")]
     pub dynamic: Vec<PathBuf>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
-    /// Write the sheet as JSON; `-` for standard output
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub results: ResultFiles,
     /// Write the figures as a table
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
-    /// Write the report page
-    #[arg(long, requires = "captures", value_name = "FILE.html")]
-    pub report: Option<PathBuf>,
     /// Write one page with the paper's five knobs and SmartKnob's default ones, for the wall
     #[arg(long, value_name = "FILE.html")]
     pub wall: Option<PathBuf>,
 }
 
-/// Reads the curves, makes the sheet, and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a file.
 pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if let Some(path) = &options.wall {
         write(path, kind::PAGE, &report::wall_page(&wall::page()?))?;
@@ -60,17 +52,10 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if let Some(fit) = mean_fit(&captures)? {
         sheet = sheet.with_dynamics(&fit)?;
     }
-    if !is_output_json() {
-        say(table::heading(&sheet, &files));
-        say(table::figures(&sheet));
-        table::reasons(&sheet).iter().for_each(|reason| say(format!("- {reason}")));
-        if !sheet.detents.is_empty() {
-            say(format!("\n{}", table::detents(&sheet)));
-        }
-    }
-    write_json(options.json.as_deref(), &sheet)?;
-    write_if_asked(options.csv.as_ref(), kind::FIGURES, || figures_csv(&sheet))?;
-    write_if_asked(options.report.as_ref(), kind::PAGE, || analysis::sheet_page(&sheet, &files))?;
+    options
+        .results
+        .tell(Axis::default(), table::lines(&sheet, &files), &sheet, || analysis::sheet_page(&sheet, &files))?;
+    write_if_asked(&options.csv, kind::FIGURES, || figures_csv(&sheet))?;
     Ok(Outcome::Done)
 }
 

@@ -3,12 +3,21 @@
 use std::path::PathBuf;
 
 use comfy_table::Table;
-use sheet::{Figure, Sheet};
+use sheet::{Detent, Figure, Sheet};
 
-use crate::terminal::{by_reason, digits, table};
+use crate::terminal::{by_reason, digits, interval, table};
 
-/// What the sheet is of.
-pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
+pub fn lines(sheet: &Sheet, files: &[PathBuf]) -> Vec<String> {
+    let mut lines = vec![heading(sheet, files), figures(sheet).to_string()];
+    let missing = sheet.in_order().filter_map(|figure| Some((figure.kind.name, figure.reason.as_deref()?)));
+    lines.extend(by_reason(missing).iter().map(|reason| format!("- {reason}")));
+    if !sheet.detents.is_empty() {
+        lines.push(format!("\n{}", detents(sheet)));
+    }
+    lines
+}
+
+fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
     let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match files {
         [only] if sheet.runs > 1 => {
@@ -24,34 +33,27 @@ pub fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
     }
 }
 
-/// The figures that have a value.
-pub fn figures(sheet: &Sheet) -> Table {
-    let mut table = table(["figure", "value", "95 % interval", "unit"], [1, 2]);
-    for figure in sheet.in_order() {
-        if let Some([value, interval]) = cells(figure) {
-            table.add_row([figure.kind.name.to_owned(), value, interval, figure.kind.unit.to_owned()]);
-        }
-    }
-    table
+/// The figures that have a value, with the digits that their intervals support.
+fn figures(sheet: &Sheet) -> Table {
+    let row = |figure: &Figure| {
+        let (value, [low, high]) = (figure.value?, figure.ci95?);
+        let digits = digits(high - low);
+        let cells = [figure.kind.name, &format!("{value:.digits$}"), &interval(figure.ci95, digits), figure.kind.unit];
+        Some(cells.map(str::to_owned))
+    };
+    table(["figure", "value", "95 % interval", "unit"], [1, 2], sheet.in_order().filter_map(row))
 }
 
 /// What each detent takes in each direction, in degrees, mNm and mJ; its intervals are in the JSON and on the page.
-pub fn detents(sheet: &Sheet) -> Table {
-    let header = ["at °", "turning", "pitch °", "peak", "trough", "ratio", "stiffness", "energy"];
-    let mut table = table(header, [0, 2, 3, 4, 5, 6, 7]);
-    for detent in &sheet.detents {
+fn detents(sheet: &Sheet) -> Table {
+    let degree = 1_f64.to_radians();
+    let row = |detent: &Detent| {
         let cell = |name: &str, unit: f64| {
             let figure = detent.figures.get(name);
-            figure.map_or_else(String::new, |figure| {
-                let digits = digits((figure.ci95[1] - figure.ci95[0]) / unit);
-                format!("{:.digits$}", figure.value / unit)
-            })
+            figure.map_or_else(String::new, |figure| in_unit(figure.value, figure.ci95, unit))
         };
-        let degree = 1_f64.to_radians();
-        let width = detent.angle_rad_ci95[1] - detent.angle_rad_ci95[0];
-        let digits = digits(width / degree);
-        table.add_row([
-            format!("{:.digits$}", detent.angle_rad / degree),
+        [
+            in_unit(detent.angle_rad, detent.angle_rad_ci95, degree),
             detent.direction.to_owned(),
             cell("detent_pitch", degree),
             cell("peak_torque", 1.0),
@@ -59,19 +61,14 @@ pub fn detents(sheet: &Sheet) -> Table {
             cell("torque_ratio", 1.0),
             cell("detent_stiffness", 1.0),
             cell("detent_energy", 1.0),
-        ]);
-    }
-    table
+        ]
+    };
+    let header = ["at °", "turning", "pitch °", "peak", "trough", "ratio", "stiffness", "energy"];
+    table(header, [0, 2, 3, 4, 5, 6, 7], sheet.detents.iter().map(row))
 }
 
-/// Value and interval with the digits that the interval supports.
-fn cells(figure: &Figure) -> Option<[String; 2]> {
-    let (value, [low, high]) = (figure.value?, figure.ci95?);
-    let digits = digits(high - low);
-    Some([format!("{value:.digits$}"), format!("{low:.digits$} to {high:.digits$}")])
-}
-
-/// Why figures are missing, each reason once.
-pub fn reasons(sheet: &Sheet) -> Vec<String> {
-    by_reason(sheet.in_order().filter_map(|figure| Some((figure.kind.name, figure.reason.as_deref()?))))
+/// A value in a unit with the digits that its interval supports.
+fn in_unit(value: f64, [low, high]: [f64; 2], unit: f64) -> String {
+    let digits = digits((high - low) / unit);
+    format!("{:.digits$}", value / unit)
 }

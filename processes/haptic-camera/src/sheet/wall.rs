@@ -13,15 +13,11 @@ use crate::terminal::decimals;
 
 /// Speed at which a model is turned, rad/s: viscous friction is next to nothing.
 const SLOW_RAD_S: f64 = 0.01;
-/// Steps of a turn.
 const STEPS: u32 = 7200;
 /// Detents that are shown of each knob.
 const DETENTS: f64 = 4.0;
 
 /// The page that a designer pins to the wall.
-///
-/// # Errors
-/// If a shipped knob is none.
 pub fn page() -> anyhow::Result<WallPage> {
     let papers = (1..=5).map(of_paper).collect::<anyhow::Result<Vec<WallKnob>>>()?;
     let smart: Vec<WallKnob> = smartknob::ALL.iter().map(of_smartknob).collect();
@@ -110,7 +106,6 @@ fn of_smartknob(knob: &smartknob::SmartKnob) -> WallKnob {
     }
 }
 
-/// A number with three digits.
 fn short(value: f64) -> String {
     let text = format!("{value:.*}", decimals(value, 3.0, [0.0, 4.0]));
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };

@@ -7,6 +7,7 @@ use analysis::load_specification;
 use anyhow::Context as _;
 use clap::Args;
 use comfy_table::Table;
+use dynamics::Axis;
 use sheet::{Capability, Index, QdasRow};
 
 use super::values::{StudyOptions, Unit, columns, studied, units};
@@ -14,10 +15,8 @@ use crate::outcome::{Outcome, show};
 use crate::outputs::{kind, write_if_asked, write_json};
 use crate::terminal;
 
-/// Options of `capability`.
 #[derive(Debug, Args)]
 pub struct CapabilityOptions {
-    /// Units in the order in which they were made
     #[command(flatten)]
     pub study: StudyOptions,
     /// Limits on the figures
@@ -31,10 +30,6 @@ pub struct CapabilityOptions {
     pub dfq: Option<PathBuf>,
 }
 
-/// Studies each limited figure and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a file, or with the number of units.
 pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
     let specification = load_specification(&options.spec)?;
     let studied = studied(&options.study, Some(&specification))?;
@@ -44,16 +39,13 @@ pub fn run(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
         results.insert(kind.name, Capability::of(&values, options.subgroup, limits).context(kind.name)?);
     }
     show([table(&results)]);
-    write_json(options.study.json.as_deref(), &results)?;
-    write_if_asked(options.dfq.as_ref(), kind::QDAS, || {
+    write_json(Axis::default(), &options.study.json, &results)?;
+    write_if_asked(&options.dfq, kind::QDAS, || {
+        let row = |unit: &Unit| QdasRow { measured_at: measured_at(unit.file.as_deref()), values: unit.values.clone() };
         let rows: Vec<QdasRow> = units.iter().map(row).collect();
         sheet::qdas(&specification.name, &studied, &rows)
     })?;
     Ok(Outcome::Done)
-}
-
-fn row(unit: &Unit) -> QdasRow {
-    QdasRow { measured_at: measured_at(unit.file.as_deref()), values: unit.values.clone() }
 }
 
 /// When a file was written, else now.
@@ -64,11 +56,10 @@ fn measured_at(file: Option<&Path>) -> String {
 }
 
 fn table(results: &BTreeMap<&'static str, Capability>) -> Table {
-    let mut table = terminal::table(["figure", "units", "Cp", "Cpk", "Pp", "Ppk"], 1..6);
     let index = |index: &Index| format!("{:.2} ({:.2} to {:.2})", index.value, index.ci95[0], index.ci95[1]);
-    for (name, Capability { number, cp, cpk, pp, ppk, .. }) in results {
-        let or_dash = |of: &Option<Index>| of.as_ref().map_or_else(|| "–".to_owned(), index);
-        table.add_row([(*name).to_owned(), number.to_string(), or_dash(cp), index(cpk), or_dash(pp), index(ppk)]);
-    }
-    table
+    let or_dash = |of: &Option<Index>| of.as_ref().map_or_else(|| "–".to_owned(), index);
+    let rows = results.iter().map(|(name, Capability { number, cp, cpk, pp, ppk, .. })| {
+        [(*name).to_owned(), number.to_string(), or_dash(cp), index(cpk), or_dash(pp), index(ppk)]
+    });
+    terminal::table(["figure", "units", "Cp", "Cpk", "Pp", "Ppk"], 1..6, rows)
 }

@@ -6,16 +6,15 @@ use std::path::PathBuf;
 use analysis::load_specification;
 use anyhow::{Context as _, bail};
 use clap::Args;
+use dynamics::Axis;
 use sheet::{Design, Gauge};
 
 use super::values::{StudyOptions, Unit, columns, studied, units};
 use crate::outcome::{Outcome, show};
 use crate::outputs::write_json;
 
-/// Options of `gauge`.
 #[derive(Debug, Args)]
 pub struct GaugeOptions {
-    /// Captures in folders PART/OPERATOR/
     #[command(flatten)]
     pub study: StudyOptions,
     /// Limits on the figures, for %GRR of the tolerance
@@ -32,10 +31,6 @@ const MAY_DO_PERCENT: f64 = 30.0;
 /// Fewest categories of parts that a gauge should tell apart (AIAG).
 const CATEGORIES: u64 = 5;
 
-/// Studies each figure and writes what was asked for.
-///
-/// # Errors
-/// One sentence on what is wrong with a file, or with who measured what.
 pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let studied = studied(&options.study, specification.as_ref())?;
@@ -48,11 +43,10 @@ pub fn run(options: &GaugeOptions) -> anyhow::Result<Outcome> {
         results.insert(kind.name, Gauge::of(&values, design, tolerance).context(kind.name)?);
     }
     show(results.iter().map(|(name, gauge)| words(name, gauge)));
-    write_json(options.study.json.as_deref(), &results)?;
+    write_json(Axis::default(), &options.study.json, &results)?;
     Ok(Outcome::Done)
 }
 
-/// The values by operator, part and trial.
 fn by_operator(units: &[Unit], values: &[f64], design: Design) -> anyhow::Result<Vec<Vec<Vec<f64>>>> {
     if units.iter().any(|unit| unit.part.is_empty() || unit.operator.is_empty()) {
         bail!(

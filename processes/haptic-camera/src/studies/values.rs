@@ -10,7 +10,6 @@ use sheet::{FigureKind, Limits, Sheet, Specification, kinds};
 
 use crate::command_line::ColumnOptions;
 
-/// Units and the figures to study.
 #[derive(Debug, Args)]
 pub struct StudyOptions {
     /// Captures or testers' files
@@ -22,7 +21,6 @@ pub struct StudyOptions {
     /// The figure to study, such as collapse_force [default: those that the specification limits]
     #[arg(long, value_name = "NAME")]
     pub figure: Option<String>,
-    /// What the columns are
     #[command(flatten)]
     pub columns: ColumnOptions,
     /// Write the study as JSON; `-` for standard output
@@ -41,7 +39,6 @@ pub struct Unit {
     pub operator: String,
     /// The file; `None` for a row of a table.
     pub file: Option<PathBuf>,
-    /// The studied figures, in their order.
     pub values: Vec<Option<f64>>,
 }
 
@@ -67,10 +64,6 @@ pub fn studied(options: &StudyOptions, specification: Option<&Specification>) ->
     Ok(vec![(kind, Limits::default())])
 }
 
-/// Every unit with its figures.
-///
-/// # Errors
-/// One sentence on what is wrong with a file.
 pub fn units(options: &StudyOptions, studied: &[Studied]) -> anyhow::Result<Vec<Unit>> {
     if let Some(table) = &options.values {
         return of_table(table);

@@ -5,7 +5,6 @@ use std::path::Path;
 use archive::{ArchiveError, Capture, Gap, Overview, RigAccount};
 use shared_types::{LoopStatus, RunDescription};
 
-/// Most gaps to list in a message.
 const LISTED_GAPS: usize = 5;
 
 /// What lies in the archive of a run.
@@ -25,9 +24,6 @@ pub(crate) struct Archived {
 
 impl Archived {
     /// Counts what is in an archive, in memory that does not grow with it.
-    ///
-    /// # Errors
-    /// When it cannot be read.
     pub(crate) fn read(archive: &Path) -> Result<Self, ArchiveError> {
         let Overview { samples, lost_samples, rig, description, .. } = Overview::read(archive)?;
         Ok(Self { samples, missing: lost_samples, gaps: Vec::new(), rig, run: description })

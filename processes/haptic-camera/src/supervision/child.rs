@@ -13,9 +13,6 @@ use shared_types::{lease, rig};
 use crate::outcome::is_output_json;
 
 /// The command that starts one of our programs, which lie beside this one, for as long as this one lives.
-///
-/// # Errors
-/// When it is not there.
 pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
     let path = program_path(name)?;
     anyhow::ensure!(path.exists(), "the program {} is missing; build the whole workspace", path.display());
@@ -34,18 +31,16 @@ pub(crate) fn program(name: &str) -> anyhow::Result<Command> {
 }
 
 /// Where one of our programs lies: beside this one.
-///
-/// # Errors
-/// When the system does not tell where this program lies.
 pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
     Ok(std::env::current_exe().context("the location of this program is unknown")?.with_file_name(name))
 }
 
-/// A process that this one started.
 pub(crate) struct Child {
     process: std::process::Child,
     started: Instant,
     exit: Option<ExitStatus>,
+    /// When it last said something, CLOCK_MONOTONIC, ns, and how long it had waited for a processor until then.
+    heard: (u64, Duration),
 }
 
 impl Child {
@@ -53,7 +48,23 @@ impl Child {
         let process = command
             .spawn()
             .with_context(|| format!("{} cannot be started", command.get_program().to_string_lossy()))?;
-        Ok(Self { process, started: Instant::now(), exit: None })
+        let heard = (rig::monotonic_time_ns(), rig::processor_wait(process.id()));
+        Ok(Self { process, started: Instant::now(), exit: None, heard })
+    }
+
+    /// Takes note of when it last said something.
+    pub(super) fn hear(&mut self, at_ns: u64) {
+        if at_ns > self.heard.0 {
+            self.heard = (at_ns, rig::processor_wait(self.id()));
+        }
+    }
+
+    /// Silence since it was started or heard. The time for which its main thread waited for a processor does not count: a
+    /// restart would make it later still.
+    pub(super) fn silence(&self) -> Duration {
+        let (at_ns, waited) = self.heard;
+        let waited = rig::processor_wait(self.id()).saturating_sub(waited);
+        Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(at_ns)).saturating_sub(waited)
     }
 
     pub(crate) fn id(&self) -> u32 {
@@ -79,7 +90,6 @@ impl Child {
         self.exit.and_then(|status| status.code())
     }
 
-    /// How it ended, in words.
     pub(crate) fn end_in_words(&self) -> String {
         let signal = self.exit.and_then(|status| status.signal()).map(Signal::try_from);
         match (signal, self.exit_code()) {
@@ -106,7 +116,8 @@ impl Child {
     /// Kills it, without waiting for its end.
     pub(crate) fn kill(&mut self) {
         if !self.has_ended() {
-            let _ = kill(self.pid(), Signal::SIGKILL);
+            let id = i32::try_from(self.id()).unwrap_or(i32::MAX);
+            let _ = kill(Pid::from_raw(id), Signal::SIGKILL);
         }
     }
 
@@ -120,39 +131,5 @@ impl Child {
             std::thread::sleep(Duration::from_millis(5));
         }
         true
-    }
-
-    fn pid(&self) -> Pid {
-        Pid::from_raw(i32::try_from(self.process.id()).unwrap_or(i32::MAX))
-    }
-}
-
-/// When a process was last heard, and how long it had waited for a processor until then.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Heard {
-    process_id: u32,
-    /// CLOCK_MONOTONIC, ns.
-    at_ns: u64,
-    processor_wait: Duration,
-}
-
-impl Heard {
-    /// A process that was started, or said something, at this time.
-    pub(super) fn of(process_id: u32, at_ns: u64) -> Self {
-        Self { process_id, at_ns, processor_wait: rig::processor_wait(process_id) }
-    }
-
-    /// Takes note of when it last said something.
-    pub(super) fn hear(&mut self, at_ns: u64) {
-        if at_ns > self.at_ns {
-            *self = Self::of(self.process_id, at_ns);
-        }
-    }
-
-    /// Silence since. The time for which its main thread waited for a processor does not count: a restart would make it
-    /// later still.
-    pub(super) fn silence(&self) -> Duration {
-        let waited = rig::processor_wait(self.process_id).saturating_sub(self.processor_wait);
-        Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(self.at_ns)).saturating_sub(waited)
     }
 }

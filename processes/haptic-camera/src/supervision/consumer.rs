@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use rt_loop::realtime::OffCore;
 use shared_types::{ProcessKind, rig};
 
-use super::child::{Child, Heard, program};
+use super::child::{Child, program};
 use super::loop_link::LoopLink;
 use super::words::Words;
 use crate::outcome::remark;
@@ -38,9 +38,7 @@ pub(super) struct Consumer {
     loop_core: u32,
     /// `None` where it could not be started.
     life: Option<Life>,
-    /// Times that it was started.
     starts: u32,
-    /// When a start was last tried.
     tried: Instant,
     /// Short lives and starts that failed, in a row.
     failures: u32,
@@ -49,7 +47,6 @@ pub(super) struct Consumer {
 /// One process that does a consumer's work, from its start to its end.
 struct Life {
     child: Child,
-    heard: Heard,
     /// Since when it was seen to be stopped.
     stopped: Option<Instant>,
     /// Whether it was killed. It may be some time in dying, if a thread of it waits for the disk.
@@ -57,23 +54,14 @@ struct Life {
 }
 
 impl Consumer {
-    /// One that is to be started.
     pub(super) fn new(kind: ProcessKind, arguments: Vec<String>, loop_core: u32) -> Self {
         Self { kind, arguments, loop_core, life: None, starts: 0, tried: Instant::now(), failures: 0 }
     }
 
+    /// Starts its process off the control loop's core, where the end of its memory would be a tick's business too.
     pub(super) fn start(&mut self, words: &Words) -> anyhow::Result<()> {
         self.tried = Instant::now();
         self.life = None;
-        let child = self.spawn(words)?;
-        let heard = Heard::of(child.id(), rig::monotonic_time_ns());
-        self.life = Some(Life { child, heard, stopped: None, is_killed: false });
-        self.starts += 1;
-        Ok(())
-    }
-
-    /// Starts its process off the control loop's core, where the end of its memory would be a tick's business too.
-    fn spawn(&self, words: &Words) -> anyhow::Result<Child> {
         let _elsewhere = OffCore::leave(self.loop_core);
         let mut command = program(self.kind.name())?;
         command.args(&self.arguments).arg(format!("--restarts={}", self.starts));
@@ -82,7 +70,9 @@ impl Consumer {
             // What it had to say at its start has been said.
             command.stdout(Stdio::null());
         }
-        Child::start(&mut command)
+        self.life = Some(Life { child: Child::start(&mut command)?, stopped: None, is_killed: false });
+        self.starts += 1;
+        Ok(())
     }
 
     /// Starts it, or tells that it cannot be started yet.
@@ -116,11 +106,11 @@ impl Consumer {
         let process_id = life.child.id();
         let last_word = link.last_word_of(process_id);
         if let Some(at_ns) = last_word {
-            life.heard.hear(at_ns);
+            life.child.hear(at_ns);
         }
         let patience = if last_word.is_some() { HUNG } else { FIRST_WORD };
         // One that waits for a disk is left to wait.
-        if life.heard.silence() > patience && rig::process_state(process_id) != Some('D') {
+        if life.child.silence() > patience && rig::process_state(process_id) != Some('D') {
             life.end_at_once(self.kind);
         }
         self.end_if_stopped();
@@ -129,7 +119,7 @@ impl Consumer {
     /// Ends it if a signal has stopped it: it then counts as one that died.
     pub(super) fn end_if_stopped(&mut self) {
         let Some(life) = &mut self.life else { return };
-        if life.heard.silence() < OVERDUE || rig::process_state(life.child.id()) != Some('T') {
+        if life.child.silence() < OVERDUE || rig::process_state(life.child.id()) != Some('T') {
             life.stopped = None;
         } else if life.stopped.get_or_insert_with(Instant::now).elapsed() > STOPPED {
             life.end_at_once(self.kind);

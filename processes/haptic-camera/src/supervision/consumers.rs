@@ -14,7 +14,6 @@ use crate::until_ci::Share;
 /// After the run a recorder that cannot be started, or dies at once, is tried for so long.
 const RECORDER_BACK: Duration = Duration::from_secs(10);
 
-/// Recorder, live fitter and viewer.
 pub(crate) struct Consumers {
     recorder: Consumer,
     others: Vec<Consumer>,
@@ -40,7 +39,6 @@ impl Consumers {
         Ok(Self { recorder, others, words })
     }
 
-    /// Starts again what has ended or hangs.
     pub(crate) fn revive(&mut self, link: &LoopLink) {
         let Self { recorder, others, words } = self;
         words.tell();

@@ -10,13 +10,11 @@ use shared_types::{
     CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig,
 };
 
-use super::child::Heard;
 use super::{ModelStart, RigWords};
 
 /// Longest wait for the loop's answer to a request.
 const ANSWER: Duration = Duration::from_secs(2);
 
-/// What the supervisor hears and says.
 pub(crate) struct LoopLink {
     control: ControlClient,
     statuses: MessageSubscriber<LoopStatus>,
@@ -25,9 +23,6 @@ pub(crate) struct LoopLink {
     descriptions: TextSubscriber,
     model_changes: TextSubscriber,
     loop_process: u32,
-    /// The loop's last word.
-    heard: Heard,
-    /// The loop's last status.
     pub(super) status: LoopStatus,
     fit: Option<FitUpdate>,
     /// What the consumers last said of themselves.
@@ -55,7 +50,6 @@ impl LoopLink {
             descriptions: services::description_subscriber(&node)?,
             model_changes: services::model_subscriber(&node)?,
             loop_process,
-            heard: Heard::of(loop_process, rig::monotonic_time_ns()),
             status: LoopStatus::default(),
             fit: None,
             health: Vec::new(),
@@ -71,7 +65,6 @@ impl LoopLink {
     pub(crate) fn listen(&mut self) {
         while let Ok(Some(status)) = self.statuses.receive() {
             if status.process_id == self.loop_process {
-                self.heard.hear(status.monotonic_time_ns);
                 self.status = *status;
             }
         }
@@ -108,7 +101,6 @@ impl LoopLink {
     }
 
     /// Time in the run at the loop's last status, s.
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     pub(crate) fn elapsed_s(&self) -> f64 {
         (self.status.published_samples + self.status.missed_ticks) as f64 / self.status.rate_hz.max(1.0)
     }
@@ -118,9 +110,9 @@ impl LoopLink {
         self.fit.as_ref().filter(|fit| fit.run_id == self.status.run_id)
     }
 
-    /// Whether a consumer has reported.
-    pub(crate) fn has_heard_from(&self, kind: ProcessKind) -> bool {
-        self.health.iter().any(|health| health.process == kind.code())
+    /// What a consumer last said of itself; `None` when it never has.
+    pub(crate) fn health_of(&self, kind: ProcessKind) -> Option<&ProcessHealth> {
+        self.health.iter().find(|health| health.process == kind.code())
     }
 
     /// When a consumer's process last said how it is, CLOCK_MONOTONIC, ns; `None` when it never has.
@@ -128,15 +120,9 @@ impl LoopLink {
         self.health.iter().find(|health| health.process_id == process_id).map(|health| health.monotonic_time_ns)
     }
 
-    /// How long the loop has been silent since it last said how it is.
-    pub(crate) fn silence_of_loop(&self) -> Duration {
-        self.heard.silence()
-    }
-
     /// How long nothing has come from a recorder that has reported before.
     pub(crate) fn absence_of_recorder(&self) -> Duration {
-        let recorder = self.health.iter().find(|health| health.process == ProcessKind::Recorder.code());
-        let last_ns = recorder.map(|health| health.monotonic_time_ns);
+        let last_ns = self.health_of(ProcessKind::Recorder).map(|health| health.monotonic_time_ns);
         last_ns.map_or(Duration::ZERO, |last_ns| Duration::from_nanos(rig::monotonic_time_ns().saturating_sub(last_ns)))
     }
 
@@ -145,7 +131,6 @@ impl LoopLink {
         self.longest_absence.max(self.absence_of_recorder())
     }
 
-    /// Asks something of the loop.
     pub(crate) fn request(&self, kind: CommandKind) -> anyhow::Result<()> {
         let pending = self
             .control

@@ -21,13 +21,13 @@ use rt_loop::LONGEST_PREPARATION_S;
 use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::fault_injection::{self, FaultInjection};
-use shared_types::{CommandKind, Fault, LoopState, LoopStatus, ProcessKind, realtime, rig};
+use shared_types::{CommandKind, Fault, LoopState, ProcessKind, realtime, rig};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::large_job;
 use crate::offline_run;
 use crate::outcome::{Outcome, remark, say};
-use crate::until_ci::{Knowledge, Share, StopRule};
+use crate::until_ci::{Share, StopRule, estimate_of};
 pub(crate) use account::Archived;
 use child::Child;
 pub(crate) use child::program;
@@ -68,7 +68,6 @@ pub(crate) struct SupervisedRun {
     pub(crate) offline: bool,
     /// The viewer's argument; `None` without a live view.
     pub(crate) viewer: Option<&'static str>,
-    /// Where the archive goes.
     pub(crate) archive: PathBuf,
     /// Ends the run once every parameter is known within this share.
     pub(crate) until: Option<Share>,
@@ -77,9 +76,6 @@ pub(crate) struct SupervisedRun {
 }
 
 /// Claims the name of an archive in `out`.
-///
-/// # Errors
-/// When the folder cannot be made.
 pub(crate) fn claim_archive(out: &Path, knob: &str, before: &str) -> anyhow::Result<Claim> {
     std::fs::create_dir_all(out)
         .with_context(|| format!("the folder {} cannot be made; choose another with --out", out.display()))?;
@@ -99,9 +95,6 @@ pub(crate) fn archive_stem(knob: &str, before: &str) -> String {
 
 impl SupervisedRun {
     /// Makes the run and its archive; `None` when the control loop itself said why it cannot run.
-    ///
-    /// # Errors
-    /// Whatever keeps the run from being started, recorded or ended.
     pub(crate) fn take(&self, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         if self.offline {
             say(format!("{}, offline", self.in_words));
@@ -149,12 +142,15 @@ impl SupervisedRun {
         let Some(mut link) = wait_for_loop(control_loop, interrupted)? else { return Ok(None) };
         let mut consumers = Consumers::start(&self.archive, self.viewer, self.until, link.status.core)?;
         let ready_by = Instant::now() + RECORDER_READY;
-        while !link.has_heard_from(ProcessKind::Recorder) && Instant::now() < ready_by {
+        while link.health_of(ProcessKind::Recorder).is_none() && Instant::now() < ready_by {
             std::thread::sleep(CYCLE);
             link.listen();
             consumers.revive(&link);
         }
-        self.tell_start(&link.status);
+        say(format!("{}, core {}", self.in_words, link.status.core));
+        if link.status.realtime & realtime::FULL != realtime::FULL {
+            remark("without full real-time permission: ticks may be late, and the capture records that");
+        }
 
         if let Err(error) = link.request(CommandKind::Start) {
             let had_ended = control_loop.has_ended();
@@ -178,6 +174,7 @@ impl SupervisedRun {
             }
             let has_ended = control_loop.has_ended();
             link.listen();
+            control_loop.hear(link.status.monotonic_time_ns);
             if link.status.finished == 1 {
                 break;
             }
@@ -200,7 +197,7 @@ impl SupervisedRun {
                 stopped_by_operator = true;
                 stop(&link, control_loop);
             }
-            if link.silence_of_loop() > LOOP_HUNG {
+            if control_loop.silence() > LOOP_HUNG {
                 remark("the control loop does not respond and is killed");
                 control_loop.end(LOOP_ENDS);
             }
@@ -215,21 +212,13 @@ impl SupervisedRun {
         let (interrupted, achieved) = (stopped_by_operator, rule);
         Ok(Some(RunEnd { status, recorder_exit, restarts, rig, models, interrupted, achieved, loop_failed }))
     }
-
-    fn tell_start(&self, status: &LoopStatus) {
-        say(format!("{}, core {}", self.in_words, status.core));
-        if status.realtime & realtime::FULL != realtime::FULL {
-            remark("without full real-time permission: ticks may be late, and the capture records that");
-        }
-    }
 }
 
 /// Whether the live fitter's newest word ends a run that goes on until enough is known; true once at most.
 fn is_enough_known(rule: Option<&mut StopRule>, link: &LoopLink) -> bool {
     let Some((rule, fit)) = rule.filter(|rule| !rule.has_ended()).zip(link.fit()) else { return false };
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     let time_s = fit.latest_tick as f64 / link.status.rate_hz.max(1.0);
-    rule.take(time_s, Knowledge::from(fit))
+    rule.take(time_s, estimate_of(fit))
 }
 
 /// Has the loop take the torque down and end; by force if it does not answer.
@@ -320,9 +309,6 @@ pub(crate) fn ending_signals() -> Vec<i32> {
 }
 
 /// Set by the signals that end a run in order.
-///
-/// # Errors
-/// When the system refuses.
 pub(crate) fn listen_for_interrupt() -> anyhow::Result<Arc<AtomicBool>> {
     let interrupted = Arc::new(AtomicBool::new(false));
     for signal in ending_signals() {

@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
-use identification::live::{Convergence, USUAL_SHARE};
+use identification::live::{Convergence, LiveParameter, USUAL_SHARE};
 use shared_types::{FitUpdate, LATENESS_BIN_EDGES_NS, LoopStatus, ProcessKind};
 
 use super::loop_link::LoopLink;
 use crate::terminal::digits;
-use crate::until_ci::{Knowledge, Known, Share};
+use crate::until_ci::{Share, estimate_of};
 
 /// Lines of the panel: the bar, the table's head, eight parameters, and what follows.
 pub(super) const FIT_LINES: u16 = 14;
@@ -21,7 +21,6 @@ const STREAM_HISTORY: Duration = Duration::from_secs(8);
 /// Time in the run, beside the bar.
 pub(super) fn time(link: &LoopLink, planned_steps: Option<u64>) -> String {
     let rate_hz = link.status.rate_hz.max(1.0);
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
     let planned_s = planned_steps.map(|_| link.status.planned_ticks as f64 / rate_hz);
     match planned_s {
         Some(planned_s) if planned_s > 0.0 => format!("{:.1} of {planned_s:.1} s", link.elapsed_s()),
@@ -42,9 +41,9 @@ fn table(fit: Option<&FitUpdate>, until: Option<Share>) -> String {
     let asked = 100.0 * until.map_or(USUAL_SHARE, Share::get);
     let mut text =
         format!("{:<18}{:>12}{:>13}{:>9}  {:<12}needs ± {asked} %\n", "parameter", "so far", "95 %", "share", "unit");
-    let knowledge = fit.map(Knowledge::from);
+    let estimate = fit.map(estimate_of);
     for kind in parameters() {
-        let known = knowledge.as_ref().and_then(|all| all.parameters.iter().find(|known| known.name == kind.name));
+        let known = estimate.as_ref().and_then(|estimate| estimate.parameter(kind.name));
         let [value, half_width, share] = cells(known);
         let word = known.map_or("", word);
         let line = format!("{:<18}{value:>12}{half_width:>13}{share:>9}  {:<12}{word}", kind.name, kind.unit);
@@ -60,23 +59,24 @@ fn parameters() -> impl Iterator<Item = &'static dynamics::ParameterKind> {
 }
 
 /// Value, half width and its share of the value.
-fn cells(known: Option<&Known>) -> [String; 3] {
+fn cells(known: Option<&LiveParameter>) -> [String; 3] {
     let nothing = |word: &str| [word.to_owned(), String::new(), String::new()];
-    match known {
-        Some(known) if !known.is_in_model => nothing("none"),
-        Some(Known { value: Some(value), half_width: Some(half_width), .. }) => {
-            let digits = digits(*half_width);
-            let share = 100.0 * known.and_then(Known::share).unwrap_or(f64::INFINITY);
-            let share = if share < 1000.0 { format!("{share:.2} %") } else { "-".to_owned() };
+    let Some(known) = known else { return nothing("-") };
+    match known.value.zip(known.half_width()) {
+        _ if !known.is_in_model() => nothing("none"),
+        Some((value, half_width)) => {
+            let digits = digits(half_width);
+            let share = known.share().map(|share| 100.0 * share).filter(|share| *share < 1000.0);
+            let share = share.map_or_else(|| "-".to_owned(), |share| format!("{share:.2} %"));
             [format!("{value:.digits$}"), format!("± {half_width:.digits$}"), share]
         }
-        _ => nothing("-"),
+        None => nothing("-"),
     }
 }
 
-fn word(known: &Known) -> &'static str {
+fn word(known: &LiveParameter) -> &'static str {
     match known.convergence {
-        _ if !known.is_in_model => "",
+        _ if !known.is_in_model() => "",
         Convergence::Converged => "known",
         Convergence::Negligible => "negligible",
         Convergence::Open => "not yet",
@@ -84,7 +84,6 @@ fn word(known: &Known) -> &'static str {
 }
 
 /// Median, 99th percentile and maximum, the first two as upper edges of their bins.
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "for display")]
 fn lateness(status: &LoopStatus) -> String {
     let ticks: u64 = status.lateness_counts.iter().sum();
     let below = |share: f64| {
@@ -103,7 +102,6 @@ fn lateness(status: &LoopStatus) -> String {
     format!("half {}, 99 % {}, at most {}", below(0.5), below(0.99), time_in_words(status.max_lateness_ns))
 }
 
-#[allow(clippy::cast_precision_loss, reason = "for display")]
 fn time_in_words(ns: u64) -> String {
     match ns {
         0..1_000 => format!("{ns} ns"),
@@ -115,9 +113,7 @@ fn time_in_words(ns: u64) -> String {
 /// Ticks missed and samples lost, by whom.
 pub(super) fn losses(link: &LoopLink) -> String {
     let status = &link.status;
-    let lost_by = |kind: ProcessKind| {
-        link.health.iter().find(|health| health.process == kind.code()).map_or(0, |health| health.lost_samples)
-    };
+    let lost_by = |kind: ProcessKind| link.health_of(kind).map_or(0, |health| health.lost_samples);
     let lost: Vec<(&str, u64)> = [ProcessKind::Recorder, ProcessKind::LiveFitter, ProcessKind::Viewer]
         .into_iter()
         .map(|kind| (kind.name(), lost_by(kind)))

@@ -3,16 +3,16 @@
 use std::time::{Duration, Instant};
 
 use dynamics::Axis;
-use indicatif::{ProgressBar, ProgressStyle};
+use identification::live::LiveParameter;
+use indicatif::ProgressBar;
 use shared_types::Sample;
 
 use super::SupervisedRun;
 use super::loop_link::LoopLink;
 use super::panel::{self, FIT_LINES, losses};
-use crate::capture::share_words;
 use crate::outcome::{hold_panel, release_panel, say};
 use crate::terminal::{self, WIDTH};
-use crate::until_ci::{Knowledge, Share};
+use crate::until_ci::{Share, estimate_of, open, share_words};
 
 /// Time between two plain lines, at least …
 const LINE_INTERVAL: Duration = Duration::from_secs(2);
@@ -23,7 +23,6 @@ const STEPS_PER_S: f64 = 20.0;
 /// Time between two pictures of the panel: numbers that change faster cannot be read.
 const PANEL_INTERVAL: Duration = Duration::from_millis(200);
 
-/// What is shown of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shown {
     /// The model as it is fitted.
@@ -54,13 +53,12 @@ impl Progress {
         let whole_panel =
             shown == Shown::Fit && size.is_some_and(|(rows, columns)| rows > FIT_LINES && columns >= WIDTH);
         let bar = size.map(|_| {
-            let bar = duration_s.map_or_else(ProgressBar::no_length, |duration_s| ProgressBar::new(steps(duration_s)));
             let template = match (duration_s, whole_panel) {
                 (Some(_), true) => "{bar:38}  {prefix}\n{msg}",
                 (Some(_), false) => "{bar:16} {msg}",
                 (None, _) => "{msg}",
             };
-            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            let bar = terminal::bar(duration_s.map(steps), template);
             hold_panel(&bar);
             bar
         });
@@ -110,7 +108,6 @@ impl Drop for Progress {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the loop checked the duration")]
 fn steps(time_s: f64) -> u64 {
     (time_s * STEPS_PER_S).ceil() as u64
 }
@@ -124,7 +121,7 @@ fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
         } else {
             String::new()
         };
-        format!("{residual}, {}", known_words(&Knowledge::from(fit), until))
+        format!("{residual}, {}", known_words(&estimate_of(fit).parameters, until))
     });
     format!("{}{known}", time_line(link))
 }
@@ -135,12 +132,12 @@ fn time_line(link: &LoopLink) -> String {
 }
 
 /// How many parameters are known well enough, or the one that an end of the sweep waits for most.
-fn known_words(knowledge: &Knowledge, until: Option<Share>) -> String {
-    match (until, knowledge.open().first()) {
+fn known_words(parameters: &[LiveParameter], until: Option<Share>) -> String {
+    match (until, open(parameters).first()) {
         (Some(share), None) => format!("all within {share}"),
         (Some(_), Some(least_known)) => share_words(least_known),
         (None, _) => {
-            let in_model = knowledge.parameters.iter().filter(|known| known.is_in_model);
+            let in_model = parameters.iter().filter(|known| known.is_in_model());
             format!("{} of {} known", in_model.clone().filter(|known| known.is_settled()).count(), in_model.count())
         }
     }
@@ -152,7 +149,6 @@ fn finer(axis: Axis) -> usize {
 }
 
 /// What a hand does to a rendered model, and what it feels.
-#[allow(clippy::cast_precision_loss, reason = "for display")]
 fn rendering_line(link: &LoopLink) -> String {
     let status = &link.status;
     let contact = if status.flags & Sample::STUCK == 0 { "sliding" } else { "stuck" };

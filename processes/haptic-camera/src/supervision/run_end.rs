@@ -11,9 +11,7 @@ use super::account::{self, Archived};
 use crate::outcome::{Outcome, remark, say};
 use crate::until_ci::StopRule;
 
-/// How a run ended.
 pub(crate) struct RunEnd {
-    /// The loop's last word.
     pub(crate) status: LoopStatus,
     /// Exit code of the recorder that closed the archive.
     pub(crate) recorder_exit: Option<i32>,
@@ -23,7 +21,6 @@ pub(crate) struct RunEnd {
     pub(crate) rig: RigWords,
     /// The models that were rendered, in the order in which they began to be felt.
     pub(crate) models: Vec<ModelStart>,
-    /// Whether the operator ended it early.
     pub(crate) interrupted: bool,
     /// What became known, if the run was to end once enough is.
     pub(crate) achieved: Option<StopRule>,
@@ -34,7 +31,6 @@ pub(crate) struct RunEnd {
 /// What a run's description says of its rig.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct RigWords {
-    /// The rig's name.
     pub(crate) name: String,
     /// Whether it turns.
     pub(crate) axis: Axis,
@@ -61,25 +57,19 @@ impl RigWords {
 #[derive(Debug, thiserror::Error)]
 #[error("{run}: ended in a fault: {words}")]
 pub(crate) struct EndedInFault {
-    /// What was being done.
     pub(super) run: String,
-    /// The fault, in words.
     pub(super) words: String,
-    /// The fault.
     pub(crate) fault: Option<Fault>,
 }
 
 /// A model and the tick from which it was rendered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ModelStart {
-    /// Tick of the run.
     pub(crate) tick: u64,
-    /// The model's name.
     pub(crate) name: String,
 }
 
 impl RunEnd {
-    /// Tells how the run went.
     pub(crate) fn tell(&self) {
         let status = &self.status;
         let taken = status.taken_samples();
@@ -152,7 +142,6 @@ impl RunEnd {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "for display")]
 fn ns_to_ms(nanoseconds: u64) -> f64 {
     nanoseconds as f64 / 1e6
 }

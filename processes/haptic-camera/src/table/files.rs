@@ -14,9 +14,6 @@ pub(super) struct Seen {
 }
 
 /// All `.mcap` and `.csv` files, by their paths, each once.
-///
-/// # Errors
-/// When a folder cannot be read.
 pub(super) fn captures(folders: &[PathBuf]) -> anyhow::Result<Vec<Seen>> {
     let mut files = Vec::new();
     for folder in folders {

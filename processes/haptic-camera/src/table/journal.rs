@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
-use std::io::{BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use analysis::{Cell, Row};
@@ -79,9 +79,6 @@ impl<'spec> Journal<'spec> {
     }
 
     /// Keeps a row: it is there whatever happens afterwards.
-    ///
-    /// # Errors
-    /// When the disk takes no more.
     pub(super) fn add(&mut self, seen: &Seen, row: &Row) -> anyhow::Result<()> {
         let cells = row.cells().iter().map(|(_, cell)| written(cell)).collect();
         let line: Line = (seen.path.clone(), seen.bytes, seen.written_ns.to_string(), cells);
@@ -98,35 +95,24 @@ impl<'spec> Journal<'spec> {
     /// # Errors
     /// When the table cannot be written; the journal then stays.
     pub(super) fn into_table(mut self, files: &[Seen]) -> anyhow::Result<usize> {
-        let (table, lines, journal, specification) = (&self.table, &self.lines, &mut self.file, self.specification);
-        let wrong = write_whole(table, Replace::Nothing, |place| {
-            write_rows(place, files, lines, journal, specification)
-                .map_err(|error| ArchiveError::File { path: table.clone(), error: std::io::Error::other(error) })
-        })?;
+        let columns = Row::columns(self.specification);
+        let mut write_rows = |place| -> anyhow::Result<usize> {
+            let mut wrong = 0;
+            let mut table = Table::begin(place, self.specification)?;
+            for files in files.chunks(ROWS_AT_ONCE) {
+                let rows = files.iter().map(|file| read_back(&mut self.file, self.lines[file], &columns));
+                let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
+                wrong += rows.iter().filter(|cells| matches!(cells[ERROR], Cell::Text(Some(_)))).count();
+                table.add(&rows)?;
+            }
+            table.end()?;
+            Ok(wrong)
+        };
+        let failed = |error| ArchiveError::File { path: self.table.clone(), error: std::io::Error::other(error) };
+        let wrong = write_whole(&self.table, Replace::Nothing, |place| write_rows(place).map_err(failed))?;
         std::fs::remove_file(&self.place).with_context(|| format!("{} cannot be removed", self.place.display()))?;
         Ok(wrong)
     }
-}
-
-/// Writes the rows of these files in their order; gives the number of those with an error.
-fn write_rows(
-    place: BufWriter<File>,
-    files: &[Seen],
-    lines: &HashMap<Seen, u64>,
-    journal: &mut File,
-    specification: Option<&Specification>,
-) -> anyhow::Result<usize> {
-    let mut wrong = 0;
-    let columns = Row::columns(specification);
-    let mut table = Table::begin(place, specification)?;
-    for files in files.chunks(ROWS_AT_ONCE) {
-        let rows =
-            files.iter().map(|file| read_back(journal, lines[file], &columns)).collect::<anyhow::Result<Vec<_>>>()?;
-        wrong += rows.iter().filter(|cells| matches!(cells[ERROR], Cell::Text(Some(_)))).count();
-        table.add(&rows)?;
-    }
-    table.end()?;
-    Ok(wrong)
 }
 
 fn written(cell: &Cell) -> Option<String> {

@@ -24,7 +24,6 @@ use files::{Seen, captures};
 use journal::Journal;
 pub(crate) use parquet_file::write_column;
 
-/// Options of `table`.
 #[derive(Debug, Args)]
 pub struct TableOptions {
     /// Folders of captures, searched recursively
@@ -59,18 +58,15 @@ pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
             journal.place().display()
         ));
     }
-    let bar = terminal::bar(files.len() as u64, "{bar:24} {pos}/{len} captures, {per_sec}, {eta} left");
+    let bar = terminal::bar(Some(files.len() as u64), "{bar:24} {pos}/{len} captures, {per_sec}, {eta} left");
     bar.set_position((files.len() - left.len()) as u64);
-    let added = add_rows(&left, specification.as_ref(), jobs(options.jobs), &mut journal, &bar);
+    let jobs = options.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
+    let added = add_rows(&left, specification.as_ref(), jobs, &mut journal, &bar);
     bar.finish_and_clear();
     added?;
     let wrong = journal.into_table(&files)?;
     say(format!("{}: {} captures, {wrong} of them with an error", options.out.display(), files.len()));
     Ok(Outcome::Done)
-}
-
-fn jobs(asked: Option<NonZero<usize>>) -> usize {
-    asked.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get)
 }
 
 /// Fits the captures on so many threads and keeps each row as it comes.
@@ -110,7 +106,6 @@ fn add_rows(
     })
 }
 
-/// The place of a table's journal.
 pub fn journal_beside(table: &std::path::Path) -> PathBuf {
     archive::whole_file::beside(table, ".incomplete")
 }

@@ -14,7 +14,6 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
 use sheet::Specification;
 
-/// A table that is being written.
 pub(super) struct Table<'spec> {
     specification: Option<&'spec Specification>,
     file: SerializedFileWriter<BufWriter<File>>,
@@ -55,7 +54,6 @@ impl<'spec> Table<'spec> {
         Ok(())
     }
 
-    /// Ends the table.
     pub(super) fn end(self) -> Result<(), ParquetError> {
         self.file.close().map(drop)
     }

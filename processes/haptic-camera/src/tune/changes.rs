@@ -2,7 +2,6 @@
 
 use dynamics::{Model, ParameterKind};
 
-/// A parameter with its value.
 pub(super) fn line(parameter: &ParameterKind, value: f64) -> String {
     format!("  {:<22} {value} {}", parameter.name, parameter.unit)
 }

@@ -19,7 +19,6 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Pause before a model is sent again.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// A link to the running replay.
 pub(super) struct LoopModels {
     client: ModelClient,
     // Last, since ports go before the node they belong to.
@@ -46,7 +45,6 @@ pub(super) enum Sent {
     Overtaken(Present),
 }
 
-/// What came of one request.
 enum Asked {
     Answer(ModelAnswer),
     /// Nobody is there, or who was there let go of the request.
@@ -55,7 +53,6 @@ enum Asked {
 }
 
 impl LoopModels {
-    /// Attaches to the rig.
     pub(super) fn open() -> anyhow::Result<Self> {
         let node = services::attach("tune")?;
         Ok(Self { client: services::model_client(&node)?, _node: node })
@@ -117,12 +114,8 @@ impl LoopModels {
 
     fn ask_once(&self, request: &ModelRequest) -> anyhow::Result<Asked> {
         let text = serde_json::to_vec(request).context("the model has no text form")?;
-        let unasked = |error: String| {
-            anyhow::anyhow!(error).context(
-                "the request could not be sent to the control \
-            loop",
-            )
-        };
+        let unasked =
+            |error: String| anyhow::anyhow!(error).context("the request could not be sent to the control loop");
         let place = self.client.loan_slice_uninit(text.len()).map_err(|error| unasked(format!("{error:?}")))?;
         let pending = place.write_from_slice(&text).send().map_err(|error| unasked(format!("{error:?}")))?;
         if pending.number_of_server_connections() == 0 {

@@ -2,22 +2,20 @@
 
 use dynamics::{Composition, CompositionError, Model, Source};
 
-use crate::compose::Assignment;
-
 /// Gives the parameters their values, all of them or, where one cannot be, none.
 ///
 /// An effect whose values change no longer says where they come from.
 ///
 /// # Errors
 /// [`CompositionError`], for a name that the model's effects lack, a value out of range, and a parameter set twice.
-pub(super) fn apply(settings: &[Assignment<f64>], model: &mut Model) -> Result<(), CompositionError> {
+pub(super) fn apply(settings: &[(String, f64)], model: &mut Model) -> Result<(), CompositionError> {
     let present = Source::new(model.name.clone(), model.clone());
     let mut composition = Composition::default();
     for effect in &present.model.effects {
         composition.take_effect(effect.kind().name, &present)?;
     }
-    for setting in settings {
-        composition.set(&setting.name, setting.value)?;
+    for (name, value) in settings {
+        composition.set(name, *value)?;
     }
     let changed = composition.model("", "");
     for effect in &mut model.effects {
@@ -37,10 +35,11 @@ mod tests {
     use dynamics::knobs;
 
     use super::apply;
+    use crate::compose::name_and_number;
 
     fn set(settings: &[&str]) -> Result<dynamics::Model, String> {
         let mut model = knobs::paper_knob(3).unwrap();
-        let settings: Vec<_> = settings.iter().map(|text| text.parse()).collect::<Result<_, _>>()?;
+        let settings: Vec<_> = settings.iter().map(|text| name_and_number(text)).collect::<Result<_, _>>()?;
         apply(&settings, &mut model).map_err(|error| error.to_string())?;
         Ok(model)
     }

@@ -1,8 +1,9 @@
 //! When a sweep may end because enough is known.
 
-use identification::live::Criterion;
+use identification::live::{Criterion, LiveEstimate, LiveParameter};
 
-use super::{Knowledge, Known, Share};
+use super::Share;
+use super::knowledge::of_fit;
 
 /// The sweep goes on until it has held while the data grew by this factor: successive estimates rest on nearly the same
 /// data, and an interval that is small by accident must be small by accident of new data too.
@@ -13,7 +14,6 @@ const HELD_ESTIMATES: u32 = 10;
 /// Ends a sweep once every parameter is known well enough, and says how far the sweep came.
 #[derive(Clone, Debug)]
 pub struct StopRule {
-    /// What was asked for.
     pub asked: Share,
     /// Since when it has held without a break: time in the run, s, and estimates.
     held: Option<(f64, u32)>,
@@ -21,23 +21,22 @@ pub struct StopRule {
     /// Time in the run at which everything was known well enough, s; `None` as long as that has not come.
     pub ended_s: Option<f64>,
     /// What was known last; `None` without any estimate.
-    last: Option<Knowledge>,
+    pub last: Option<LiveEstimate>,
 }
 
 impl StopRule {
-    /// A rule that has seen nothing.
     pub fn new(asked: Share) -> Self {
         Self { asked, held: None, newest_s: f64::NEG_INFINITY, ended_s: None, last: None }
     }
 
     /// Takes what is known at a time in the run; true once the sweep may end. An estimate that comes twice counts once.
-    pub fn take(&mut self, time_s: f64, knowledge: Knowledge) -> bool {
+    pub fn take(&mut self, time_s: f64, estimate: LiveEstimate) -> bool {
         if time_s <= self.newest_s {
             return false;
         }
         self.newest_s = time_s;
-        let enough = knowledge.is_enough();
-        self.last = Some(knowledge);
+        let enough = !estimate.parameters.is_empty() && estimate.parameters.iter().all(LiveParameter::is_settled);
+        self.last = Some(estimate);
         self.held = match self.held {
             _ if !enough => None,
             None => Some((time_s, 1)),
@@ -52,20 +51,14 @@ impl StopRule {
         ends
     }
 
-    /// Whether it has ended the sweep.
     pub fn has_ended(&self) -> bool {
         self.ended_s.is_some()
     }
 
-    /// Parameters that were not known well enough at the last estimate.
-    pub fn open(&self) -> Vec<Known> {
-        self.last.as_ref().map_or_else(Vec::new, Knowledge::open)
-    }
-
     /// What a fit of the archive knows, held against what was asked for; `None` if nothing ever was.
-    pub fn verify(&self, fit: &identification::Fit, torque_step_mnm: f64) -> Option<Knowledge> {
+    pub fn verify(&self, fit: &identification::Fit, torque_step_mnm: f64) -> Option<Vec<LiveParameter>> {
         let criterion = Criterion { share: self.asked.get(), torque_step_mnm };
-        Some(self.last.as_ref()?.of_fit(fit, &criterion))
+        Some(of_fit(self.last.as_ref()?, fit, &criterion))
     }
 }
 
@@ -73,23 +66,24 @@ impl StopRule {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
 
-    use identification::live::{Convergence, MotionRms};
+    use identification::live::{Convergence, LiveEstimate, LiveParameter, Verdict};
 
-    use super::super::{Knowledge, Known};
     use super::StopRule;
 
-    const CONVERGED: Known = Known {
+    const CONVERGED: LiveParameter = LiveParameter {
         name: "inertia",
+        unit: "mNm s²/rad",
         value: Some(0.035),
-        half_width: Some(0.0002),
-        is_in_model: true,
+        ci95: Some([0.0348, 0.0352]),
+        verdict: Verdict::Estimated,
         convergence: Convergence::Converged,
     };
-    const OPEN: Known = Known { convergence: Convergence::Open, ..CONVERGED };
+    const OPEN: LiveParameter = LiveParameter { convergence: Convergence::Open, ..CONVERGED };
 
-    fn knowledge(parameters: &[Known]) -> Knowledge {
-        let motion = MotionRms { velocity_rad_s: 5.0, acceleration_rad_s2: 100.0 };
-        Knowledge { parameters: parameters.to_vec(), motion }
+    fn knowledge(parameters: &[LiveParameter]) -> LiveEstimate {
+        let mut estimate = LiveEstimate::default();
+        estimate.parameters = parameters.to_vec();
+        estimate
     }
 
     fn rule() -> StopRule {
@@ -97,7 +91,7 @@ mod tests {
     }
 
     /// The time at which a rule that hears the same again and again ends a sweep of ten seconds.
-    fn ends_at(knowledge: &Knowledge) -> Option<f64> {
+    fn ends_at(knowledge: &LiveEstimate) -> Option<f64> {
         let mut rule = rule();
         (1..=250).map(|index| f64::from(index) * 0.04).find(|&time_s| rule.take(time_s, knowledge.clone()))
     }
@@ -126,8 +120,10 @@ mod tests {
     #[test]
     fn what_is_open_is_waited_for_and_what_is_negligible_or_not_there_is_not() {
         assert_eq!(ends_at(&knowledge(&[CONVERGED, OPEN])), None);
-        assert!(ends_at(&knowledge(&[CONVERGED, Known { is_in_model: false, ..OPEN }])).is_some());
-        assert!(ends_at(&knowledge(&[CONVERGED, Known { convergence: Convergence::Negligible, ..OPEN }])).is_some());
+        assert!(ends_at(&knowledge(&[CONVERGED, LiveParameter { verdict: Verdict::Absent, ..OPEN }])).is_some());
+        assert!(
+            ends_at(&knowledge(&[CONVERGED, LiveParameter { convergence: Convergence::Negligible, ..OPEN }])).is_some()
+        );
         assert_eq!(ends_at(&knowledge(&[])), None);
     }
 }

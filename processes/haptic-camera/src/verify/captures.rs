@@ -6,18 +6,19 @@ use anyhow::{Context as _, anyhow};
 use dynamics::excitation::PRESSED_MM;
 use dynamics::{Axis, Model, Motion};
 use identification::checks::breakaways;
-use identification::diagnosis::{DiagnoseOptions, Diagnosis, diagnose};
+use identification::diagnosis::Diagnosis;
 use identification::{Fit, FitOptions};
 use loaded_capture::LoadedCapture;
-use report::HeldStill;
+use report::{HeldStill, Rendering};
 use rt_loop::request::HandRequest;
 use rt_loop::stability::driving_speed_rad_s;
 
 use super::compare::{further_effects, parameters, torque_error_mnm};
 use super::two_bodies;
-use super::{Compared, LARGEST_TORQUE_ERROR_PERCENT, Limits, Verification, added};
+use super::{LIMITS, added};
 use crate::check::Threshold;
 use crate::load;
+use crate::rigs::span;
 
 /// Grip of the hand that turns the knob, in usual ones: one that holds a knob firmly.
 const GRIP: f64 = 6.0;
@@ -36,15 +37,14 @@ const HOLD_S: f64 = 10.0;
 /// Time after which a hold is looked at, s: the hand's torque has risen.
 const SETTLED_S: f64 = 0.5;
 
-/// Makes a capture of the rendered knob: its name, the hand, the largest angle of the hand's sweep in rad, its length in s; gives
-/// the archive.
-pub type Maker<'a> = dyn FnMut(&str, HandRequest, Option<f64>, f64) -> anyhow::Result<PathBuf> + 'a;
-
 /// Captures the rendered knob and compares it with its model; gives also its fit as a knob of one body.
 ///
-/// # Errors
-/// When a run cannot be made, or a capture cannot be read or fitted.
-pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Result<(Verification, Fit)> {
+/// `make` makes a capture: its name, the hand, the largest angle of the hand's sweep in rad, its length in s; it gives the archive.
+pub fn verify(
+    model: &Model,
+    rate_hz: f64,
+    mut make: impl FnMut(&str, HandRequest, Option<f64>, f64) -> anyhow::Result<PathBuf>,
+) -> anyhow::Result<(Rendering, Fit)> {
     let mut captures = Vec::new();
     let mut capture = |name: &str, hand, amplitude_rad, duration_s| -> anyhow::Result<LoadedCapture> {
         let path = make(name, hand, amplitude_rad, duration_s)?;
@@ -68,37 +68,29 @@ pub fn verify(model: &Model, rate_hz: f64, make: &mut Maker<'_>) -> anyhow::Resu
         None => None,
     };
     let fit = fit(&train, model)?;
-    let Compared { parameters, torque_rms_mnm: [torque_error_rms_mnm, torque_rms_mnm], lost_motion, added, notes } =
-        if model.coupling().is_some() {
-            two_bodies::compared(model, [&train, &heldout, &creep])?
-        } else {
-            one_body(model, &fit, [&train, &heldout, &creep])?
-        };
-    let torque_error_percent = 100.0 * torque_error_rms_mnm / torque_rms_mnm;
-    let passed = parameters.iter().all(|parameter| parameter.passed != Some(false))
-        && torque_error_percent <= LARGEST_TORQUE_ERROR_PERCENT
-        && held_still.is_none_or(|held| held.encoder_steps < 1.0);
-    let verification = Verification {
+    let mut rendering = if model.coupling().is_some() {
+        two_bodies::compared(model, [&train, &heldout, &creep])?
+    } else {
+        one_body(model, &fit, [&train, &heldout, &creep])?
+    };
+    rendering = Rendering {
         model: model.name.clone(),
         rate_hz,
         captures,
-        parameters,
-        torque_error_rms_mnm,
-        torque_rms_mnm,
-        torque_error_percent,
-        lost_motion,
+        torque_error_percent: 100.0 * rendering.torque_error_rms_mnm / rendering.torque_rms_mnm,
         held_still,
-        added,
-        limits: Limits::default(),
-        notes,
-        passed,
+        limits: LIMITS,
         capture: analysis::facts(&train),
+        ..rendering
     };
-    Ok((verification, fit))
+    rendering.passed = rendering.parameters.iter().all(|parameter| parameter.passed != Some(false))
+        && rendering.torque_error_percent <= LIMITS.torque_error_percent
+        && held_still.is_none_or(|held| held.encoder_steps < 1.0);
+    Ok((rendering, fit))
 }
 
 /// Compares the captures of a sweep, another motion and a creep with a model of one body.
-fn one_body(model: &Model, fit: &Fit, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Compared> {
+fn one_body(model: &Model, fit: &Fit, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Rendering> {
     let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
     let mut notes = fit.notes.clone();
     let is_drawn = model.effects.iter().any(|effect| effect.table().is_some());
@@ -114,13 +106,9 @@ fn one_body(model: &Model, fit: &Fit, [train, heldout, creep]: [&LoadedCapture; 
             None
         }
     };
-    Ok(Compared {
-        parameters: parameters(model, fit, &thresholds),
-        torque_rms_mnm: torque_error_mnm(model, fit),
-        lost_motion: None,
-        added,
-        notes,
-    })
+    let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, fit);
+    let parameters = parameters(model, fit, &thresholds);
+    Ok(Rendering { parameters, torque_error_rms_mnm, torque_rms_mnm, added, notes, ..Rendering::default() })
 }
 
 fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
@@ -132,13 +120,7 @@ fn fit(train: &LoadedCapture, model: &Model) -> anyhow::Result<Fit> {
 
 /// A diagnosis of the rendered knob that starts from a model.
 pub(super) fn diagnosed(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Diagnosis> {
-    let options = DiagnoseOptions {
-        calibration: train.calibration.clone(),
-        axis: train.capture.axis,
-        model: Some(model.clone()),
-        ..DiagnoseOptions::default()
-    };
-    Ok(diagnose(&train.samples(), Some(&heldout.samples()), &options)?)
+    Ok(analysis::diagnose(train, Some(heldout), Some(model.clone()), None)?)
 }
 
 /// A torque in the middle of what the knob bears at the angle at which it starts; `None` where it bears none.
@@ -154,13 +136,11 @@ fn holding_torque_mnm(model: &Model) -> Option<f64> {
 fn held_still(torque_mnm: f64, hold: &LoadedCapture) -> HeldStill {
     let capture = &hold.capture;
     let settled = capture.t_s.iter().zip(&capture.angle_rad).filter(|(t_s, _)| **t_s >= SETTLED_S);
-    let (least_rad, most_rad) = settled.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (_, angle_rad)| {
-        (least.min(*angle_rad), most.max(*angle_rad))
-    });
+    let moved_rad = span(settled.map(|(_, angle_rad)| *angle_rad));
     let step_rad = hold.calibration.as_ref().map_or(0.0, |known| known.angle_step_rad);
     HeldStill {
         torque_mnm,
         duration_s: capture.t_s.last().map_or(0.0, |last| last - SETTLED_S),
-        encoder_steps: (most_rad - least_rad) / step_rad,
+        encoder_steps: moved_rad / step_rad,
     }
 }

@@ -6,7 +6,7 @@ use identification::Fit;
 use loaded_capture::LoadedCapture;
 use report::RenderedParameter;
 
-use super::{LARGEST_DIFFERENCE_PERCENT, LARGEST_STATIC_DIFFERENCE_PERCENT};
+use super::LIMITS;
 use crate::check::Threshold;
 use crate::fit_tables::true_value;
 
@@ -30,7 +30,7 @@ pub(super) fn verified(
         }
     });
     let is_static = name.starts_with("static_");
-    let limit = if is_static { LARGEST_STATIC_DIFFERENCE_PERCENT } else { LARGEST_DIFFERENCE_PERCENT };
+    let limit = if is_static { LIMITS.static_difference_percent } else { LIMITS.difference_percent };
     let held = ci95.is_some_and(|[low, high]| (low..=high).contains(&intended));
     let passed = difference_percent.map(|percent| held || percent.abs() <= limit);
     RenderedParameter { name, unit, intended, rendered: value, ci95, difference_percent, passed, reason }
@@ -72,7 +72,6 @@ pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshol
 ///
 /// A row is a mean over samples, some of them left out where the knob may stick: rendered minus fitted torque is the fit's
 /// residual there, to which comes what the fitted model differs from the intended one for the row's motion.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
 pub(super) fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
     let mut fitted = fit.model(&model.name);
     // Parameters that are not separately identifiable make up the torque together: their fitted values are used as they are.
@@ -95,12 +94,6 @@ const MEAN_S: f64 = 0.0025;
 
 /// RMS of captured minus simulated torque over means of the capture, and of the captured torque, mNm: the model as it is, its inner
 /// body simulated behind the measured motion of the cap.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "a few samples"
-)]
 pub(super) fn along_motion_mnm(model: &Model, capture: &LoadedCapture) -> anyhow::Result<[f64; 2]> {
     let gripper_inertia = capture.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
     let motions = identification::knob_motion(&capture.samples(), capture.calibration.as_ref())?;

@@ -1,53 +1,45 @@
-//! A verification in words, for an 80-column terminal.
+//! A rendering in words, for an 80-column terminal.
 
 use identification::diagnosis::Verdict;
-use report::{AddedByRendering, RenderedParameter};
+use report::{AddedByRendering, HeldStill, LostMotion, RenderedParameter, Rendering};
 
-use super::{LARGEST_TORQUE_ERROR_PERCENT, LostMotion, Verification};
-use crate::terminal::{self, table};
+use super::LIMITS;
+use crate::terminal;
 
-/// The verification line by line.
-pub fn lines(verification: &Verification) -> Vec<String> {
-    let mut table = table(["parameter", "intended", "rendered", "95 % interval", "off", ""], [1, 2, 4]);
-    for parameter in &verification.parameters {
-        table.add_row(row(parameter));
-    }
-    let Verification { torque_error_rms_mnm, torque_rms_mnm, torque_error_percent, .. } = verification;
+pub fn lines(rendering: &Rendering) -> Vec<String> {
+    let header = ["parameter", "intended", "rendered", "95 % interval", "off", ""];
+    let table = terminal::table(header, [1, 2, 4], rendering.parameters.iter().map(row));
+    let Rendering { torque_error_rms_mnm, torque_rms_mnm, torque_error_percent, .. } = rendering;
     let mut lines = vec![table.to_string()];
     lines.push(format!(
         "torque   rendered minus intended {torque_error_rms_mnm:.*} of {torque_rms_mnm:.*} mNm RMS, \
-         {torque_error_percent:.2} % (at most {LARGEST_TORQUE_ERROR_PERCENT} %)",
+         {torque_error_percent:.2} % (at most {} %)",
         decimals(1e3 * torque_error_rms_mnm).max(3),
         decimals(*torque_rms_mnm).max(2),
+        LIMITS.torque_error_percent,
     ));
-    if let Some(lost) = &verification.lost_motion {
-        lines.extend(lost_motion_in_words(lost));
-    }
-    if let Some(held) = &verification.held_still {
-        lines.push(format!(
-            "held     under {:.*} mNm for {:.1} s: {:.1} steps of the encoder",
-            decimals(held.torque_mnm).max(1),
-            held.torque_mnm,
-            held.duration_s,
-            held.encoder_steps
-        ));
-    }
-    if let Some(added) = &verification.added {
-        lines.push(format!("added    {}", in_words(added)));
-    }
-    lines.extend(verification.notes.iter().map(|note| format!("- {note}")));
-    let verdict = if verification.passed { "the rendered knob is the model's" } else { "the rendered knob differs" };
+    lines.extend(rendering.lost_motion.iter().flat_map(lost_motion_in_words));
+    lines.extend(rendering.held_still.map(|HeldStill { torque_mnm, duration_s, encoder_steps }| {
+        let decimals = decimals(torque_mnm).max(1);
+        format!(
+            "held     under {torque_mnm:.decimals$} mNm for {duration_s:.1} s: {encoder_steps:.1} steps of the encoder"
+        )
+    }));
+    lines.extend(rendering.added.iter().map(|added| format!("added    {}", in_words(added))));
+    lines.extend(rendering.notes.iter().map(|note| format!("- {note}")));
+    let verdict = if rendering.passed { "the rendered knob is the model's" } else { "the rendered knob differs" };
     lines.push(format!("verdict  {verdict}"));
     lines
 }
 
 fn row(parameter: &RenderedParameter) -> [String; 6] {
-    let number = |value: f64| format!("{value:.*}", decimals(parameter.intended));
+    let digits = decimals(parameter.intended);
+    let number = |value: f64| format!("{value:.digits$}");
     [
         parameter.name.to_owned(),
         number(parameter.intended),
         parameter.rendered.map_or_else(|| "-".to_owned(), number),
-        parameter.ci95.map_or_else(String::new, |[low, high]| format!("{} to {}", number(low), number(high))),
+        terminal::interval(parameter.ci95, digits),
         parameter.difference_percent.map_or_else(String::new, |percent| format!("{percent:+.2} %")),
         match parameter.passed {
             Some(true) => String::new(),
@@ -62,7 +54,6 @@ fn decimals(value: f64) -> usize {
     terminal::decimals(value, 4.0, [4.0, 12.0])
 }
 
-/// What was seen of a gap.
 pub(super) fn lost_motion_in_words(lost: &LostMotion) -> [String; 2] {
     let mut ways = lost.free_ways_rad.clone();
     ways.sort_by(f64::total_cmp);

@@ -4,20 +4,17 @@ use dynamics::{Effect, Model, ParameterKind, Part};
 use identification::checks::{FreeTravel, free_travel};
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
-use report::RenderedParameter;
+use report::{LostMotion, RenderedParameter, Rendering};
 
+use super::added;
 use super::captures::diagnosed;
 use super::compare::{along_motion_mnm, verified};
-use super::{Compared, LostMotion, added};
 
 /// Compares the captures of a sweep, another motion and a creep with a model of two bodies.
 ///
 /// The model is refined on the sweep, its inner body simulated behind the measured motion of the cap: that tells the
 /// parameters with their intervals. The torque error is the intended model's, not refined, along the measured motion.
-///
-/// # Errors
-/// When a capture cannot be prepared or diagnosed.
-pub(super) fn compared(model: &Model, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Compared> {
+pub(super) fn compared(model: &Model, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Rendering> {
     let whole = diagnosed(model, train, heldout)?;
     let gap = model.coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
     let lost_motion = match gap {
@@ -35,12 +32,15 @@ pub(super) fn compared(model: &Model, [train, heldout, creep]: [&LoadedCapture; 
         }
         None => None,
     };
-    Ok(Compared {
+    let [torque_error_rms_mnm, torque_rms_mnm] = along_motion_mnm(model, train)?;
+    Ok(Rendering {
         parameters: parameters(model, &whole),
-        torque_rms_mnm: along_motion_mnm(model, train)?,
+        torque_error_rms_mnm,
+        torque_rms_mnm,
         lost_motion,
         added: Some(added(&whole)),
         notes: whole.notes,
+        ..Rendering::default()
     })
 }
 

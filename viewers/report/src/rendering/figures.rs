@@ -21,7 +21,7 @@ pub(super) fn section(page: &RenderingPage<'_>) -> Markup {
     if points.len() < FEWEST_ROWS {
         return html! { p { "Too few rows of sliding motion for plots." } };
     }
-    let has_detents = page.parameters.iter().any(|parameter| parameter.name == "detent_period");
+    let has_detents = page.rendering.parameters.iter().any(|parameter| parameter.name == "detent_period");
     let angle = Figure {
         title: "Torque against angle".to_owned(),
         legend: LEGEND.to_vec(),
@@ -43,7 +43,7 @@ pub(super) fn section(page: &RenderingPage<'_>) -> Markup {
     let error = Figure {
         title: "Torque error over time".to_owned(),
         legend: vec![(Mark::Band, Ink::Residual, "captured minus intended"), (Mark::Line, Ink::Reference, "± RMS")],
-        plot: residual_plot(&points, page.torque_error_rms_mnm, ERROR).svg("Torque error over time"),
+        plot: residual_plot(&points, page.rendering.torque_error_rms_mnm, ERROR).svg("Torque error over time"),
         caption: "An even strip is noise. What comes back with certain angles or speeds is the rendering’s.".to_owned(),
     };
     html! {

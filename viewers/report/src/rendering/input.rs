@@ -1,5 +1,7 @@
 //! What the page of a rendering is made of.
 
+use std::path::PathBuf;
+
 use dynamics::Model;
 use identification::Fit;
 use identification::diagnosis::Verdict;
@@ -14,34 +16,67 @@ pub struct RenderingPage<'a> {
     pub intended: &'a Model,
     /// The fit of the rendered knob's capture.
     pub fit: &'a Fit,
-    /// That capture.
-    pub capture: CaptureFacts,
-    /// Names of all captures that were made.
-    pub sources: Vec<String>,
+    /// How the two compare.
+    pub rendering: Rendering,
+}
+
+/// How a rendered knob compares with its model, as `replay --verify --json` writes it.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Rendering {
+    /// The model's name.
+    pub model: String,
     /// Sample rate, Hz.
     pub rate_hz: f64,
+    /// The captures made for it: two sweeps, a creep, and a hold if the knob sticks.
+    pub captures: Vec<PathBuf>,
     /// The model's parameters, intended and rendered.
     pub parameters: Vec<RenderedParameter>,
-    /// Largest difference of a parameter that passes outside its interval, %.
-    pub largest_difference_percent: f64,
-    /// The same for what the knob bears at rest, %.
-    pub largest_static_difference_percent: f64,
     /// RMS of rendered minus intended torque while the knob slides, mNm.
     pub torque_error_rms_mnm: f64,
     /// RMS of the intended torque there, mNm.
     pub torque_rms_mnm: f64,
     /// Their ratio, %.
     pub torque_error_percent: f64,
-    /// The largest that passes, %.
-    pub largest_torque_error_percent: f64,
-    /// The knob held inside its stick band; `None` where it bears nothing at rest.
+    /// The gap of a model with lost motion; `None` for one without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost_motion: Option<LostMotion>,
+    /// The knob held by a torque inside its stick band; `None` where it bears none at rest.
     pub held_still: Option<HeldStill>,
-    /// What the rendering adds; `None` where that is not known.
+    /// What the rendering adds to the model; `None`, with the reason in `notes`, where that is not known.
     pub added: Option<AddedByRendering>,
-    /// What a reader should know, in sentences.
+    /// What passes.
+    pub limits: RenderingLimits,
+    /// What a reader of the numbers should know, in sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// Whether all of it passed.
+    /// Whether all of it is within what passes: parameters, torque, and how still the knob is held.
     pub passed: bool,
+    /// The capture of the rendered knob that was fitted.
+    pub capture: CaptureFacts,
+}
+
+/// What passes.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct RenderingLimits {
+    /// Largest difference of a parameter whose interval does not hold the intended value, %.
+    pub difference_percent: f64,
+    /// The same for what the knob bears at rest, %.
+    pub static_difference_percent: f64,
+    /// Largest torque error, %.
+    pub torque_error_percent: f64,
+}
+
+/// The gap of a rendered knob, as it shows without a fit and as a diagnosis names it.
+#[derive(Clone, Debug, Serialize)]
+pub struct LostMotion {
+    /// The model's gap, from contact to contact, rad.
+    pub intended_rad: f64,
+    /// Free ways that the creep shows, from contact to contact or from or to one, rad.
+    pub free_ways_rad: Vec<f64>,
+    /// What a diagnosis calls missing that starts from the model without its gap or shaft.
+    pub named: AddedByRendering,
+    /// Effects that explain part of what that diagnosis cannot name, with the share of the gap in torque, %.
+    pub partly: Vec<(String, f64)>,
 }
 
 /// One parameter of a rendered knob.

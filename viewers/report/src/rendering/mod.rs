@@ -4,27 +4,34 @@ mod figures;
 mod input;
 mod table;
 
+use std::path::PathBuf;
+
 use identification::diagnosis::Verdict;
 use maud::{Markup, html};
 
-pub use input::{AddedByRendering, HeldStill, RenderedParameter, RenderingPage};
+pub use input::{
+    AddedByRendering, HeldStill, LostMotion, RenderedParameter, Rendering, RenderingLimits, RenderingPage,
+};
 
 use crate::numbers::three;
 use crate::page::{document, facts, footer, uppercase_first};
 
 pub(crate) fn rendering_page(page: &RenderingPage<'_>) -> Markup {
     let title = page.intended.name.as_str();
+    let found = &page.rendering;
+    let file_name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let sources: Vec<String> = found.captures.iter().map(file_name).collect();
     let content = html! {
         header {
             p.kind { "A rendered knob beside its model" }
             h1 { (title) }
-            p.verdict { (verdict(page)) }
-            p.completeness { (torque_words(page)) }
-            (facts(&page.capture))
+            p.verdict { (verdict(found)) }
+            p.completeness { (torque_words(found)) }
+            (facts(&found.capture))
         }
         section {
             h2 { "Parameters" }
-            (table::parameters(page))
+            (table::parameters(&found.parameters))
         }
         section {
             h2 { "Intended and captured torque" }
@@ -32,51 +39,51 @@ pub(crate) fn rendering_page(page: &RenderingPage<'_>) -> Markup {
         }
         section {
             h2 { "Held still" }
-            p { (held_words(page.held_still)) }
+            p { (held_words(found.held_still)) }
         }
         section {
             h2 { "What the rendering adds" }
-            p { (added_words(page.added.as_ref())) }
+            p { (added_words(found.added.as_ref())) }
         }
-        @if !page.notes.is_empty() {
+        @if !found.notes.is_empty() {
             section {
                 h2 { "What a reader should know" }
-                ul { @for note in &page.notes { li { (uppercase_first(note.trim_end_matches('.'))) "." } } }
+                ul { @for note in &found.notes { li { (uppercase_first(note.trim_end_matches('.'))) "." } } }
             }
         }
         section {
             h2 { "How the numbers were made" }
-            (method(page))
+            (method(&found.limits))
         }
-        (footer(&page.capture.software_version, &page.sources.join(", ")))
+        (footer(&found.capture.software_version, &sources.join(", ")))
     };
     document(title, &content)
 }
 
-fn verdict(page: &RenderingPage<'_>) -> String {
-    if page.passed {
+fn verdict(found: &Rendering) -> String {
+    if found.passed {
         return "The rendered knob is the model’s.".to_owned();
     }
-    let failed = page.parameters.iter().filter(|parameter| parameter.passed == Some(false));
+    let failed = found.parameters.iter().filter(|parameter| parameter.passed == Some(false));
     let mut reasons: Vec<String> = failed.map(|parameter| parameter.name.to_owned()).collect();
-    if page.torque_error_percent > page.largest_torque_error_percent {
+    if found.torque_error_percent > found.limits.torque_error_percent {
         reasons.push("the torque".to_owned());
     }
-    if page.held_still.is_some_and(|held| held.encoder_steps >= 1.0) {
+    if found.held_still.is_some_and(|held| held.encoder_steps >= 1.0) {
         reasons.push("how still it is held".to_owned());
     }
     format!("The rendered knob differs from the model in {}.", reasons.join(", "))
 }
 
-fn torque_words(page: &RenderingPage<'_>) -> String {
+fn torque_words(found: &Rendering) -> String {
     format!(
         "While it slides, its torque differs from the model’s by {}\u{a0}mNm\u{a0}RMS of {}, that is {}\u{a0}%; at most {}\u{a0}% \
          pass. Rendered at {}\u{a0}Hz.",
-        three(page.torque_error_rms_mnm),
-        three(page.torque_rms_mnm),
-        three(page.torque_error_percent),
-        three(page.largest_torque_error_percent),
-        three(page.rate_hz)
+        three(found.torque_error_rms_mnm),
+        three(found.torque_rms_mnm),
+        three(found.torque_error_percent),
+        three(found.limits.torque_error_percent),
+        three(found.rate_hz)
     )
 }
 
@@ -118,14 +125,14 @@ fn added_words(added: Option<&AddedByRendering>) -> Markup {
     }
 }
 
-fn method(page: &RenderingPage<'_>) -> Markup {
+fn method(limits: &RenderingLimits) -> Markup {
     html! {
         p {
             "A hand on the rig took the rendered knob through a sweep, another motion and a slow creep, and held it; each was \
              captured as of any other knob, by torque sensor and encoder, with nothing known of the rendering. The sweep is \
              fitted; what the knob bears at rest comes from the creep. A parameter passes if its 95 % interval holds the intended \
-             value, or if it differs by at most " (three(page.largest_difference_percent)) " %, what the knob bears at rest by at most "
-            (three(page.largest_static_difference_percent)) " %. Of a phase the difference is the part of a period."
+             value, or if it differs by at most " (three(limits.difference_percent)) " %, what the knob bears at rest by at most "
+            (three(limits.static_difference_percent)) " %. Of a phase the difference is the part of a period."
         }
         p {
             "The torque error compares row by row: what the captured torque was against what the intended model asks for in \

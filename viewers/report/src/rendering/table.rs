@@ -2,13 +2,13 @@
 
 use maud::{Markup, html};
 
-use super::{RenderedParameter, RenderingPage};
+use super::RenderedParameter;
 use crate::intervals::picture;
 use crate::numbers::{Digits, fixed, three};
 use crate::parameter_table::name_cells;
 
 /// The table with its legend.
-pub(super) fn parameters(page: &RenderingPage<'_>) -> Markup {
+pub(super) fn parameters(parameters: &[RenderedParameter]) -> Markup {
     html! {
         div.scroll {
             table.compared {
@@ -24,7 +24,7 @@ pub(super) fn parameters(page: &RenderingPage<'_>) -> Markup {
                         th { "unit" }
                     }
                 }
-                tbody { @for parameter in &page.parameters { (row(parameter)) } }
+                tbody { @for parameter in parameters { (row(parameter)) } }
             }
         }
         p.note {
