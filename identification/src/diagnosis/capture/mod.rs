@@ -455,12 +455,18 @@ fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, row_filter: &RowFilter,
     if count < REST_ROWS {
         return None;
     }
-    let parts = REST_PARTS.windows(2).map(|edges| {
-        let mut part: Vec<f64> =
-            lines.iter().filter(|[at, _]| (edges[0]..edges[1]).contains(at)).map(|[_, density]| *density).collect();
-        // The median of squares of two normal numbers is ln 2 of their mean.
-        (edges[1] - edges[0]) * median(&mut part) / std::f64::consts::LN_2
-    });
+    // The median of squares of two normal numbers is ln 2 of their mean.
+    let mut densities: Vec<f64> = REST_PARTS
+        .windows(2)
+        .map(|edges| {
+            let lines = lines.iter().filter(|[at, _]| (edges[0]..edges[1]).contains(at));
+            median(&mut lines.map(|[_, density]| *density).collect::<Vec<f64>>()) / std::f64::consts::LN_2
+        })
+        .collect();
+    // No noise is redder than a random walk: what is, is a drive that goes on while the knob sticks.
+    let ratio = (REST_PARTS[1] + REST_PARTS[2]) / (REST_PARTS[0] + REST_PARTS[1]);
+    densities[0] = densities[0].min(ratio * ratio * densities[1]);
+    let parts = REST_PARTS.windows(2).zip(&densities).map(|(edges, density)| (edges[1] - edges[0]) * density);
     Some(parts.sum::<f64>().sqrt())
 }
 
