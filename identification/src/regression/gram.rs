@@ -53,25 +53,22 @@ pub(crate) struct Solution {
 }
 
 impl Normal<'_> {
-    /// Solves for the columns that are not collinear, one after the other left out whose coefficient would be negative and must not
-    /// (C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23, from the other end). `None` where the products are
-    /// not finite or the corrections leave nothing.
+    /// Solves for the columns that are not collinear. While coefficients are negative that must not be, the column of the most negative
+    /// one is left out. `None` where the products are not finite or the corrections leave nothing.
     pub(crate) fn solve(&self) -> Option<Solution> {
         let count = self.with_target.len();
-        let lengths: Vec<f64> = (0..count).map(|column| self.products[(column, column)].sqrt()).collect();
-        let mut gram = DMatrix::from_fn(count, count, |row, column| {
-            self.products[(row, column)] / (lengths[row] * lengths[column])
-        });
-        let is_bearable = |c: &&Correction| c.square > -MOST_NOISE * lengths[c.column].powi(2);
-        let corrections: Vec<Correction> = self.corrections.iter().filter(is_bearable).copied().collect();
-        let add = |gram: &mut DMatrix<f64>, holds: bool| {
-            for c in corrections.iter().filter(|c| (c.square > 0.0) == holds) {
-                gram[(c.column, c.column)] += c.square / lengths[c.column].powi(2);
-            }
-        };
-        add(&mut gram, true);
+        let holds = self.corrections.iter().filter(|c| c.square > 0.0);
+        let mut squares: Vec<f64> = self.products.diagonal().iter().copied().collect();
+        holds.for_each(|c| squares[c.column] += c.square);
+        let lengths: Vec<f64> = squares.iter().map(|square| square.sqrt()).collect();
+        let mut gram = self.products.clone();
+        (0..count).for_each(|column| gram[(column, column)] = squares[column]);
+        gram = gram.map_with_location(|row, column, product| product / (lengths[row] * lengths[column]));
         let collinear = find_collinear(&gram, self.chosen, self.collinear);
-        add(&mut gram, false);
+        let leaves_enough = |c: &&Correction| c.square > -MOST_NOISE * squares[c.column];
+        let corrections: Vec<Correction> = self.corrections.iter().filter(leaves_enough).copied().collect();
+        let noise = corrections.iter().filter(|c| c.square < 0.0);
+        noise.for_each(|c| gram[(c.column, c.column)] += c.square / squares[c.column]);
         let mut solution = Solution {
             coefficients: vec![0.0; count],
             fitted: self.chosen.iter().copied().filter(|column| !collinear[*column]).collect(),
