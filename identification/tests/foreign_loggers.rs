@@ -87,8 +87,41 @@ fn captured(seed: u64, logger: Logger, motion: Motion, constant_mnm: f64) -> Cap
     capture
 }
 
+/// A capture of the axis under a torque without a servo: tones of these frequencies (Hz), at whose turning points it sticks.
+fn driven(seed: u64, logger: Logger, tones_hz: &[f64]) -> Capture {
+    const TONE_MNM: f64 = 7.0;
+    const STEPS_PER_SAMPLE: u32 = 20;
+    let mut random = Uniform(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let step_rad = TAU / f64::from(1 << logger.bits);
+    let step_s = 1.0 / (logger.rate_hz * f64::from(STEPS_PER_SAMPLE));
+    let (mut angle_rad, mut velocity_rad_s) = (0.0, 0.0_f64);
+    let mut capture = Capture::default();
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of steps")]
+    for step in 0..(DURATION_S / step_s) as u32 {
+        let t_s = f64::from(step) * step_s;
+        let torque_mnm = tones_hz.iter().map(|hz| TONE_MNM * (TAU * hz * t_s + hz * hz).sin()).sum::<f64>();
+        if step % STEPS_PER_SAMPLE == 0 {
+            capture.t_s.push(t_s);
+            capture.angle_rad.push((angle_rad / step_rad).round() * step_rad);
+            capture.torque_mnm.push(torque_mnm + logger.noise_mnm * random.normal());
+        }
+        let left_mnm = torque_mnm - VISCOUS * velocity_rad_s;
+        if velocity_rad_s == 0.0 && left_mnm.abs() <= COULOMB_MNM {
+            continue;
+        }
+        let sign = if velocity_rad_s == 0.0 { left_mnm.signum() } else { velocity_rad_s.signum() };
+        let next_rad_s = velocity_rad_s + step_s * (left_mnm - COULOMB_MNM * sign) / INERTIA;
+        velocity_rad_s = if velocity_rad_s * next_rad_s < 0.0 { 0.0 } else { next_rad_s };
+        angle_rad += step_s * velocity_rad_s;
+    }
+    capture
+}
+
 fn diagnosed(logger: Logger, [train, heldout]: [Motion; 2]) -> Diagnosis {
-    let [train, heldout] = [(1, train), (2, heldout)].map(|(seed, motion)| captured(seed, logger, motion, 0.0));
+    diagnosed_of([(1, train), (2, heldout)].map(|(seed, motion)| captured(seed, logger, motion, 0.0)))
+}
+
+fn diagnosed_of([train, heldout]: [Capture; 2]) -> Diagnosis {
     diagnose(&train.samples(), Some(&heldout.samples()), &DiagnoseOptions::default()).unwrap()
 }
 
@@ -100,6 +133,15 @@ fn fitted(capture: &Capture) -> Fit {
 fn white_noise_of_the_torque_is_no_shaft() {
     let found = diagnosed(Logger { rate_hz: 2000.0, bits: 20, noise_mnm: 0.6 }, [multisine, other_multisine]);
     assert_eq!((found.verdict, found.effects), (Verdict::None, Vec::new()), "{}", found.summary);
+}
+
+#[test]
+fn a_drive_that_goes_on_while_the_axis_sticks_is_no_noise_and_no_shaft() {
+    let logger = Logger { rate_hz: 1000.0, bits: 16, noise_mnm: 0.1 };
+    let found = diagnosed_of([driven(1, logger, &[0.3, 0.7, 1.3, 2.1]), driven(2, logger, &[0.4, 0.9, 1.7])]);
+    assert_eq!((found.verdict, found.effects), (Verdict::None, Vec::new()), "{}", found.summary);
+    let over_floor = found.heldout_rms_before / found.noise_floor_rms;
+    assert!(over_floor > 0.8, "the floor is {:.1} times what the model leaves", 1.0 / over_floor);
 }
 
 #[test]

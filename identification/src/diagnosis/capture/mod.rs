@@ -3,6 +3,7 @@
 mod encoder_noise;
 pub(crate) mod encoder_zero;
 pub(crate) mod periodogram;
+mod rest_noise;
 pub(crate) mod rows;
 
 use std::borrow::Cow;
@@ -13,7 +14,6 @@ use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
 
-use self::periodogram::periodogram;
 use crate::diagnosis::model_fit::structure::Structure;
 use crate::numerics::vector::{dot, smallest_step};
 use crate::options::AccelerationUse;
@@ -32,16 +32,10 @@ const EDGE_HZ: f64 = 200.0;
 const WIDEST: f64 = 0.1;
 /// Skew allowed between torque and motion, in samples.
 const SKEW_SAMPLES: f64 = 0.5;
-/// Shortest rest that tells the noise, s.
-const REST_S: f64 = 0.08;
-/// Parts of the rows' spectrum over which medians are taken, in cycles per row; the band ends at two fifths.
-const REST_PARTS: [f64; 5] = [0.0, 0.08, 0.18, 0.3, 0.5];
 /// Rows of a stretch whose loudness is taken, and fewest stretches to tell the quietest by.
 const STRETCH_ROWS: usize = 60;
 const STRETCH_WEIGHT: f64 = 60.0;
 const FEWEST_STRETCHES: usize = 10;
-/// Fewest rows at rest from which the noise in the band is believed.
-const REST_ROWS: usize = 40;
 
 /// Length of the stretches into which one capture is parted if it is to be its own held-out one, s.
 const STRETCH_S: f64 = 0.5;
@@ -138,7 +132,7 @@ impl Capture {
         let curvature = gradient(&rate, rate_hz);
         let passed = row_filter.fir.taps().iter().map(|tap| tap * tap).sum::<f64>();
         let white_mnm = (uniform.torque_density * 0.5 * rate_hz * passed).sqrt();
-        let resting_mnm = noise_at_rest(&uniform, &motion, &row_filter, &torque);
+        let resting_mnm = rest_noise::in_rows_mnm(&uniform, &motion, &row_filter, &torque);
         let weight = row_filter.weight();
         let noise = SensorNoise::of(&row_filter, &motion, &band);
         let of_steps_rad_s2 = encoder_noise::acceleration_rows_rad_s2(samples.angle_rad, &motion, &row_filter);
@@ -414,79 +408,5 @@ impl Capture {
             torque_rms_mnm: rms(&self.torque[0]),
             ..Scene::default()
         }
-    }
-}
-
-/// RMS in the rows of the torque's noise while the knob rests; `None` if it hardly ever does.
-///
-/// A sensor's noise need not be white: what its upper end says of the band below may be wrong, a rest is not. Medians
-/// over parts of the band leave out lines such as hum, which are no noise.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "numbers of samples"
-)]
-fn noise_at_rest(uniform: &Uniform, motion: &KnobMotion, row_filter: &RowFilter, torque_mnm: &[f64]) -> Option<f64> {
-    let shortest = (REST_S * uniform.rate_hz).round() as usize + 2 * row_filter.fir.half_length();
-    let resting =
-        |index: usize| motion.velocity_rad_s[index].abs() <= row_filter.threshold_rad_s && uniform.present[index];
-    // Frequency in cycles per row, and density in mean squares per cycle.
-    let mut lines: Vec<[f64; 2]> = Vec::new();
-    let mut count = 0;
-    let mut start = 0;
-    for end in 0..=motion.len() {
-        if end < motion.len() && resting(end) {
-            continue;
-        }
-        let settled = start + motion.reach..end.saturating_sub(motion.reach);
-        start = end + 1;
-        if settled.len() < shortest {
-            continue;
-        }
-        let rows = row_filter.fir.decimate(&torque_mnm[settled.clone()], row_filter.step);
-        let margin = row_filter.fir.half_length().div_ceil(row_filter.step);
-        let mut inner = rows.get(margin..rows.len().saturating_sub(margin)).unwrap_or(&[]).to_vec();
-        // What holds the knob changes slowly.
-        remove_parabola(&mut inner);
-        lines.extend(periodogram(&inner));
-        count += inner.len();
-    }
-    if count < REST_ROWS {
-        return None;
-    }
-    // The median of squares of two normal numbers is ln 2 of their mean.
-    let mut densities: Vec<f64> = REST_PARTS
-        .windows(2)
-        .map(|edges| {
-            let lines = lines.iter().filter(|[at, _]| (edges[0]..edges[1]).contains(at));
-            median(&mut lines.map(|[_, density]| *density).collect::<Vec<f64>>()) / std::f64::consts::LN_2
-        })
-        .collect();
-    // No noise is redder than a random walk: what is, is a drive that goes on while the knob sticks.
-    let ratio = (REST_PARTS[1] + REST_PARTS[2]) / (REST_PARTS[0] + REST_PARTS[1]);
-    densities[0] = densities[0].min(ratio * ratio * densities[1]);
-    let parts = REST_PARTS.windows(2).zip(&densities).map(|(edges, density)| (edges[1] - edges[0]) * density);
-    Some(parts.sum::<f64>().sqrt())
-}
-
-/// Takes the best parabola off evenly spaced values.
-#[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-fn remove_parabola(values: &mut [f64]) {
-    let half = 0.5 * (values.len() as f64 - 1.0).max(1.0);
-    let at = |index: usize| (index as f64 - half) / half;
-    let count = values.len() as f64;
-    let mean_square = (0..values.len()).map(|index| at(index).powi(2)).sum::<f64>() / count;
-    // Three orthogonal polynomials over the values.
-    let basis: [&dyn Fn(f64) -> f64; 3] = [&|_| 1.0, &|x| x, &|x| x * x - mean_square];
-    for polynomial in basis {
-        let (mut product, mut square) = (0.0, 0.0);
-        for (index, value) in values.iter().enumerate() {
-            let p = polynomial(at(index));
-            product += p * value;
-            square += p * p;
-        }
-        let coefficient = if square > 0.0 { product / square } else { 0.0 };
-        values.iter_mut().enumerate().for_each(|(index, value)| *value -= coefficient * polynomial(at(index)));
     }
 }
