@@ -22,7 +22,7 @@ enum State {
         /// Substeps since the last command.
         age: u64,
     },
-    RanOut,
+    Expired,
 }
 
 impl Watchdog {
@@ -36,13 +36,13 @@ impl Watchdog {
 
     pub(super) fn switch_off(&mut self) {
         // A caller made torque-free by the watchdog must still learn that it expired.
-        if self.state != State::RanOut {
+        if self.state != State::Expired {
             self.state = State::Off;
         }
     }
 
     pub(super) fn ran_out(&self) -> bool {
-        self.state == State::RanOut
+        self.state == State::Expired
     }
 
     pub(super) fn trips(&self) -> u64 {
@@ -67,7 +67,7 @@ impl Watchdog {
     pub(super) fn torque_mnm(&self) -> Option<f64> {
         match self.state {
             State::On { command_mnm, .. } => Some(command_mnm),
-            State::Fresh | State::Off | State::RanOut => None,
+            State::Fresh | State::Off | State::Expired => None,
         }
     }
 
@@ -76,7 +76,7 @@ impl Watchdog {
         if let State::On { age, .. } = &mut self.state {
             *age += substeps;
             if *age > self.limit {
-                self.state = State::RanOut;
+                self.state = State::Expired;
                 self.trips += 1;
             }
         }

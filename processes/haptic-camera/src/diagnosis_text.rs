@@ -154,9 +154,7 @@ fn steps(steps: &[Step], decimals: usize) -> Table {
 fn parameters(steps: &[Step]) -> Table {
     let rows = steps.iter().flat_map(|step| {
         let kind = effects::by_name(step.effect);
-        let place = |name: &str| {
-            kind.map_or(0, |kind| kind.parameters.iter().take_while(|parameter| parameter.name != name).count())
-        };
+        let place = |name: &str| kind.and_then(|kind| kind.parameters.iter().position(|other| other.name == name));
         let mut ordered: Vec<_> = step.parameters.iter().collect();
         ordered.sort_by_key(|(name, _)| place(name));
         ordered.into_iter().map(|(name, value)| {

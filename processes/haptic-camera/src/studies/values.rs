@@ -72,6 +72,7 @@ pub fn units(options: &StudyOptions, studied: &[Studied]) -> anyhow::Result<Vec<
     let unit = |file: PathBuf| {
         let sheet = Sheet::of(&curves(std::slice::from_ref(&file), choice.as_ref())?)?;
         let values = studied.iter().map(|(kind, _)| sheet.figure(kind).and_then(|figure| figure.value)).collect();
+        // A capture lies in its operator's folder, and that in its part's.
         let [operator, part] = [1, 2].map(|above| folder(&file, above));
         Ok(Unit { part, operator, file: Some(file), values })
     };

@@ -149,7 +149,7 @@ impl Judged {
         let answer = &self.case.answer;
         self.said().is_some_and(|said| {
             let named: BTreeSet<_> = said.effects.iter().collect();
-            // What an outside verdict explains in part may be listed, but is no name.
+            // With that verdict the effects that are listed explain a part only, so they are not held against the answer.
             let names_count = said.verdict != "outside-library";
             said.verdict == answer.verdict && (!names_count || named == answer.effects.iter().collect())
         })
