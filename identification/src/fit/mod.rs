@@ -2,7 +2,7 @@
 
 mod misfit;
 mod prepared;
-mod report;
+pub(crate) mod report;
 mod trimmed;
 
 use self::prepared::Prepared;

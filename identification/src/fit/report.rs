@@ -96,7 +96,7 @@ impl Report<'_> {
     /// What a reader should know besides.
     pub(crate) fn notes(&self, parameters: &Parameters) -> Vec<String> {
         let mut notes: Vec<String> = parameters.0.iter().filter_map(negative_friction).collect();
-        notes.extend(one_sided_friction(parameters));
+        notes.extend(one_sided_friction_of(parameters));
         if let Some(RefusedDelay { delay_s, is_worth_a_note: true, .. }) = self.trimmed.refused {
             notes.push(format!(
                 "the torque seems to come {:.2} ms {} the motion, more than half a sample: calibrate the delay or diagnose the capture",
@@ -383,12 +383,16 @@ fn negative_friction(Parameter { name, ci95, .. }: &Parameter) -> Option<String>
     })
 }
 
-/// What friction that differs much between the directions may mean besides.
-fn one_sided_friction(parameters: &Parameters) -> Option<String> {
+/// [`one_sided_friction`] of levels that differ beyond their intervals.
+fn one_sided_friction_of(parameters: &Parameters) -> Option<String> {
     let known = |name: &str| parameters.get(name).and_then(|parameter| parameter.value.zip(parameter.ci95));
     let ((negative, [low, high]), (positive, [from, to])) = (known("coulomb_negative")?, known("coulomb_positive")?);
-    let apart = low > to || from > high;
-    (apart && (positive - negative).abs() > ONE_SIDED * (positive + negative)).then(|| {
+    if low > to || from > high { one_sided_friction([negative, positive]) } else { None }
+}
+
+/// What Coulomb friction that differs much between the directions may mean besides.
+pub(crate) fn one_sided_friction([negative, positive]: [f64; 2]) -> Option<String> {
+    ((positive - negative).abs() > ONE_SIDED * (positive + negative)).then(|| {
         format!(
             "the Coulomb friction differs by {:.4} mNm between the directions: a constant torque of half as much, such as a weight or \
              the sensor's zero, looks the same",

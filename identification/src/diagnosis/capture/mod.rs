@@ -24,7 +24,7 @@ use crate::preparation::sensor_noise::SensorNoise;
 use crate::preparation::uniform::Uniform;
 use crate::quasi_static::SlowMotion;
 use crate::samples::{FitError, Samples, span};
-use crate::uncertainty::statistics::{median, quantile, rms};
+use crate::uncertainty::statistics::{quantile, rms};
 
 /// Upper edge of the comparison, Hz: contact and shaft show below it, a rig's own resonances lie above.
 const EDGE_HZ: f64 = 200.0;

@@ -6,7 +6,7 @@ pub(crate) mod locate;
 
 use std::collections::BTreeMap;
 
-use dynamics::{Model, simulate};
+use dynamics::{Model, effects, simulate};
 
 use self::locate::locate;
 use crate::diagnosis::capture::rows;
@@ -19,6 +19,7 @@ use crate::diagnosis::search::acceptance::{
 };
 use crate::diagnosis::search::judged::Judged;
 use crate::diagnosis::search::{Found, Search};
+use crate::fit::report::one_sided_friction;
 use crate::numerics::vector::dot;
 use crate::uncertainty::statistics::rank_correlation;
 
@@ -151,6 +152,12 @@ impl Search<'_> {
             );
         }
         diagnosis.notes.extend(self.time_and_speed_are_one());
+        let levels = ["coulomb_negative", "coulomb_positive"].map(|name| last.structure.parameter(name));
+        if let [Some(negative), Some(positive)] = levels
+            && last.structure.position(effects::torque_offset::KIND.name).is_none()
+        {
+            diagnosis.notes.extend(one_sided_friction([negative, positive]));
+        }
         if verdict == Verdict::OutsideLibrary {
             let strongest = diagnosis.where_after.iter().find(|location| location.significant);
             diagnosis.notes.push(next_step(strongest.map(|location| location.coordinate)).to_owned());
