@@ -1,6 +1,6 @@
 //! Where a model and a capture disagree, what is missing in the words of the field, and whether adding it helps.
 //!
-//! [`capture`] makes the two captures ready, [`model_fit`] fits a model to one, [`search`] tries effect after effect, and [`verdict`] says what
+//! `capture` makes the two captures ready, `model_fit` fits a model to one, `search` tries effect after effect, and `verdict` says what
 //! was found. [`diagnose`] goes through them.
 
 mod capture;
