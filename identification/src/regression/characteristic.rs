@@ -193,7 +193,7 @@ pub(crate) struct CurveProjection {
 }
 
 impl CurveProjection {
-    /// On the points of what was measured; `both` is the column of a Coulomb friction alike
+    /// Projects on the points of measured curves; `both` is the column of a Coulomb friction alike
     /// in both directions, of which a measured friction has no part.
     pub(crate) fn new(measured: &Measured, both: &[f64]) -> Self {
         let count: usize = measured.curves.iter().map(|curve| curve.points.len()).sum();

@@ -84,10 +84,10 @@ pub(crate) struct Capture {
     white_torque_noise_mnm: f64,
     /// RMS in the rows of the acceleration's noise, rad/s².
     acceleration_noise_rad_s2: f64,
-    /// Rows of the acceleration that the encoder's steps make, rad/s², where it shows any.
-    of_steps_rad_s2: Option<Vec<f64>>,
     /// The same as a share of the acceleration's RMS.
     pub(crate) acceleration_noise_share: f64,
+    /// Rows of the acceleration that the encoder's steps make, rad/s², where it shows any.
+    of_steps_rad_s2: Option<Vec<f64>>,
     /// What the rows amount to in fully weighted ones.
     pub(crate) weight: f64,
     angle_step_rad: f64,
@@ -221,6 +221,10 @@ impl Capture {
         let (before, after) = (self.row_filter.sliding(), within.row_filter.sliding());
         if after == before || after < crate::FEWEST_SAMPLES / 2 {
             return None;
+        }
+        if let Some(rows) = &mut within.of_steps_rad_s2 {
+            let masks = within.row_filter.mask.iter().step_by(within.row_filter.step);
+            rows.iter_mut().zip(masks).filter(|(_, mask)| **mask == 0.0).for_each(|(row, _)| *row = 0.0);
         }
         within.weight = within.row_filter.weight();
         within.scene = within.measured_scene();
