@@ -157,8 +157,10 @@ impl<'a> Nonlinear<'a> {
         let mut damping = DAMPING;
         let mut left = narrowed(&self.residual, share, self.capture);
         let mut tangents = Tangents::default();
+        let mut attempts = 0..rounds;
         refiner::refine(rounds, settled, dot(&left, &left), |before| {
             loop {
+                attempts.next().ok_or(Ended::OutOfSteps)?;
                 if tangents.are_stale() {
                     tangents = Tangents { rows: self.tangents(share), updates: 0 };
                 }
