@@ -37,7 +37,7 @@ use crate::{Coupling, Direction, Model, Motion};
 pub use self::driving::RigMotor;
 pub use self::error::SimulationError;
 pub use self::state::State;
-pub use self::windows::{ForwardErrors, WindowError, forward_windows, forward_windows_from_command};
+pub use self::windows::{ForwardErrors, WindowErrors, forward_windows, forward_windows_from_command};
 
 /// Longest step, s; also the time in which the number of events and of steps is bounded.
 const LONGEST_STEP_S: f64 = 100e-6;

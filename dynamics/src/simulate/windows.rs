@@ -12,7 +12,7 @@ const GAP: f64 = 2.5;
 
 /// Errors of the motion predicted over one window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WindowError {
+pub struct WindowErrors {
     /// Time at which the window starts, s.
     pub start_s: f64,
     /// Number of predicted samples.
@@ -27,7 +27,7 @@ pub struct WindowError {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ForwardErrors {
     /// Each window, in the order of time.
-    pub windows: Vec<WindowError>,
+    pub windows: Vec<WindowErrors>,
     /// RMS of the angle's error over all predicted samples, rad.
     pub angle_rms_rad: f64,
     /// RMS of the velocity's error over all predicted samples, rad/s.
@@ -154,7 +154,7 @@ impl<'model> Window<'model> {
 impl ForwardErrors {
     fn of(windows: &[Window]) -> Self {
         let used = || windows.iter().filter(|window| window.samples > 0);
-        let each = |window: &Window| WindowError {
+        let each = |window: &Window| WindowErrors {
             start_s: window.start_s,
             samples: window.samples,
             angle_rms_rad: rms(window.angle_squares, window.samples),

@@ -22,11 +22,11 @@ use crate::stability::ACTUATOR_DELAY_S;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoGains {
-    /// Torque per angle behind, mNm/rad.
+    /// Torque per error of the angle, mNm/rad.
     pub proportional_mnm_rad: f64,
-    /// Torque per speed behind, mNm·s/rad.
+    /// Torque per error of the speed, mNm·s/rad.
     pub derivative_mnm_s_rad: f64,
-    /// Torque per angle behind and second, mNm/(rad·s).
+    /// Torque per error of the angle and second, mNm/(rad·s).
     pub integral_mnm_rad_s: f64,
     /// Most torque that the integral may hold, mNm.
     pub integral_limit_mnm: f64,
@@ -40,7 +40,7 @@ pub struct ServoGains {
     pub notch_width: f64,
     /// Whether nothing is on the gripper, so that the resonance is known.
     pub free_gripper: bool,
-    /// Time constant of the low-pass on the speed behind, s; zero for none.
+    /// Time constant of the low-pass on the error of the speed, s; zero for none.
     #[serde(default)]
     pub speed_lag_s: f64,
 }
@@ -189,8 +189,8 @@ pub(super) struct Servo {
     notch: Option<DirectForm2Transposed<f64>>,
     load: ButterworthLowPass<1>,
     integral_mnm: f64,
-    /// The speed behind, behind its low-pass.
-    slow_rad_s: f64,
+    /// Error of the speed behind a low-pass of first order.
+    lagged_speed_error_rad_s: f64,
 }
 
 impl Servo {
@@ -205,7 +205,7 @@ impl Servo {
             notch: notch(resonance_hz, gains.notch_depth, gains.notch_width, rate_hz).map(DirectForm2Transposed::new),
             load: ButterworthLowPass::new(gains.load_edge_hz, rate_hz)?,
             integral_mnm: 0.0,
-            slow_rad_s: 0.0,
+            lagged_speed_error_rad_s: 0.0,
         })
     }
 
@@ -218,16 +218,20 @@ impl Servo {
         step_s: f64,
     ) -> f64 {
         let gains = &self.gains;
-        let behind_rad = setpoint.value - measurement.angle_rad;
-        self.integral_mnm = (self.integral_mnm + gains.integral_mnm_rad_s * behind_rad * step_s)
+        let angle_error_rad = setpoint.value - measurement.angle_rad;
+        self.integral_mnm = (self.integral_mnm + gains.integral_mnm_rad_s * angle_error_rad * step_s)
             .clamp(-gains.integral_limit_mnm, gains.integral_limit_mnm);
-        let speed_behind_rad_s = setpoint.rate - velocity_rad_s;
-        self.slow_rad_s = match gains.speed_lag_s > 0.0 {
-            true => self.slow_rad_s - (speed_behind_rad_s - self.slow_rad_s) * (-step_s / gains.speed_lag_s).exp_m1(),
-            false => speed_behind_rad_s,
+        let speed_error_rad_s = setpoint.rate - velocity_rad_s;
+        self.lagged_speed_error_rad_s = match gains.speed_lag_s > 0.0 {
+            true => {
+                self.lagged_speed_error_rad_s
+                    - (speed_error_rad_s - self.lagged_speed_error_rad_s) * (-step_s / gains.speed_lag_s).exp_m1()
+            }
+            false => speed_error_rad_s,
         };
-        let feedback_mnm =
-            gains.proportional_mnm_rad * behind_rad + gains.derivative_mnm_s_rad * self.slow_rad_s + self.integral_mnm;
+        let feedback_mnm = gains.proportional_mnm_rad * angle_error_rad
+            + gains.derivative_mnm_s_rad * self.lagged_speed_error_rad_s
+            + self.integral_mnm;
         let load_mnm = measurement.torque_mnm - self.torque_zero_mnm - self.gripper_inertia * setpoint.acceleration;
         self.rig_inertia * setpoint.acceleration
             + self.notch.as_mut().map_or(feedback_mnm, |notch| notch.run(feedback_mnm))
