@@ -26,6 +26,16 @@ fn zero_note(found: &Diagnosis) -> Option<&String> {
 }
 
 #[test]
+fn an_inertia_that_varies_is_not_taken_for_another_zero() {
+    for seed in 4100..4106 {
+        let [train, heldout] = hidden(seed, "angle-dependent-inertia");
+        let found = diagnosed(&train, &heldout);
+        assert!(zero_note(&found).is_none(), "{seed}: {:?}", zero_note(&found));
+        assert_eq!(found.effects, ["angle-dependent-inertia"], "{seed}: {}", found.summary);
+    }
+}
+
+#[test]
 fn another_zero_of_the_encoder_is_told_and_changes_nothing_else() {
     let sorts = [("none", 0.1), ("stribeck", -1.7), ("mass-imbalance", -1.7), ("end-stop", -1.7)];
     for (seed, (asked, by_rad)) in (4000..).zip(sorts) {

@@ -181,12 +181,15 @@ pub struct Rival {
 }
 
 /// An effect that explains part of what remains.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Partial {
     /// Standard name.
     pub effect: &'static str,
     /// Share of the held-out gap's mean square that it takes away, %.
     pub explains_percent: f64,
+    /// Why it cannot be what is missing, if so: a parameter on its bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub disqualified: Option<String>,
 }
 
 /// A torque without a name, measured over one coordinate.

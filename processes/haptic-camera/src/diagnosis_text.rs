@@ -62,12 +62,15 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
     }
     if !found.partial.is_empty() {
         let of = match found.verdict {
-            Verdict::OutsideLibrary => "Effects that explain part of the residual, but not significantly:",
+            Verdict::OutsideLibrary => {
+                "Effects that explain part of the residual, but cannot be what is missing or predict it too poorly:"
+            }
             Verdict::None | Verdict::Effects => "Effects that would explain too little of the residual to be named:",
         };
         lines.extend(paragraph("", of));
         for partial in &found.partial {
-            lines.extend(paragraph("-", &format!("{} {:.0} %", partial.effect, partial.explains_percent)));
+            let why_not = partial.disqualified.as_ref().map_or_else(String::new, |reason| format!(" ({reason})"));
+            lines.extend(paragraph("-", &format!("{} {:.0} %{why_not}", partial.effect, partial.explains_percent)));
         }
     }
     if let Some(next) = &found.next_experiment {

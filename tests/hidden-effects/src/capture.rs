@@ -174,7 +174,8 @@ impl Bench {
             current_lag_s: draw.uniform(5e-5, 1.5e-4),
         };
         let [train_s, held_out_s] = conditions.durations_s;
-        let train = Motion::sweeps(train_s, draw);
+        let moves = family == Family::DriveLog;
+        let train = if moves { Motion::moves(train_s, draw) } else { Motion::sweeps(train_s, draw) };
         let mut held_out = Motion::held_out(held_out_s, draw);
         if kinds.iter().any(|kind| kind.name == "end-stop") {
             // Both captures must meet the stop.
@@ -253,7 +254,8 @@ impl Bench {
             _ => "effects",
         };
         let known = self.effects.iter().filter(|_| !outside).map(|effect| effect.kind.name.to_owned());
-        let Conditions { rate_hz, noise, ring, clipped_share, jitter, jitter_is_recorded, .. } = self.conditions;
+        let Conditions { rate_hz, noise, ring, clipped_share, jitter, jitter_is_recorded, encoder_step_rad, .. } =
+            self.conditions;
         let answer = Answer {
             verdict: verdict.to_owned(),
             effects: known.collect(),
@@ -269,7 +271,7 @@ impl Bench {
             rig: json!({
                 "family": family.name(), "rate_hz": rate_hz, "noise": format!("{noise:?}"),
                 "ring": ring.map(|ring| [ring.frequency_hz, ring.damping]), "clipped_share": clipped_share,
-                "jitter_of_a_tick": jitter, "jitter_is_recorded": jitter_is_recorded,
+                "jitter_of_a_tick": jitter, "jitter_is_recorded": jitter_is_recorded, "encoder_step_rad": encoder_step_rad,
                 "servo_hz": self.rig.servo_hz, "rotor_inertia": self.rig.rotor_inertia,
             }),
         };
@@ -282,14 +284,22 @@ fn rounded(value: f64) -> f64 {
 }
 
 fn csv(record: &Record) -> Result<String> {
-    let mut text = String::from("t_s,angle_rad,velocity_rad_s,acceleration_rad_s2,torque_mnm\n");
     let Record { time_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm } = record;
-    for index in 0..time_s.len() {
-        writeln!(
-            text,
-            "{:.7},{:.6},{:.4},{:.1},{:.2}",
-            time_s[index], angle_rad[index], velocity_rad_s[index], acceleration_rad_s2[index], torque_mnm[index]
-        )?;
+    let columns = [
+        ("t_s", time_s, 7),
+        ("angle_rad", angle_rad, 6),
+        ("velocity_rad_s", velocity_rad_s, 4),
+        ("acceleration_rad_s2", acceleration_rad_s2, 1),
+        ("torque_mnm", torque_mnm, 2),
+    ];
+    let logged: Vec<_> = columns.into_iter().filter(|(_, values, _)| !values.is_empty()).collect();
+    let mut text = logged.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(",");
+    for row in 0..time_s.len() {
+        for (column, (_, values, decimals)) in logged.iter().enumerate() {
+            let separator = if column == 0 { '\n' } else { ',' };
+            write!(text, "{separator}{:.decimals$}", values[row])?;
+        }
     }
+    text.push('\n');
     Ok(text)
 }

@@ -1,5 +1,7 @@
 //! Families of captures: the standard rig, and rigs unlike the one that a method may have been written for.
 
+use std::f64::consts::TAU;
+
 use crate::draw::Draw;
 
 /// A kind of rig or knob that captures come from.
@@ -23,11 +25,14 @@ pub enum Family {
     OtherRate,
     /// 3 or 12 s to train on.
     OtherLength,
+    /// An axis as its drive logs it: moves from point to point at 1 kHz, an encoder of 16 to 18 bits in a turn, and no other column but
+    /// the torque.
+    DriveLog,
 }
 
 impl Family {
     /// All of them, the standard one first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Standard,
         Self::ColouredNoise,
         Self::ResonantSensor,
@@ -37,6 +42,7 @@ impl Family {
         Self::ExtremeKnob,
         Self::OtherRate,
         Self::OtherLength,
+        Self::DriveLog,
     ];
 
     /// The name that selects it.
@@ -51,6 +57,7 @@ impl Family {
             Self::ExtremeKnob => "extreme-knob",
             Self::OtherRate => "other-rate",
             Self::OtherLength => "other-length",
+            Self::DriveLog => "drive-log",
         }
     }
 
@@ -77,6 +84,12 @@ impl Family {
             }
             Self::OtherRate => conditions.rate_hz = if draw.chance(0.5) { 2000.0 } else { 10_000.0 },
             Self::OtherLength => conditions.durations_s = if draw.chance(0.5) { [3.0, 3.0] } else { [12.0, 6.0] },
+            Self::DriveLog => {
+                conditions.rate_hz = 1000.0;
+                conditions.durations_s = [12.0, 6.0];
+                conditions.encoder_step_rad = TAU / f64::from(1 << (16 + draw.below(3)));
+                conditions.logs_angle_alone = true;
+            }
         }
         conditions
     }
@@ -99,6 +112,10 @@ pub struct Conditions {
     pub jitter: f64,
     /// Whether the time column tells when the sample was truly taken, or the tick it was meant for.
     pub jitter_is_recorded: bool,
+    /// Step of the encoder, rad.
+    pub encoder_step_rad: f64,
+    /// Whether the motion is logged as the encoder's angle alone, without velocity and acceleration.
+    pub logs_angle_alone: bool,
 }
 
 impl Default for Conditions {
@@ -111,6 +128,8 @@ impl Default for Conditions {
             clipped_share: None,
             jitter: 0.0,
             jitter_is_recorded: false,
+            encoder_step_rad: 9.8e-6,
+            logs_angle_alone: false,
         }
     }
 }

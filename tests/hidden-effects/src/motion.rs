@@ -1,4 +1,4 @@
-//! Commanded motions: swept sines to train on, other motions to hold out.
+//! Commanded motions: swept sines or moves from point to point to train on, other motions to hold out.
 
 use std::f64::consts::{PI, TAU};
 
@@ -70,6 +70,32 @@ impl Motion {
             }
         }
         Self::assemble(&shape, centre, &holds, duration_s)
+    }
+
+    /// Moves from point to point at constant accelerations, with a rest after each.
+    pub fn moves(duration_s: f64, draw: &mut Draw) -> Self {
+        let centre = draw.uniform(-0.7, 0.7);
+        let count = ((duration_s - REST_S) * GRID_HZ) as usize;
+        let half_travel = draw.uniform(1.0, 2.7);
+        let (mut shape, mut from) = (Vec::with_capacity(count), 0.0);
+        while shape.len() < count {
+            let way = draw.uniform(-half_travel, half_travel) - from;
+            let acceleration = draw.log_uniform(20.0, 200.0);
+            let fastest = draw.uniform(1.0, 16.0).min((acceleration * way.abs()).sqrt());
+            let (rising_s, moving_s) = (fastest / acceleration, fastest / acceleration + way.abs() / fastest);
+            let rest_s = draw.uniform(0.02, 0.25);
+            for index in 0..((moving_s + rest_s) * GRID_HZ) as usize {
+                let time = (index as f64 / GRID_HZ).min(moving_s);
+                // Both ends alike, the middle straight.
+                let ramp = |time: f64| 0.5 * acceleration * time.clamp(0.0, rising_s).powi(2);
+                let straight = fastest * (time.min(moving_s - rising_s) - rising_s).max(0.0);
+                let slowing = fastest * (time - moving_s + rising_s).max(0.0) - ramp(time - moving_s + rising_s);
+                shape.push(from + way.signum() * (ramp(time) + straight + slowing));
+            }
+            from += way;
+        }
+        shape.truncate(count);
+        Self::assemble(&shape, centre, &[], duration_s)
     }
 
     /// A motion to hold out: several sines at once, a sweep downwards, or a sine whose amplitude comes and goes.

@@ -8,8 +8,6 @@ use crate::effect::{Effect, between};
 use crate::family::{Conditions, Noise, Ring};
 use crate::plant::{Course, STEP_S};
 
-/// Step of the encoder, rad.
-const ENCODER_STEP_RAD: f64 = 9.8e-6;
 /// Step of the accelerometer, rad/s².
 const ACCELEROMETER_STEP_RAD_S2: f64 = 2.8;
 /// Step of the torque channel, mNm.
@@ -49,9 +47,9 @@ pub struct Record {
     pub time_s: Vec<f64>,
     /// Encoder, rad.
     pub angle_rad: Vec<f64>,
-    /// Encoder differentiated and low-passed, rad/s.
+    /// Encoder differentiated and low-passed, rad/s; empty where it is not logged.
     pub velocity_rad_s: Vec<f64>,
-    /// Accelerometer, rad/s².
+    /// Accelerometer, rad/s²; empty where it is not logged.
     pub acceleration_rad_s2: Vec<f64>,
     /// Torque, mNm.
     pub torque_mnm: Vec<f64>,
@@ -83,14 +81,17 @@ pub fn record(
         record.time_s.push(if conditions.jitter_is_recorded { true_time } else { tick });
         clean.push(sample(course, &torque, effects, true_time));
     }
-    let start = draw.uniform(0.0, ENCODER_STEP_RAD);
-    record.angle_rad = clean.iter().map(|s| steps(s.angle_rad - start, ENCODER_STEP_RAD) + start).collect();
-    record.velocity_rad_s = lagging_velocity(&record.angle_rad, rate_hz, sensors.velocity_corner_hz);
+    let step_rad = conditions.encoder_step_rad;
+    let start = draw.uniform(0.0, step_rad);
+    record.angle_rad = clean.iter().map(|s| steps(s.angle_rad - start, step_rad) + start).collect();
     let mut noisy = |value: f64, noise: f64, step: f64| steps(value + noise * draw.normal(), step);
-    record.acceleration_rad_s2 = clean
-        .iter()
-        .map(|s| noisy(s.acceleration_rad_s2, sensors.acceleration_noise_rad_s2, ACCELEROMETER_STEP_RAD_S2))
-        .collect();
+    if !conditions.logs_angle_alone {
+        record.velocity_rad_s = lagging_velocity(&record.angle_rad, rate_hz, sensors.velocity_corner_hz);
+        record.acceleration_rad_s2 = clean
+            .iter()
+            .map(|s| noisy(s.acceleration_rad_s2, sensors.acceleration_noise_rad_s2, ACCELEROMETER_STEP_RAD_S2))
+            .collect();
+    }
     let noise = colour(conditions.noise, count, rate_hz, draw);
     let range = conditions.clipped_share.map_or(f64::INFINITY, |share| range_but(&clean, share));
     record.torque_mnm = clean

@@ -89,7 +89,7 @@ fn spring() -> Diagnosis {
         }),
         heldout_relative_error_percent: [14.83, 1.307],
         steps: vec![step],
-        partial: vec![Partial { effect: "cogging", explains_percent: 6.71 }],
+        partial: vec![Partial { effect: "cogging", explains_percent: 6.71, disqualified: None }],
         locations: vec![
             location("angle", 87.2, 3.3e-5, true),
             location("travel-since-reversal", 33.9, 0.0017, true),
@@ -302,7 +302,7 @@ fn a_shape_outside_the_catalogue_is_drawn_and_described() {
         verdict: Verdict::OutsideLibrary,
         effects: Vec::new(),
         where_after: vec![location("velocity", 61.4, 2.1e-4, true)],
-        partial: vec![Partial { effect: "return-spring", explains_percent: 41.9 }],
+        partial: vec![Partial { effect: "return-spring", explains_percent: 41.9, disqualified: None }],
         ..spring()
     };
     let text = text_of(&page_of(&found));

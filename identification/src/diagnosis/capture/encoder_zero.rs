@@ -59,11 +59,13 @@ impl EncoderZero {
         }
         // Detents tell the angle but for whole periods: what else goes with the angle tells these.
         let fit = Separable::new(structure.clone(), train);
-        let more = hypotheses::candidates(structure).into_iter().filter(|kind| is_of_angle(kind));
-        let with = more.filter_map(|kind| hypotheses::separable(kind, &fit, heldout));
-        let best = with.min_by(|a, b| a.train_rms_mnm.total_cmp(&b.train_rms_mnm));
-        let shows = best.filter(|best| best.train_rms_mnm.powi(2) < SHOWS * base.train_rms_mnm.powi(2));
-        shows.and_then(|best| Self::by(&best.structure, heldout)).or(by_base)
+        let more = hypotheses::candidates(structure).into_iter().filter(|kind| goes_with_angle(kind));
+        let with = more.filter_map(|kind| Some((kind, hypotheses::separable(kind, &fit, heldout)?)));
+        let best = with.min_by(|(_, a), (_, b)| a.train_rms_mnm.total_cmp(&b.train_rms_mnm));
+        let shows = best.filter(|(kind, best)| {
+            is_of_angle(kind) && best.train_rms_mnm.powi(2) < SHOWS * base.train_rms_mnm.powi(2)
+        });
+        shows.map(|(_, best)| best).and_then(|best| Self::by(&best.structure, heldout)).or(by_base)
     }
 
     /// The same by the torques of the angle in one structure.
@@ -73,16 +75,14 @@ impl EncoderZero {
         }
         let step_rad = phase_rad(structure, heldout)? / PER_PHASE;
         let from_rad = coarse(structure, heldout, step_rad)?;
-        let (found, [here, there]) = Self::near(from_rad, step_rad, structure, heldout)?;
-        let worthwhile = dot(&there, &there) < (1.0 - WORTHWHILE) * dot(&here, &here);
-        (worthwhile && p_value(&here, &there) < CHANCE).then_some(found)
+        Self::near(from_rad, step_rad, structure, heldout)
     }
 
     /// The same by a structure that lacks less than the one before.
     pub(crate) fn again(before: Option<Self>, structure: &Structure, heldout: &Capture) -> Option<Self> {
         let Some(before) = before else { return Self::by(structure, heldout) };
         let step_rad = phase_rad(structure, heldout).map_or(before.half_rad, |phase_rad| phase_rad / PER_PHASE);
-        Some(Self::near(before.by_rad, step_rad, structure, heldout).map_or(before, |(found, _)| found))
+        Self::near(before.by_rad, step_rad, structure, heldout)
     }
 
     /// Whether two angles differ, as far as they are known.
@@ -93,17 +93,21 @@ impl EncoderZero {
         }
     }
 
-    /// The best angle near one, and what is left of the held-out capture without and with it.
-    fn near(from_rad: f64, step_rad: f64, structure: &Structure, heldout: &Capture) -> Option<(Self, [Vec<f64>; 2])> {
+    /// The best angle near one; `None` where the held-out capture is explained as well without.
+    fn near(from_rad: f64, step_rad: f64, structure: &Structure, heldout: &Capture) -> Option<Self> {
         let left = |by_rad: f64| residual(structure, &moved(heldout, by_rad));
         let squares = |by_rad: f64| {
             let left = left(by_rad);
             dot(&left, &left)
         };
         let (by_rad, curvature) = refined(from_rad, step_rad, squares)?;
-        let both = [0.0, by_rad].map(left);
-        let left_mnm = both.each_ref().map(|left| (dot(left, left) / heldout.weight).sqrt());
-        Some((Self { by_rad, half_rad: NORMAL_95 * left_mnm[1] / curvature.sqrt(), left_mnm }, both))
+        let [here, there] = [0.0, by_rad].map(left);
+        let worthwhile = dot(&there, &there) < (1.0 - WORTHWHILE) * dot(&here, &here);
+        if !worthwhile || p_value(&here, &there) > CHANCE {
+            return None;
+        }
+        let left_mnm = [here, there].map(|left| (dot(&left, &left) / heldout.weight).sqrt());
+        Some(Self { by_rad, half_rad: NORMAL_95 * left_mnm[1] / curvature.sqrt(), left_mnm })
     }
 
     /// The held-out capture as it would be with the training capture's zero.
@@ -135,6 +139,11 @@ fn is_of_angle(kind: &EffectKind) -> bool {
     kind.steepest_mnm_rad.is_some()
         && kind.depends_on.first() == Some(&Coordinate::Angle)
         && kind.name != effects::return_spring::KIND.name
+}
+
+/// Whether an effect goes with the angle, alone or not.
+fn goes_with_angle(kind: &EffectKind) -> bool {
+    kind.depends_on.contains(&Coordinate::Angle)
 }
 
 /// Those of a structure's effects that are torques of the angle.

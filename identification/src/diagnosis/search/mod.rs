@@ -13,7 +13,8 @@ use dynamics::{Effect, EffectKind, Part, effects};
 use rayon::prelude::*;
 
 use self::acceptance::{
-    EVIDENCE, FALSE_DISCOVERIES, explains_most_of_the_gap, explains_the_gap, takes_its_part, worthwhile,
+    EVIDENCE, FALSE_DISCOVERIES, explains_most_of_the_gap, explains_nearly_all, explains_the_gap, takes_its_part,
+    worthwhile,
 };
 use self::judged::Judged;
 use crate::diagnosis::capture::Capture;
@@ -290,7 +291,8 @@ impl Search<'_> {
     /// The effect that predicts the held-out capture best among those that are a part of a gap too large for any of them
     /// alone: each better than what is there, than a null test and, stretch after stretch, than chance.
     fn discovery(&self, current: &Judged, tried: &[Judged]) -> Option<usize> {
-        if current.heldout_over_floor().min(current.train_over_floor()) < LEFT {
+        let explains_it_alone = |judged: &Judged| explains_nearly_all(current, judged);
+        if current.heldout_over_floor().min(current.train_over_floor()) < LEFT || tried.iter().any(explains_it_alone) {
             return None;
         }
         let p_values: Vec<f64> = tried.iter().map(|judged| judged.heldout_p_value(current)).collect();
@@ -337,6 +339,7 @@ impl Search<'_> {
         let each = tried.iter().filter(|judged| judged.evidence - current.evidence > EVIDENCE).map(|judged| Partial {
             effect: judged.newest(),
             explains_percent: 100.0 * (gap - judged.excess_above_lower_floor(current)) / gap,
+            disqualified: self.disqualified(judged),
         });
         each.filter(|partial| partial.explains_percent > 5.0).collect()
     }

@@ -70,7 +70,10 @@ fn partial(found: &Diagnosis) -> Markup {
         }
         ul {
             @for partial in &found.partial {
-                li { code { (partial.effect) } " explains " (two(partial.explains_percent)) " % of the mean square above the noise" }
+                li {
+                    code { (partial.effect) } " explains " (two(partial.explains_percent)) " % of the mean square above the noise"
+                    @if let Some(reason) = &partial.disqualified { ", but " (reason) }
+                }
             }
         }
     }
