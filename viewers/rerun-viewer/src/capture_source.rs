@@ -29,9 +29,7 @@ pub struct CaptureSource {
 
 impl CaptureSource {
     /// Reads a capture and fits it; a capture that cannot be fitted is shown without a model.
-    ///
-    /// # Errors
-    /// One sentence on what is wrong with the file.
+    /// An error is one sentence on what is wrong with the file.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let loaded = LoadedCapture::load(path)?;
         let axis = loaded.capture.axis;
@@ -84,7 +82,6 @@ impl CaptureSource {
         if let Some(velocity_rad_s) = velocity_rad_s {
             return velocity_rad_s[row] > 0.0;
         }
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
         let reach = ((DIRECTION_SPAN_S / 2.0 * rate_hz) as usize).max(1);
         let last = angle_rad.len() - 1;
         angle_rad[(row + reach).min(last)] > angle_rad[row.saturating_sub(reach)]
@@ -146,7 +143,6 @@ fn torque(fit: &Fit, calibration: Option<&Calibration>) -> Vec<(i64, f64)> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use std::io::Write as _;
 

@@ -25,9 +25,6 @@ pub struct Pen {
 
 impl Pen {
     /// Begins to draw in an empty recording.
-    ///
-    /// # Errors
-    /// When rerun refuses a style.
     pub fn new(recording: RecordingStream, axis: Axis) -> RecordingStreamResult<Self> {
         recording.set_log_tick_enabled(false);
         recording.set_log_time_enabled(false);
@@ -40,9 +37,6 @@ impl Pen {
     }
 
     /// Draws one frame.
-    ///
-    /// # Errors
-    /// When rerun refuses a part of it.
     pub fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
         let Self { recording, axis, plots, slider } = self;
         for (entity, points) in &frame.series {
@@ -68,9 +62,6 @@ impl Pen {
     }
 
     /// Waits until everything drawn has left the recording.
-    ///
-    /// # Errors
-    /// When it cannot leave.
     pub fn flush(&self) -> anyhow::Result<()> {
         Ok(self.recording.flush_blocking()?)
     }
@@ -83,7 +74,6 @@ fn draw_series(recording: &RecordingStream, entity: &str, Points { times_ns, val
     Ok(recording.send_columns(entity, [times], values)?)
 }
 
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "drawn on a logarithmic scale")]
 fn draw_histogram(recording: &RecordingStream, counts: &[u64; 12]) -> RecordingStreamResult<()> {
     // A bar for each bin, at the middle of its edges; the outer two are half a decade wide.
     let edges: Vec<f64> = LATENESS_BIN_EDGES_NS.iter().map(|edge| (*edge as f64).log10()).collect();

@@ -91,9 +91,6 @@ impl Drawn {
 
     /// The newest of the frames from one number up to another that a page lacks, as far as they are kept, as a rerun file that
     /// is empty when nothing is new. Without an end that is all that is new, and what belongs to no time besides.
-    ///
-    /// # Errors
-    /// When rerun cannot merge or encode them.
     pub fn answer(&self, from: u64, to: Option<u64>) -> anyhow::Result<(Contents, Vec<u8>)> {
         let (contents, mut messages, chunks) = self.with(|kept| kept.pick(from, to));
         let mut chunks = merged(chunks)?;
@@ -225,7 +222,6 @@ fn encode(messages: &[LogMsg]) -> anyhow::Result<Vec<u8>> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use rerun::external::re_log_encoding::Decoder;
     use rerun::{RecordingStream, RecordingStreamBuilder, Scalars, TextDocument};

@@ -1,5 +1,8 @@
 //! Paths of what is shown; a series is named as the field it shows.
 
+use dynamics::effects::{detent, friction, inertia};
+use dynamics::{EffectKind, ParameterKind};
+
 /// Signals of the sample stream and, last, the model's torque, each `signals/<field>`.
 pub const SIGNALS: [&str; 6] =
     ["angle_rad", "velocity_rad_s", "acceleration_rad_s2", "torque_mnm", "contact", MODEL_TORQUE];
@@ -25,17 +28,13 @@ pub const KNOB: &str = "knob";
 /// Quantities of a process's health, each `health/<quantity>/<process>`.
 pub const HEALTH: [&str; 4] = ["cpu_share_percent", "resident_mib", "lost_samples", "latency_ms"];
 
-/// Parameters with their units, in the order of Equation 1, each `fit/<parameter>`.
-pub const PARAMETERS: [(&str, &str); 8] = [
-    ("inertia", "mNm s²/rad"),
-    ("coulomb_negative", "mNm"),
-    ("coulomb_positive", "mNm"),
-    ("viscous_negative", "mNm s/rad"),
-    ("viscous_positive", "mNm s/rad"),
-    ("detent_amplitude", "mNm"),
-    ("detent_period", "rad"),
-    ("detent_phase", "rad"),
-];
+/// The effects of Equation 1 in its order; their parameters are each `fit/<parameter>`.
+pub const EQUATION_ONE: [&EffectKind; 3] = [&inertia::KIND, &friction::KIND, &detent::KIND];
+
+/// The parameters of [`EQUATION_ONE`].
+pub fn parameters() -> impl Iterator<Item = &'static ParameterKind> {
+    EQUATION_ONE.into_iter().flat_map(|kind| kind.parameters)
+}
 
 /// rerun's name for a run: the same one for a viewer that was started again, so that its rows join what is shown.
 pub fn recording(run_id: u64) -> String {

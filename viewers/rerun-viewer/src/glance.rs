@@ -5,10 +5,11 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use dynamics::ParameterKind;
 use serde_json::{Value, json};
-use shared_types::{LoopState, rig};
+use shared_types::{Estimate, LoopState, rig};
 
-use crate::entities::{self, PARAMETERS};
+use crate::entities;
 use crate::knob_track::Motion;
 use crate::numbers::value_and_interval;
 use crate::processes;
@@ -24,7 +25,6 @@ pub fn of(run: &Run) -> Value {
         // A finished capture has no control loop that would say so.
         None => if run.finished() { "finished" } else { "waiting for a run" }.to_owned(),
     };
-    #[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
     let max_lateness_us = status.max_lateness_ns as f64 / 1e3;
     json!({
         // rerun's name for the run that is shown; none before there is one.
@@ -61,14 +61,13 @@ fn readings(run: &Run) -> Value {
 /// The parameters that the model has: value and half of the 95 % interval with the unit, and whether that is enough.
 fn parameters(run: &Run) -> Value {
     let axis = run.axis.unwrap_or_default();
-    let estimates = run.fit.iter().flat_map(|fit| fit.estimates()).zip(PARAMETERS);
-    let parameter = |((name, estimate), (_, unit)): ((&str, _), (_, &'static str))| {
+    let parameter = |(kind, estimate): (&ParameterKind, Estimate)| {
         // A phase is an angle whatever moves.
-        let unit = if name.ends_with("_phase") { unit.into() } else { axis.words(unit) };
+        let unit = if kind.name.ends_with("_phase") { kind.unit.into() } else { axis.words(kind.unit) };
         let value = format!("{} {unit}", value_and_interval(&estimate));
-        json!({ "name": name.replace('_', " "), "value": value, "enough": estimate.is_settled() })
+        json!({ "name": kind.name.replace('_', " "), "value": value, "enough": estimate.is_settled() })
     };
-    estimates.filter(|((_, estimate), _)| estimate.is_in_model()).map(parameter).collect()
+    run.parameters().map(parameter).collect()
 }
 
 /// The control loop, then the consumers, each with how it fares and whether that calls for the operator.

@@ -28,9 +28,6 @@ const FULL_DEPTH: f64 = 0.13;
 const LAST_LABEL_HALF_RAD: i32 = 6;
 
 /// Draws what never changes.
-///
-/// # Errors
-/// When rerun refuses a part of it.
 pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
     let circle = |radius: f64| -> Vec<[f32; 3]> {
         (0..=180).map(|step| place(f64::from(step).to_radians() * 2.0, radius, 0.0)).collect()
@@ -63,9 +60,6 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
 }
 
 /// Draws what is new at the recording's current time; angles have times of their own.
-///
-/// # Errors
-/// When rerun refuses a part of it.
 pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
     if !update.turns.times_ns.is_empty() {
         let times = TimeColumn::new_duration_nanos(TIMELINE, update.turns.times_ns.iter().copied());

@@ -74,7 +74,6 @@ impl DetentRing {
         let spacing_rad = Some(TAU * period.abs()).filter(|spacing| *spacing > TAU / MOST_DETENTS)?;
         let middle = (angle_rad / TAU).round() * TAU;
         let (low, high) = (middle - PI, middle + PI);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16 times the most detents")]
         let points = (POINTS_PER_DETENT * (TAU / spacing_rad).max(4.0)).ceil() as u32;
         // The knob rests where the torque turns positive: there its integral, the energy, is least.
         let sign = (amplitude * period).signum();
@@ -85,7 +84,6 @@ impl DetentRing {
         let offset = if amplitude * period > 0.0 { 0.0 } else { PI };
         let number = |angle: f64| (angle / period + phase - offset) / TAU;
         let (first, last) = (number(low).min(number(high)), number(low).max(number(high)));
-        #[allow(clippy::cast_possible_truncation, reason = "angles are a few turns")]
         let numbers = first.ceil() as i64..=last.floor() as i64;
         let stable_rad = numbers.map(|number| period * (TAU * number as f64 + offset - phase)).collect();
         Some(Self { depths, stable_rad, amplitude_mnm: amplitude.abs(), spacing_rad })
@@ -163,7 +161,6 @@ impl KnobTrack {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 
@@ -203,7 +200,8 @@ mod tests {
             assert!(ring.stable_rad.iter().any(|angle| (angle - deepest).abs() < 0.1 / 16.0 * TAU));
             for angle in ring.stable_rad {
                 // What the knob takes from the rig: positive beyond the detent, negative before it.
-                assert!(model.detent_mnm(angle + 0.05) > 0.5 && model.detent_mnm(angle - 0.05) < -0.5);
+                let torque_mnm = |angle| model.torque_mnm(angle, 0.0, 0.0);
+                assert!(torque_mnm(angle + 0.05) > 0.5 && torque_mnm(angle - 0.05) < -0.5);
             }
         }
     }

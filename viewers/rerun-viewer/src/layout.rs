@@ -15,7 +15,7 @@ use rerun::external::re_sdk_types::blueprint::components as blueprint_components
 use rerun::external::re_types_core::datatypes::{TimeRange, TimeRangeBoundary, VisibleTimeRange};
 
 use crate::drawing::TIMELINE;
-use crate::entities::{self, PARAMETERS};
+use crate::entities;
 use crate::layout_properties::{self, Properties};
 use crate::palette::GROUND;
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH};
@@ -53,9 +53,6 @@ impl Subject {
 }
 
 /// Sends the layout and makes it the active one.
-///
-/// # Errors
-/// When rerun refuses a part of the layout.
 pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()> {
     let window = subject.is_live.then(|| TimeRange {
         start: TimeRangeBoundary::CursorRelative((-LIVE_WINDOW_S * 1_000_000_000).into()),
@@ -166,7 +163,7 @@ impl Layout {
             ("detent phase", &["detent_phase"]),
         ];
         let views = groups.map(|(title, names)| {
-            let unit = PARAMETERS.iter().find(|(name, _)| *name == names[0]).map_or("", |(_, unit)| unit);
+            let unit = entities::parameters().find(|one| one.name == names[0]).map_or("", |one| one.unit);
             let title = format!("{title}, {unit}");
             self.series(&self.subject.axis.words(&title), names.iter().map(|name| entities::parameter(name)))
         });

@@ -34,9 +34,6 @@ impl Properties {
 }
 
 /// Sends views and properties as one layout, with rerun's own panels out of the way, and makes it the active one.
-///
-/// # Errors
-/// When rerun refuses a part of the layout.
 pub fn send(
     recording: &RecordingStream,
     tabs: Tabs,

@@ -1,4 +1,73 @@
-//! The process `rerun-viewer`; see the library for what it reads, shows and survives.
+//! The view of the instrument: what is measured, what is fitted and how the processes fare.
+//!
+//! The viewer is last in line. It reads the sample stream, the fitter's updates and the health
+//! reports from shared memory, reduces them to what a screen can show and hands them to
+//! [rerun](https://rerun.io). It publishes its own health and nothing else.
+//!
+//! ```text
+//! rig ──► source ──► picture ──► outbox ──► screen ──► web page | window | file
+//!         20 ms      250 ms      drops      a thread of its own,
+//!         polls      frames      oldest     may stall as it likes
+//! ```
+//!
+//! [`drawn`] keeps what was drawn for pages, and [`page`] serves it. Its [server](page::server) refuses other users and
+//! drops connections that take nothing. `docs/live-view.md` says what is to be seen.
+//!
+//! - **When it stalls or dies** nobody notices: shared memory drops its oldest blocks, the
+//!   control loop never waits. A viewer started again receives the last seconds first, at the port that
+//!   it had ([`port`]), and the page goes on with it.
+//! - **When rerun stalls** the outbox drops the oldest frames and counts them; polling goes on.
+//! - **When the run ends** the page stays up until SIGTERM, so that one can look; a file is closed.
+//! - **SIGINT** is the supervisor's business and ignored, unless the operator has the viewer itself
+//!   in the foreground; SIGTERM and the parent's death end it.
+//!
+//! A finished capture is another source for the same picture. It is shown whole: a file waits while
+//! the outbox is full, so no frame is dropped, and the model is the one that the whole capture gives.
+//!
+//! A diagnosis becomes a file at once, without source or screen: [`diagnosis`].
+
+mod capture_source;
+mod capture_summary;
+mod cli;
+mod decimation;
+mod diagnosis;
+mod drawing;
+mod drawn;
+mod entities;
+mod extent;
+mod frame;
+mod glance;
+mod knob_drawing;
+mod knob_track;
+mod layout;
+mod layout_properties;
+mod model_curves;
+mod model_torque;
+mod numbers;
+mod outbox;
+mod page;
+mod palette;
+mod peer;
+mod picture;
+mod plot_axes;
+mod plot_drawing;
+mod port;
+mod processes;
+mod recording_file;
+mod remote;
+mod rendered;
+mod rig_source;
+mod run;
+mod scatter;
+mod screen;
+mod series_styles;
+mod signals;
+mod slider_drawing;
+mod source;
+mod strokes;
+mod summary;
+#[cfg(test)]
+mod wedged_page;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -7,19 +76,16 @@ use std::time::{Duration, Instant};
 
 use consumer::Stop;
 
-use rerun_viewer::capture_source::CaptureSource;
-use rerun_viewer::cli::{Arguments, Command};
-use rerun_viewer::diagnosis;
-use rerun_viewer::frame::Frame;
-use rerun_viewer::glance::SharedGlance;
-use rerun_viewer::layout::Subject;
-use rerun_viewer::outbox::Outbox;
-use rerun_viewer::picture::Picture;
-use rerun_viewer::port;
-use rerun_viewer::remote;
-use rerun_viewer::rig_source::RigSource;
-use rerun_viewer::screen::Screen;
-use rerun_viewer::source::Source;
+use crate::capture_source::CaptureSource;
+use crate::cli::{Arguments, Command};
+use crate::frame::Frame;
+use crate::glance::SharedGlance;
+use crate::layout::Subject;
+use crate::outbox::Outbox;
+use crate::picture::Picture;
+use crate::rig_source::RigSource;
+use crate::screen::Screen;
+use crate::source::Source;
 
 /// How long a run's description is waited for before the view is laid out.
 const DESCRIPTION_PATIENCE: Duration = Duration::from_secs(1);

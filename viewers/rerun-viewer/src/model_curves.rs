@@ -29,7 +29,6 @@ pub type Curve = Vec<[f64; 2]>;
 /// Torque over angle, two curves: the knob turning slowly either way, without inertia.
 pub fn torque_over_angle(model: &KnobModel, (low, high): Extent) -> ModelCurves {
     let points = model.detent().map_or(CURVE_POINTS, |[_, period, _]| {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded just here")]
         let resolving = (POINTS_PER_DETENT * (high - low) / (TAU * period.abs())).min(MAX_CURVE_POINTS) as usize;
         resolving.max(CURVE_POINTS)
     });
@@ -67,7 +66,6 @@ impl ModelCurves {
             let border = curve.iter().zip(&half_widths).map(|([x, torque], half)| [*x, torque + side * half]);
             self.borders.push(border.collect());
         }
-        #[allow(clippy::cast_precision_loss, reason = "a few thousand points")]
         let mean = half_widths.iter().sum::<f64>() / half_widths.len() as f64;
         // The wider direction speaks for both.
         self.half_width_mnm = Some(self.half_width_mnm.map_or(mean, |other| other.max(mean)));
@@ -75,7 +73,6 @@ impl ModelCurves {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few thousand points")]
 fn curve(low: f64, high: f64, points: usize, torque_mnm: impl Fn(f64) -> f64) -> Curve {
     let last = points.max(2) - 1;
     (0..=last)
@@ -87,7 +84,6 @@ fn curve(low: f64, high: f64, points: usize, torque_mnm: impl Fn(f64) -> f64) ->
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 

@@ -47,9 +47,7 @@ impl<T> Outbox<T> {
     }
 
     /// Takes the oldest item, waiting for one up to `limit`.
-    ///
-    /// # Errors
-    /// [`RecvTimeoutError::Timeout`] when nothing came in time, [`RecvTimeoutError::Disconnected`] when nothing will come.
+    /// An error is [`RecvTimeoutError::Timeout`] when nothing came in time, [`RecvTimeoutError::Disconnected`] when nothing will come.
     pub fn take(&self, limit: Duration) -> Result<T, RecvTimeoutError> {
         let waited =
             self.filled.wait_timeout_while(self.lock(), limit, |state| state.queue.is_empty() && !state.closed);

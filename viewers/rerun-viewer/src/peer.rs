@@ -62,7 +62,6 @@ fn address(text: &str) -> Option<SocketAddr> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use std::net::{Ipv4Addr, TcpListener, TcpStream};
 

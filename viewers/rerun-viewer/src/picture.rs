@@ -118,7 +118,6 @@ impl Picture {
     }
 
     /// Takes in consecutive samples of a run; without a rate they have no time and are not shown.
-    #[allow(clippy::cast_precision_loss, reason = "lateness is shown with a few digits")]
     pub fn take_samples(&mut self, run_id: u64, samples: &[Sample]) {
         self.turn_to_run(run_id);
         let Some(rate_hz) = self.run.rate_hz() else { return };
@@ -127,7 +126,7 @@ impl Picture {
             let reading = Reading::of(sample, rate_hz, is_rendered);
             self.take_reading(&reading, Some(rate_hz));
             let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, .. } = reading;
-            if let Some(model) = self.model {
+            if let Some(model) = &self.model {
                 let known = self.run.calibration.as_ref();
                 let not_motion =
                     known.map_or(0.0, |known| known.acceleration_zero_rad_s2 + known.gravity_rad_s2(angle_rad));
@@ -198,10 +197,10 @@ impl Picture {
             self.texts_shown.clear();
             self.histogram_shown = None;
         }
-        let fresh_model = self.model.filter(|_| slow && self.fit_is_new);
-        frame.knob = self.knob.update(self.run.motion, fresh_model.as_ref());
+        let fresh_model = self.model.as_ref().filter(|_| slow && self.fit_is_new);
+        frame.knob = self.knob.update(self.run.motion, fresh_model);
         if self.plot.is_due(now, PLOT_PERIOD) || finished {
-            frame.plots = self.scatters.update(fresh_model.as_ref());
+            frame.plots = self.scatters.update(fresh_model);
         }
         if slow {
             self.keep_parameters();
@@ -289,7 +288,6 @@ fn since(earlier: u64, later: u64) -> i64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 

@@ -43,7 +43,6 @@ impl Axis {
     }
 
     /// The ticks with their labels, from low to high.
-    #[allow(clippy::cast_possible_truncation, reason = "a few ticks")]
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let decimals = decimals(self.step);
         let [first, last] = [self.low, self.high].map(|end| (end / self.step).round() as i64);
@@ -96,7 +95,6 @@ pub fn round_step(least: f64) -> f64 {
 }
 
 /// Digits after the point that a step needs.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=9")]
 fn decimals(step: f64) -> usize {
     (-step.log10().floor()).clamp(0.0, 9.0) as usize
 }

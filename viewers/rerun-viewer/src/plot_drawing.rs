@@ -19,9 +19,6 @@ use crate::strokes::{plane_labels, plane_lines, single};
 pub type DrawnAxes = HashMap<Abscissa, PlotAxes>;
 
 /// Draws what is new in a plot at the recording's current time.
-///
-/// # Errors
-/// When rerun refuses a part of it.
 pub fn draw(
     recording: &RecordingStream,
     axis: Axis,

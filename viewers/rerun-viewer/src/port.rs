@@ -16,18 +16,14 @@ const RETAKE_LIMIT: Duration = Duration::from_secs(2);
 
 /// Takes the port for a viewer that was restarted so many times in its run: the one that it had, else the first that is
 /// free from the wanted one on.
-///
-/// # Errors
-/// When no port is free.
+/// Fails when no port is free.
 pub fn take(wanted: SocketAddr, restarts: u32) -> anyhow::Result<TcpListener> {
     let noted = (restarts > 0).then(noted).flatten();
     noted.and_then(|port| take_again(SocketAddr::new(wanted.ip(), port))).map_or_else(|| first_free(wanted), Ok)
 }
 
 /// Notes the port for a viewer that is started again.
-///
-/// # Errors
-/// When the rig's folder cannot be written.
+/// Fails when the rig's folder cannot be written.
 pub fn note(port: u16) -> anyhow::Result<()> {
     shared_types::rig::create_runtime_dir()?;
     let path = note_path();
@@ -66,7 +62,6 @@ fn first_free(wanted: SocketAddr) -> anyhow::Result<TcpListener> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use std::net::Ipv4Addr;
 

@@ -23,7 +23,6 @@ pub struct Process {
     late_reports: u64,
 }
 
-#[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
 impl Process {
     /// The quantities that are drawn over time, in the order of [`HEALTH`](crate::entities::HEALTH).
     pub fn quantities(&self) -> [f64; 4] {
@@ -37,7 +36,6 @@ impl Process {
 }
 
 /// Age of the newest sample when it was taken, ms.
-#[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
 fn latency_ms(report: &ProcessHealth) -> f64 {
     report.latency_ns as f64 / 1e6
 }
@@ -65,7 +63,6 @@ impl Processes {
 }
 
 /// NaN after a restart: the CPU time begins anew and cannot be compared.
-#[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
 fn cpu_share_percent(before: &ProcessHealth, now: &ProcessHealth) -> f64 {
     if before.process_id != now.process_id || before.monotonic_time_ns >= now.monotonic_time_ns {
         return f64::NAN;
@@ -127,7 +124,6 @@ fn consumer(process: &Process, now_ns: u64, ended: bool) -> Row {
     Row { name: kind.name(), alive, alarm, late, lost, restarts, used }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "seconds with few digits")]
 fn alive(heard_ns: u64, now_ns: u64) -> (String, bool) {
     let silence_s = now_ns.saturating_sub(heard_ns) as f64 / 1e9;
     if silence_s < SILENT_S { ("alive".to_owned(), false) } else { (format!("silent for {silence_s:.0} s"), true) }
@@ -162,7 +158,6 @@ pub fn markdown(run: &Run, now_ns: u64, frames_dropped: u64) -> String {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 

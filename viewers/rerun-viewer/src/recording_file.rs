@@ -30,9 +30,7 @@ struct State {
 impl RecordingFile {
     /// Begins a file for our own user alone. Another rerun file at its place is replaced; anything else that holds data is
     /// not.
-    ///
-    /// # Errors
-    /// When it cannot be written, or there is a file of another kind.
+    /// Fails when it cannot be written, or there is a file of another kind.
     pub fn create(path: &Path) -> anyhow::Result<Self> {
         ensure!(
             may_be_replaced(path),
@@ -54,18 +52,14 @@ impl RecordingFile {
     }
 
     /// Whether all that was drawn so far could be written.
-    ///
-    /// # Errors
-    /// Why it could not.
+    /// An error says why it could not.
     pub fn check(&self) -> anyhow::Result<()> {
         let failure = self.with(|state| state.failure.take());
         failure.map_or(Ok(()), |failure| Err(cannot_be_written(&self.path, &failure.into())))
     }
 
     /// Writes what rerun needs to seek in the file, and waits until all of it is on the disk.
-    ///
-    /// # Errors
-    /// When any part of it could not be written.
+    /// Fails when any part of it could not be written.
     pub fn finish(&self) -> anyhow::Result<()> {
         self.check()?;
         self.with(State::finish).map_err(|error| cannot_be_written(&self.path, &error))

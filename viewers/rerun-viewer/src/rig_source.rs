@@ -29,9 +29,7 @@ pub struct RigSource {
 
 impl RigSource {
     /// Attaches to the rig; nothing need be running yet.
-    ///
-    /// # Errors
-    /// When shared memory is not available or the running processes are of another build.
+    /// Fails when shared memory is not available or the running processes are of another build.
     pub fn attach(restarts: u32) -> anyhow::Result<Self> {
         let node = services::attach("rerun-viewer")?;
         Ok(Self {

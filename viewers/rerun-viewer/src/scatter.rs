@@ -79,7 +79,6 @@ fn both(capacity: usize) -> [Scatter; 2] {
 
 impl Scatters {
     /// Those of a finished capture of so many samples.
-    #[allow(clippy::cast_precision_loss, reason = "a share")]
     pub fn of_capture(samples: usize) -> Self {
         let share = (WHOLE_POINTS as f64 / samples.max(1) as f64).min(1.0);
         Self { plots: both(WHOLE_POINTS), whole_share: Some(share), phase: 0.0 }
@@ -168,7 +167,6 @@ impl Scatter {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 

@@ -56,9 +56,7 @@ pub struct Screen {
 
 impl Screen {
     /// Opens what the command line asks for; nothing is shown yet but the layout.
-    ///
-    /// # Errors
-    /// When a port, the `rerun` program or the file is not available.
+    /// Fails when a port, the `rerun` program or the file is not available.
     pub fn open(arguments: &Arguments, subject: Subject, glance: SharedGlance) -> anyhow::Result<Self> {
         let Arguments { native, save, bind, web_port, grpc_port, memory_limit, restarts, .. } = arguments;
         let place = if let Some(path) = save {
@@ -93,9 +91,7 @@ impl Screen {
     ///
     /// The receiver is notified once everything is written and the destination is closed, or why a file cannot be written, as
     /// soon as that is known.
-    ///
-    /// # Errors
-    /// When no thread is to be had.
+    /// Fails when no thread is to be had.
     pub fn show_from(self, outbox: Arc<Outbox<Frame>>) -> anyhow::Result<mpsc::Receiver<anyhow::Result<()>>> {
         let (closed, is_closed) = mpsc::channel();
         let show = move || {

@@ -31,9 +31,6 @@ pub struct Slider {
 
 impl Slider {
     /// Draws what is new at the recording's current time; travels have times of their own.
-    ///
-    /// # Errors
-    /// When rerun refuses a part of it.
     pub fn draw(&mut self, recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
         let travels = &update.turns.values;
         let shown = self.scale.map_or(extent::NOTHING, |scale| (scale.low, scale.high));

@@ -46,7 +46,6 @@ impl Reading {
 }
 
 /// A time in a run as the screen has it.
-#[allow(clippy::cast_possible_truncation, reason = "a run would have to last 292 years")]
 pub fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
@@ -57,9 +56,7 @@ pub trait Source {
     ///
     /// `samples_wanted` is false while the rate is unknown: samples without a time cannot be
     /// drawn and wait in the source.
-    ///
-    /// # Errors
-    /// When the source has failed for good.
+    /// Fails when the source has failed for good.
     fn poll(&mut self, samples_wanted: bool, picture: &mut Picture) -> anyhow::Result<()>;
 
     /// Whether nothing is lost by asking later: a file waits for a slow screen, a rig does not.

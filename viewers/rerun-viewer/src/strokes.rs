@@ -7,7 +7,6 @@ use rerun::{LineStrips2D, LineStrips3D, Points2D, Points3D, Radius};
 use crate::palette::WHITE;
 
 /// rerun draws in single precision.
-#[allow(clippy::cast_possible_truncation, reason = "the screen has fewer digits than an f32")]
 pub const fn single(value: f64) -> f32 {
     value as f32
 }

@@ -1,5 +1,4 @@
 //! Pages that never read, tried with more data than is kept for anyone.
-#![allow(clippy::unwrap_used, reason = "test")]
 
 use std::io::{Read as _, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};

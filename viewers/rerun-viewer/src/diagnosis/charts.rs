@@ -22,9 +22,6 @@ pub const GAP: &str = "gap/heldout_rms_mnm";
 pub const FORWARD: &str = "gap/forward_from_command_rad";
 
 /// Draws all bars.
-///
-/// # Errors
-/// When rerun refuses some.
 pub fn draw(recording: &RecordingStream, input: &DiagnosisInput) -> RecordingStreamResult<()> {
     let found = &input.diagnosis;
     for (locations, name, color) in [(&found.locations, "before", NEUTRAL), (&found.where_after, "after", MODEL)] {
@@ -65,7 +62,6 @@ fn map(recording: &RecordingStream, entity: &str, location: &Location, color: Rg
     let (middles, heights): (Vec<f64>, Vec<f64>) = points.iter().map(|[at, value]| (*at, *value)).unzip();
     let edges: Vec<f64> = middles.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
     let edge = |index: Option<usize>| edges.get(index?).copied();
-    #[allow(clippy::cast_possible_truncation, reason = "drawn")]
     let width = |(index, middle): (usize, &f64)| {
         let high = edge(Some(index));
         let low = edge(index.checked_sub(1)).or(high.map(|high| 2.0 * middle - high)).unwrap_or(middle - 0.5);

@@ -13,9 +13,6 @@ use crate::entities::SUMMARY;
 use crate::layout_properties::{self, Properties};
 
 /// Sends the layout and makes it the active one.
-///
-/// # Errors
-/// When rerun refuses a part of it.
 pub fn send(recording: &RecordingStream, input: &DiagnosisInput) -> anyhow::Result<()> {
     let mut properties = Properties::default();
     let tabs = [overview(&mut properties, input), maps(input), effects(input)];

@@ -24,9 +24,7 @@ use crate::recording_file::RecordingFile;
 const APPLICATION: &str = "haptic-camera-diagnosis";
 
 /// Draws the diagnosis in `json` into a rerun file.
-///
-/// # Errors
-/// One sentence on what is wrong with the JSON, or why the file cannot be written.
+/// An error is one sentence on what is wrong with the JSON, or why the file cannot be written.
 pub fn record(json: &Path, out: &Path) -> anyhow::Result<()> {
     let mut text = String::new();
     let read = foreign_files::open(json).and_then(|mut file| file.read_to_string(&mut text));

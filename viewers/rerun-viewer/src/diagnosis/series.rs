@@ -30,9 +30,6 @@ const MOTIONS: [Series; 2] =
 const GAP: f64 = 5.0;
 
 /// Draws the series of a capture, each `<role>/<quantity>/<series>`.
-///
-/// # Errors
-/// When rerun refuses one.
 pub fn draw(recording: &RecordingStream, capture: &CaptureRows) -> anyhow::Result<()> {
     let quantities: [(&str, &[Series]); 3] = [("torque", &TORQUES), ("residual", &RESIDUALS), ("motion", &MOTIONS)];
     let rows = parted(&capture.rows);

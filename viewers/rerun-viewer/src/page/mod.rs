@@ -37,9 +37,7 @@ const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; 
                       img-src 'self' data: blob:; worker-src 'self' blob:; frame-ancestors 'self'";
 
 /// Serves the page as long as the process lives.
-///
-/// # Errors
-/// When rerun's program for browsers or a thread is not available.
+/// Fails when rerun's program for browsers or a thread is not available.
 pub fn serve(listener: TcpListener, glance: SharedGlance, drawn: Drawn) -> anyhow::Result<()> {
     let open_to_network = !listener.local_addr()?.ip().is_loopback();
     let instance = format!("{}-{}", std::process::id(), shared_types::rig::monotonic_time_ns());

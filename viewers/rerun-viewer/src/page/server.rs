@@ -52,9 +52,7 @@ pub trait Answer: Fn(&Request<Incoming>) -> Response<Full<Bytes>> + Send + Sync 
 impl<F: Fn(&Request<Incoming>) -> Response<Full<Bytes>> + Send + Sync + 'static> Answer for F {}
 
 /// Serves everyone who connects to `listener`, on a thread of its own, as long as the process lives.
-///
-/// # Errors
-/// When there is no thread or no file descriptor for it.
+/// Fails when there is no thread or no file descriptor for it.
 pub fn serve(listener: TcpListener, answers: impl Answer, patience: Duration) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -130,7 +128,6 @@ fn make_room(open: &mut Connections, most: usize) {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use std::io::{Read as _, Write as _};
     use std::net::{Ipv4Addr, SocketAddr, TcpStream};
