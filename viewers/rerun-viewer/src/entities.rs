@@ -14,13 +14,10 @@ pub const MODEL_TORQUE: &str = "model_torque_mnm";
 pub const LATENESS: &str = "timing/log10_max_lateness_ns";
 /// The tick's length as log10 of ns: the lateness that costs a tick.
 pub const TICK_PERIOD: &str = "timing/log10_tick_period_ns";
-/// Ticks by lateness.
 pub const LATENESS_HISTOGRAM: &str = "lateness_histogram";
 /// The text next to the plots: run and loop.
 pub const SUMMARY: &str = "summary";
-/// The parameters as text.
 pub const PARAMETERS_TEXT: &str = "parameters";
-/// The processes as text.
 pub const PROCESSES_TEXT: &str = "processes";
 /// The knob in space.
 pub const KNOB: &str = "knob";
@@ -41,17 +38,14 @@ pub fn recording(run_id: u64) -> String {
     format!("run-{run_id}")
 }
 
-/// The entity of a signal.
 pub fn signal(field: &str) -> String {
     format!("signals/{field}")
 }
 
-/// The entity of a fitted parameter.
 pub fn parameter(name: &str) -> String {
     format!("fit/{name}")
 }
 
-/// The entity of a process's health.
 pub fn health(quantity: &str, process: &str) -> String {
     format!("health/{quantity}/{process}")
 }

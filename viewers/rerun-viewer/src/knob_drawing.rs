@@ -16,7 +16,6 @@ use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, STICKING, WHITE};
 use crate::plot_axes::round_step;
 use crate::strokes::{dots, labels, lines, single};
 
-/// Radius of the knob's body.
 const BODY_RADIUS: f64 = 0.5;
 /// Height of the knob's body over the dial.
 const BODY_HEIGHT: f64 = 0.34;
@@ -24,8 +23,6 @@ const BODY_HEIGHT: f64 = 0.34;
 const RING_RADIUS: f64 = 0.8;
 /// Depth of a detent whose torque is a whole step of its scale.
 const FULL_DEPTH: f64 = 0.13;
-/// Largest angle that the dial has a label for, rad.
-const LAST_LABEL_HALF_RAD: i32 = 6;
 
 /// Draws what never changes.
 pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
@@ -39,23 +36,16 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
     });
     let dial = std::iter::once(circle(1.0)).chain(tenths);
     recording.log_static(format!("{KNOB}/dial"), &lines(dial, NEUTRAL, 0.9))?;
-    let labelled = (-LAST_LABEL_HALF_RAD..=LAST_LABEL_HALF_RAD).filter(|half| half % 2 == 0);
-    let (places, texts): (Vec<_>, Vec<_>) = labelled
-        .map(|half| (place(f64::from(half) / 2.0, 1.2, 0.0), format!("{} rad", half / 2).replace('-', "\u{2212}")))
-        .unzip();
+    let label = |rad: i32| (place(f64::from(rad), 1.2, 0.0), format!("{rad} rad").replace('-', "\u{2212}"));
+    let (places, texts): (Vec<_>, Vec<_>) = (-3..=3).map(label).unzip();
     recording.log_static(format!("{KNOB}/dial/labels"), &labels(places, texts))?;
-    recording.log_static(
-        format!("{KNOB}/turning/pointer"),
-        &Boxes3D::from_centers_and_half_sizes(
-            [
-                [0.0, single(0.55 * BODY_RADIUS), single(BODY_HEIGHT)],
-                [0.0, single(0.5 * (BODY_RADIUS + RING_RADIUS)), 0.02],
-            ],
-            [[0.045, single(0.45 * BODY_RADIUS), 0.03], [0.012, single(0.5 * (RING_RADIUS - BODY_RADIUS)), 0.012]],
-        )
-        .with_colors([WHITE])
-        .with_fill_mode(FillMode::Solid),
-    )?;
+    // On the body, and from there to the ring.
+    let (middle, half) = (0.5 * (BODY_RADIUS + RING_RADIUS), 0.5 * (RING_RADIUS - BODY_RADIUS));
+    let centers = [[0.0, 0.55 * BODY_RADIUS, BODY_HEIGHT], [0.0, middle, 0.02]].map(|center| center.map(single));
+    let half_sizes = [[0.045, 0.45 * BODY_RADIUS, 0.03], [0.012, half, 0.012]].map(|size| size.map(single));
+    let pointer = Boxes3D::from_centers_and_half_sizes(centers, half_sizes);
+    let pointer = pointer.with_colors([WHITE]).with_fill_mode(FillMode::Solid);
+    recording.log_static(format!("{KNOB}/turning/pointer"), &pointer)?;
     recording.log_static(format!("{KNOB}/no_detents"), &lines([circle(RING_RADIUS)], NEUTRAL, 0.6))
 }
 
@@ -119,7 +109,6 @@ pub(crate) fn draw_detents(
     recording.log_static(format!("{KNOB}/detents/label"), &text)
 }
 
-/// A text at a place.
 pub(crate) fn label(place: [f64; 3], text: String) -> Points3D {
     labels([place.map(single)], [text])
 }

@@ -13,7 +13,6 @@ const MOTION_PERIOD_NS: i64 = 500_000_000;
 /// Speed below which a captured knob counts as sticking, rad/s: the largest Δv of the paper's knobs (Table 6). A
 /// rendered knob says itself whether it sticks.
 const STICK_VELOCITY_RAD_S: f64 = 0.04;
-/// Points of the ring per detent.
 const POINTS_PER_DETENT: f64 = 16.0;
 /// Change of the detents, as a share of their depth and distance, that is not drawn.
 const UNSEEN: f64 = 0.01;
@@ -23,11 +22,8 @@ const MOST_DETENTS: f64 = 180.0;
 /// Whether the knob sticks, and if not which way it slips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// At rest, held by static friction.
     Sticking,
-    /// Turning towards positive angle.
     SlippingPositive,
-    /// Turning towards negative angle.
     SlippingNegative,
 }
 
@@ -43,7 +39,6 @@ impl Motion {
         }
     }
 
-    /// As it is shown.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Sticking => "sticking",
@@ -111,7 +106,6 @@ pub struct KnobUpdate {
     pub detents: Option<DetentRing>,
 }
 
-/// Follows the knob.
 #[derive(Clone, Debug, Default)]
 pub struct KnobTrack {
     turns: Points,
@@ -123,7 +117,6 @@ pub struct KnobTrack {
 }
 
 impl KnobTrack {
-    /// Takes in what was measured.
     pub fn push(&mut self, reading: &Reading) {
         if !reading.angle_rad.is_finite() {
             return;
@@ -149,9 +142,8 @@ impl KnobTrack {
             self.next_motion_ns = newest_ns + MOTION_PERIOD_NS;
             self.motion_shown = motion;
         }
-        let detents = model
-            .and_then(|model| DetentRing::of(model, self.newest_rad))
-            .filter(|ring| self.detents_shown.as_ref().is_none_or(|shown| !shown.looks_like(ring)));
+        let ring = model.and_then(|model| DetentRing::of(model, self.newest_rad));
+        let detents = ring.filter(|ring| self.detents_shown.as_ref().is_none_or(|shown| !shown.looks_like(ring)));
         if detents.is_some() {
             self.detents_shown.clone_from(&detents);
         }
@@ -169,13 +161,9 @@ mod tests {
     }
 
     fn detents(amplitude: f64) -> KnobModel {
-        let value_of = |name: &str| match name {
-            "detent_amplitude" => Some([amplitude, 0.0]),
-            "detent_period" => Some([0.1, 0.0]),
-            "detent_phase" => Some([0.5, 0.0]),
-            _ => None,
-        };
-        KnobModel::from_estimates(value_of).unwrap()
+        let values = [("detent_amplitude", amplitude), ("detent_period", 0.1), ("detent_phase", 0.5)];
+        let value = |name: &str| values.iter().find(|(known, _)| *known == name).map(|(_, value)| [*value, 0.0]);
+        KnobModel::from_estimates(value).unwrap()
     }
 
     #[test]

@@ -45,8 +45,7 @@ pub fn torque_over_velocity(model: &KnobModel, (low, high): Extent) -> ModelCurv
     let mut drawn = ModelCurves::default();
     for (from, to) in [(low, -f64::MIN_POSITIVE), (f64::MIN_POSITIVE, high)] {
         if from < to {
-            let friction =
-                |band: f64| curve(from, to, 2, |velocity| model.zero_mnm() + model.friction_mnm(velocity) + band);
+            let friction = |band: f64| curve(from, to, 2, |velocity| model.friction_mnm(velocity) + band);
             drawn.add(friction(0.0), |velocity| model.friction_half_width_mnm(velocity));
             let range = model.range_over_angle_mnm(if from < 0.0 { from } else { to });
             drawn.curves.extend(range.into_iter().flatten().map(friction));

@@ -59,14 +59,12 @@ impl KnobModel {
     }
 
     /// The model with what a fit measured over the angle, and the half width of its 95 % interval, mNm.
-    #[must_use]
     pub fn with_characteristic(mut self, effects: &[Effect], characteristic_half_width_mnm: f64) -> Self {
         self.model.effects.extend(effects.iter().filter(|effect| effect.table().is_some()));
         Self { characteristic_half_width_mnm, ..self }
     }
 
     /// The model as the rig's torque sensor reads it, with the gripper and the sensor's zero; as it is without a calibration.
-    #[must_use]
     pub fn on_rig(mut self, calibration: Option<&Calibration>) -> Self {
         if let Some(known) = calibration {
             self.model.effects.push(Effect::new(&inertia::KIND, &[known.gripper_inertia]));
@@ -97,16 +95,11 @@ impl KnobModel {
         extent::of(table.points().iter().map(torque_mnm)).map(Into::into)
     }
 
-    /// The torque without any motion or detent, mNm.
-    pub const fn zero_mnm(&self) -> f64 {
-        self.zero_mnm
-    }
-
-    /// Coulomb and viscous friction while turning, mNm; NaN where it is not identified.
+    /// Coulomb and viscous friction while turning, with the sensor's zero, mNm; NaN where it is not identified.
     pub fn friction_mnm(&self, velocity_rad_s: f64) -> f64 {
         let motion = Motion { velocity_rad_s, ..Motion::default() };
         let friction = self.model.effect(friction::KIND.name);
-        friction.map_or(0.0, |friction| friction.friction_mnm(&motion, Direction::of(velocity_rad_s)))
+        self.zero_mnm + friction.map_or(0.0, |friction| friction.friction_mnm(&motion, Direction::of(velocity_rad_s)))
     }
 
     /// Amplitude, mNm, period, rad, and phase, rad, of the detents, once all are identified.

@@ -1,7 +1,7 @@
 //! Who is at the other end of a connection within this machine.
 //!
-//! A port at the loopback address is open to every user of the machine. The kernel's tables of connections say whose
-//! socket is at the other end, so that only that user sees the capture.
+//! A port at the loopback address is open to every user of the machine; the kernel's tables of connections say whose socket
+//! is at the other end.
 
 use std::net::{IpAddr, SocketAddr};
 
@@ -15,16 +15,11 @@ const ESTABLISHED: &str = "01";
 /// From this machine: to our own user, to root, and to the user who became root by `sudo` to capture. From another one:
 /// to anybody, since the page is reached from there only where the operator has bound it to a network.
 pub fn may_look(peer: SocketAddr, here: SocketAddr) -> bool {
+    let before_sudo = || std::env::var("SUDO_UID").ok().filter(|_| geteuid().is_root())?.parse().ok();
     match owner(peer, here) {
-        Some(user) => user == geteuid() || user.is_root() || Some(user) == before_sudo(),
+        Some(user) => user == geteuid() || user.is_root() || before_sudo() == Some(user.as_raw()),
         None => !peer.ip().to_canonical().is_loopback() && peer.ip() != here.ip(),
     }
-}
-
-/// Who called `sudo`, if we are root by it.
-fn before_sudo() -> Option<Uid> {
-    let user = std::env::var("SUDO_UID").ok().filter(|_| geteuid().is_root())?;
-    user.parse().ok().map(Uid::from_raw)
 }
 
 /// Whose socket on this machine is at `peer` and connected to `here`.

@@ -1,4 +1,4 @@
-//! How the processes of the run fare: whether each is alive, how often it was late, what it lost, how often it was restarted.
+//! How the processes of the run fare.
 
 use shared_types::{LoopState, LoopStatus, ProcessHealth, ProcessKind};
 
@@ -13,11 +13,9 @@ const SILENT_S: f64 = 2.0;
 /// A consumer as its last report has it.
 #[derive(Clone, Copy, Debug)]
 pub struct Process {
-    /// Which one.
     pub kind: ProcessKind,
-    /// The report.
     pub report: ProcessHealth,
-    /// Share of one core since the report before, percent; NaN for the first report.
+    /// Share of one core since the report before, percent; NaN for the first report of a process.
     cpu_share_percent: f64,
     /// Reports so far whose newest sample was older than [`LATE_MS`].
     late_reports: u64,
@@ -50,31 +48,25 @@ impl Processes {
         let kind = ProcessKind::from_code(report.process)?;
         let place = self.0.partition_point(|process| process.report.process < report.process);
         let before = self.0.get(place).copied().filter(|process| process.kind == kind);
+        // After a restart the CPU time begins anew and cannot be compared.
+        let comparable = before.map(|before| before.report).filter(|before| {
+            before.process_id == report.process_id && before.monotonic_time_ns < report.monotonic_time_ns
+        });
+        let cpu_share_percent = comparable.map_or(f64::NAN, |before| {
+            let cpu_time_ns = report.cpu_time_ns.saturating_sub(before.cpu_time_ns);
+            100.0 * cpu_time_ns as f64 / (report.monotonic_time_ns - before.monotonic_time_ns) as f64
+        });
         let late_before = before.map_or(0, |before| before.late_reports);
-        let process = Process {
-            kind,
-            report: *report,
-            cpu_share_percent: before.map_or(f64::NAN, |before| cpu_share_percent(&before.report, report)),
-            late_reports: late_before + u64::from(latency_ms(report) > LATE_MS),
-        };
+        let late_reports = late_before + u64::from(latency_ms(report) > LATE_MS);
+        let process = Process { kind, report: *report, cpu_share_percent, late_reports };
         self.0.splice(place..place + usize::from(before.is_some()), [process]);
         self.0.get(place)
     }
 }
 
-/// NaN after a restart: the CPU time begins anew and cannot be compared.
-fn cpu_share_percent(before: &ProcessHealth, now: &ProcessHealth) -> f64 {
-    if before.process_id != now.process_id || before.monotonic_time_ns >= now.monotonic_time_ns {
-        return f64::NAN;
-    }
-    let cpu_time_ns = now.cpu_time_ns.saturating_sub(before.cpu_time_ns);
-    100.0 * cpu_time_ns as f64 / (now.monotonic_time_ns - before.monotonic_time_ns) as f64
-}
-
 /// One process, the control loop or a consumer, at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Its program's name.
     pub name: &'static str,
     /// Whether it is there, in a few words.
     alive: String,
@@ -98,14 +90,11 @@ pub fn rows(run: &Run, now_ns: u64) -> Vec<Row> {
 }
 
 fn control_loop(status: &LoopStatus, source_gone: bool, now_ns: u64) -> Row {
-    let (alive, alarm) = if source_gone {
-        ("gone".to_owned(), true)
-    } else if LoopState::from_code(status.state) == Some(LoopState::Fault) {
-        ("fault".to_owned(), true)
-    } else if status.finished != 0 {
-        ("ended".to_owned(), false)
-    } else {
-        alive(status.monotonic_time_ns, now_ns)
+    let (alive, alarm) = match LoopState::from_code(status.state) {
+        _ if source_gone => ("gone".to_owned(), true),
+        Some(LoopState::Fault) => ("fault".to_owned(), true),
+        _ if status.finished != 0 => ("ended".to_owned(), false),
+        _ => alive(status.monotonic_time_ns, now_ns),
     };
     let (late, lost) = (status.overruns, status.dropped_samples);
     Row { name: "rt-loop", alive, alarm, late, lost, restarts: 0, used: Default::default() }
@@ -164,12 +153,8 @@ mod tests {
     const NOW_NS: u64 = 100_000_000_000;
 
     fn report(process_id: u32, monotonic_time_ns: u64) -> ProcessHealth {
-        ProcessHealth {
-            process: ProcessKind::Recorder.code(),
-            process_id,
-            monotonic_time_ns,
-            ..ProcessHealth::default()
-        }
+        let process = ProcessKind::Recorder.code();
+        ProcessHealth { process, process_id, monotonic_time_ns, ..ProcessHealth::default() }
     }
 
     #[test]
@@ -223,6 +208,7 @@ mod tests {
     fn a_control_loop_that_died_calls_for_the_operator() {
         let status = LoopStatus { monotonic_time_ns: NOW_NS, ..LoopStatus::default() };
         let run = Run { status: Some(status), source_gone: true, ..Run::default() };
-        assert_eq!((rows(&run, NOW_NS)[0].in_words().as_str(), rows(&run, NOW_NS)[0].alarm), ("gone", true));
+        let row = &rows(&run, NOW_NS)[0];
+        assert_eq!((row.in_words().as_str(), row.alarm), ("gone", true));
     }
 }

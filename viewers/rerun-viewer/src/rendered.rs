@@ -14,8 +14,7 @@ pub struct RenderedModel {
 }
 
 impl RenderedModel {
-    /// The model of `change`, which gives way to `before`.
-    /// An error says what is wrong with the model's text.
+    /// The model of `change`, which gives way to `before`. An error says what is wrong with the model's text.
     pub fn new(change: &ModelChange, before: Option<Self>, rate_hz: f64) -> Result<Self, ModelError> {
         let model = change.model()?;
         Ok(Self { model, before: before.map(|before| before.model), from_s: change.tick as f64 / rate_hz })

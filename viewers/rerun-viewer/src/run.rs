@@ -16,23 +16,18 @@ pub struct Run {
     pub id: Option<u64>,
     /// Whether what is shown turns, once that is known.
     pub axis: Option<Axis>,
-    /// What the run is.
     pub description: Option<RunDescription>,
     /// Of the rig; without one the model's torque is drawn as if the rig were ideal.
     pub calibration: Option<Calibration>,
-    /// The control loop's word about itself.
     pub status: Option<LoopStatus>,
     /// Whether the control loop died before its run had ended.
     pub source_gone: bool,
     /// The model fitted so far.
     pub fit: Option<FitUpdate>,
-    /// The model that is rendered.
     pub rendered: Option<RenderedModel>,
     /// The consumers.
     pub processes: Processes,
-    /// The newest reading.
     pub newest: Option<Reading>,
-    /// Whether the knob sticks.
     pub motion: Option<Motion>,
     /// Whether all of a finished capture was taken in.
     pub capture_ended: bool,

@@ -1,10 +1,10 @@
 //! Draws what is pressed or slid in space: a rail with a scale in mm, a body that moves along it, the detents beside it.
 //!
-//! The rail goes from left to right and is two units long; the travel's range is fitted to it, and changes as a plot's axis does.
+//! The travel's range is fitted to the rail, and changes as a plot's axis does.
 
 use dynamics::Axis as MotionAxis;
 use rerun::components::FillMode;
-use rerun::{Boxes3D, RecordingStream, RecordingStreamResult, Scale3D, TimeColumn, Transform3D};
+use rerun::{Boxes3D, RecordingStream, RecordingStreamResult, TimeColumn, Transform3D};
 
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
@@ -13,9 +13,8 @@ use crate::knob_drawing::{color, draw_detents, label};
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
 use crate::palette::NEUTRAL;
 use crate::plot_axes::Axis;
-use crate::strokes::{labels, lines, single};
+use crate::strokes::{labels, lines, scaled, single};
 
-/// Half of the rail's length.
 const HALF_RAIL: f64 = 1.2;
 /// Where the line of detents lies where their force is nothing.
 const DETENTS_Y: f64 = 0.45;
@@ -87,13 +86,8 @@ fn draw_rail(recording: &RecordingStream, scale: &Axis) -> RecordingStreamResult
     let (places, texts): (Vec<_>, Vec<_>) =
         ticks.into_iter().map(|(travel_mm, label)| (at(travel_mm, -0.5), format!("{label} mm"))).unzip();
     recording.log_static(format!("{KNOB}/rail/labels"), &labels(places, texts))?;
-    recording.log_static(
-        format!("{KNOB}/travel"),
-        &Transform3D::from_translation_scale(
-            [single(place(scale, 0.0)), 0.0, 0.0],
-            Scale3D::from([single(units_in_mm(scale)), 1.0, 1.0]),
-        ),
-    )
+    let in_mm = scaled([units_in_mm(scale), 1.0], [place(scale, 0.0), 0.0]);
+    recording.log_static(format!("{KNOB}/travel"), &in_mm)
 }
 
 /// The body in the colour of its motion, which is also written over it.

@@ -2,8 +2,7 @@
 //!
 //! rerun's own server gives its stream to every user of the machine, waits for its slowest reader, and its page loses the
 //! stream for good when the process dies. This page asks instead: twice a second `/status` for the figures, and `/drawn`
-//! for what is new whenever its viewer has taken in what it was given. Nothing is held open for it, and when another process
-//! answers than before it goes on with that one, in the same tab.
+//! for what is new whenever its viewer has taken in what it was given. Nothing is held open for it.
 
 pub mod server;
 
@@ -14,11 +13,11 @@ use hyper::body::{Bytes, Incoming};
 use hyper::header;
 use hyper::{Method, Request, Response, StatusCode};
 use re_web_viewer_server::WebViewerData;
-use serde::Serialize;
 
 use crate::drawing::TIMELINE;
-use crate::drawn::{Contents, Drawn};
+use crate::drawn::Drawn;
 use crate::glance::SharedGlance;
+use crate::lock::lock;
 
 struct Pages {
     /// Whether the page is to be reached from other machines, by whatever name they know this one.
@@ -36,8 +35,7 @@ const SCRIPT: &str = "text/javascript";
 const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; \
                       img-src 'self' data: blob:; worker-src 'self' blob:; frame-ancestors 'self'";
 
-/// Serves the page as long as the process lives.
-/// Fails when rerun's program for browsers or a thread is not available.
+/// Serves the page as long as the process lives. Fails when rerun's program for browsers or a thread is not available.
 pub fn serve(listener: TcpListener, glance: SharedGlance, drawn: Drawn) -> anyhow::Result<()> {
     let open_to_network = !listener.local_addr()?.ip().is_loopback();
     let instance = format!("{}-{}", std::process::id(), shared_types::rig::monotonic_time_ns());
@@ -87,7 +85,7 @@ impl Pages {
 
     /// The figures, with who answers and the timeline by which the page tells how far it has come.
     fn status(&self) -> String {
-        let mut status = self.glance.get();
+        let mut status = lock(&self.glance).clone();
         status["instance"] = self.instance.as_str().into();
         status["timeline"] = TIMELINE.into();
         status.to_string()
@@ -105,19 +103,12 @@ impl Pages {
             (0, value("to").map(|_| 0))
         };
         let (contents, file) = self.drawn.answer(from, to)?;
-        let mut answer = serde_json::to_vec(&DrawnHead { instance: &self.instance, contents })?;
-        answer.push(b'\n');
+        let mut head = serde_json::to_value(contents)?;
+        head["instance"] = self.instance.as_str().into();
+        let mut answer = format!("{head}\n").into_bytes();
         answer.extend(file);
         Ok(answer)
     }
-}
-
-/// The first line of an answer to `/drawn`.
-#[derive(Serialize)]
-struct DrawnHead<'a> {
-    instance: &'a str,
-    #[serde(flatten)]
-    contents: Contents,
 }
 
 fn empty(status: StatusCode) -> Response<Full<Bytes>> {
