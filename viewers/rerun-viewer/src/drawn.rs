@@ -97,8 +97,8 @@ impl Drawn {
         for (store, chunk) in chunks {
             messages.push(LogMsg::ArrowMsg(store, chunk.to_arrow_msg()?));
         }
-        let file = if messages.is_empty() { Vec::new() } else { encode(&messages)? };
-        Ok((contents, file))
+        let encoded = if messages.is_empty() { Ok(Vec::new()) } else { encode(&messages) };
+        Ok((contents, encoded.context("what was drawn cannot be encoded")?))
     }
 }
 
@@ -200,15 +200,12 @@ fn merged(chunks: Vec<(StoreId, Chunk)>) -> anyhow::Result<Vec<(StoreId, Chunk)>
 }
 
 fn encode(messages: &[LogMsg]) -> anyhow::Result<Vec<u8>> {
-    let encode = || {
-        let mut encoder = Encoder::local()?;
-        // An index for whoever seeks in a file; here each is read once from its beginning.
-        encoder.do_not_emit_footer();
-        encoder.extend(messages.iter().map(Ok))?;
-        encoder.finish()?;
-        encoder.into_inner()
-    };
-    encode().context("what was drawn cannot be encoded")
+    let mut encoder = Encoder::local()?;
+    // An index for whoever seeks in a file; here each is read once from its beginning.
+    encoder.do_not_emit_footer();
+    encoder.extend(messages.iter().map(Ok))?;
+    encoder.finish()?;
+    Ok(encoder.into_inner()?)
 }
 
 #[cfg(test)]

@@ -61,23 +61,19 @@ pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<
         recording.send_columns(format!("{KNOB}/turning"), [times], turned.columns_of_unit_batches()?)?;
     }
     if let Some(motion) = update.motion {
-        draw_body(recording, motion)?;
+        // The body in the colour of its motion, which is also written over it.
+        let body = Cylinders3D::from_lengths_and_radii([single(BODY_HEIGHT)], [single(BODY_RADIUS)])
+            .with_centers([[0.0, 0.0, single(BODY_HEIGHT / 2.0)]])
+            .with_colors([color(motion)])
+            .with_fill_mode(FillMode::Solid);
+        recording.log(format!("{KNOB}/turning/body"), &body)?;
+        recording.log(format!("{KNOB}/motion"), &label([0.0, 1.55, 0.0], motion.word().to_owned()))?;
     }
     if let Some(ring) = &update.detents {
         let at = |angle, depth| Some(place(angle, RING_RADIUS - depth, 0.0));
         draw_detents(recording, Axis::Rotary, ring, at)?;
     }
     Ok(())
-}
-
-/// The body in the colour of its motion, which is also written over it.
-fn draw_body(recording: &RecordingStream, motion: Motion) -> RecordingStreamResult<()> {
-    let body = Cylinders3D::from_lengths_and_radii([single(BODY_HEIGHT)], [single(BODY_RADIUS)])
-        .with_centers([[0.0, 0.0, single(BODY_HEIGHT / 2.0)]])
-        .with_colors([color(motion)])
-        .with_fill_mode(FillMode::Solid);
-    recording.log(format!("{KNOB}/turning/body"), &body)?;
-    recording.log(format!("{KNOB}/motion"), &label([0.0, 1.55, 0.0], motion.word().to_owned()))
 }
 
 pub(crate) const fn color(motion: Motion) -> Rgba32 {

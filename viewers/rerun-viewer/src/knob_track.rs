@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::frame::Points;
+use crate::model_curves::POINTS_PER_DETENT;
 use crate::model_torque::KnobModel;
 use crate::source::Reading;
 
@@ -13,7 +14,6 @@ const MOTION_PERIOD_NS: i64 = 500_000_000;
 /// Speed below which a captured knob counts as sticking, rad/s: the largest Δv of the paper's knobs (Table 6). A
 /// rendered knob says itself whether it sticks.
 const STICK_VELOCITY_RAD_S: f64 = 0.04;
-const POINTS_PER_DETENT: f64 = 16.0;
 /// Change of the detents, as a share of their depth and distance, that is not drawn.
 const UNSEEN: f64 = 0.01;
 /// Most detents in a turn that are drawn each; more would be finer than the screen.

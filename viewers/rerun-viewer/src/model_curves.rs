@@ -7,8 +7,8 @@ use crate::model_torque::KnobModel;
 
 /// Points of a curve that has no detents to resolve.
 const CURVE_POINTS: usize = 121;
-/// Points per detent of a curve that has.
-const POINTS_PER_DETENT: f64 = 16.0;
+/// Points per detent of a curve that has, and of the ring of detents.
+pub const POINTS_PER_DETENT: f64 = 16.0;
 /// Most points of a curve.
 const MAX_CURVE_POINTS: f64 = 2_000.0;
 

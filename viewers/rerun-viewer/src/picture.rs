@@ -113,7 +113,7 @@ impl Picture {
     pub fn take_samples(&mut self, run_id: u64, samples: &[Sample]) {
         self.turn_to_run(run_id);
         let Some(rate_hz) = self.run.rate_hz() else { return };
-        let is_rendered = self.run.is_rendered();
+        let is_rendered = self.run.description.as_ref().is_some_and(RunDescription::is_rendered);
         for sample in samples {
             let reading = Reading::of(sample, rate_hz, is_rendered);
             self.take_reading(&reading, Some(rate_hz));

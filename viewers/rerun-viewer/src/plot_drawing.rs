@@ -29,18 +29,14 @@ pub fn draw(
         draw_axes(recording, &root, titles, &plot.axes)?;
     }
     if !plot.points.is_empty() {
-        draw_points(recording, &root, plot)?;
+        let color = |point: &ScatterPoint| if point.turning_positive { POSITIVE } else { NEGATIVE };
+        let points = Points2D::new(plot.points.iter().map(|point| [point.x, point.torque_mnm].map(single)))
+            .with_colors(plot.points.iter().map(color))
+            .with_radii([Radius::new_ui_points(1.3)])
+            .with_draw_order(10.0);
+        recording.log(format!("{root}/quantities/measured"), &points)?;
     }
     plot.model.as_ref().map_or(Ok(()), |model| draw_model(recording, &root, axis, model))
-}
-
-fn draw_points(recording: &RecordingStream, root: &str, plot: &PlotUpdate) -> RecordingStreamResult<()> {
-    let color = |point: &ScatterPoint| if point.turning_positive { POSITIVE } else { NEGATIVE };
-    let points = Points2D::new(plot.points.iter().map(|point| [point.x, point.torque_mnm].map(single)))
-        .with_colors(plot.points.iter().map(color))
-        .with_radii([Radius::new_ui_points(1.3)])
-        .with_draw_order(10.0);
-    recording.log(format!("{root}/quantities/measured"), &points)
 }
 
 /// The model as thick lines, the ends of its interval as thin ones, and the interval in figures.

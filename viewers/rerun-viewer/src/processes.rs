@@ -6,7 +6,7 @@ use crate::numbers::{alarmed, grouped};
 use crate::run::Run;
 
 /// Age of the newest sample above which a report counts as late, ms.
-const LATE_MS: f64 = 100.0;
+const LATE_MS: u64 = 100;
 /// Silence after which a process no longer counts as alive, s; every one of them reports at least twice a second.
 const SILENT_S: f64 = 2.0;
 
@@ -24,18 +24,14 @@ pub struct Process {
 impl Process {
     /// The quantities that are drawn over time, in the order of [`HEALTH`](crate::entities::HEALTH).
     pub fn quantities(&self) -> [f64; 4] {
-        [self.cpu_share_percent, self.resident_mib(), self.report.lost_samples as f64, latency_ms(&self.report)]
+        let ProcessHealth { lost_samples, latency_ns, .. } = self.report;
+        [self.cpu_share_percent, self.resident_mib(), lost_samples as f64, latency_ns as f64 / 1e6]
     }
 
     /// Resident memory, MiB.
     fn resident_mib(&self) -> f64 {
         self.report.resident_bytes as f64 / (1024.0 * 1024.0)
     }
-}
-
-/// Age of the newest sample when it was taken, ms.
-fn latency_ms(report: &ProcessHealth) -> f64 {
-    report.latency_ns as f64 / 1e6
 }
 
 /// The consumers that have reported, in the order of their kinds.
@@ -57,7 +53,7 @@ impl Processes {
             100.0 * cpu_time_ns as f64 / (report.monotonic_time_ns - before.monotonic_time_ns) as f64
         });
         let late_before = before.map_or(0, |before| before.late_reports);
-        let late_reports = late_before + u64::from(latency_ms(report) > LATE_MS);
+        let late_reports = late_before + u64::from(report.latency_ns > LATE_MS * 1_000_000);
         let process = Process { kind, report: *report, cpu_share_percent, late_reports };
         self.0.splice(place..place + usize::from(before.is_some()), [process]);
         self.0.get(place)
@@ -142,7 +138,7 @@ pub fn markdown(run: &Run, now_ns: u64, frames_dropped: u64) -> String {
     format!(
         "| process | | late | lost | restarted | CPU | memory |\n|---|---|---:|---:|---:|---:|---:|\n{rows}\n\
          late: of rt-loop, times it missed ticks; of the others, half seconds at whose end the newest sample was older \
-         than {LATE_MS:.0} ms. lost: samples that never arrived.\n{dropped}"
+         than {LATE_MS} ms. lost: samples that never arrived.\n{dropped}"
     )
 }
 

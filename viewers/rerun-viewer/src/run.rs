@@ -46,11 +46,6 @@ impl Run {
         entities::parameters().zip(estimates).filter(|(_, estimate)| estimate.is_in_model())
     }
 
-    /// Whether a model is rendered.
-    pub fn is_rendered(&self) -> bool {
-        self.description.as_ref().is_some_and(RunDescription::is_rendered)
-    }
-
     /// Whether the run has ended and all of it was taken in.
     pub fn finished(&self) -> bool {
         self.capture_ended || self.status.is_some_and(|status| status.finished != 0)

@@ -14,6 +14,7 @@ const RATE_HZ: f64 = 200.0;
 const POINTS: usize = 2_000;
 /// Points for the whole of a finished capture.
 const WHOLE_POINTS: usize = 8_000;
+
 /// Which quantity the torque is plotted over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Abscissa {
@@ -51,6 +52,7 @@ pub struct PlotUpdate {
     pub model: Option<ModelCurves>,
 }
 
+/// Gathers both plots.
 #[derive(Debug)]
 pub struct Scatters {
     plots: [Scatter; 2],

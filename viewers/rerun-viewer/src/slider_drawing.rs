@@ -46,7 +46,13 @@ impl Slider {
             draw_rail(recording, &scale)?;
         }
         if redrawn && let Some(motion) = self.motion {
-            draw_body(recording, motion, &scale)?;
+            // The body in the colour of its motion, which is also written over it.
+            let half_mm = single(0.13 / units_in_mm(&scale));
+            let body = Boxes3D::from_centers_and_half_sizes([[0.0, 0.0, 0.15]], [[half_mm, 0.24, 0.15]])
+                .with_colors([color(motion)])
+                .with_fill_mode(FillMode::Solid);
+            recording.log(format!("{KNOB}/travel/moving/body"), &body)?;
+            recording.log(format!("{KNOB}/motion"), &label([0.0, 1.0, 0.0], motion.word().to_owned()))?;
         }
         if redrawn && let Some(ring) = &self.detents {
             let at = |travel, depth| {
@@ -88,14 +94,4 @@ fn draw_rail(recording: &RecordingStream, scale: &Axis) -> RecordingStreamResult
     recording.log_static(format!("{KNOB}/rail/labels"), &labels(places, texts))?;
     let in_mm = scaled([units_in_mm(scale), 1.0], [place(scale, 0.0), 0.0]);
     recording.log_static(format!("{KNOB}/travel"), &in_mm)
-}
-
-/// The body in the colour of its motion, which is also written over it.
-fn draw_body(recording: &RecordingStream, motion: Motion, scale: &Axis) -> RecordingStreamResult<()> {
-    let half_mm = 0.13 / units_in_mm(scale);
-    let body = Boxes3D::from_centers_and_half_sizes([[0.0, 0.0, 0.15]], [[single(half_mm), 0.24, 0.15]])
-        .with_colors([color(motion)])
-        .with_fill_mode(FillMode::Solid);
-    recording.log(format!("{KNOB}/travel/moving/body"), &body)?;
-    recording.log(format!("{KNOB}/motion"), &label([0.0, 1.0, 0.0], motion.word().to_owned()))
 }

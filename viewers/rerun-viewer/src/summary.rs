@@ -32,9 +32,7 @@ pub fn knob_title(knob: &str) -> String {
 
 /// The state of the run in words.
 pub fn state(run: &Run) -> String {
-    let Some(status) = run.status else {
-        return "no control loop".to_owned();
-    };
+    let Some(status) = run.status else { return "no control loop".to_owned() };
     if run.source_gone {
         return "SOURCE GONE: the control loop died".to_owned();
     }
@@ -48,7 +46,6 @@ pub fn state(run: &Run) -> String {
 }
 
 fn control_loop(status: &LoopStatus) -> String {
-    let granted = status.realtime & realtime::FULL == realtime::FULL;
     let max_lateness_us = status.max_lateness_ns as f64 / 1_000.0;
     format!(
         "| control loop | |\n|---|---:|\n| samples | {} |\n| missed ticks | {} |\n| dropped samples | {} |\n\
@@ -56,7 +53,7 @@ fn control_loop(status: &LoopStatus) -> String {
         grouped(status.published_samples),
         alarmed(status.missed_ticks),
         alarmed(status.dropped_samples),
-        if granted { "granted" } else { "not granted in full" },
+        if status.realtime & realtime::FULL == realtime::FULL { "granted" } else { "not granted in full" },
     )
 }
 

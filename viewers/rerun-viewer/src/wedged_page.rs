@@ -62,9 +62,8 @@ pub(crate) fn resident_mib() -> f64 {
 #[test]
 fn pages_that_never_read_stop_no_other_and_cost_a_bounded_memory() {
     let arguments = ["rerun-viewer", "--web-port", "43000", "--memory-limit", &format!("{KEPT_MIB}MiB")];
-    let run = Run::default();
     let arguments = Arguments::parse_from(arguments);
-    let screen = Screen::open(&arguments, Subject::live(&run), SharedGlance::default()).unwrap();
+    let screen = Screen::open(&arguments, Subject::live(&Run::default()), SharedGlance::default()).unwrap();
     let address = screen.page().unwrap();
     let outbox = Arc::new(Outbox::new(4));
     let shown = screen.show_from(Arc::clone(&outbox)).unwrap();

@@ -7,17 +7,18 @@
 pub mod server;
 
 use std::net::{IpAddr, TcpListener};
+use std::sync::Arc;
 
-use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
 use hyper::header;
-use hyper::{Method, Request, Response, StatusCode};
+use hyper::{Method, Request, StatusCode};
 use re_web_viewer_server::WebViewerData;
 
 use crate::drawing::TIMELINE;
 use crate::drawn::Drawn;
 use crate::glance::SharedGlance;
 use crate::lock::lock;
+use crate::page::server::Reply;
 
 struct Pages {
     /// Whether the page is to be reached from other machines, by whatever name they know this one.
@@ -42,11 +43,11 @@ pub fn serve(listener: TcpListener, glance: SharedGlance, drawn: Drawn) -> anyho
     // Kept for as long as the process lives, so that its 40 MB are never copied for an answer.
     let viewer = Box::leak(Box::new(WebViewerData::load(None)?));
     let pages = Pages { open_to_network, viewer, instance, glance, drawn };
-    Ok(server::serve(listener, move |request| pages.answer(request), server::PATIENCE)?)
+    Ok(server::serve(listener, Arc::new(move |request: &_| pages.answer(request)), server::PATIENCE)?)
 }
 
 impl Pages {
-    fn answer(&self, request: &Request<Incoming>) -> Response<Full<Bytes>> {
+    fn answer(&self, request: &Request<Incoming>) -> Reply {
         if !self.open_to_network && !is_asked_by_address(request) {
             return empty(StatusCode::FORBIDDEN);
         }
@@ -111,7 +112,7 @@ impl Pages {
     }
 }
 
-fn empty(status: StatusCode) -> Response<Full<Bytes>> {
+fn empty(status: StatusCode) -> Reply {
     server::response(status, Bytes::new(), [])
 }
 

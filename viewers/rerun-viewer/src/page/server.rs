@@ -33,36 +33,32 @@ const MOST_HEADER: usize = 16 << 10;
 const REFUSAL: &str = "This live view belongs to another user of this machine. Start the capture as the user of this \
                        browser, or with sudo from him, or reach the page through ssh as the user who captures.\n";
 
+/// What a client is given.
+pub type Reply = Response<Full<Bytes>>;
+/// Gives the reply to a request.
+pub type Answers = Arc<dyn Fn(&Request<Incoming>) -> Reply + Send + Sync>;
+
 /// A response with these headers.
-pub fn response<const N: usize>(
-    status: StatusCode,
-    body: Bytes,
-    headers: [(HeaderName, &'static str); N],
-) -> Response<Full<Bytes>> {
+pub fn response<const N: usize>(status: StatusCode, body: Bytes, headers: [(HeaderName, &'static str); N]) -> Reply {
     let mut response = Response::new(Full::from(body));
     *response.status_mut() = status;
     response.headers_mut().extend(headers.map(|(name, value)| (name, HeaderValue::from_static(value))));
     response
 }
 
-/// Gives the answer to one request.
-pub trait Answer: Fn(&Request<Incoming>) -> Response<Full<Bytes>> + Send + Sync + 'static {}
-
-impl<F: Fn(&Request<Incoming>) -> Response<Full<Bytes>> + Send + Sync + 'static> Answer for F {}
-
 /// Serves everyone who connects to `listener`, on a thread of its own, as long as the process lives.
 /// Fails when there is no thread or no file descriptor for it.
-pub fn serve(listener: TcpListener, answers: impl Answer, patience: Duration) -> std::io::Result<()> {
+pub fn serve(listener: TcpListener, answers: Answers, patience: Duration) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let inside = runtime.enter();
     let listener = tokio::net::TcpListener::from_std(listener)?;
     drop(inside);
-    let accept = move || runtime.block_on(accept(listener, Arc::new(answers), patience));
+    let accept = move || runtime.block_on(accept(listener, answers, patience));
     std::thread::Builder::new().name("page".to_owned()).spawn(accept).map(drop)
 }
 
-async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, patience: Duration) {
+async fn accept(listener: tokio::net::TcpListener, answers: Answers, patience: Duration) {
     let (mut ours, mut others) = (Connections::new(), Connections::new());
     loop {
         let Ok((client, peer)) = listener.accept().await else {
@@ -84,7 +80,7 @@ async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, pa
 }
 
 /// Serves one connection to its end; without `answers` whoever is there is sent away.
-async fn attend(client: TcpStream, answers: Option<Arc<impl Answer>>, asked: LastRequest, patience: Duration) {
+async fn attend(client: TcpStream, answers: Option<Answers>, asked: LastRequest, patience: Duration) {
     let socket = socket2::SockRef::from(&client);
     if socket.set_tcp_nodelay(true).and_then(|()| socket.set_tcp_user_timeout(Some(patience))).is_err() {
         return;
@@ -139,7 +135,7 @@ pub(crate) mod tests {
     fn serving(body: impl Fn() -> Bytes + Send + Sync + 'static, patience: Duration) -> SocketAddr {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let address = listener.local_addr().unwrap();
-        serve(listener, move |_: &Request<Incoming>| Response::new(Full::from(body())), patience).unwrap();
+        serve(listener, Arc::new(move |_: &_| Response::new(Full::from(body()))), patience).unwrap();
         address
     }
 
