@@ -23,7 +23,8 @@ pub enum Verdict {
 
 /// Where model and captures disagree, what is missing, and what adding it does.
 ///
-/// Serialises to the JSON of `diagnose --json`, and is read from it but for what that leaves out. RMS values are those of the rows: torque and model, masked where the
+/// Serialises to the JSON of `diagnose --json`, and is read from it but for what that leaves out.
+/// RMS values are those of the rows: torque and model, masked where the
 /// knob may stick and low-passed to [`Diagnosis::band_hz`], in mNm.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Diagnosis {
@@ -329,5 +330,24 @@ impl Diagnosis {
                 )
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rival;
+
+    #[test]
+    fn a_number_that_is_not_finite_is_read_from_what_json_makes_of_it() {
+        let written = Rival {
+            effect: "backlash",
+            heldout_rms_after: 0.1,
+            evidence: 3.0,
+            probability: f64::INFINITY,
+            disqualified: None,
+        };
+        let json = serde_json::to_string(&written).unwrap_or_default();
+        let read = serde_json::from_str::<Rival>(json.leak());
+        assert!(read.is_ok_and(|rival| rival.effect == "backlash" && rival.probability.is_nan()));
     }
 }

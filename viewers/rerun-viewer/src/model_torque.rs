@@ -73,8 +73,8 @@ impl KnobModel {
         self
     }
 
-    /// The whole torque, mNm, at an angle, rad, a velocity, rad/s, and an acceleration, rad/s²; without friction at rest, NaN where
-    /// that is not identified.
+    /// The whole torque, mNm, at an angle, rad, a velocity, rad/s, and an acceleration, rad/s²; without friction at rest,
+    /// NaN where that is not identified.
     pub fn torque_mnm(&self, angle_rad: f64, velocity_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
         let motion = Motion { angle_rad, velocity_rad_s, acceleration_rad_s2, ..Motion::default() };
         self.zero_mnm + self.model.torque_mnm(&motion)

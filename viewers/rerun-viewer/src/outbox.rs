@@ -48,8 +48,7 @@ impl<T> Outbox<T> {
         lock(&self.state).queue.len() >= self.capacity
     }
 
-    /// Takes the oldest item, waiting for one up to `limit`.
-    /// An error is [`RecvTimeoutError::Timeout`] when nothing came in time, [`RecvTimeoutError::Disconnected`] when nothing will come.
+    /// Takes the oldest item, waiting for one up to `limit`; the error says whether one may still come.
     pub fn take(&self, limit: Duration) -> Result<T, RecvTimeoutError> {
         let waited =
             self.filled.wait_timeout_while(lock(&self.state), limit, |state| state.queue.is_empty() && !state.closed);
