@@ -3,7 +3,7 @@
 use crate::Motion;
 
 /// The motor that turns a knob, as the rig's calibration and a capture tell it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RigMotor {
     /// Inertia on the motor's side of the torque sensor, mNm·s²/rad.
     pub inertia: f64,

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use dynamics::Model;
 use dynamics::simulate::RigMotor;
+use serde::Deserialize as _;
 
 use super::verdict::locate::Location;
 use crate::regression::characteristic::CharacteristicPoint;
 
 /// What is missing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Nothing: the model leaves what the sensors' noise leaves.
@@ -22,15 +23,17 @@ pub enum Verdict {
 
 /// Where model and captures disagree, what is missing, and what adding it does.
 ///
-/// Serialises to the JSON of `diagnose --json`. RMS values are those of the rows: torque and model, masked where the
+/// Serialises to the JSON of `diagnose --json`, and is read from it but for what that leaves out.
+/// RMS values are those of the rows: torque and model, masked where the
 /// knob may stick and low-passed to [`Diagnosis::band_hz`], in mNm.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Diagnosis {
     /// What is missing.
     pub verdict: Verdict,
     /// Whether nothing else is missing.
     pub complete: bool,
     /// The effects that were added, strongest first. Beside [`Verdict::OutsideLibrary`] something else is left.
+    #[serde(borrow)]
     pub effects: Vec<&'static str>,
     /// In one sentence.
     pub summary: String,
@@ -54,10 +57,10 @@ pub struct Diagnosis {
     /// What was added, in this order.
     pub steps: Vec<Step>,
     /// What has no name and is part of the final model all the same: measured over the coordinate that it goes with.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub characteristics: Vec<Characteristic>,
     /// Effects that explain part of what is outside the catalogue; not names of what is missing.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub partial: Vec<Partial>,
     /// Where the model without further effects and the training capture disagree.
     #[serde(rename = "where")]
@@ -71,7 +74,7 @@ pub struct Diagnosis {
     /// Upper edge of the comparison, Hz.
     pub band_hz: f64,
     /// What a reader of the numbers should know.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
     /// The model with all that was added.
     #[serde(skip)]
@@ -89,7 +92,7 @@ pub struct Diagnosis {
 }
 
 /// How well the held-out motion follows from the torque commanded from the rig's motor.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ForwardFromCommand {
     /// RMS error of the angle predicted over a window, rad: with the first model, and then with each step's effect more.
     pub angle_rms_rad: Vec<f64>,
@@ -108,14 +111,15 @@ impl ForwardFromCommand {
 }
 
 /// An effect that was added.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Step {
     /// Standard name.
     pub effect: &'static str,
     /// Its parameters in the final model; of unequal detents each has its own below.
+    #[serde(borrow)]
     pub parameters: BTreeMap<&'static str, Value>,
     /// The detents one by one, where they are what differs.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detents: Vec<UnequalDetent>,
     /// RMS on the training capture before and after, mNm.
     pub train_rms_before: f64,
@@ -128,9 +132,11 @@ pub struct Step {
     /// Gain in log-likelihood of both captures less the cost of the effect's freedom, nats.
     pub evidence: f64,
     /// Standard errors by which stretch after stretch of both captures is explained better.
+    #[serde(deserialize_with = "number_or_nan")]
     pub steadiness: f64,
     /// Share of false discoveries among the effects tried in this step that predict stretches of the held-out capture as
     /// well as this one (Benjamini and Hochberg 1995).
+    #[serde(deserialize_with = "number_or_nan")]
     pub false_discovery_rate: f64,
     /// RMS on the held-out capture with a null test of as many parameters: the effect's own columns at the wrong time, mNm.
     pub placebo_rms: f64,
@@ -141,7 +147,7 @@ pub struct Step {
 }
 
 /// A parameter of an effect that was added.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Value {
     /// Best value.
     pub value: f64,
@@ -152,7 +158,8 @@ pub struct Value {
 }
 
 /// One detent of a knob whose detents differ.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(bound(deserialize = "'de: 'static"))]
 pub struct UnequalDetent {
     /// Angle at which the knob rests.
     pub rest: Value,
@@ -165,7 +172,7 @@ pub struct UnequalDetent {
 }
 
 /// Another effect in the place of the one that was added.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Rival {
     /// Standard name.
     pub effect: &'static str,
@@ -174,6 +181,7 @@ pub struct Rival {
     /// Gain in evidence, nats.
     pub evidence: f64,
     /// Probability beside all others, prior odds being even.
+    #[serde(deserialize_with = "number_or_nan")]
     pub probability: f64,
     /// Why it cannot be the one, if so: a parameter on its bound.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -181,7 +189,7 @@ pub struct Rival {
 }
 
 /// An effect that explains part of what remains.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Partial {
     /// Standard name.
     pub effect: &'static str,
@@ -193,7 +201,7 @@ pub struct Partial {
 }
 
 /// A torque without a name, measured over one coordinate.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Characteristic {
     /// The effect of the model that holds it.
     pub effect: &'static str,
@@ -210,6 +218,7 @@ pub struct Characteristic {
     /// And after, mNm.
     pub heldout_rms_after: f64,
     /// Share of false discoveries among the splines tried that predict stretches of the held-out capture as well.
+    #[serde(deserialize_with = "number_or_nan")]
     pub false_discovery_rate: f64,
     /// RMS on the held-out capture with the same spline at the wrong time, mNm.
     pub placebo_rms: f64,
@@ -218,7 +227,7 @@ pub struct Characteristic {
 }
 
 /// A capture on which rivals differ most.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct NextExperiment {
     /// Name of the excitation, as `capture --sweep` takes it.
     pub excitation: String,
@@ -236,8 +245,13 @@ pub struct NextExperiment {
     pub reason: String,
 }
 
+/// A number as JSON has it: null where it is not finite.
+pub(super) fn number_or_nan<'de, D: serde::Deserializer<'de>>(json: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(json)?.unwrap_or(f64::NAN))
+}
+
 /// One row of a comparison, for plots.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Row {
     /// Time, s.
     pub t_s: f64,
@@ -319,5 +333,24 @@ impl Diagnosis {
                 )
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rival;
+
+    #[test]
+    fn a_number_that_is_not_finite_is_read_from_what_json_makes_of_it() {
+        let written = Rival {
+            effect: "backlash",
+            heldout_rms_after: 0.1,
+            evidence: 3.0,
+            probability: f64::INFINITY,
+            disqualified: None,
+        };
+        let json = serde_json::to_string(&written).unwrap_or_default();
+        let read = serde_json::from_str::<Rival>(json.leak());
+        assert!(read.is_ok_and(|rival| rival.effect == "backlash" && rival.probability.is_nan()));
     }
 }

@@ -34,7 +34,7 @@ pub struct MeasuredCurve {
 }
 
 /// A point of a measured characteristic.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CharacteristicPoint {
     /// Where, rad or rad/s.
     pub at: f64,

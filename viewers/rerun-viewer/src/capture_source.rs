@@ -4,7 +4,7 @@ use std::path::Path;
 
 use archive::Capture;
 use dynamics::{Calibration, Model};
-use identification::{Fit, FitOptions};
+use identification::{Fit, FitOptions, MeasuredCurve};
 use loaded_capture::LoadedCapture;
 
 use crate::capture_summary;
@@ -18,7 +18,6 @@ const SAMPLES_PER_POLL: usize = 20_000;
 /// Time over which the direction of motion is determined for a table without a velocity, s.
 const DIRECTION_SPAN_S: f64 = 0.01;
 
-/// A capture, read and fitted.
 pub struct CaptureSource {
     capture: Capture,
     calibration: Option<Calibration>,
@@ -29,9 +28,7 @@ pub struct CaptureSource {
 
 impl CaptureSource {
     /// Reads a capture and fits it; a capture that cannot be fitted is shown without a model.
-    ///
-    /// # Errors
-    /// One sentence on what is wrong with the file.
+    /// An error is one sentence on what is wrong with the file.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let loaded = LoadedCapture::load(path)?;
         let axis = loaded.capture.axis;
@@ -46,7 +43,6 @@ impl CaptureSource {
         Ok(Self { capture, calibration, fit, next_row: 0 })
     }
 
-    /// Number of samples.
     pub fn samples(&self) -> usize {
         self.capture.len()
     }
@@ -62,20 +58,19 @@ impl CaptureSource {
         }
     }
 
-    fn readings(&self, rows: std::ops::Range<usize>) -> Vec<Reading> {
+    fn reading(&self, row: usize) -> Reading {
         let Capture { t_s, angle_rad, velocity_rad_s, acceleration_rad_s2, torque_mnm, contact, .. } = &self.capture;
-        let or_nan = |column: &Option<Vec<f64>>, row: usize| column.as_ref().map_or(f64::NAN, |column| column[row]);
-        rows.map(|row| Reading {
+        let or_nan = |column: &Option<Vec<f64>>| column.as_ref().map_or(f64::NAN, |column| column[row]);
+        Reading {
             time_ns: nanoseconds(t_s[row]),
             angle_rad: angle_rad[row],
-            velocity_rad_s: or_nan(velocity_rad_s, row),
-            acceleration_rad_s2: or_nan(acceleration_rad_s2, row),
+            velocity_rad_s: or_nan(velocity_rad_s),
+            acceleration_rad_s2: or_nan(acceleration_rad_s2),
             torque_mnm: torque_mnm[row],
-            contact: or_nan(contact, row),
+            contact: or_nan(contact),
             turning_positive: self.turning_positive(row),
             ..Reading::default()
-        })
-        .collect()
+        }
     }
 
     /// From the velocity, or else from the angle shortly before and shortly after.
@@ -84,7 +79,6 @@ impl CaptureSource {
         if let Some(velocity_rad_s) = velocity_rad_s {
             return velocity_rad_s[row] > 0.0;
         }
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
         let reach = ((DIRECTION_SPAN_S / 2.0 * rate_hz) as usize).max(1);
         let last = angle_rad.len() - 1;
         angle_rad[(row + reach).min(last)] > angle_rad[row.saturating_sub(reach)]
@@ -93,7 +87,7 @@ impl CaptureSource {
 
 impl Source for CaptureSource {
     fn poll(&mut self, _samples_wanted: bool, picture: &mut Picture) -> anyhow::Result<()> {
-        if picture.run().finished() {
+        if picture.run.finished() {
             return Ok(());
         }
         let (start, all) = (self.next_row, self.capture.len());
@@ -103,17 +97,13 @@ impl Source for CaptureSource {
             picture.describe_capture(axis, axis.words(&text).into_owned());
         }
         self.next_row = (start + SAMPLES_PER_POLL).min(all);
-        picture.take_readings(&self.readings(start..self.next_row));
+        (start..self.next_row).for_each(|row| picture.take_reading(&self.reading(row), None));
         if self.next_row == all {
             let (fit, calibration) = (self.fit.as_ref().ok(), self.calibration.as_ref());
             let model = fit.and_then(curves).map(|knob| knob.on_rig(calibration));
-            picture.end_capture(model, &fit.map(|fit| torque(fit, calibration)).unwrap_or_default());
+            picture.end_capture(model, fit.into_iter().flat_map(|fit| torque(fit, calibration)));
         }
         Ok(())
-    }
-
-    fn can_wait(&self) -> bool {
-        true
     }
 }
 
@@ -129,24 +119,22 @@ fn curves(fit: &Fit) -> Option<KnobModel> {
 
 /// RMS half width of the interval of the torque measured over the angle, both directions alike, mNm; zero without one.
 fn characteristic_half_width_mnm(fit: &Fit) -> f64 {
-    let squares = fit.characteristics.iter().map(|curve| {
-        let squares =
-            curve.points.iter().filter_map(|point| point.ci95).map(|[low, high]| (0.5 * (high - low)).powi(2));
-        let (sum, count) = squares.fold((0.0, 0.0_f64), |(sum, count), square| (sum + square, count + 1.0));
-        sum / count.max(1.0)
-    });
-    squares.sum::<f64>().sqrt()
+    let mean_square = |curve: &MeasuredCurve| {
+        let intervals = curve.points.iter().filter_map(|point| point.ci95);
+        let squares: Vec<f64> = intervals.map(|[low, high]| (0.5 * (high - low)).powi(2)).collect();
+        squares.iter().sum::<f64>() / squares.len().max(1) as f64
+    };
+    fit.characteristics.iter().map(mean_square).sum::<f64>().sqrt()
 }
 
 /// Times, ns, with the torque of the effects as fitted at the motion that the fit made out, mNm; none where the knob may stick.
-fn torque(fit: &Fit, calibration: Option<&Calibration>) -> Vec<(i64, f64)> {
+fn torque(fit: &Fit, calibration: Option<&Calibration>) -> impl Iterator<Item = (i64, f64)> {
     let zero_mnm = calibration.map_or(0.0, |known| known.torque_zero_mnm);
     let model = Model { effects: fit.effects().to_vec(), ..Model::default() };
-    fit.points.iter().map(|point| (nanoseconds(point.t_s), model.torque_mnm(&point.motion()) + zero_mnm)).collect()
+    fit.points.iter().map(move |point| (nanoseconds(point.t_s), model.torque_mnm(&point.motion()) + zero_mnm))
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use std::io::Write as _;
 
@@ -172,15 +160,15 @@ mod tests {
     #[test]
     fn a_table_is_shown_whole_with_the_torque_of_its_model() {
         let mut source = CaptureSource::open(table((0..50_000).map(turned(0.2))).path()).unwrap();
-        let Subject { axis, velocity, acceleration, contact, .. } = source.subject();
-        assert_eq!((axis, velocity, acceleration, contact), (dynamics::Axis::Rotary, false, false, false));
-        let readings = source.readings(0..source.samples());
+        let axis = dynamics::Axis::Rotary;
+        let columns = Subject { is_live: false, axis, velocity: false, acceleration: false, contact: false };
+        assert_eq!(source.subject(), columns);
+        let readings: Vec<Reading> = (0..source.samples()).map(|row| source.reading(row)).collect();
         assert!(readings.iter().zip(0..50_000).all(|(reading, row)| reading.time_ns == row * 1_000_000));
         assert!(readings[100].turning_positive && !readings[1_000].turning_positive);
         let fit = source.fit.as_ref().unwrap();
-        let torques = torque(fit, None);
-        assert!(!torques.is_empty());
-        for (time_ns, torque_mnm) in torques {
+        assert!(!fit.points.is_empty());
+        for (time_ns, torque_mnm) in torque(fit, None) {
             let row = usize::try_from(time_ns).unwrap() / 1_000_000;
             assert!((torque_mnm - readings[row].torque_mnm).abs() < 0.1, "at row {row}");
         }
@@ -189,10 +177,10 @@ mod tests {
         assert!((inertia.parse::<f64>().unwrap() - 0.2).abs() < 1e-5, "{text}");
         // More than one poll takes.
         let mut picture = Picture::of_capture(source.samples());
-        while !picture.run().finished() {
+        while !picture.run.finished() {
             source.poll(true, &mut picture).unwrap();
         }
-        assert_eq!(picture.run().time_ns(), 49_999_000_000);
+        assert_eq!(picture.run.time_ns(), 49_999_000_000);
     }
 
     #[test]

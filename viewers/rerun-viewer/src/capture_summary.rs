@@ -3,7 +3,7 @@
 use archive::Capture;
 use identification::{Fit, Parameter};
 
-use crate::extent::{self, Extent};
+use crate::extent;
 use crate::numbers::{self, alarmed, grouped, three_digits, with_half_width};
 use crate::summary::knob_title;
 
@@ -12,7 +12,14 @@ const SYMMETRIC: f64 = 0.01;
 
 /// The text as Markdown; `fit` is the fit, or one sentence on why there is none.
 pub fn markdown(capture: &Capture, fit: &Result<Fit, String>) -> String {
-    let ranges = numbers::ranges("signal", columns(capture));
+    let columns = [
+        ("angle_rad", Some(&capture.angle_rad)),
+        ("velocity_rad_s", capture.velocity_rad_s.as_ref()),
+        ("acceleration_rad_s2", capture.acceleration_rad_s2.as_ref()),
+        ("torque_mnm", Some(&capture.torque_mnm)),
+    ];
+    let extents = columns.map(|(name, column)| (name, column.and_then(|column| extent::of(column.iter().copied()))));
+    let ranges = numbers::ranges("signal", extents);
     let (parameters, remarks) = match fit {
         Ok(fit) => (parameters(fit), remarks(fit)),
         Err(reason) => (format!("**No model:** {reason}\n\n"), String::new()),
@@ -71,16 +78,6 @@ fn value_and_interval(parameter: &Parameter) -> String {
             if is_symmetric { with_half_width(value, half_width) } else { format!("{middle} ({low} to {high})") }
         }
     }
-}
-
-fn columns(capture: &Capture) -> [(&'static str, Option<Extent>); 4] {
-    [
-        ("angle_rad", Some(&capture.angle_rad)),
-        ("velocity_rad_s", capture.velocity_rad_s.as_ref()),
-        ("acceleration_rad_s2", capture.acceleration_rad_s2.as_ref()),
-        ("torque_mnm", Some(&capture.torque_mnm)),
-    ]
-    .map(|(name, column)| (name, column.and_then(|column| extent::of(column.iter().copied()))))
 }
 
 /// Why parameters are not identifiable, grouped by reason, and other remarks.

@@ -8,9 +8,7 @@ use crate::frame::Points;
 /// What stays of a bin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keep {
-    /// The smallest and the largest value.
     MinMax,
-    /// The largest value.
     Max,
 }
 
@@ -44,12 +42,8 @@ impl Decimator {
         let index = time_ns.div_euclid(self.bin_ns);
         match &mut self.open {
             Some(bin) if bin.index == index => {
-                if value < bin.min.1 {
-                    bin.min = (time_ns, value);
-                }
-                if value > bin.max.1 {
-                    bin.max = (time_ns, value);
-                }
+                bin.min = if value < bin.min.1 { (time_ns, value) } else { bin.min };
+                bin.max = if value > bin.max.1 { (time_ns, value) } else { bin.max };
             }
             _ => {
                 self.close_bin();
@@ -65,17 +59,13 @@ impl Decimator {
 
     /// Completes the open bin, for a stream that has ended.
     pub fn close_bin(&mut self) {
-        let Some(Bin { min, max, .. }) = self.open.take() else {
-            return;
-        };
+        let Some(Bin { min, max, .. }) = self.open.take() else { return };
         let mut keep = |(time_ns, value)| self.done.push(time_ns, &[value]);
         match self.keep {
             Keep::Max => keep(max),
             Keep::MinMax if min.0 == max.0 => keep(min),
-            Keep::MinMax => {
-                keep(if min.0 < max.0 { min } else { max });
-                keep(if min.0 < max.0 { max } else { min });
-            }
+            Keep::MinMax if min.0 < max.0 => [min, max].into_iter().for_each(keep),
+            Keep::MinMax => [max, min].into_iter().for_each(keep),
         }
     }
 }

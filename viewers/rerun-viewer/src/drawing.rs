@@ -24,10 +24,6 @@ pub struct Pen {
 }
 
 impl Pen {
-    /// Begins to draw in an empty recording.
-    ///
-    /// # Errors
-    /// When rerun refuses a style.
     pub fn new(recording: RecordingStream, axis: Axis) -> RecordingStreamResult<Self> {
         recording.set_log_tick_enabled(false);
         recording.set_log_time_enabled(false);
@@ -39,14 +35,14 @@ impl Pen {
         Ok(Self { recording, axis, plots: DrawnAxes::new(), slider })
     }
 
-    /// Draws one frame.
-    ///
-    /// # Errors
-    /// When rerun refuses a part of it.
     pub fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
         let Self { recording, axis, plots, slider } = self;
         for (entity, points) in &frame.series {
-            draw_series(recording, &axis.words(entity), points)?;
+            let Points { times_ns, values } = points;
+            let times = TimeColumn::new_duration_nanos(TIMELINE, times_ns.iter().copied());
+            let at_a_time = times_ns.iter().map(|_| values.len() / times_ns.len());
+            let values = Scalars::new(values.iter().copied()).columns(at_a_time)?;
+            recording.send_columns(axis.words(entity).as_ref(), [times], values)?;
         }
         recording.set_time(TIMELINE, TimeCell::from_duration_nanos(frame.time_ns));
         for plot in &frame.plots {
@@ -68,22 +64,11 @@ impl Pen {
     }
 
     /// Waits until everything drawn has left the recording.
-    ///
-    /// # Errors
-    /// When it cannot leave.
     pub fn flush(&self) -> anyhow::Result<()> {
         Ok(self.recording.flush_blocking()?)
     }
 }
 
-fn draw_series(recording: &RecordingStream, entity: &str, Points { times_ns, values }: &Points) -> anyhow::Result<()> {
-    let times = TimeColumn::new_duration_nanos(TIMELINE, times_ns.iter().copied());
-    let at_a_time = times_ns.iter().map(|_| values.len() / times_ns.len());
-    let values = Scalars::new(values.iter().copied()).columns(at_a_time)?;
-    Ok(recording.send_columns(entity, [times], values)?)
-}
-
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "drawn on a logarithmic scale")]
 fn draw_histogram(recording: &RecordingStream, counts: &[u64; 12]) -> RecordingStreamResult<()> {
     // A bar for each bin, at the middle of its edges; the outer two are half a decade wide.
     let edges: Vec<f64> = LATENESS_BIN_EDGES_NS.iter().map(|edge| (*edge as f64).log10()).collect();

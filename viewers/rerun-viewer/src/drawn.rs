@@ -1,12 +1,11 @@
 //! What was drawn, kept for the pages that ask for it.
 //!
-//! Everything that is drawn ends here as rerun's messages, a few for each frame. A page asks for a range of frames and is
-//! given one rerun file in which the frames are merged: one message for each entity, however many frames there are, since
-//! what rerun's program takes in costs it by the message, not by the point. What belongs to no time (layout, styles, axes,
-//! detents) is kept in its newest state as long as the viewer lives; of the run itself as much as there is room for.
+//! A page asks for a range of frames and is given one rerun file with one message for each entity, since what rerun's program
+//! takes in costs it by the message, not by the point. What belongs to no time (layout, styles, axes, detents) is kept in its
+//! newest state as long as the viewer lives; of the run itself as much as there is room for.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use anyhow::Context as _;
 use rerun::SizeBytes as _;
@@ -17,6 +16,7 @@ use rerun::sink::CallbackSink;
 use serde::Serialize;
 
 use crate::drawing::TIMELINE;
+use crate::lock::lock;
 
 /// Bytes of the run at which an answer ends. It is more than the plots show, 10 s, and as much is kept at least, for the
 /// pages that are there.
@@ -70,7 +70,6 @@ struct Piece {
 
 impl Drawn {
     /// Nothing yet; of the run no more than `limit_bytes` will be kept, or one answer.
-    #[must_use]
     pub fn new(limit_bytes: u64) -> Self {
         let limit_bytes = limit_bytes.max(ANSWER_BYTES);
         let (loose, lasting, pieces) = Default::default();
@@ -78,37 +77,28 @@ impl Drawn {
     }
 
     /// Where a recording sends what is drawn.
-    #[must_use]
     pub fn sink(&self) -> CallbackSink {
         let drawn = self.clone();
-        CallbackSink::new(move |messages| drawn.with(|kept| kept.loose.extend_from_slice(messages)))
+        CallbackSink::new(move |messages| lock(&drawn.0).loose.extend_from_slice(messages))
     }
 
     /// Makes a frame of what has come since the last one.
     pub fn seal(&self) {
-        self.with(Kept::seal);
+        lock(&self.0).seal();
     }
 
     /// The newest of the frames from one number up to another that a page lacks, as far as they are kept, as a rerun file that
     /// is empty when nothing is new. Without an end that is all that is new, and what belongs to no time besides.
-    ///
-    /// # Errors
-    /// When rerun cannot merge or encode them.
     pub fn answer(&self, from: u64, to: Option<u64>) -> anyhow::Result<(Contents, Vec<u8>)> {
-        let (contents, mut messages, chunks) = self.with(|kept| kept.pick(from, to));
+        let (contents, mut messages, chunks) = lock(&self.0).pick(from, to);
         let mut chunks = merged(chunks)?;
         // The newest row last: once the viewer holds it, it holds all of them.
         chunks.sort_by_key(|(_, chunk)| newest_ns(chunk));
         for (store, chunk) in chunks {
             messages.push(LogMsg::ArrowMsg(store, chunk.to_arrow_msg()?));
         }
-        let file = if messages.is_empty() { Vec::new() } else { encode(&messages)? };
-        Ok((contents, file))
-    }
-
-    fn with<T>(&self, work: impl FnOnce(&mut Kept) -> T) -> T {
-        // Whatever panicked in between left whole messages.
-        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        let encoded = if messages.is_empty() { Ok(Vec::new()) } else { encode(&messages) };
+        Ok((contents, encoded.context("what was drawn cannot be encoded")?))
     }
 }
 
@@ -116,9 +106,15 @@ impl Kept {
     fn seal(&mut self) {
         let (number, mut chunks) = (self.next, Vec::new());
         for message in std::mem::take(&mut self.loose) {
-            let key = match chunk_of(&message) {
-                Some((store, chunk)) if chunk.is_static() => Some(key(store, &chunk)),
-                Some((store, chunk)) => {
+            let rows = match &message {
+                LogMsg::ArrowMsg(store, data) if !store.is_blueprint() => {
+                    Chunk::from_arrow_msg(data).ok().zip(Some(store))
+                }
+                _ => None,
+            };
+            let key = match rows {
+                Some((chunk, store)) if chunk.is_static() => Some(key(store, &chunk)),
+                Some((chunk, store)) => {
                     chunks.push((store.clone(), chunk));
                     continue;
                 }
@@ -143,8 +139,7 @@ impl Kept {
     /// What an answer tells, what belongs to no time in it, and the rows of the run in the order in which they were drawn.
     fn pick(&self, from: u64, to: Option<u64>) -> (Contents, Vec<LogMsg>, Vec<(StoreId, Chunk)>) {
         let end = to.unwrap_or(self.next).min(self.next);
-        let begin = self.pieces.partition_point(|piece| piece.number < from);
-        let after = self.pieces.partition_point(|piece| piece.number < end);
+        let [begin, after] = [from, end].map(|end| self.pieces.partition_point(|piece| piece.number < end));
         let mut first = after;
         let mut bytes = 0;
         while first > begin && after - first < ANSWER_FRAMES && bytes < ANSWER_BYTES {
@@ -163,14 +158,6 @@ impl Kept {
         let new = |lasting: &&Lasting| to.is_none() && lasting.number >= from;
         let lasting = self.lasting.iter().filter(new).map(|lasting| lasting.message.clone()).collect();
         (contents, lasting, chunks)
-    }
-}
-
-/// The rows of a run in a message, if it holds some.
-fn chunk_of(message: &LogMsg) -> Option<(&StoreId, Chunk)> {
-    match message {
-        LogMsg::ArrowMsg(store, data) if !store.is_blueprint() => Some((store, Chunk::from_arrow_msg(data).ok()?)),
-        _ => None,
     }
 }
 
@@ -213,24 +200,23 @@ fn merged(chunks: Vec<(StoreId, Chunk)>) -> anyhow::Result<Vec<(StoreId, Chunk)>
 }
 
 fn encode(messages: &[LogMsg]) -> anyhow::Result<Vec<u8>> {
-    let encode = || {
-        let mut encoder = Encoder::local()?;
-        // An index for whoever seeks in a file; here each is read once from its beginning.
-        encoder.do_not_emit_footer();
-        encoder.extend(messages.iter().map(Ok))?;
-        encoder.finish()?;
-        encoder.into_inner()
-    };
-    encode().context("what was drawn cannot be encoded")
+    let mut encoder = Encoder::local()?;
+    // An index for whoever seeks in a file; here each is read once from its beginning.
+    encoder.do_not_emit_footer();
+    encoder.extend(messages.iter().map(Ok))?;
+    encoder.finish()?;
+    Ok(encoder.into_inner()?)
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use rerun::external::re_log_encoding::Decoder;
     use rerun::{RecordingStream, RecordingStreamBuilder, Scalars, TextDocument};
 
     use super::*;
+
+    /// Values that make a large share of an answer.
+    const MUCH: i64 = 40_000;
 
     /// A recording that is drawn in.
     struct Bench {
@@ -251,22 +237,14 @@ mod tests {
             self.drawn.seal();
         }
 
-        /// A piece of the run: values at this moment.
-        fn draw_values(&self, moment: i64, values: impl Iterator<Item = f64>) {
-            self.recording.set_time_sequence(TIMELINE, moment);
-            self.recording.log("value", &Scalars::new(values)).unwrap();
-            self.seal();
-        }
-
-        fn draw(&self, moments: std::ops::Range<i64>) {
-            moments.for_each(|moment| self.draw_values(moment, std::iter::once(moment as f64)));
-        }
-
-        /// Each moment a large share of an answer, and nothing that compresses.
-        fn draw_much(&self, moments: std::ops::Range<i64>) {
-            let noise =
-                |moment| (0..40_000).map(move |index| ((index * 2_654_435_761_i64 + moment) as f64).sqrt().sin());
-            moments.for_each(|moment| self.draw_values(moment, noise(moment)));
+        /// Pieces of the run: so many values at each of these moments, which do not compress.
+        fn draw(&self, moments: std::ops::Range<i64>, values: i64) {
+            let noise = |moment, index| ((index * 2_654_435_761 + moment) as f64).sqrt().sin();
+            for moment in moments {
+                self.recording.set_time_sequence(TIMELINE, moment);
+                self.recording.log("value", &Scalars::new((0..values).map(|index| noise(moment, index)))).unwrap();
+                self.seal();
+            }
         }
 
         fn draw_lasting(&self, text: &str) {
@@ -277,9 +255,9 @@ mod tests {
         /// What a page is given: the metadata, and the entities in its file with their numbers of rows.
         fn given(&self, from: u64, to: Option<u64>) -> (Contents, Vec<(String, usize)>) {
             let (contents, file) = self.drawn.answer(from, to).unwrap();
-            let messages =
-                Some(file.as_slice()).filter(|file| !file.is_empty()).map(|file| Decoder::decode_eager(file).unwrap());
-            let chunks = messages.into_iter().flatten().filter_map(|message| match message.unwrap() {
+            let file = Some(file.as_slice()).filter(|file| !file.is_empty());
+            let messages = file.into_iter().flat_map(|file| Decoder::decode_eager(file).unwrap());
+            let chunks = messages.filter_map(|message| match message.unwrap() {
                 LogMsg::ArrowMsg(_, data) => Some(Chunk::from_arrow_msg(&data).unwrap()),
                 _ => None,
             });
@@ -298,7 +276,7 @@ mod tests {
         let mut next = 0;
         for moments in [0..3, 3..5] {
             let fresh = moments.clone().count();
-            bench.draw(moments);
+            bench.draw(moments, 1);
             let (contents, chunks) = bench.given(next, None);
             assert_eq!((rows("/value", &chunks), contents.first), (fresh, next));
             next = contents.next;
@@ -309,7 +287,7 @@ mod tests {
     #[test]
     fn whoever_is_behind_is_given_one_message_for_each_entity() {
         let bench = Bench::new(u64::MAX);
-        bench.draw(0..17);
+        bench.draw(0..17, 1);
         let (contents, chunks) = bench.given(0, None);
         assert_eq!(chunks, [("/value".to_owned(), 17)]);
         assert_eq!(contents.newest_ns, Some(16));
@@ -321,7 +299,7 @@ mod tests {
     fn the_present_comes_before_the_past_and_the_past_completely() {
         let bench = Bench::new(u64::MAX);
         let frames = 3 * ANSWER_FRAMES + 5;
-        bench.draw(0..frames as i64);
+        bench.draw(0..frames as i64, 1);
         let (mut contents, chunks) = bench.given(0, None);
         assert_eq!(contents.newest_ns, Some(frames as i64 - 1));
         let mut found = rows("/value", &chunks);
@@ -340,7 +318,7 @@ mod tests {
         let bench = Bench::new(0);
         bench.draw_lasting("before");
         let (Contents { next, .. }, _) = bench.given(0, None);
-        bench.draw_much(0..20);
+        bench.draw(0..20, MUCH);
         bench.draw_lasting("after");
         let (contents, chunks) = bench.given(0, None);
         assert_eq!(rows("/text", &chunks), 1);
@@ -352,7 +330,7 @@ mod tests {
     #[test]
     fn an_answer_is_no_larger_than_it_may_be() {
         let bench = Bench::new(u64::MAX);
-        bench.draw_much(0..20);
+        bench.draw(0..20, MUCH);
         let (contents, chunks) = bench.given(0, None);
         assert!((1..20).contains(&rows("/value", &chunks)), "{chunks:?}");
         assert!(contents.first > 0, "the rest can be asked for");

@@ -8,11 +8,9 @@ use crate::scatter::PlotUpdate;
 /// Everything that is new since the frame before; a frame that is dropped is only missed.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
-    /// Identity of the run that is shown.
     pub run_id: u64,
     /// Time since the start of the run that the frame belongs to, ns.
     pub time_ns: i64,
-    /// New points of time series.
     pub series: Series,
     /// The x-y plots, when it is their turn.
     pub plots: Vec<PlotUpdate>,

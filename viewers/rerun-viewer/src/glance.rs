@@ -3,15 +3,16 @@
 //! The page asks for them twice a second, beside rerun's stream: so they are there at once, whatever the
 //! browser still has to draw, and a stream that has stopped is noticed.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
+use dynamics::ParameterKind;
 use serde_json::{Value, json};
-use shared_types::{LoopState, rig};
+use shared_types::{Estimate, LoopState, rig};
 
-use crate::entities::{self, PARAMETERS};
+use crate::entities;
 use crate::knob_track::Motion;
 use crate::numbers::value_and_interval;
-use crate::processes;
+use crate::processes::{self, Row};
 use crate::run::Run;
 use crate::summary;
 
@@ -24,10 +25,23 @@ pub fn of(run: &Run) -> Value {
         // A finished capture has no control loop that would say so.
         None => if run.finished() { "finished" } else { "waiting for a run" }.to_owned(),
     };
-    #[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
-    let max_lateness_us = status.max_lateness_ns as f64 / 1e3;
+    let processes = processes::rows(run, rig::monotonic_time_ns()).into_iter();
+    let process =
+        |row: Row| json!({ "name": row.name, "condition": row.in_words(), "alarm": row.alarm || row.lost > 0 });
+    let axis = run.axis.unwrap_or_default();
+    let parameter = |(kind, estimate): (&ParameterKind, Estimate)| {
+        // A phase is an angle whatever moves.
+        let unit = if kind.name.ends_with("_phase") { kind.unit.into() } else { axis.words(kind.unit) };
+        let value = format!("{} {unit}", value_and_interval(&estimate));
+        json!({ "name": kind.name.replace('_', " "), "value": value, "enough": estimate.is_settled() })
+    };
+    let newest =
+        run.newest.map_or([f64::NAN; 3], |newest| [newest.angle_rad, newest.velocity_rad_s, newest.torque_mnm]);
+    // As many decimals as are worth showing. What is not a number has no form in JSON and becomes null.
+    let decimals = if axis.is_rotary() { [2, 1, 1] } else { [2, 1, 3] };
+    let readings = ["angle, rad", "velocity, rad/s", "torque, mNm"].into_iter().zip(newest).zip(decimals);
+    let reading = |((name, value), decimals)| json!({ "name": axis.words(name), "value": value, "decimals": decimals });
     json!({
-        // rerun's name for the run that is shown; none before there is one.
         "recording": run.id.map(entities::recording),
         "knob": run.description.as_ref().map(|run| summary::knob_title(&run.knob)).unwrap_or_default(),
         "state": state,
@@ -35,68 +49,17 @@ pub fn of(run: &Run) -> Value {
         "alarm": has_fault || run.source_gone,
         "finished": run.finished(),
         "time_s": run.time_s(),
-        // None where the operator ends the run.
         "planned_s": run.planned_s(),
-        "readings": readings(run),
+        "readings": readings.map(reading).collect::<Value>(),
         "sticking": run.motion.map(|motion| motion == Motion::Sticking),
-        "parameters": parameters(run),
+        // Those that the model has: value and half of the 95 % interval with the unit, and whether that is enough.
+        "parameters": run.parameters().map(parameter).collect::<Value>(),
         "missed_ticks": status.missed_ticks,
-        "max_lateness_us": max_lateness_us,
-        "processes": processes(run),
+        "max_lateness_us": status.max_lateness_ns as f64 / 1e3,
+        // The control loop, then the consumers, each with how it fares and whether that calls for the operator.
+        "processes": processes.map(process).collect::<Value>(),
     })
 }
 
-/// Newest position, speed and load, each with as many decimals as are worth showing; no value before there is one.
-fn readings(run: &Run) -> Value {
-    let axis = run.axis.unwrap_or_default();
-    let newest = run.newest.as_ref();
-    let values = newest.map_or([f64::NAN; 3], |newest| [newest.angle_rad, newest.velocity_rad_s, newest.torque_mnm]);
-    let decimals = if axis.is_rotary() { [2, 1, 1] } else { [2, 1, 3] };
-    let names = ["angle, rad", "velocity, rad/s", "torque, mNm"].map(|name| axis.words(name));
-    // What is not a number has no form in JSON and becomes null.
-    let reading = |((name, value), decimals)| json!({ "name": name, "value": value, "decimals": decimals });
-    names.into_iter().zip(values).zip(decimals).map(reading).collect()
-}
-
-/// The parameters that the model has: value and half of the 95 % interval with the unit, and whether that is enough.
-fn parameters(run: &Run) -> Value {
-    let axis = run.axis.unwrap_or_default();
-    let estimates = run.fit.iter().flat_map(|fit| fit.estimates()).zip(PARAMETERS);
-    let parameter = |((name, estimate), (_, unit)): ((&str, _), (_, &'static str))| {
-        // A phase is an angle whatever moves.
-        let unit = if name.ends_with("_phase") { unit.into() } else { axis.words(unit) };
-        let value = format!("{} {unit}", value_and_interval(&estimate));
-        json!({ "name": name.replace('_', " "), "value": value, "enough": estimate.is_settled() })
-    };
-    estimates.filter(|((_, estimate), _)| estimate.is_in_model()).map(parameter).collect()
-}
-
-/// The control loop, then the consumers, each with how it fares and whether that calls for the operator.
-fn processes(run: &Run) -> Value {
-    let rows = processes::rows(run, rig::monotonic_time_ns()).into_iter();
-    rows.map(|row| json!({ "name": row.name, "condition": row.in_words(), "alarm": row.alarm || row.lost > 0 }))
-        .collect()
-}
-
 /// The newest figures, from the thread that gathers them to the one that serves them.
-#[derive(Clone, Debug)]
-pub struct SharedGlance(Arc<Mutex<Value>>);
-
-impl SharedGlance {
-    /// The first figures.
-    pub fn new(run: &Run) -> Self {
-        Self(Arc::new(Mutex::new(of(run))))
-    }
-
-    /// Replaces the figures.
-    pub fn set(&self, run: &Run) {
-        let glance = of(run);
-        // A thread that panicked amid a plain assignment left nothing half done.
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = glance;
-    }
-
-    /// The newest figures.
-    pub fn get(&self) -> Value {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-}
+pub type SharedGlance = Arc<Mutex<Value>>;

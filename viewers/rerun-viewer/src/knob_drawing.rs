@@ -16,7 +16,6 @@ use crate::palette::{MODEL, NEGATIVE, NEUTRAL, POSITIVE, STICKING, WHITE};
 use crate::plot_axes::round_step;
 use crate::strokes::{dots, labels, lines, single};
 
-/// Radius of the knob's body.
 const BODY_RADIUS: f64 = 0.5;
 /// Height of the knob's body over the dial.
 const BODY_HEIGHT: f64 = 0.34;
@@ -24,13 +23,8 @@ const BODY_HEIGHT: f64 = 0.34;
 const RING_RADIUS: f64 = 0.8;
 /// Depth of a detent whose torque is a whole step of its scale.
 const FULL_DEPTH: f64 = 0.13;
-/// Largest angle that the dial has a label for, rad.
-const LAST_LABEL_HALF_RAD: i32 = 6;
 
 /// Draws what never changes.
-///
-/// # Errors
-/// When rerun refuses a part of it.
 pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
     let circle = |radius: f64| -> Vec<[f32; 3]> {
         (0..=180).map(|step| place(f64::from(step).to_radians() * 2.0, radius, 0.0)).collect()
@@ -42,30 +36,20 @@ pub fn draw_dial(recording: &RecordingStream) -> RecordingStreamResult<()> {
     });
     let dial = std::iter::once(circle(1.0)).chain(tenths);
     recording.log_static(format!("{KNOB}/dial"), &lines(dial, NEUTRAL, 0.9))?;
-    let labelled = (-LAST_LABEL_HALF_RAD..=LAST_LABEL_HALF_RAD).filter(|half| half % 2 == 0);
-    let (places, texts): (Vec<_>, Vec<_>) = labelled
-        .map(|half| (place(f64::from(half) / 2.0, 1.2, 0.0), format!("{} rad", half / 2).replace('-', "\u{2212}")))
-        .unzip();
+    let label = |rad: i32| (place(f64::from(rad), 1.2, 0.0), format!("{rad} rad").replace('-', "\u{2212}"));
+    let (places, texts): (Vec<_>, Vec<_>) = (-3..=3).map(label).unzip();
     recording.log_static(format!("{KNOB}/dial/labels"), &labels(places, texts))?;
-    recording.log_static(
-        format!("{KNOB}/turning/pointer"),
-        &Boxes3D::from_centers_and_half_sizes(
-            [
-                [0.0, single(0.55 * BODY_RADIUS), single(BODY_HEIGHT)],
-                [0.0, single(0.5 * (BODY_RADIUS + RING_RADIUS)), 0.02],
-            ],
-            [[0.045, single(0.45 * BODY_RADIUS), 0.03], [0.012, single(0.5 * (RING_RADIUS - BODY_RADIUS)), 0.012]],
-        )
-        .with_colors([WHITE])
-        .with_fill_mode(FillMode::Solid),
-    )?;
+    // On the body, and from there to the ring.
+    let (middle, half) = (0.5 * (BODY_RADIUS + RING_RADIUS), 0.5 * (RING_RADIUS - BODY_RADIUS));
+    let centers = [[0.0, 0.55 * BODY_RADIUS, BODY_HEIGHT], [0.0, middle, 0.02]].map(|center| center.map(single));
+    let half_sizes = [[0.045, 0.45 * BODY_RADIUS, 0.03], [0.012, half, 0.012]].map(|size| size.map(single));
+    let pointer = Boxes3D::from_centers_and_half_sizes(centers, half_sizes);
+    let pointer = pointer.with_colors([WHITE]).with_fill_mode(FillMode::Solid);
+    recording.log_static(format!("{KNOB}/turning/pointer"), &pointer)?;
     recording.log_static(format!("{KNOB}/no_detents"), &lines([circle(RING_RADIUS)], NEUTRAL, 0.6))
 }
 
 /// Draws what is new at the recording's current time; angles have times of their own.
-///
-/// # Errors
-/// When rerun refuses a part of it.
 pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
     if !update.turns.times_ns.is_empty() {
         let times = TimeColumn::new_duration_nanos(TIMELINE, update.turns.times_ns.iter().copied());
@@ -77,23 +61,19 @@ pub fn draw(recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<
         recording.send_columns(format!("{KNOB}/turning"), [times], turned.columns_of_unit_batches()?)?;
     }
     if let Some(motion) = update.motion {
-        draw_body(recording, motion)?;
+        // The body in the colour of its motion, which is also written over it.
+        let body = Cylinders3D::from_lengths_and_radii([single(BODY_HEIGHT)], [single(BODY_RADIUS)])
+            .with_centers([[0.0, 0.0, single(BODY_HEIGHT / 2.0)]])
+            .with_colors([color(motion)])
+            .with_fill_mode(FillMode::Solid);
+        recording.log(format!("{KNOB}/turning/body"), &body)?;
+        recording.log(format!("{KNOB}/motion"), &label([0.0, 1.55, 0.0], motion.word().to_owned()))?;
     }
     if let Some(ring) = &update.detents {
         let at = |angle, depth| Some(place(angle, RING_RADIUS - depth, 0.0));
         draw_detents(recording, Axis::Rotary, ring, at)?;
     }
     Ok(())
-}
-
-/// The body in the colour of its motion, which is also written over it.
-fn draw_body(recording: &RecordingStream, motion: Motion) -> RecordingStreamResult<()> {
-    let body = Cylinders3D::from_lengths_and_radii([single(BODY_HEIGHT)], [single(BODY_RADIUS)])
-        .with_centers([[0.0, 0.0, single(BODY_HEIGHT / 2.0)]])
-        .with_colors([color(motion)])
-        .with_fill_mode(FillMode::Solid);
-    recording.log(format!("{KNOB}/turning/body"), &body)?;
-    recording.log(format!("{KNOB}/motion"), &label([0.0, 1.55, 0.0], motion.word().to_owned()))
 }
 
 pub(crate) const fn color(motion: Motion) -> Rgba32 {
@@ -125,7 +105,6 @@ pub(crate) fn draw_detents(
     recording.log_static(format!("{KNOB}/detents/label"), &text)
 }
 
-/// A text at a place.
 pub(crate) fn label(place: [f64; 3], text: String) -> Points3D {
     labels([place.map(single)], [text])
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::frame::Points;
+use crate::model_curves::POINTS_PER_DETENT;
 use crate::model_torque::KnobModel;
 use crate::source::Reading;
 
@@ -13,8 +14,6 @@ const MOTION_PERIOD_NS: i64 = 500_000_000;
 /// Speed below which a captured knob counts as sticking, rad/s: the largest Δv of the paper's knobs (Table 6). A
 /// rendered knob says itself whether it sticks.
 const STICK_VELOCITY_RAD_S: f64 = 0.04;
-/// Points of the ring per detent.
-const POINTS_PER_DETENT: f64 = 16.0;
 /// Change of the detents, as a share of their depth and distance, that is not drawn.
 const UNSEEN: f64 = 0.01;
 /// Most detents in a turn that are drawn each; more would be finer than the screen.
@@ -23,11 +22,8 @@ const MOST_DETENTS: f64 = 180.0;
 /// Whether the knob sticks, and if not which way it slips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// At rest, held by static friction.
     Sticking,
-    /// Turning towards positive angle.
     SlippingPositive,
-    /// Turning towards negative angle.
     SlippingNegative,
 }
 
@@ -43,7 +39,6 @@ impl Motion {
         }
     }
 
-    /// As it is shown.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Sticking => "sticking",
@@ -74,7 +69,6 @@ impl DetentRing {
         let spacing_rad = Some(TAU * period.abs()).filter(|spacing| *spacing > TAU / MOST_DETENTS)?;
         let middle = (angle_rad / TAU).round() * TAU;
         let (low, high) = (middle - PI, middle + PI);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 16 times the most detents")]
         let points = (POINTS_PER_DETENT * (TAU / spacing_rad).max(4.0)).ceil() as u32;
         // The knob rests where the torque turns positive: there its integral, the energy, is least.
         let sign = (amplitude * period).signum();
@@ -85,7 +79,6 @@ impl DetentRing {
         let offset = if amplitude * period > 0.0 { 0.0 } else { PI };
         let number = |angle: f64| (angle / period + phase - offset) / TAU;
         let (first, last) = (number(low).min(number(high)), number(low).max(number(high)));
-        #[allow(clippy::cast_possible_truncation, reason = "angles are a few turns")]
         let numbers = first.ceil() as i64..=last.floor() as i64;
         let stable_rad = numbers.map(|number| period * (TAU * number as f64 + offset - phase)).collect();
         Some(Self { depths, stable_rad, amplitude_mnm: amplitude.abs(), spacing_rad })
@@ -113,7 +106,6 @@ pub struct KnobUpdate {
     pub detents: Option<DetentRing>,
 }
 
-/// Follows the knob.
 #[derive(Clone, Debug, Default)]
 pub struct KnobTrack {
     turns: Points,
@@ -125,7 +117,6 @@ pub struct KnobTrack {
 }
 
 impl KnobTrack {
-    /// Takes in what was measured.
     pub fn push(&mut self, reading: &Reading) {
         if !reading.angle_rad.is_finite() {
             return;
@@ -151,9 +142,8 @@ impl KnobTrack {
             self.next_motion_ns = newest_ns + MOTION_PERIOD_NS;
             self.motion_shown = motion;
         }
-        let detents = model
-            .and_then(|model| DetentRing::of(model, self.newest_rad))
-            .filter(|ring| self.detents_shown.as_ref().is_none_or(|shown| !shown.looks_like(ring)));
+        let ring = model.and_then(|model| DetentRing::of(model, self.newest_rad));
+        let detents = ring.filter(|ring| self.detents_shown.as_ref().is_none_or(|shown| !shown.looks_like(ring)));
         if detents.is_some() {
             self.detents_shown.clone_from(&detents);
         }
@@ -163,7 +153,6 @@ impl KnobTrack {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 
@@ -172,13 +161,9 @@ mod tests {
     }
 
     fn detents(amplitude: f64) -> KnobModel {
-        let value_of = |name: &str| match name {
-            "detent_amplitude" => Some([amplitude, 0.0]),
-            "detent_period" => Some([0.1, 0.0]),
-            "detent_phase" => Some([0.5, 0.0]),
-            _ => None,
-        };
-        KnobModel::from_estimates(value_of).unwrap()
+        let values = [("detent_amplitude", amplitude), ("detent_period", 0.1), ("detent_phase", 0.5)];
+        let value = |name: &str| values.iter().find(|(known, _)| *known == name).map(|(_, value)| [*value, 0.0]);
+        KnobModel::from_estimates(value).unwrap()
     }
 
     #[test]
@@ -203,7 +188,8 @@ mod tests {
             assert!(ring.stable_rad.iter().any(|angle| (angle - deepest).abs() < 0.1 / 16.0 * TAU));
             for angle in ring.stable_rad {
                 // What the knob takes from the rig: positive beyond the detent, negative before it.
-                assert!(model.detent_mnm(angle + 0.05) > 0.5 && model.detent_mnm(angle - 0.05) < -0.5);
+                let torque_mnm = |angle| model.torque_mnm(angle, 0.0, 0.0);
+                assert!(torque_mnm(angle + 0.05) > 0.5 && torque_mnm(angle - 0.05) < -0.5);
             }
         }
     }

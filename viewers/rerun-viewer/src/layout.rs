@@ -15,7 +15,7 @@ use rerun::external::re_sdk_types::blueprint::components as blueprint_components
 use rerun::external::re_types_core::datatypes::{TimeRange, TimeRangeBoundary, VisibleTimeRange};
 
 use crate::drawing::TIMELINE;
-use crate::entities::{self, PARAMETERS};
+use crate::entities;
 use crate::layout_properties::{self, Properties};
 use crate::palette::GROUND;
 use crate::plot_axes::{BOX_HEIGHT, BOX_WIDTH};
@@ -26,7 +26,6 @@ use crate::scatter::Abscissa;
 const LIVE_WINDOW_S: i64 = 10;
 /// From where the knob is looked at: from above and from the front.
 const EYE: [f32; 3] = [0.0, -1.9, 2.7];
-/// What of the knob is in the middle of the view.
 const LOOK_TARGET: [f32; 3] = [0.0, -0.12, 0.0];
 
 /// What is laid out.
@@ -34,13 +33,10 @@ const LOOK_TARGET: [f32; 3] = [0.0, -0.12, 0.0];
 pub struct Subject {
     /// Whether it is the running capture, of which the last seconds are shown; of a finished one, all is.
     pub is_live: bool,
-    /// Whether the rig turns.
     pub axis: Axis,
-    /// Whether there is a velocity.
+    /// Whether there is a velocity, and so on.
     pub velocity: bool,
-    /// Whether there is an acceleration.
     pub acceleration: bool,
-    /// Whether a contact is watched.
     pub contact: bool,
 }
 
@@ -52,10 +48,6 @@ impl Subject {
     }
 }
 
-/// Sends the layout and makes it the active one.
-///
-/// # Errors
-/// When rerun refuses a part of the layout.
 pub fn send(recording: &RecordingStream, subject: Subject) -> anyhow::Result<()> {
     let window = subject.is_live.then(|| TimeRange {
         start: TimeRangeBoundary::CursorRelative((-LIVE_WINDOW_S * 1_000_000_000).into()),
@@ -94,12 +86,9 @@ impl Layout {
         self.properties.of_view(&space, "Background", ground);
         self.properties.of_view(&space, "LineGrid3D", LineGrid3D::new().with_visible(Visible(false.into())));
         let plots = Vertical::new([self.torque(), self.signal("angle_rad", &["angle_rad"])]);
-        let mut columns = vec![space, plots.into()];
-        let mut shares = vec![4.5, 3.3];
-        if is_live {
-            columns.push(text("parameters", entities::PARAMETERS_TEXT));
-            shares.push(4.7);
-        }
+        let mut columns = vec![(4.5, space), (3.3, plots.into())];
+        columns.extend(is_live.then(|| (4.7, text("parameters", entities::PARAMETERS_TEXT))));
+        let (shares, columns): (Vec<f32>, Vec<ContainerLike>) = columns.into_iter().unzip();
         Horizontal::new(columns).with_column_shares(shares).with_name(axis.words("Knob")).into()
     }
 
@@ -110,21 +99,15 @@ impl Layout {
 
     fn signals(&mut self) -> ContainerLike {
         let Subject { is_live, velocity, acceleration, contact, .. } = self.subject;
-        let mut signals = Vec::new();
         let single = [("angle_rad", true), ("velocity_rad_s", velocity), ("acceleration_rad_s2", acceleration)];
-        for (field, _) in single.into_iter().filter(|(_, is_there)| *is_there) {
-            signals.push((3.0, self.signal(field, &[field])));
-        }
+        let single = single.into_iter().filter(|(_, is_there)| *is_there);
+        let mut signals: Vec<_> = single.map(|(field, _)| (3.0, self.signal(field, &[field]))).collect();
         signals.push((4.0, self.torque()));
-        if contact {
-            signals.push((2.5, self.signal("contact (1: closed)", &["contact"])));
-        }
+        signals.extend(contact.then(|| (2.5, self.signal("contact (1: closed)", &["contact"]))));
         let (shares, signals): (Vec<f32>, Vec<ContainerLike>) = signals.into_iter().unzip();
 
         let mut plots = vec![self.plot(Abscissa::Angle)];
-        if velocity {
-            plots.push(self.plot(Abscissa::Velocity));
-        }
+        plots.extend(velocity.then(|| self.plot(Abscissa::Velocity)));
         let (tab, name) = if is_live { ("Signals and model", "run") } else { ("Capture", "capture") };
         Horizontal::new([
             Vertical::new(signals).with_row_shares(shares).into(),
@@ -166,7 +149,7 @@ impl Layout {
             ("detent phase", &["detent_phase"]),
         ];
         let views = groups.map(|(title, names)| {
-            let unit = PARAMETERS.iter().find(|(name, _)| *name == names[0]).map_or("", |(_, unit)| unit);
+            let unit = entities::parameters().find(|one| one.name == names[0]).map_or("", |one| one.unit);
             let title = format!("{title}, {unit}");
             self.series(&self.subject.axis.words(&title), names.iter().map(|name| entities::parameter(name)))
         });
@@ -213,20 +196,18 @@ impl Layout {
         let origin = axis.words(&entities::plot(abscissa)).into_owned();
         let title = format!("torque_mnm over {} (green turning positive, rose negative)", abscissa.name());
         let view: ContainerLike = Spatial2DView::new(axis.words(&title)).with_origin(origin.as_str()).into();
-        let bounds = rerun::datatypes::Range2D {
-            x_range: [-0.14 * BOX_WIDTH, 1.05 * BOX_WIDTH].into(),
-            y_range: [-0.10 * BOX_HEIGHT, 1.17 * BOX_HEIGHT].into(),
-        };
-        self.properties.of_view(&view, "VisualBounds2D", VisualBounds2D::new(bounds));
-        // Only the points pile up over time; axes and curves are the newest ones.
-        let points = format!("{origin}/quantities/measured");
+        let x_range = [-0.14 * BOX_WIDTH, 1.05 * BOX_WIDTH].into();
+        let y_range = [-0.10 * BOX_HEIGHT, 1.17 * BOX_HEIGHT].into();
+        let bounds = VisualBounds2D::new(rerun::datatypes::Range2D { x_range, y_range });
+        self.properties.of_view(&view, "VisualBounds2D", bounds);
+        // Only the points pile up over time, in whatever way they are drawn; axes and curves are the newest ones.
+        let points = format!("ViewContents/overrides/{origin}/quantities/measured/visualizers");
         let range = self.window.unwrap_or(TimeRange::EVERYTHING);
-        self.properties.of_entity(&view, &points, VisibleTimeRanges::new([visible(range)]));
+        self.properties.of_view(&view, &points, VisibleTimeRanges::new([visible(range)]));
         view
     }
 }
 
-/// A view of a text.
 fn text(name: &str, entity: &str) -> ContainerLike {
     TextDocumentView::new(name).with_origin(entity).into()
 }

@@ -1,8 +1,7 @@
 //! Properties of views that rerun's layout interface for Rust does not offer.
 //!
-//! A layout is itself a recording of kind "blueprint", in which a view's properties lie at
-//! `view/<id>/<archetype>`. The typed interface makes the views; this adds the properties to the
-//! same recording before both are sent.
+//! A layout is itself a recording of kind "blueprint", in which a view's properties lie at `view/<id>/<archetype>`. The typed
+//! interface makes the views; this adds the properties to the same recording before both are sent.
 
 use anyhow::Context as _;
 use rerun::blueprint::components::PanelState;
@@ -26,29 +25,16 @@ impl Properties {
             self.0.push((format!("{}/{name}", view.blueprint_path()), Box::new(property)));
         }
     }
-
-    /// Gives an entity in `view` a property of its own, for all ways of drawing it.
-    pub fn of_entity(&mut self, view: &ContainerLike, entity: &str, property: impl AsComponents + 'static) {
-        self.of_view(view, &format!("ViewContents/overrides/{entity}/visualizers"), property);
-    }
 }
 
 /// Sends views and properties as one layout, with rerun's own panels out of the way, and makes it the active one.
-///
-/// # Errors
-/// When rerun refuses a part of the layout.
-pub fn send(
-    recording: &RecordingStream,
-    tabs: Tabs,
-    time_panel: TimePanel,
-    properties: &Properties,
-) -> anyhow::Result<()> {
+pub fn send(recording: &RecordingStream, tabs: Tabs, time: TimePanel, properties: &Properties) -> anyhow::Result<()> {
     let blueprint = Blueprint::new(tabs)
         .with_auto_views(false)
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
-        .with_time_panel(time_panel.with_state(PanelState::Collapsed).with_timeline(TIMELINE));
+        .with_time_panel(time.with_state(PanelState::Collapsed).with_timeline(TIMELINE));
     let application = recording.store_info().context("the recording has no identity")?.application_id().clone();
     let (stage, staged) = RecordingStreamBuilder::new(application).send_properties(false).memory()?;
     blueprint.send(&stage, BlueprintActivation::default())?;

@@ -7,8 +7,8 @@ use crate::model_torque::KnobModel;
 
 /// Points of a curve that has no detents to resolve.
 const CURVE_POINTS: usize = 121;
-/// Points per detent of a curve that has.
-const POINTS_PER_DETENT: f64 = 16.0;
+/// Points per detent of a curve that has, and of the ring of detents.
+pub const POINTS_PER_DETENT: f64 = 16.0;
 /// Most points of a curve.
 const MAX_CURVE_POINTS: f64 = 2_000.0;
 
@@ -29,7 +29,6 @@ pub type Curve = Vec<[f64; 2]>;
 /// Torque over angle, two curves: the knob turning slowly either way, without inertia.
 pub fn torque_over_angle(model: &KnobModel, (low, high): Extent) -> ModelCurves {
     let points = model.detent().map_or(CURVE_POINTS, |[_, period, _]| {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded just here")]
         let resolving = (POINTS_PER_DETENT * (high - low) / (TAU * period.abs())).min(MAX_CURVE_POINTS) as usize;
         resolving.max(CURVE_POINTS)
     });
@@ -46,8 +45,7 @@ pub fn torque_over_velocity(model: &KnobModel, (low, high): Extent) -> ModelCurv
     let mut drawn = ModelCurves::default();
     for (from, to) in [(low, -f64::MIN_POSITIVE), (f64::MIN_POSITIVE, high)] {
         if from < to {
-            let friction =
-                |band: f64| curve(from, to, 2, |velocity| model.zero_mnm() + model.friction_mnm(velocity) + band);
+            let friction = |band: f64| curve(from, to, 2, |velocity| model.friction_mnm(velocity) + band);
             drawn.add(friction(0.0), |velocity| model.friction_half_width_mnm(velocity));
             let range = model.range_over_angle_mnm(if from < 0.0 { from } else { to });
             drawn.curves.extend(range.into_iter().flatten().map(friction));
@@ -67,7 +65,6 @@ impl ModelCurves {
             let border = curve.iter().zip(&half_widths).map(|([x, torque], half)| [*x, torque + side * half]);
             self.borders.push(border.collect());
         }
-        #[allow(clippy::cast_precision_loss, reason = "a few thousand points")]
         let mean = half_widths.iter().sum::<f64>() / half_widths.len() as f64;
         // The wider direction speaks for both.
         self.half_width_mnm = Some(self.half_width_mnm.map_or(mean, |other| other.max(mean)));
@@ -75,7 +72,6 @@ impl ModelCurves {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few thousand points")]
 fn curve(low: f64, high: f64, points: usize, torque_mnm: impl Fn(f64) -> f64) -> Curve {
     let last = points.max(2) - 1;
     (0..=last)
@@ -87,7 +83,6 @@ fn curve(low: f64, high: f64, points: usize, torque_mnm: impl Fn(f64) -> f64) ->
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 

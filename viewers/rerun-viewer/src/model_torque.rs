@@ -1,11 +1,5 @@
 //! The torque that the fitted model gives, to be drawn over the measured one.
 //!
-//! ```text
-//! τ = M·θ̈ + [θ̇<0]·(−C₋ + B₋·θ̇) + [θ̇>0]·(C₊ + B₊·θ̇) + A·sin(θ/P + S)
-//! ```
-//!
-//! Where the torque was measured point by point instead of detents, that is in their place.
-//!
 //! A term whose parameters the data cannot tell is left out; where that is Coulomb friction there is
 //! no torque for turning in its direction. On a rig the torque sensor also bears the gripper and has
 //! a zero of its own, see [`KnobModel::on_rig`].
@@ -15,51 +9,24 @@
 //! this is an approximation: where errors make up for each other, as those of Coulomb and viscous friction mostly do, it is
 //! too wide.
 
-use dynamics::{Calibration, Direction, Effect, Motion};
+use dynamics::effects::{detent, friction, inertia};
+use dynamics::{Calibration, Direction, Effect, EffectKind, Model, Motion};
 use shared_types::{Estimate, FitUpdate, Verdict};
 
-use crate::entities::PARAMETERS;
+use crate::entities::{EQUATION_ONE, parameters};
+use crate::extent;
 
 /// Equation 1 with the parameters of one fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct KnobModel {
-    /// NaN is a friction or a detent that the data cannot tell, 0 an inertia or a viscous friction.
-    values: Terms,
-    /// Half of the 95 % interval of each; 0 for what the model does not have.
-    half_widths: Terms,
-    /// What was measured over the angle: the mean of both directions, and friction.
-    characteristic: [Option<Effect>; 2],
+    /// Inertia, friction, detents if they are identified, and what was measured over the angle instead. Coulomb friction
+    /// that the data cannot tell is NaN.
+    model: Model,
+    /// Half of the 95 % interval in the place of each value; 0 for what the model does not have.
+    half_widths: Model,
     characteristic_half_width_mnm: f64,
     /// What the torque sensor reads with nothing attached, mNm.
     zero_mnm: f64,
-}
-
-/// A number for each parameter, in its unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Terms {
-    inertia: f64,
-    /// Coulomb, then viscous friction when turning towards negative angle.
-    negative: [f64; 2],
-    /// The same towards positive angle.
-    positive: [f64; 2],
-    /// Amplitude, period and phase.
-    detent: [f64; 3],
-}
-
-impl Terms {
-    /// From the parameters' standard names.
-    fn of(number: impl Fn(&str) -> f64) -> Self {
-        Self {
-            inertia: number("inertia"),
-            negative: ["coulomb_negative", "viscous_negative"].map(&number),
-            positive: ["coulomb_positive", "viscous_positive"].map(&number),
-            detent: ["detent_amplitude", "detent_period", "detent_phase"].map(&number),
-        }
-    }
-
-    const fn friction(&self, velocity_rad_s: f64) -> [f64; 2] {
-        if velocity_rad_s < 0.0 { self.negative } else { self.positive }
-    }
 }
 
 impl KnobModel {
@@ -75,105 +42,102 @@ impl KnobModel {
     /// The model of the parameters that have a value, and half of its 95 % interval, by their standard names; `None` if none
     /// has.
     pub fn from_estimates(estimate: impl Fn(&str) -> Option<[f64; 2]>) -> Option<Self> {
+        parameters().find(|parameter| estimate(parameter.name).is_some())?;
         let missing = |name: &str| if name == "inertia" || name.starts_with("viscous_") { 0.0 } else { f64::NAN };
+        let mut model = equation_one(|name| estimate(name).map_or(missing(name), |[value, _]| value));
+        let is_identified = |detent: &Effect| detent.values().iter().all(|value| value.is_finite());
+        model.effects.retain(|effect| {
+            effect.kind().name != detent::KIND.name || is_identified(effect) && effect.values()[1] != 0.0
+        });
         let half_width = |name: &str| estimate(name).map(|[_, half_width]| half_width).filter(|half| half.is_finite());
-        PARAMETERS.iter().any(|(name, _)| estimate(name).is_some()).then(|| Self {
-            values: Terms::of(|name| estimate(name).map_or(missing(name), |[value, _]| value)),
-            half_widths: Terms::of(|name| half_width(name).unwrap_or(0.0)),
-            characteristic: [None; 2],
+        Some(Self {
+            model,
+            half_widths: equation_one(|name| half_width(name).unwrap_or(0.0)),
             characteristic_half_width_mnm: 0.0,
             zero_mnm: 0.0,
         })
     }
 
     /// The model with what a fit measured over the angle, and the half width of its 95 % interval, mNm.
-    #[must_use]
-    pub fn with_characteristic(self, effects: &[Effect], characteristic_half_width_mnm: f64) -> Self {
-        let mut measured = effects.iter().filter(|effect| effect.table().is_some()).copied();
-        Self { characteristic: [measured.next(), measured.next()], characteristic_half_width_mnm, ..self }
+    pub fn with_characteristic(mut self, effects: &[Effect], characteristic_half_width_mnm: f64) -> Self {
+        self.model.effects.extend(effects.iter().filter(|effect| effect.table().is_some()));
+        Self { characteristic_half_width_mnm, ..self }
     }
 
     /// The model as the rig's torque sensor reads it, with the gripper and the sensor's zero; as it is without a calibration.
-    #[must_use]
     pub fn on_rig(mut self, calibration: Option<&Calibration>) -> Self {
         if let Some(known) = calibration {
-            self.values.inertia += known.gripper_inertia;
+            self.model.effects.push(Effect::new(&inertia::KIND, &[known.gripper_inertia]));
             self.zero_mnm += known.torque_zero_mnm;
         }
         self
     }
 
-    /// The whole torque, mNm; NaN where the friction is not identified.
+    /// The whole torque, mNm, at an angle, rad, a velocity, rad/s, and an acceleration, rad/s²; without friction at rest,
+    /// NaN where that is not identified.
     pub fn torque_mnm(&self, angle_rad: f64, velocity_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
-        self.zero_mnm
-            + self.values.inertia * acceleration_rad_s2
-            + self.friction_mnm(velocity_rad_s)
-            + self.detent_mnm(angle_rad)
-            + self.characteristic_mnm(angle_rad, velocity_rad_s)
-    }
-
-    /// Torque measured over the angle, mNm.
-    fn characteristic_mnm(&self, angle_rad: f64, velocity_rad_s: f64) -> f64 {
-        let motion = Motion { angle_rad, velocity_rad_s, ..Motion::default() };
-        let torque_mnm = |effect: &Effect| {
-            let slides = if velocity_rad_s == 0.0 { 0.0 } else { 1.0 };
-            effect.free_torque_mnm(&motion) + slides * effect.friction_mnm(&motion, Direction::of(velocity_rad_s))
-        };
-        self.characteristic.iter().flatten().map(torque_mnm).sum()
+        let motion = Motion { angle_rad, velocity_rad_s, acceleration_rad_s2, ..Motion::default() };
+        self.zero_mnm + self.model.torque_mnm(&motion)
     }
 
     /// Least and largest torque while turning at that velocity, whatever the angle, beside zero and friction, mNm; none where the
     /// torque does not depend on the angle.
     pub fn range_over_angle_mnm(&self, velocity_rad_s: f64) -> Option<[f64; 2]> {
-        let Some(table) = self.characteristic.iter().flatten().find_map(Effect::table) else {
+        let measured = || self.model.effects.iter().filter(|effect| effect.table().is_some());
+        let Some(table) = measured().find_map(Effect::table) else {
             return self.detent().map(|[amplitude, ..]| [-amplitude.abs(), amplitude.abs()]);
         };
-        let torques = || table.points().iter().map(|angle| self.characteristic_mnm(*angle, velocity_rad_s));
-        Some([torques().fold(f64::INFINITY, f64::min), torques().fold(f64::NEG_INFINITY, f64::max)])
+        let direction = Direction::of(velocity_rad_s);
+        let torque_mnm = |angle_rad: &f64| -> f64 {
+            let motion = Motion { angle_rad: *angle_rad, velocity_rad_s, ..Motion::default() };
+            measured().map(|effect| effect.free_torque_mnm(&motion) + effect.friction_mnm(&motion, direction)).sum()
+        };
+        extent::of(table.points().iter().map(torque_mnm)).map(Into::into)
     }
 
-    /// The torque without any motion or detent, mNm.
-    pub const fn zero_mnm(&self) -> f64 {
-        self.zero_mnm
-    }
-
-    /// Friction torque, mNm; none at rest, NaN where it is not identified.
+    /// Coulomb and viscous friction while turning, with the sensor's zero, mNm; NaN where it is not identified.
     pub fn friction_mnm(&self, velocity_rad_s: f64) -> f64 {
-        if velocity_rad_s == 0.0 {
-            return 0.0;
-        }
-        let [coulomb, viscous] = self.values.friction(velocity_rad_s);
-        coulomb * velocity_rad_s.signum() + viscous * velocity_rad_s
+        let motion = Motion { velocity_rad_s, ..Motion::default() };
+        let friction = self.model.effect(friction::KIND.name);
+        self.zero_mnm + friction.map_or(0.0, |friction| friction.friction_mnm(&motion, Direction::of(velocity_rad_s)))
     }
 
     /// Amplitude, mNm, period, rad, and phase, rad, of the detents, once all are identified.
     pub fn detent(&self) -> Option<[f64; 3]> {
-        let detent = self.values.detent;
-        (detent.iter().all(|value| value.is_finite()) && detent[1] != 0.0).then_some(detent)
+        self.model.effect(detent::KIND.name)?.values().try_into().ok()
     }
 
-    /// Detent torque, mNm.
-    pub fn detent_mnm(&self, angle_rad: f64) -> f64 {
-        self.detent().map_or(0.0, |[amplitude, period, phase]| amplitude * (angle_rad / period + phase).sin())
+    /// Half of the 95 % interval of a parameter, in its unit.
+    fn half_width(&self, name: &str) -> f64 {
+        self.half_widths.parameter(name).unwrap_or(0.0)
     }
 
     /// Half of the 95 % interval of the friction torque, mNm.
     pub fn friction_half_width_mnm(&self, velocity_rad_s: f64) -> f64 {
-        let [coulomb, viscous] = self.half_widths.friction(velocity_rad_s);
+        let direction = if velocity_rad_s < 0.0 { "negative" } else { "positive" };
+        let [coulomb, viscous] = ["coulomb", "viscous"].map(|kind| self.half_width(&format!("{kind}_{direction}")));
         coulomb.hypot(viscous * velocity_rad_s)
     }
 
     /// Half of the 95 % interval of friction and all that depends on the angle together, mNm.
     pub fn half_width_mnm(&self, angle_rad: f64, velocity_rad_s: f64) -> f64 {
         let detent = self.detent().map_or(0.0, |[amplitude, period, phase]| {
-            let [of_amplitude, of_period, of_phase] = self.half_widths.detent;
             let (sine, cosine) = (angle_rad / period + phase).sin_cos();
-            let of_phase = amplitude * cosine * of_phase;
-            let of_period = amplitude * cosine * angle_rad / (period * period) * of_period;
-            (sine * of_amplitude).hypot(of_phase).hypot(of_period)
+            let of_phase = amplitude * cosine * self.half_width("detent_phase");
+            let of_period = amplitude * cosine * angle_rad / (period * period) * self.half_width("detent_period");
+            (sine * self.half_width("detent_amplitude")).hypot(of_phase).hypot(of_period)
         });
         self.friction_half_width_mnm(velocity_rad_s).hypot(detent).hypot(self.characteristic_half_width_mnm)
     }
+}
+
+/// Inertia, friction and detents with a number for each parameter, by its standard name.
+fn equation_one(number: impl Fn(&str) -> f64) -> Model {
+    let effect = |kind: &'static EffectKind| {
+        let numbers: Vec<f64> = kind.parameters.iter().map(|parameter| number(parameter.name)).collect();
+        Effect::new(kind, &numbers)
+    };
+    Model { effects: EQUATION_ONE.map(effect).into(), ..Model::default() }
 }
 
 /// The value of a parameter that the data can tell.
@@ -183,8 +147,9 @@ pub fn finite_value(estimate: &Estimate) -> Option<f64> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 pub(crate) mod tests {
+    use shared_types::Convergence;
+
     use super::*;
 
     /// The calibration of some rig.
@@ -196,24 +161,25 @@ pub(crate) mod tests {
         Calibration::from_toml(known).unwrap()
     }
 
+    /// A parameter that is known with that half width.
+    pub(crate) fn estimated(value: f64, half_width: f64, convergence: Convergence) -> Estimate {
+        let (ci95_low, ci95_high) = (value - half_width, value + half_width);
+        let (verdict, convergence) = (Verdict::Estimated.code(), convergence.code());
+        Estimate { value, ci95_low, ci95_high, verdict, convergence }
+    }
+
     /// Knob 3 of the paper's Table 5.
     fn knob_three() -> FitUpdate {
-        let enough = |value| Estimate {
-            value,
-            ci95_low: value,
-            ci95_high: value,
-            verdict: Verdict::Estimated.code(),
-            ..Estimate::default()
-        };
+        let known = |value| estimated(value, 0.0, Convergence::Converged);
         FitUpdate {
-            inertia: enough(0.035),
-            coulomb_negative: enough(2.3),
-            viscous_negative: enough(-0.15),
-            coulomb_positive: enough(2.3),
-            viscous_positive: enough(-0.24),
-            detent_amplitude: enough(1.1),
-            detent_period: enough(0.034),
-            detent_phase: enough(0.16),
+            inertia: known(0.035),
+            coulomb_negative: known(2.3),
+            viscous_negative: known(-0.15),
+            coulomb_positive: known(2.3),
+            viscous_positive: known(-0.24),
+            detent_amplitude: known(1.1),
+            detent_period: known(0.034),
+            detent_phase: known(0.16),
             ..FitUpdate::default()
         }
     }
@@ -225,9 +191,9 @@ pub(crate) mod tests {
         assert!((model.torque_mnm(0.1, 2.0, 100.0) - 5.364_445).abs() < 1e-5);
         // −2.3 + (−0.15)(−2) + 1.1·sin(0.16)
         assert!((model.torque_mnm(0.0, -2.0, 0.0) - -1.824_750).abs() < 1e-5);
-        assert_eq!(model.friction_mnm(0.0), 0.0, "at rest");
+        assert_eq!(model.torque_mnm(0.0, 0.0, 0.0), 1.1 * 0.16_f64.sin(), "no friction at rest");
         let more_mnm =
-            model.on_rig(Some(&calibration())).torque_mnm(0.1, 2.0, 100.0) - model.torque_mnm(0.1, 2.0, 100.0);
+            model.clone().on_rig(Some(&calibration())).torque_mnm(0.1, 2.0, 100.0) - model.torque_mnm(0.1, 2.0, 100.0);
         assert!((more_mnm - (0.6 + 0.4)).abs() < 1e-12, "the sensor also bears the gripper and has its zero");
     }
 

@@ -7,10 +7,8 @@ use crate::model_torque::finite_value;
 
 /// `2.301 ± 0.012`, with as many digits as the interval deserves; a dash until it is identified.
 pub fn value_and_interval(estimate: &Estimate) -> String {
-    let Some(value) = finite_value(estimate) else {
-        return "\u{2013}".to_owned();
-    };
-    with_half_width(value, estimate.half_width())
+    let value = finite_value(estimate);
+    value.map_or_else(|| "\u{2013}".to_owned(), |value| with_half_width(value, estimate.half_width()))
 }
 
 /// Power of ten below which a number is written with it.
@@ -18,7 +16,6 @@ const SMALL_POWER: i32 = -3;
 
 /// `2.301 ± 0.012`, with two digits of the half width; `(3.99 ± 0.03)e−6` of what is small.
 pub fn with_half_width(value: f64, half_width: f64) -> String {
-    #[allow(clippy::cast_possible_truncation, reason = "a power of ten of a number")]
     let power = value.abs().max(half_width).log10().floor() as i32;
     if (-30..SMALL_POWER).contains(&power) {
         let scale = 10_f64.powi(power);
@@ -28,13 +25,11 @@ pub fn with_half_width(value: f64, half_width: f64) -> String {
     if !half_width.is_finite() || half_width <= 0.0 {
         return sign(format!("{value:.4}"));
     }
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=8")]
     let decimals = (1.0 - half_width.log10().floor()).clamp(0.0, 8.0) as usize;
     sign(format!("{value:.decimals$} ± {half_width:.decimals$}"))
 }
 
 /// A number with about three digits that count.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=3")]
 pub fn three_digits(value: f64) -> String {
     let decimals = (2.0 - value.abs().max(1e-3).log10().floor()).clamp(0.0, 3.0) as usize;
     let digits = format!("{:.decimals$}", value.abs());
@@ -64,33 +59,26 @@ pub fn ranges(of: &str, ranges: impl IntoIterator<Item = (&'static str, Option<E
 
 #[cfg(test)]
 mod tests {
-    use shared_types::Verdict;
+    use shared_types::Convergence;
 
     use super::*;
+    use crate::model_torque::tests::estimated;
 
     #[test]
-    fn a_value_has_two_digits_of_its_interval() {
-        let enough = |value: f64, half_width: f64| {
-            let (ci95_low, ci95_high, verdict) = (value - half_width, value + half_width, Verdict::Estimated.code());
-            Estimate { value, ci95_low, ci95_high, verdict, convergence: 1 }
-        };
+    fn a_value_has_two_digits_of_its_interval_and_a_small_one_its_power_of_ten() {
+        let enough = |value, half_width| estimated(value, half_width, Convergence::Converged);
         assert_eq!(value_and_interval(&enough(2.301_234, 0.012_4)), "2.301 ± 0.012");
         assert_eq!(value_and_interval(&enough(-0.035, 0.000_21)), "\u{2212}0.03500 ± 0.00021");
         for not_identified in [Estimate { value: 5.0, ..Estimate::default() }, enough(f64::NAN, 1.0)] {
             assert_eq!(value_and_interval(&not_identified), "\u{2013}");
         }
+        assert_eq!(with_half_width(3.986e-6, 3e-8), "(3.986 \u{b1} 0.030)e\u{2212}6");
     }
 
     #[test]
     fn a_range_has_three_digits() {
         assert_eq!(three_digits(-1e-5), "0.000");
         assert_eq!([0.299_9, -3.456, 98.76, 12_345.6].map(three_digits), ["0.300", "\u{2212}3.46", "98.8", "12346"]);
-    }
-
-    #[test]
-    fn a_small_parameter_is_told_with_its_power_of_ten() {
-        assert_eq!(with_half_width(3.986e-6, 3e-8), "(3.986 \u{b1} 0.030)e\u{2212}6");
-        assert_eq!(with_half_width(-2.301, 0.012), "\u{2212}2.301 \u{b1} 0.012");
     }
 
     #[test]

@@ -2,8 +2,10 @@
 
 use std::collections::VecDeque;
 use std::sync::mpsc::RecvTimeoutError;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
+
+use crate::lock::lock;
 
 /// A queue of at most `capacity` items between two threads.
 #[derive(Debug)]
@@ -32,7 +34,7 @@ impl<T> Outbox<T> {
 
     /// Adds an item; when the queue is full the oldest goes and is counted.
     pub fn push(&self, item: T) {
-        let mut state = self.lock();
+        let mut state = lock(&self.state);
         if state.queue.len() >= self.capacity {
             state.queue.pop_front();
             state.dropped += 1;
@@ -43,16 +45,13 @@ impl<T> Outbox<T> {
 
     /// Whether the next item would cost the oldest.
     pub fn is_full(&self) -> bool {
-        self.lock().queue.len() >= self.capacity
+        lock(&self.state).queue.len() >= self.capacity
     }
 
-    /// Takes the oldest item, waiting for one up to `limit`.
-    ///
-    /// # Errors
-    /// [`RecvTimeoutError::Timeout`] when nothing came in time, [`RecvTimeoutError::Disconnected`] when nothing will come.
+    /// Takes the oldest item, waiting for one up to `limit`; the error says whether one may still come.
     pub fn take(&self, limit: Duration) -> Result<T, RecvTimeoutError> {
         let waited =
-            self.filled.wait_timeout_while(self.lock(), limit, |state| state.queue.is_empty() && !state.closed);
+            self.filled.wait_timeout_while(lock(&self.state), limit, |state| state.queue.is_empty() && !state.closed);
         let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         let none = if state.closed { RecvTimeoutError::Disconnected } else { RecvTimeoutError::Timeout };
         state.queue.pop_front().ok_or(none)
@@ -60,28 +59,23 @@ impl<T> Outbox<T> {
 
     /// Counts an item that was taken but could not be used.
     pub fn count_dropped(&self) {
-        self.lock().dropped += 1;
+        lock(&self.state).dropped += 1;
     }
 
     /// Items that never reached their reader.
     pub fn dropped(&self) -> u64 {
-        self.lock().dropped
+        lock(&self.state).dropped
     }
 
     /// Says that nothing more will come; what waits can still be taken.
     pub fn close(&self) {
-        self.lock().closed = true;
+        lock(&self.state).closed = true;
         self.filled.notify_all();
     }
 
     /// Whether nothing more will come, or be taken.
     pub fn is_closed(&self) -> bool {
-        self.lock().closed
-    }
-
-    fn lock(&self) -> MutexGuard<'_, State<T>> {
-        // A thread that panicked between two of the plain assignments above left nothing half done.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.state).closed
     }
 }
 

@@ -1,7 +1,7 @@
 //! Who is at the other end of a connection within this machine.
 //!
-//! A port at the loopback address is open to every user of the machine. The kernel's tables of connections say whose
-//! socket is at the other end, so that only that user sees the capture.
+//! A port at the loopback address is open to every user of the machine; the kernel's tables of connections say whose socket
+//! is at the other end.
 
 use std::net::{IpAddr, SocketAddr};
 
@@ -11,20 +11,14 @@ use nix::unistd::{Uid, geteuid};
 const ESTABLISHED: &str = "01";
 
 /// Whether what is captured may be shown at `peer`, which is connected to us at `here`.
-///
 /// From this machine: to our own user, to root, and to the user who became root by `sudo` to capture. From another one:
 /// to anybody, since the page is reached from there only where the operator has bound it to a network.
 pub fn may_look(peer: SocketAddr, here: SocketAddr) -> bool {
+    let before_sudo = || std::env::var("SUDO_UID").ok().filter(|_| geteuid().is_root())?.parse().ok();
     match owner(peer, here) {
-        Some(user) => user == geteuid() || user.is_root() || Some(user) == before_sudo(),
+        Some(user) => user == geteuid() || user.is_root() || before_sudo() == Some(user.as_raw()),
         None => !peer.ip().to_canonical().is_loopback() && peer.ip() != here.ip(),
     }
-}
-
-/// Who called `sudo`, if we are root by it.
-fn before_sudo() -> Option<Uid> {
-    let user = std::env::var("SUDO_UID").ok().filter(|_| geteuid().is_root())?;
-    user.parse().ok().map(Uid::from_raw)
 }
 
 /// Whose socket on this machine is at `peer` and connected to `here`.
@@ -38,17 +32,15 @@ fn owner(peer: SocketAddr, here: SocketAddr) -> Option<Uid> {
 
 /// The owner by a table of the form that proc_pid_net(5) gives: local address, remote address, state, …, user.
 fn owner_in(table: &str, peer: SocketAddr, here: SocketAddr) -> Option<Uid> {
+    // An IPv4 address is the same in its IPv6 form.
+    let canonical = |address: SocketAddr| (address.ip().to_canonical(), address.port());
+    let wanted = [peer, here].map(canonical);
     table.lines().find_map(|line| {
         let mut fields = line.split_whitespace().skip(1);
         let (local, remote, state) = (address(fields.next()?)?, address(fields.next()?)?, fields.next()?);
         let user = fields.nth(3)?.parse().ok()?;
-        (state == ESTABLISHED && is_same(local, peer) && is_same(remote, here)).then(|| Uid::from_raw(user))
+        (state == ESTABLISHED && [local, remote].map(canonical) == wanted).then(|| Uid::from_raw(user))
     })
-}
-
-/// An IPv4 address is the same in its IPv6 form.
-fn is_same(one: SocketAddr, other: SocketAddr) -> bool {
-    one.port() == other.port() && one.ip().to_canonical() == other.ip().to_canonical()
 }
 
 /// An address as the kernel writes it: hexadecimal words of the machine's byte order, a colon, the port.
@@ -62,7 +54,6 @@ fn address(text: &str) -> Option<SocketAddr> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use std::net::{Ipv4Addr, TcpListener, TcpStream};
 

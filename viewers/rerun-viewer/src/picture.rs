@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use dynamics::Axis;
 use shared_types::{FitUpdate, LoopStatus, ModelChange, ProcessHealth, RunDescription, Sample, rig};
 
-use crate::entities::{self, HEALTH};
+use crate::entities::{self, HEALTH, PARAMETERS_TEXT, PROCESSES_TEXT, SUMMARY};
 use crate::frame::{Frame, Points, Series};
 use crate::knob_track::{KnobTrack, Motion};
 use crate::model_torque::{KnobModel, finite_value};
@@ -17,13 +17,11 @@ use crate::signals::Signals;
 use crate::source::Reading;
 use crate::{numbers, processes, summary};
 
-/// How often the x-y plots get their new points. A browser pays for each message, not for each point, and without a
-/// graphics card falls behind if more come than it takes in.
+/// How often the x-y plots get their new points: a browser pays for each message, not for each point.
 const PLOT_PERIOD: Duration = Duration::from_millis(500);
 /// How often the curves and the texts are renewed.
 const SLOW_PERIOD: Duration = Duration::from_millis(2_500);
-/// How often what has not changed is shown again: what is kept for a page that is opened late may begin later than the
-/// last change.
+/// How often what has not changed is shown again, for pages that are opened late.
 const REDRAW_PERIOD: Duration = Duration::from_secs(20);
 /// How often the other tabs are sent their points.
 const TABS_PERIOD: Duration = Duration::from_millis(5_000);
@@ -31,7 +29,8 @@ const TABS_PERIOD: Duration = Duration::from_millis(5_000);
 /// Gathers what a source tells and gives frames.
 #[derive(Debug, Default)]
 pub struct Picture {
-    run: Run,
+    /// What is known of the run.
+    pub run: Run,
     fit_is_new: bool,
     model: Option<KnobModel>,
     signals: Signals,
@@ -56,9 +55,9 @@ impl Picture {
         Self { scatters: Scatters::of_capture(samples), ..Self::default() }
     }
 
-    /// What is known of the run.
-    pub const fn run(&self) -> &Run {
-        &self.run
+    /// Whether the last frame of the run was given.
+    pub const fn has_ended(&self) -> bool {
+        self.ended
     }
 
     /// Takes in what the run is.
@@ -76,11 +75,6 @@ impl Picture {
         self.turn_to_run(status.run_id);
         self.run.status = Some(*status);
         self.run.source_gone = false;
-    }
-
-    /// Takes note that the control loop died before its run had ended.
-    pub const fn lose_source(&mut self) {
-        self.run.source_gone = true;
     }
 
     /// Takes in the model fitted so far; one of another run is not shown.
@@ -106,10 +100,8 @@ impl Picture {
     pub fn take_health(&mut self, health: &ProcessHealth) {
         let finished = self.run.finished();
         // After the run its time stands still; a report would have no place on its axis.
-        let (Some(process), Some(newest), false) = (self.run.processes.take_in(health), self.run.newest, finished)
-        else {
-            return;
-        };
+        let process = self.run.processes.take_in(health).filter(|_| !finished);
+        let (Some(process), Some(newest)) = (process, self.run.newest) else { return };
         let time_ns = newest.time_ns + since(newest.monotonic_time_ns, health.monotonic_time_ns);
         for (quantity, value) in HEALTH.into_iter().zip(process.quantities()).filter(|(_, value)| value.is_finite()) {
             let entity = entities::health(quantity, process.kind.name());
@@ -118,23 +110,22 @@ impl Picture {
     }
 
     /// Takes in consecutive samples of a run; without a rate they have no time and are not shown.
-    #[allow(clippy::cast_precision_loss, reason = "lateness is shown with a few digits")]
     pub fn take_samples(&mut self, run_id: u64, samples: &[Sample]) {
         self.turn_to_run(run_id);
         let Some(rate_hz) = self.run.rate_hz() else { return };
-        let is_rendered = self.run.is_rendered();
+        let is_rendered = self.run.description.as_ref().is_some_and(RunDescription::is_rendered);
         for sample in samples {
             let reading = Reading::of(sample, rate_hz, is_rendered);
             self.take_reading(&reading, Some(rate_hz));
             let Reading { time_ns, angle_rad, velocity_rad_s, acceleration_rad_s2, .. } = reading;
-            if let Some(model) = self.model {
+            if let Some(model) = &self.model {
                 let known = self.run.calibration.as_ref();
                 let not_motion =
                     known.map_or(0.0, |known| known.acceleration_zero_rad_s2 + known.gravity_rad_s2(angle_rad));
                 let torque_mnm = model.torque_mnm(angle_rad, velocity_rad_s, acceleration_rad_s2 - not_motion);
                 self.signals.push_model_torque(time_ns, torque_mnm);
             }
-            self.signals.push_lateness(time_ns, (sample.lateness_ns.max(1) as f64).log10());
+            self.signals.lateness.push(time_ns, (sample.lateness_ns.max(1) as f64).log10());
         }
     }
 
@@ -146,21 +137,17 @@ impl Picture {
         self.turn_to_run(rig::monotonic_time_ns());
     }
 
-    /// Takes in consecutive samples of a finished capture.
-    pub fn take_readings(&mut self, readings: &[Reading]) {
-        readings.iter().for_each(|reading| self.take_reading(reading, None));
-    }
-
-    /// Takes in that there are no more, with the model for the curves, if a parameter is identified, and times in the capture,
-    /// ns, with the torque that the model gives, as the torque sensor would read it, mNm.
-    pub fn end_capture(&mut self, model: Option<KnobModel>, torque: &[(i64, f64)]) {
+    /// Takes in that there are no more, with the model for the curves, if a parameter is identified, and its torque as the
+    /// torque sensor would read it, mNm, with times in the capture, ns.
+    pub fn end_capture(&mut self, model: Option<KnobModel>, torque: impl Iterator<Item = (i64, f64)>) {
         self.model = model;
         self.fit_is_new = true;
-        torque.iter().for_each(|(time_ns, torque_mnm)| self.signals.push_model_torque(*time_ns, *torque_mnm));
+        torque.for_each(|(time_ns, torque_mnm)| self.signals.push_model_torque(time_ns, torque_mnm));
         self.run.capture_ended = true;
     }
 
-    fn take_reading(&mut self, reading: &Reading, rate_hz: Option<f64>) {
+    /// Takes in what follows on the reading before, in a run of that rate or in a finished capture.
+    pub fn take_reading(&mut self, reading: &Reading, rate_hz: Option<f64>) {
         self.signals.push(reading);
         self.knob.push(reading);
         self.scatters.push(reading, rate_hz);
@@ -177,10 +164,8 @@ impl Picture {
         self.run.id = Some(run_id);
     }
 
-    /// What is new since the last frame; `None` before a run is known and once all of it was shown.
-    ///
-    /// What has not changed is not sent again: it would push the run's beginning out of the
-    /// memory that is kept for pages opened later. `frames_dropped` is what the screen has missed.
+    /// What is new since the last frame; `None` before a run is known and once all of it was shown. What has not changed is
+    /// not sent again: it would push the run's beginning out of the memory that is kept for pages opened later.
     pub fn next_frame(&mut self, frames_dropped: u64) -> Option<Frame> {
         let run_id = self.run.id?;
         let finished = self.run.finished();
@@ -198,10 +183,10 @@ impl Picture {
             self.texts_shown.clear();
             self.histogram_shown = None;
         }
-        let fresh_model = self.model.filter(|_| slow && self.fit_is_new);
-        frame.knob = self.knob.update(self.run.motion, fresh_model.as_ref());
+        let fresh_model = self.model.as_ref().filter(|_| slow && self.fit_is_new);
+        frame.knob = self.knob.update(self.run.motion, fresh_model);
         if self.plot.is_due(now, PLOT_PERIOD) || finished {
-            frame.plots = self.scatters.update(fresh_model.as_ref());
+            frame.plots = self.scatters.update(fresh_model);
         }
         if slow {
             self.keep_parameters();
@@ -221,22 +206,18 @@ impl Picture {
 
     /// The lateness, and the tick's length beside it.
     fn timing(&mut self) -> Series {
-        let lateness = self.signals.take_lateness();
+        let lateness = self.signals.lateness.take();
         let (Some(first), Some(last)) = (lateness.times_ns.first(), lateness.times_ns.last()) else {
             return Series::new();
         };
         let log10_period_ns = self.run.rate_hz().map_or(f64::NAN, |rate_hz| (1e9 / rate_hz).log10());
         let period = Points { times_ns: vec![*first, *last], values: vec![log10_period_ns; 2] };
-        [(entities::TICK_PERIOD, period), (entities::LATENESS, lateness)]
-            .map(|(entity, points)| (entity.to_owned(), points))
-            .into()
+        [(entities::TICK_PERIOD.to_owned(), period), (entities::LATENESS.to_owned(), lateness)].into()
     }
 
     /// Value and interval of each parameter that is identified.
     fn keep_parameters(&mut self) {
-        let (Some(fit), Some(newest), true) = (self.run.fit, self.run.newest, self.fit_is_new) else {
-            return;
-        };
+        let (Some(fit), Some(newest), true) = (self.run.fit, self.run.newest, self.fit_is_new) else { return };
         self.fit_is_new = false;
         let time_ns = newest.time_ns - since(fit.monotonic_time_ns, newest.monotonic_time_ns);
         for (name, estimate) in fit.estimates().into_iter().filter(|(_, estimate)| finite_value(estimate).is_some()) {
@@ -249,18 +230,14 @@ impl Picture {
     fn fresh_texts(&mut self, frames_dropped: u64) -> Vec<(&'static str, String)> {
         let run = &self.run;
         let mut texts = match &self.capture_text {
-            Some(text) => vec![(entities::SUMMARY, text.clone())],
+            Some(text) => vec![(SUMMARY, text.clone())],
             None => {
                 let summary = summary::markdown(run) + &numbers::ranges("last 10 s", self.signals.ranges());
                 let processes = processes::markdown(run, rig::monotonic_time_ns(), frames_dropped);
                 let axis = run.axis.unwrap_or_default();
-                [
-                    (entities::SUMMARY, summary),
-                    (entities::PARAMETERS_TEXT, summary::parameters(run)),
-                    (entities::PROCESSES_TEXT, processes),
-                ]
-                .map(|(entity, text)| (entity, axis.words(&text).into_owned()))
-                .into()
+                [(SUMMARY, summary), (PARAMETERS_TEXT, summary::parameters(run)), (PROCESSES_TEXT, processes)]
+                    .map(|(entity, text)| (entity, axis.words(&text).into_owned()))
+                    .into()
             }
         };
         texts.retain(|(entity, text)| self.texts_shown.insert(entity, text.clone()).as_ref() != Some(text));
@@ -289,7 +266,6 @@ fn since(earlier: u64, later: u64) -> i64 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 
@@ -360,8 +336,8 @@ mod tests {
         let readings: Vec<Reading> = (0..60_000).map(reading).collect();
         let mut picture = Picture::of_capture(readings.len());
         picture.describe_capture(Axis::Rotary, "# a capture".to_owned());
-        picture.take_readings(&readings);
-        picture.end_capture(KnobModel::from_estimates(|_| Some([1.0; 2])), &[]);
+        readings.iter().for_each(|reading| picture.take_reading(reading, None));
+        picture.end_capture(KnobModel::from_estimates(|_| Some([1.0; 2])), std::iter::empty());
         let frame = picture.next_frame(0).unwrap();
         let angle = &frame.series["signals/angle_rad"];
         assert_eq!((angle.times_ns.first(), angle.times_ns.last()), (Some(&0), Some(&59_999_000_000)));
@@ -370,7 +346,7 @@ mod tests {
         assert!((7_200..=8_000).contains(&frame.plots[0].points.len()));
         assert!(frame.plots[0].model.is_some());
         assert!(frame.knob.is_some());
-        assert_eq!(frame.texts, [(entities::SUMMARY, "# a capture".to_owned())]);
+        assert_eq!(frame.texts, [(SUMMARY, "# a capture".to_owned())]);
         assert!(picture.run.finished() && picture.next_frame(0).is_none());
     }
 }

@@ -5,9 +5,7 @@
 
 use crate::extent::Extent;
 
-/// Width of the plot's box in the drawing.
 pub const BOX_WIDTH: f64 = 150.0;
-/// Height of the plot's box in the drawing.
 pub const BOX_HEIGHT: f64 = 100.0;
 /// Ticks that an axis has about.
 const TARGET_TICKS: f64 = 6.0;
@@ -15,9 +13,8 @@ const TARGET_TICKS: f64 = 6.0;
 /// One axis: a range that ends on ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// Lower end.
     pub low: f64,
-    /// Upper end, above the lower one.
+    /// Above the lower end.
     pub high: f64,
     /// From tick to tick.
     pub step: f64,
@@ -43,9 +40,8 @@ impl Axis {
     }
 
     /// The ticks with their labels, from low to high.
-    #[allow(clippy::cast_possible_truncation, reason = "a few ticks")]
     pub fn ticks(&self) -> Vec<(f64, String)> {
-        let decimals = decimals(self.step);
+        let decimals = (-self.step.log10().floor()).clamp(0.0, 9.0) as usize;
         let [first, last] = [self.low, self.high].map(|end| (end / self.step).round() as i64);
         (first..=last)
             .map(|index| index as f64 * self.step)
@@ -95,12 +91,6 @@ pub fn round_step(least: f64) -> f64 {
     [1.0, 2.0, 5.0].map(|factor| factor * power).into_iter().find(enough).unwrap_or(10.0 * power)
 }
 
-/// Digits after the point that a step needs.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=9")]
-fn decimals(step: f64) -> usize {
-    (-step.log10().floor()).clamp(0.0, 9.0) as usize
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,15 +100,10 @@ mod tests {
     }
 
     #[test]
-    fn ends_and_ticks_are_round_numbers() {
+    fn ends_and_ticks_are_round_numbers_with_the_digits_they_need() {
         let axis = Axis::around(-4.3, 3.9);
         assert_eq!(labels(&axis), ["\u{2212}6", "\u{2212}4", "\u{2212}2", "0", "2", "4"]);
-    }
-
-    #[test]
-    fn small_quantities_get_the_digits_they_need() {
-        let axis = Axis::around(0.0, 0.12);
-        assert_eq!(labels(&axis).last().map(String::as_str), Some("0.12"));
+        assert_eq!(labels(&Axis::around(0.0, 0.12)).last().map(String::as_str), Some("0.12"));
     }
 
     #[test]

@@ -1,7 +1,5 @@
-//! The port of the live view, and the same one again after a restart.
-//!
-//! A page in a browser knows its address only. A viewer that was killed and started again must therefore be found
-//! where it was: the first one of a run notes its port in the rig's folder, the ones after it take that.
+//! The port of the live view, and the same one again after a restart: a page in a browser knows its address only. The first
+//! viewer of a run notes its port in the rig's folder, the ones after it take that.
 
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
@@ -15,27 +13,18 @@ const PORTS_TRIED: u16 = 10;
 const RETAKE_LIMIT: Duration = Duration::from_secs(2);
 
 /// Takes the port for a viewer that was restarted so many times in its run: the one that it had, else the first that is
-/// free from the wanted one on.
-///
-/// # Errors
-/// When no port is free.
+/// free from the wanted one on. Fails when no port is free.
 pub fn take(wanted: SocketAddr, restarts: u32) -> anyhow::Result<TcpListener> {
-    let noted = (restarts > 0).then(noted).flatten();
-    noted.and_then(|port| take_again(SocketAddr::new(wanted.ip(), port))).map_or_else(|| first_free(wanted), Ok)
+    let noted = || serde_json::from_slice(&std::fs::read(note_path()).ok()?).ok();
+    let port: Option<u16> = (restarts > 0).then(noted).flatten();
+    port.and_then(|port| take_again(SocketAddr::new(wanted.ip(), port))).map_or_else(|| first_free(wanted), Ok)
 }
 
-/// Notes the port for a viewer that is started again.
-///
-/// # Errors
-/// When the rig's folder cannot be written.
+/// Notes the port for a viewer that is started again. Fails when the rig's folder cannot be written.
 pub fn note(port: u16) -> anyhow::Result<()> {
     shared_types::rig::create_runtime_dir()?;
     let path = note_path();
     std::fs::write(&path, serde_json::to_vec(&port)?).with_context(|| format!("{} cannot be written", path.display()))
-}
-
-fn noted() -> Option<u16> {
-    serde_json::from_slice(&std::fs::read(note_path()).ok()?).ok()
 }
 
 fn note_path() -> PathBuf {
@@ -66,7 +55,6 @@ fn first_free(wanted: SocketAddr) -> anyhow::Result<TcpListener> {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use std::net::Ipv4Addr;
 

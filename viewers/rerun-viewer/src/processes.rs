@@ -1,4 +1,4 @@
-//! How the processes of the run fare: whether each is alive, how often it was late, what it lost, how often it was restarted.
+//! How the processes of the run fare.
 
 use shared_types::{LoopState, LoopStatus, ProcessHealth, ProcessKind};
 
@@ -6,40 +6,32 @@ use crate::numbers::{alarmed, grouped};
 use crate::run::Run;
 
 /// Age of the newest sample above which a report counts as late, ms.
-const LATE_MS: f64 = 100.0;
+const LATE_MS: u64 = 100;
 /// Silence after which a process no longer counts as alive, s; every one of them reports at least twice a second.
 const SILENT_S: f64 = 2.0;
 
 /// A consumer as its last report has it.
 #[derive(Clone, Copy, Debug)]
 pub struct Process {
-    /// Which one.
     pub kind: ProcessKind,
-    /// The report.
     pub report: ProcessHealth,
-    /// Share of one core since the report before, percent; NaN for the first report.
+    /// Share of one core since the report before, percent; NaN for the first report of a process.
     cpu_share_percent: f64,
     /// Reports so far whose newest sample was older than [`LATE_MS`].
     late_reports: u64,
 }
 
-#[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
 impl Process {
     /// The quantities that are drawn over time, in the order of [`HEALTH`](crate::entities::HEALTH).
     pub fn quantities(&self) -> [f64; 4] {
-        [self.cpu_share_percent, self.resident_mib(), self.report.lost_samples as f64, latency_ms(&self.report)]
+        let ProcessHealth { lost_samples, latency_ns, .. } = self.report;
+        [self.cpu_share_percent, self.resident_mib(), lost_samples as f64, latency_ns as f64 / 1e6]
     }
 
     /// Resident memory, MiB.
     fn resident_mib(&self) -> f64 {
         self.report.resident_bytes as f64 / (1024.0 * 1024.0)
     }
-}
-
-/// Age of the newest sample when it was taken, ms.
-#[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
-fn latency_ms(report: &ProcessHealth) -> f64 {
-    report.latency_ns as f64 / 1e6
 }
 
 /// The consumers that have reported, in the order of their kinds.
@@ -52,32 +44,25 @@ impl Processes {
         let kind = ProcessKind::from_code(report.process)?;
         let place = self.0.partition_point(|process| process.report.process < report.process);
         let before = self.0.get(place).copied().filter(|process| process.kind == kind);
+        // After a restart the CPU time begins anew and cannot be compared.
+        let comparable = before.map(|before| before.report).filter(|before| {
+            before.process_id == report.process_id && before.monotonic_time_ns < report.monotonic_time_ns
+        });
+        let cpu_share_percent = comparable.map_or(f64::NAN, |before| {
+            let cpu_time_ns = report.cpu_time_ns.saturating_sub(before.cpu_time_ns);
+            100.0 * cpu_time_ns as f64 / (report.monotonic_time_ns - before.monotonic_time_ns) as f64
+        });
         let late_before = before.map_or(0, |before| before.late_reports);
-        let process = Process {
-            kind,
-            report: *report,
-            cpu_share_percent: before.map_or(f64::NAN, |before| cpu_share_percent(&before.report, report)),
-            late_reports: late_before + u64::from(latency_ms(report) > LATE_MS),
-        };
+        let late_reports = late_before + u64::from(report.latency_ns > LATE_MS * 1_000_000);
+        let process = Process { kind, report: *report, cpu_share_percent, late_reports };
         self.0.splice(place..place + usize::from(before.is_some()), [process]);
         self.0.get(place)
     }
 }
 
-/// NaN after a restart: the CPU time begins anew and cannot be compared.
-#[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
-fn cpu_share_percent(before: &ProcessHealth, now: &ProcessHealth) -> f64 {
-    if before.process_id != now.process_id || before.monotonic_time_ns >= now.monotonic_time_ns {
-        return f64::NAN;
-    }
-    let cpu_time_ns = now.cpu_time_ns.saturating_sub(before.cpu_time_ns);
-    100.0 * cpu_time_ns as f64 / (now.monotonic_time_ns - before.monotonic_time_ns) as f64
-}
-
 /// One process, the control loop or a consumer, at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Its program's name.
     pub name: &'static str,
     /// Whether it is there, in a few words.
     alive: String,
@@ -101,14 +86,11 @@ pub fn rows(run: &Run, now_ns: u64) -> Vec<Row> {
 }
 
 fn control_loop(status: &LoopStatus, source_gone: bool, now_ns: u64) -> Row {
-    let (alive, alarm) = if source_gone {
-        ("gone".to_owned(), true)
-    } else if LoopState::from_code(status.state) == Some(LoopState::Fault) {
-        ("fault".to_owned(), true)
-    } else if status.finished != 0 {
-        ("ended".to_owned(), false)
-    } else {
-        alive(status.monotonic_time_ns, now_ns)
+    let (alive, alarm) = match LoopState::from_code(status.state) {
+        _ if source_gone => ("gone".to_owned(), true),
+        Some(LoopState::Fault) => ("fault".to_owned(), true),
+        _ if status.finished != 0 => ("ended".to_owned(), false),
+        _ => alive(status.monotonic_time_ns, now_ns),
     };
     let (late, lost) = (status.overruns, status.dropped_samples);
     Row { name: "rt-loop", alive, alarm, late, lost, restarts: 0, used: Default::default() }
@@ -127,7 +109,6 @@ fn consumer(process: &Process, now_ns: u64, ended: bool) -> Row {
     Row { name: kind.name(), alive, alarm, late, lost, restarts, used }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "seconds with few digits")]
 fn alive(heard_ns: u64, now_ns: u64) -> (String, bool) {
     let silence_s = now_ns.saturating_sub(heard_ns) as f64 / 1e9;
     if silence_s < SILENT_S { ("alive".to_owned(), false) } else { (format!("silent for {silence_s:.0} s"), true) }
@@ -157,24 +138,19 @@ pub fn markdown(run: &Run, now_ns: u64, frames_dropped: u64) -> String {
     format!(
         "| process | | late | lost | restarted | CPU | memory |\n|---|---|---:|---:|---:|---:|---:|\n{rows}\n\
          late: of rt-loop, times it missed ticks; of the others, half seconds at whose end the newest sample was older \
-         than {LATE_MS:.0} ms. lost: samples that never arrived.\n{dropped}"
+         than {LATE_MS} ms. lost: samples that never arrived.\n{dropped}"
     )
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 
     const NOW_NS: u64 = 100_000_000_000;
 
     fn report(process_id: u32, monotonic_time_ns: u64) -> ProcessHealth {
-        ProcessHealth {
-            process: ProcessKind::Recorder.code(),
-            process_id,
-            monotonic_time_ns,
-            ..ProcessHealth::default()
-        }
+        let process = ProcessKind::Recorder.code();
+        ProcessHealth { process, process_id, monotonic_time_ns, ..ProcessHealth::default() }
     }
 
     #[test]
@@ -228,6 +204,7 @@ mod tests {
     fn a_control_loop_that_died_calls_for_the_operator() {
         let status = LoopStatus { monotonic_time_ns: NOW_NS, ..LoopStatus::default() };
         let run = Run { status: Some(status), source_gone: true, ..Run::default() };
-        assert_eq!((rows(&run, NOW_NS)[0].in_words().as_str(), rows(&run, NOW_NS)[0].alarm), ("gone", true));
+        let row = &rows(&run, NOW_NS)[0];
+        assert_eq!((row.in_words().as_str(), row.alarm), ("gone", true));
     }
 }

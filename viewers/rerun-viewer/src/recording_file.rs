@@ -4,12 +4,14 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _};
 use std::os::unix::fs::{OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use anyhow::{anyhow, ensure};
 use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
 use rerun::log::LogMsg;
 use rerun::sink::CallbackSink;
+
+use crate::lock::lock;
 
 /// What every rerun file begins with.
 const BEGINS_WITH: &[u8] = b"RRF2";
@@ -28,52 +30,34 @@ struct State {
 }
 
 impl RecordingFile {
-    /// Begins a file for our own user alone. Another rerun file at its place is replaced; anything else that holds data is
-    /// not.
-    ///
-    /// # Errors
-    /// When it cannot be written, or there is a file of another kind.
+    /// Begins a file for our own user alone. Another rerun file at its place is replaced; anything else that holds data
+    /// is not. Fails when it cannot be written, or there is a file of another kind.
     pub fn create(path: &Path) -> anyhow::Result<Self> {
-        ensure!(
-            may_be_replaced(path),
-            "{} is no rerun file and is not overwritten; name another place",
-            path.display()
-        );
+        let name = path.display();
+        ensure!(may_be_replaced(path), "{name} is no rerun file and is not overwritten; name another place");
         let (version, options) = (rerun::build_info().version, EncodingOptions::PROTOBUF_COMPRESSED);
-        let encoder =
-            open(path).map_err(anyhow::Error::from).and_then(|file| Ok(Encoder::new_eager(version, options, file)?));
-        let encoder = encoder.map_err(|error| cannot_be_written(path, &error))?;
+        let begin = || anyhow::Ok(Encoder::new_eager(version, options, open(path)?)?);
+        let encoder = begin().map_err(|error| cannot_be_written(path, &error))?;
         Ok(Self { path: path.to_owned(), state: Arc::new(Mutex::new(State { encoder: Some(encoder), failure: None })) })
     }
 
     /// Where a recording sends what is drawn.
-    #[must_use]
     pub fn sink(&self) -> CallbackSink {
         let file = self.clone();
-        CallbackSink::new(move |messages| file.with(|state| state.write(messages)))
+        CallbackSink::new(move |messages| lock(&file.state).write(messages))
     }
 
-    /// Whether all that was drawn so far could be written.
-    ///
-    /// # Errors
-    /// Why it could not.
+    /// Whether all that was drawn so far could be written. An error says why it could not.
     pub fn check(&self) -> anyhow::Result<()> {
-        let failure = self.with(|state| state.failure.take());
+        let failure = lock(&self.state).failure.take();
         failure.map_or(Ok(()), |failure| Err(cannot_be_written(&self.path, &failure.into())))
     }
 
     /// Writes what rerun needs to seek in the file, and waits until all of it is on the disk.
-    ///
-    /// # Errors
-    /// When any part of it could not be written.
+    /// Fails when any part of it could not be written.
     pub fn finish(&self) -> anyhow::Result<()> {
         self.check()?;
-        self.with(State::finish).map_err(|error| cannot_be_written(&self.path, &error))
-    }
-
-    fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {
-        // Whatever panicked in between left whole messages.
-        work(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
+        lock(&self.state).finish().map_err(|error| cannot_be_written(&self.path, &error))
     }
 }
 
@@ -119,9 +103,6 @@ fn may_be_replaced(path: &Path) -> bool {
 }
 
 fn cannot_be_written(path: &Path, error: &anyhow::Error) -> anyhow::Error {
-    anyhow!(
-        "{} cannot be written ({}); free space on its disk or name another place",
-        path.display(),
-        error.root_cause()
-    )
+    let (name, cause) = (path.display(), error.root_cause());
+    anyhow!("{name} cannot be written ({cause}); free space on its disk or name another place")
 }

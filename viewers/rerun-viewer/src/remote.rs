@@ -1,7 +1,4 @@
-//! Seeing the page from another machine.
-//!
-//! The page asks nobody from another machine who he is, so it is not opened to a network. ssh carries its port instead:
-//! it knows who may log in, and encrypts.
+//! Seeing the page from another machine: it asks nobody there who he is, so ssh carries its port, which knows who may log in.
 
 /// Who logs in here and how this machine is reached, as `user@host`: as whoever is logged in came here, or else by the
 /// machine's name; what is unknown is left to fill in.

@@ -14,11 +14,7 @@ pub struct RenderedModel {
 }
 
 impl RenderedModel {
-    /// The model of `change`, which gives way to `before`.
-    ///
-    /// # Errors
-    /// What is wrong with the model's text.
-    #[allow(clippy::cast_precision_loss, reason = "ticks stay far below 2^53")]
+    /// The model of `change`, which gives way to `before`. An error says what is wrong with the model's text.
     pub fn new(change: &ModelChange, before: Option<Self>, rate_hz: f64) -> Result<Self, ModelError> {
         let model = change.model()?;
         Ok(Self { model, before: before.map(|before| before.model), from_s: change.tick as f64 / rate_hz })
@@ -47,7 +43,6 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
     use super::*;
 
     fn change(tick: u64, inertia: f64) -> ModelChange {

@@ -1,6 +1,7 @@
 //! The running rig as a source: its shared memory, and the viewer's own health in return.
 
 use anyhow::Context as _;
+use archive::SequenceLedger;
 use consumer::{Health, SourceWatch};
 use serde::de::DeserializeOwned;
 use shared_types::services::{self, MessagePublisher, MessageSubscriber, RigNode, SampleSubscriber};
@@ -29,9 +30,7 @@ pub struct RigSource {
 
 impl RigSource {
     /// Attaches to the rig; nothing need be running yet.
-    ///
-    /// # Errors
-    /// When shared memory is not available or the running processes are of another build.
+    /// Fails when shared memory is not available or the running processes are of another build.
     pub fn attach(restarts: u32) -> anyhow::Result<Self> {
         let node = services::attach("rerun-viewer")?;
         Ok(Self {
@@ -70,7 +69,7 @@ impl Source for RigSource {
             picture.take_status(&status);
         }
         if self.source.is_gone(rig::monotonic_time_ns()) {
-            picture.lose_source();
+            picture.run.source_gone = true;
         }
         while let Some(fit) = self.fits.receive()? {
             picture.take_fit(&fit);
@@ -88,36 +87,34 @@ impl Source for RigSource {
                 picture.take_samples(run_id, block.payload());
             }
         }
-        if let Some(report) = self.counts.health.report(self.counts.lost) {
+        if let Some(report) = self.counts.report() {
             self.own_health.send_copy(report).context("the viewer's health cannot be sent")?;
         }
         Ok(())
     }
-
-    fn can_wait(&self) -> bool {
-        false
-    }
 }
 
 /// What of a run went through.
-#[derive(Debug)]
 struct Counts {
-    next_seq: Option<u64>,
-    lost: u64,
+    received: SequenceLedger,
     health: Health,
 }
 
 impl Counts {
     fn new(restarts: u32) -> Self {
-        Self { next_seq: None, lost: 0, health: Health::new(ProcessKind::Viewer, restarts) }
+        Self { received: SequenceLedger::default(), health: Health::new(ProcessKind::Viewer, restarts) }
     }
 
     fn count(&mut self, samples: &[Sample]) {
         self.health.received(samples);
         for sample in samples {
-            self.lost += self.next_seq.map_or(0, |expected| sample.seq.saturating_sub(expected));
-            self.next_seq = Some(sample.seq + 1);
+            let _ = self.received.admit(sample.seq);
         }
+    }
+
+    /// The viewer's health when it is time for it; what came before its first sample it has not lost.
+    fn report(&mut self) -> Option<ProcessHealth> {
+        self.health.report(self.received.missing() - self.received.first().unwrap_or(0))
     }
 }
 
@@ -132,7 +129,6 @@ mod tests {
         let mut counts = Counts::new(0);
         counts.count(&samples(100..110));
         counts.count(&samples(113..120));
-        let report = counts.health.report(counts.lost);
-        assert_eq!(report.map(|report| (report.received_samples, report.lost_samples)), Some((17, 3)));
+        assert_eq!(counts.report().map(|report| (report.received_samples, report.lost_samples)), Some((17, 3)));
     }
 }

@@ -1,8 +1,9 @@
 //! What is known of the run that is shown.
 
-use dynamics::{Axis, Calibration};
-use shared_types::{FitUpdate, LoopStatus, RunDescription};
+use dynamics::{Axis, Calibration, ParameterKind};
+use shared_types::{Estimate, FitUpdate, LoopStatus, RunDescription};
 
+use crate::entities;
 use crate::knob_track::Motion;
 use crate::processes::Processes;
 use crate::rendered::RenderedModel;
@@ -15,23 +16,18 @@ pub struct Run {
     pub id: Option<u64>,
     /// Whether what is shown turns, once that is known.
     pub axis: Option<Axis>,
-    /// What the run is.
     pub description: Option<RunDescription>,
     /// Of the rig; without one the model's torque is drawn as if the rig were ideal.
     pub calibration: Option<Calibration>,
-    /// The control loop's word about itself.
     pub status: Option<LoopStatus>,
     /// Whether the control loop died before its run had ended.
     pub source_gone: bool,
     /// The model fitted so far.
     pub fit: Option<FitUpdate>,
-    /// The model that is rendered.
     pub rendered: Option<RenderedModel>,
     /// The consumers.
     pub processes: Processes,
-    /// The newest reading.
     pub newest: Option<Reading>,
-    /// Whether the knob sticks.
     pub motion: Option<Motion>,
     /// Whether all of a finished capture was taken in.
     pub capture_ended: bool,
@@ -44,9 +40,10 @@ impl Run {
         described.or(self.status.map(|status| status.rate_hz)).filter(|rate_hz| *rate_hz > 0.0)
     }
 
-    /// Whether a model is rendered.
-    pub fn is_rendered(&self) -> bool {
-        self.description.as_ref().is_some_and(RunDescription::is_rendered)
+    /// The parameters of the fitted model with what is known of each; none before there is a fit.
+    pub fn parameters(&self) -> impl Iterator<Item = (&'static ParameterKind, Estimate)> {
+        let estimates = self.fit.into_iter().flat_map(|fit| fit.estimates()).map(|(_, estimate)| estimate);
+        entities::parameters().zip(estimates).filter(|(_, estimate)| estimate.is_in_model())
     }
 
     /// Whether the run has ended and all of it was taken in.
@@ -60,7 +57,6 @@ impl Run {
     }
 
     /// Time in the run, s.
-    #[allow(clippy::cast_precision_loss, reason = "shown with a few digits")]
     pub fn time_s(&self) -> f64 {
         self.time_ns() as f64 / 1e9
     }
@@ -68,7 +64,6 @@ impl Run {
     /// Length of the run, s; `None` where the operator ends it.
     pub fn planned_s(&self) -> Option<f64> {
         let run = self.description.as_ref().filter(|run| run.planned_ticks > 0)?;
-        #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
         Some(run.planned_ticks as f64 / run.rate_hz)
     }
 }

@@ -14,12 +14,11 @@ const RATE_HZ: f64 = 200.0;
 const POINTS: usize = 2_000;
 /// Points for the whole of a finished capture.
 const WHOLE_POINTS: usize = 8_000;
+
 /// Which quantity the torque is plotted over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Abscissa {
-    /// Angle, rad.
     Angle,
-    /// Velocity, rad/s.
     Velocity,
 }
 
@@ -33,12 +32,9 @@ impl Abscissa {
     }
 }
 
-/// A measured point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterPoint {
-    /// The abscissa.
     pub x: f64,
-    /// Torque, mNm.
     pub torque_mnm: f64,
     /// Whether the knob turned towards positive angle.
     pub turning_positive: bool,
@@ -47,7 +43,6 @@ pub struct ScatterPoint {
 /// Points, axes and curves of one plot at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlotUpdate {
-    /// Which plot.
     pub abscissa: Abscissa,
     /// Points since the last update.
     pub points: Vec<ScatterPoint>,
@@ -69,20 +64,19 @@ pub struct Scatters {
 /// Those of a run.
 impl Default for Scatters {
     fn default() -> Self {
-        Self { plots: both(POINTS), whole_share: None, phase: 0.0 }
+        Self::new(POINTS, None)
     }
-}
-
-fn both(capacity: usize) -> [Scatter; 2] {
-    [Abscissa::Angle, Abscissa::Velocity].map(|abscissa| Scatter::new(abscissa, capacity))
 }
 
 impl Scatters {
     /// Those of a finished capture of so many samples.
-    #[allow(clippy::cast_precision_loss, reason = "a share")]
     pub fn of_capture(samples: usize) -> Self {
-        let share = (WHOLE_POINTS as f64 / samples.max(1) as f64).min(1.0);
-        Self { plots: both(WHOLE_POINTS), whole_share: Some(share), phase: 0.0 }
+        Self::new(WHOLE_POINTS, Some((WHOLE_POINTS as f64 / samples.max(1) as f64).min(1.0)))
+    }
+
+    fn new(capacity: usize, whole_share: Option<f64>) -> Self {
+        let plots = [Abscissa::Angle, Abscissa::Velocity].map(|abscissa| Scatter::new(abscissa, capacity));
+        Self { plots, whole_share, phase: 0.0 }
     }
 
     /// Takes in what was measured, at that rate in a run.
@@ -104,7 +98,6 @@ impl Scatters {
     }
 }
 
-/// Gathers one plot.
 #[derive(Debug)]
 struct Scatter {
     abscissa: Abscissa,
@@ -138,15 +131,10 @@ impl Scatter {
         if self.fresh == 0 && model.is_none() {
             return None;
         }
-        let (x, y) = (
-            extent::of(self.kept.iter().map(|point| point.x))?,
-            extent::of(self.kept.iter().map(|point| point.torque_mnm))?,
-        );
-        let shown = self.axes;
-        let axes = PlotAxes {
-            x: Axis::following(shown.map(|axes| axes.x), x),
-            y: Axis::following(shown.map(|axes| axes.y), y),
-        };
+        let extent = |of: fn(&ScatterPoint) -> f64| extent::of(self.kept.iter().map(of));
+        let (x, y) = (extent(|point| point.x)?, extent(|point| point.torque_mnm)?);
+        let [shown_x, shown_y] = [self.axes.map(|axes| axes.x), self.axes.map(|axes| axes.y)];
+        let axes = PlotAxes { x: Axis::following(shown_x, x), y: Axis::following(shown_y, y) };
         self.axes = Some(axes);
         let model = model.map(|model| {
             let mut drawn = match self.abscissa {
@@ -168,7 +156,6 @@ impl Scatter {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
 mod tests {
     use super::*;
 

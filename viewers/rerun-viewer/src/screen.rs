@@ -1,8 +1,7 @@
 //! Where frames become visible: a web page, rerun's window, or a file.
 //!
-//! The screen has a thread of its own, fed from an [`Outbox`]: whatever rerun waits for, nobody
-//! else waits. Each run is a recording of its own. rerun's client never connects again by itself,
-//! so when its window is gone the screen looks for a new one and begins there afresh.
+//! The screen has a thread of its own, fed from an [`Outbox`]: whatever rerun waits for, nobody else waits. Each run is a
+//! recording of its own. rerun's client never connects again by itself: when its window is gone, the screen looks for another.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::Arc;
@@ -38,11 +37,9 @@ enum Place {
     Page(SocketAddr, Drawn),
     /// rerun's own window on this machine, which listens at that port.
     Window(u16),
-    /// A rerun file.
     File(RecordingFile),
 }
 
-/// What shows frames.
 pub struct Screen {
     place: Place,
     subject: Subject,
@@ -56,9 +53,7 @@ pub struct Screen {
 
 impl Screen {
     /// Opens what the command line asks for; nothing is shown yet but the layout.
-    ///
-    /// # Errors
-    /// When a port, the `rerun` program or the file is not available.
+    /// Fails when a port, the `rerun` program or the file is not available.
     pub fn open(arguments: &Arguments, subject: Subject, glance: SharedGlance) -> anyhow::Result<Self> {
         let Arguments { native, save, bind, web_port, grpc_port, memory_limit, restarts, .. } = arguments;
         let place = if let Some(path) = save {
@@ -77,25 +72,15 @@ impl Screen {
         Ok(Self { place, subject, carrier, shown: None, disconnected, next_check })
     }
 
-    /// The port of the web page, if it is one.
-    pub const fn port(&self) -> Option<u16> {
-        if let Place::Page(address, _) = &self.place { Some(address.port()) } else { None }
-    }
-
-    /// What a browser on this machine is given, if it is a web page.
-    pub fn url(&self) -> Option<String> {
+    /// Where a browser on this machine finds the web page, if it is one.
+    pub fn page(&self) -> Option<SocketAddr> {
         let Place::Page(address, _) = &self.place else { return None };
         let host = if address.ip().is_unspecified() { IpAddr::V4(Ipv4Addr::LOCALHOST) } else { address.ip() };
-        Some(format!("http://{}/", SocketAddr::new(host, address.port())))
+        Some(SocketAddr::new(host, address.port()))
     }
 
     /// Shows frames from `outbox` on a thread of its own until it is closed and empty.
-    ///
-    /// The receiver is notified once everything is written and the destination is closed, or why a file cannot be written, as
-    /// soon as that is known.
-    ///
-    /// # Errors
-    /// When no thread is to be had.
+    /// The receiver hears when all is written and closed, or why a file cannot be written as soon as that is known.
     pub fn show_from(self, outbox: Arc<Outbox<Frame>>) -> anyhow::Result<mpsc::Receiver<anyhow::Result<()>>> {
         let (closed, is_closed) = mpsc::channel();
         let show = move || {
@@ -112,7 +97,13 @@ impl Screen {
     fn show_all(mut self, outbox: &Outbox<Frame>) -> anyhow::Result<()> {
         loop {
             match outbox.take(CONNECTION_CHECK) {
-                Ok(frame) => self.show(&frame, outbox),
+                Ok(_) if self.disconnected.load(Ordering::Relaxed) => outbox.count_dropped(),
+                Ok(frame) => {
+                    if let Err(error) = self.draw(&frame) {
+                        tracing::error!("a frame of the live view could not be drawn: {error:#}");
+                        outbox.count_dropped();
+                    }
+                }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
@@ -126,15 +117,6 @@ impl Screen {
         // What was drawn leaves rerun at the latest when it is dropped.
         drop((shown, carrier));
         if let Place::File(file) = place { file.finish() } else { Ok(()) }
-    }
-
-    fn show(&mut self, frame: &Frame, outbox: &Outbox<Frame>) {
-        if self.disconnected.load(Ordering::Relaxed) {
-            outbox.count_dropped();
-        } else if let Err(error) = self.draw(frame) {
-            tracing::error!("a frame of the live view could not be drawn: {error:#}");
-            outbox.count_dropped();
-        }
     }
 
     fn draw(&mut self, frame: &Frame) -> anyhow::Result<()> {
@@ -169,19 +151,17 @@ impl Screen {
                     disconnected.store(true, Ordering::Relaxed);
                 }
             });
-        } else if listens(port) {
+        } else if TcpStream::connect_timeout(&SocketAddr::from((Ipv4Addr::LOCALHOST, port)), CONNECT_LIMIT).is_ok() {
             match self.place.carrier(self.subject) {
-                Ok(carrier) => self.begin_afresh(carrier),
+                Ok(carrier) => {
+                    let lost = (std::mem::replace(&mut self.carrier, carrier), self.shown.take());
+                    // Its end may wait without limit for a window that is gone.
+                    std::thread::spawn(move || drop(lost));
+                    self.disconnected = Arc::default();
+                }
                 Err(error) => tracing::error!("the new window cannot be used: {error:#}"),
             }
         }
-    }
-
-    fn begin_afresh(&mut self, carrier: RecordingStream) {
-        let lost = (std::mem::replace(&mut self.carrier, carrier), self.shown.take());
-        // Its end may wait without limit for a window that is gone.
-        std::thread::spawn(move || drop(lost));
-        self.disconnected = Arc::default();
     }
 }
 
@@ -190,14 +170,10 @@ impl Place {
     fn carrier(&self, subject: Subject) -> anyhow::Result<RecordingStream> {
         let builder = RecordingStreamBuilder::new(APPLICATION);
         let recording = match self {
+            Self::Page(_, drawn) => sent_to(drawn.sink(), builder)?,
             Self::Window(port) => builder.connect_grpc_opts(format!("rerun+http://127.0.0.1:{port}/proxy"))?,
-            Self::Page(..) | Self::File(_) => builder.buffered()?,
+            Self::File(file) => sent_to(file.sink(), builder)?,
         };
-        match self {
-            Self::Page(_, drawn) => recording.set_sink(Box::new(drawn.sink())),
-            Self::Window(_) => {}
-            Self::File(file) => recording.set_sink(Box::new(file.sink())),
-        }
         layout::send(&recording, subject)?;
         if let Self::Page(_, drawn) = self {
             recording.flush_blocking()?;
@@ -210,11 +186,16 @@ impl Place {
 /// The recording of a run, which goes the carrier's way. Its name is the run's: what a viewer that was started again
 /// shows joins what a page has already.
 fn recording_of(run_id: u64, carrier: &RecordingStream) -> anyhow::Result<RecordingStream> {
-    let recording = RecordingStreamBuilder::new(APPLICATION).recording_id(entities::recording(run_id)).buffered()?;
     let carrier = carrier.clone();
-    recording.set_sink(Box::new(CallbackSink::new(move |messages| {
-        messages.iter().for_each(|message| carrier.record_msg(message.clone()));
-    })));
+    let onwards =
+        CallbackSink::new(move |messages| messages.iter().for_each(|message| carrier.record_msg(message.clone())));
+    sent_to(onwards, RecordingStreamBuilder::new(APPLICATION).recording_id(entities::recording(run_id)))
+}
+
+/// A recording that goes there.
+pub fn sent_to(sink: CallbackSink, recording: RecordingStreamBuilder) -> anyhow::Result<RecordingStream> {
+    let recording = recording.buffered()?;
+    recording.set_sink(Box::new(sink));
     Ok(recording)
 }
 
@@ -233,8 +214,4 @@ fn open_window(port: u16, memory_limit: ByteSize) -> anyhow::Result<()> {
         ),
         Err(error) => Err(error).context("rerun's window cannot be opened; leave out --native for the web page"),
     }
-}
-
-fn listens(port: u16) -> bool {
-    TcpStream::connect_timeout(&SocketAddr::from((Ipv4Addr::LOCALHOST, port)), CONNECT_LIMIT).is_ok()
 }

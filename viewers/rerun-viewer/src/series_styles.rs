@@ -6,7 +6,7 @@ use rerun::datatypes::Rgba32;
 use rerun::{RecordingStream, RecordingStreamResult, SeriesLines, SeriesPoints};
 use shared_types::ProcessKind;
 
-use crate::entities::{self, HEALTH, MODEL_TORQUE, PARAMETERS, SIGNALS};
+use crate::entities::{self, HEALTH, MODEL_TORQUE, SIGNALS, parameters};
 use crate::palette::{MEASURED, MODEL, NEGATIVE, POSITIVE, translucent};
 
 /// One line, whose extremes are seen however far one zooms out.
@@ -19,9 +19,6 @@ pub fn line(name: &str, color: Rgba32, width: f32) -> SeriesLines {
 }
 
 /// Names, colours and widths of the series, drawn once per recording.
-///
-/// # Errors
-/// When rerun refuses the entity.
 pub fn draw(recording: &RecordingStream, axis: Axis) -> RecordingStreamResult<()> {
     for field in SIGNALS.into_iter().filter(|field| *field != MODEL_TORQUE) {
         recording
@@ -35,7 +32,7 @@ pub fn draw(recording: &RecordingStream, axis: Axis) -> RecordingStreamResult<()
         .with_markers([MarkerShape::Square])
         .with_marker_sizes([1.2]);
     recording.log_static(axis.words(&entities::signal(MODEL_TORQUE)).as_ref(), &dots)?;
-    for (name, _) in PARAMETERS {
+    for name in parameters().map(|parameter| parameter.name) {
         let color = match name {
             name if name.ends_with("negative") => NEGATIVE,
             name if name.ends_with("positive") => POSITIVE,

@@ -3,7 +3,7 @@
 use crate::decimation::{Decimator, Keep};
 use crate::entities::{self, MODEL_TORQUE, SIGNALS};
 use crate::extent::{self, Extent};
-use crate::frame::{Points, Series};
+use crate::frame::Series;
 use crate::source::Reading;
 
 /// Width of a pixel of a plot that shows 10 s in 1000 pixels; a bin keeps two points.
@@ -20,7 +20,8 @@ const STEPS_KEPT: usize = 4;
 #[derive(Debug)]
 pub struct Signals {
     signals: [Signal; SIGNALS.len()],
-    lateness: Decimator,
+    /// Log10 of the ticks' lateness in ns.
+    pub lateness: Decimator,
 }
 
 #[derive(Debug)]
@@ -53,21 +54,11 @@ impl Signals {
         self.signals[SIGNALS.len() - 1].push(time_ns, torque_mnm);
     }
 
-    /// Takes in the log10 of a tick's lateness in ns.
-    pub fn push_lateness(&mut self, time_ns: i64, log10_ns: f64) {
-        self.lateness.push(time_ns, log10_ns);
-    }
-
     /// The points of the signals that are complete, each handed out once.
     pub fn take(&mut self) -> Series {
         let points = |(field, signal): (&str, &mut Signal)| (entities::signal(field), signal.decimator.take());
         let all = SIGNALS.into_iter().zip(&mut self.signals).map(points);
         all.filter(|(_, points)| !points.times_ns.is_empty()).collect()
-    }
-
-    /// The points of the lateness that are complete, each handed out once.
-    pub fn take_lateness(&mut self) -> Points {
-        self.lateness.take()
     }
 
     /// Completes the open bins, for a run that has ended.

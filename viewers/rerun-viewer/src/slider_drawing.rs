@@ -1,10 +1,10 @@
 //! Draws what is pressed or slid in space: a rail with a scale in mm, a body that moves along it, the detents beside it.
 //!
-//! The rail goes from left to right and is two units long; the travel's range is fitted to it, and changes as a plot's axis does.
+//! The travel's range is fitted to the rail, and changes as a plot's axis does.
 
 use dynamics::Axis as MotionAxis;
 use rerun::components::FillMode;
-use rerun::{Boxes3D, RecordingStream, RecordingStreamResult, Scale3D, TimeColumn, Transform3D};
+use rerun::{Boxes3D, RecordingStream, RecordingStreamResult, TimeColumn, Transform3D};
 
 use crate::drawing::TIMELINE;
 use crate::entities::KNOB;
@@ -13,9 +13,8 @@ use crate::knob_drawing::{color, draw_detents, label};
 use crate::knob_track::{DetentRing, KnobUpdate, Motion};
 use crate::palette::NEUTRAL;
 use crate::plot_axes::Axis;
-use crate::strokes::{labels, lines, single};
+use crate::strokes::{labels, lines, scaled, single};
 
-/// Half of the rail's length.
 const HALF_RAIL: f64 = 1.2;
 /// Where the line of detents lies where their force is nothing.
 const DETENTS_Y: f64 = 0.45;
@@ -31,9 +30,6 @@ pub struct Slider {
 
 impl Slider {
     /// Draws what is new at the recording's current time; travels have times of their own.
-    ///
-    /// # Errors
-    /// When rerun refuses a part of it.
     pub fn draw(&mut self, recording: &RecordingStream, update: &KnobUpdate) -> anyhow::Result<()> {
         let travels = &update.turns.values;
         let shown = self.scale.map_or(extent::NOTHING, |scale| (scale.low, scale.high));
@@ -50,7 +46,13 @@ impl Slider {
             draw_rail(recording, &scale)?;
         }
         if redrawn && let Some(motion) = self.motion {
-            draw_body(recording, motion, &scale)?;
+            // The body in the colour of its motion, which is also written over it.
+            let half_mm = single(0.13 / units_in_mm(&scale));
+            let body = Boxes3D::from_centers_and_half_sizes([[0.0, 0.0, 0.15]], [[half_mm, 0.24, 0.15]])
+                .with_colors([color(motion)])
+                .with_fill_mode(FillMode::Solid);
+            recording.log(format!("{KNOB}/travel/moving/body"), &body)?;
+            recording.log(format!("{KNOB}/motion"), &label([0.0, 1.0, 0.0], motion.word().to_owned()))?;
         }
         if redrawn && let Some(ring) = &self.detents {
             let at = |travel, depth| {
@@ -90,21 +92,6 @@ fn draw_rail(recording: &RecordingStream, scale: &Axis) -> RecordingStreamResult
     let (places, texts): (Vec<_>, Vec<_>) =
         ticks.into_iter().map(|(travel_mm, label)| (at(travel_mm, -0.5), format!("{label} mm"))).unzip();
     recording.log_static(format!("{KNOB}/rail/labels"), &labels(places, texts))?;
-    recording.log_static(
-        format!("{KNOB}/travel"),
-        &Transform3D::from_translation_scale(
-            [single(place(scale, 0.0)), 0.0, 0.0],
-            Scale3D::from([single(units_in_mm(scale)), 1.0, 1.0]),
-        ),
-    )
-}
-
-/// The body in the colour of its motion, which is also written over it.
-fn draw_body(recording: &RecordingStream, motion: Motion, scale: &Axis) -> RecordingStreamResult<()> {
-    let half_mm = 0.13 / units_in_mm(scale);
-    let body = Boxes3D::from_centers_and_half_sizes([[0.0, 0.0, 0.15]], [[single(half_mm), 0.24, 0.15]])
-        .with_colors([color(motion)])
-        .with_fill_mode(FillMode::Solid);
-    recording.log(format!("{KNOB}/travel/moving/body"), &body)?;
-    recording.log(format!("{KNOB}/motion"), &label([0.0, 1.0, 0.0], motion.word().to_owned()))
+    let in_mm = scaled([units_in_mm(scale), 1.0], [place(scale, 0.0), 0.0]);
+    recording.log_static(format!("{KNOB}/travel"), &in_mm)
 }

@@ -11,7 +11,6 @@ pub struct Reading {
     pub time_ns: i64,
     /// CLOCK_MONOTONIC, ns; 0 in a finished capture.
     pub monotonic_time_ns: u64,
-    /// Encoder angle, rad.
     pub angle_rad: f64,
     /// Velocity, rad/s; NaN where there is none.
     pub velocity_rad_s: f64,
@@ -21,7 +20,6 @@ pub struct Reading {
     pub torque_mnm: f64,
     /// Whether the contact was closed: 1, or 0; NaN where none is watched.
     pub contact: f64,
-    /// Whether the knob turned towards positive angle.
     pub turning_positive: bool,
     /// Whether the knob sticks, where it says so itself, as a rendered one does.
     pub stuck: Option<bool>,
@@ -46,22 +44,13 @@ impl Reading {
 }
 
 /// A time in a run as the screen has it.
-#[allow(clippy::cast_possible_truncation, reason = "a run would have to last 292 years")]
 pub fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
 
 /// What comes from a running rig, or from what one left behind.
 pub trait Source {
-    /// Hands everything that has come since the last call over to `picture`; does not wait.
-    ///
-    /// `samples_wanted` is false while the rate is unknown: samples without a time cannot be
-    /// drawn and wait in the source.
-    ///
-    /// # Errors
-    /// When the source has failed for good.
+    /// Hands everything that has come since the last call over to `picture`; does not wait. Samples are not wanted while the
+    /// rate is unknown: without a time they cannot be drawn, and wait in the source. Fails when the source has failed for good.
     fn poll(&mut self, samples_wanted: bool, picture: &mut Picture) -> anyhow::Result<()>;
-
-    /// Whether nothing is lost by asking later: a file waits for a slow screen, a rig does not.
-    fn can_wait(&self) -> bool;
 }

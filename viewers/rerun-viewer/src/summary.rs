@@ -1,9 +1,9 @@
 //! The text next to the plots: the run, its loop and its parameters.
 
+use dynamics::ParameterKind;
 use identification::live::USUAL_SHARE;
 use shared_types::{Estimate, Fault, LoopState, LoopStatus, RunDescription, realtime};
 
-use crate::entities::PARAMETERS;
 use crate::model_torque::finite_value;
 use crate::numbers::{alarmed, grouped, value_and_interval};
 use crate::rendered::RenderedModel;
@@ -32,9 +32,7 @@ pub fn knob_title(knob: &str) -> String {
 
 /// The state of the run in words.
 pub fn state(run: &Run) -> String {
-    let Some(status) = run.status else {
-        return "no control loop".to_owned();
-    };
+    let Some(status) = run.status else { return "no control loop".to_owned() };
     if run.source_gone {
         return "SOURCE GONE: the control loop died".to_owned();
     }
@@ -48,8 +46,6 @@ pub fn state(run: &Run) -> String {
 }
 
 fn control_loop(status: &LoopStatus) -> String {
-    let granted = status.realtime & realtime::FULL == realtime::FULL;
-    #[allow(clippy::cast_precision_loss, reason = "shown with one digit")]
     let max_lateness_us = status.max_lateness_ns as f64 / 1_000.0;
     format!(
         "| control loop | |\n|---|---:|\n| samples | {} |\n| missed ticks | {} |\n| dropped samples | {} |\n\
@@ -57,21 +53,20 @@ fn control_loop(status: &LoopStatus) -> String {
         grouped(status.published_samples),
         alarmed(status.missed_ticks),
         alarmed(status.dropped_samples),
-        if granted { "granted" } else { "not granted in full" },
+        if status.realtime & realtime::FULL == realtime::FULL { "granted" } else { "not granted in full" },
     )
 }
 
 /// The parameters as Markdown: each with its value, its 95 % interval and the plain word.
 pub fn parameters(run: &Run) -> String {
     let Some(fit) = &run.fit else { return "Waiting for the fit".to_owned() };
-    let estimates = || fit.estimates().into_iter().zip(PARAMETERS).filter(|((_, estimate), _)| estimate.is_in_model());
-    let row = |((name, estimate), (_, unit)): ((&str, Estimate), (_, &str))| {
+    let row = |(kind, estimate): (&ParameterKind, Estimate)| {
         let word = if estimate.is_settled() { "enough" } else { "**not yet**" };
-        let unit = finite_value(&estimate).map_or_else(String::new, |_| format!(" {unit}"));
-        format!("| {word} | {} | {}{unit} |\n", name.replace('_', " "), value_and_interval(&estimate))
+        let unit = finite_value(&estimate).map_or_else(String::new, |_| format!(" {}", kind.unit));
+        format!("| {word} | {} | {}{unit} |\n", kind.name.replace('_', " "), value_and_interval(&estimate))
     };
-    let rows: String = estimates().map(row).collect();
-    let (all, enough) = (estimates().count(), estimates().filter(|((_, estimate), _)| estimate.is_settled()).count());
+    let rows: String = run.parameters().map(row).collect();
+    let (all, enough) = (run.parameters().count(), run.parameters().filter(|(_, one)| one.is_settled()).count());
     let residual = if fit.residual_rms_mnm.is_finite() {
         let samples = grouped(fit.samples);
         format!("\nresidual **{:.3} mNm** RMS over {samples} samples\n\n", fit.residual_rms_mnm)
@@ -91,14 +86,10 @@ mod tests {
     use shared_types::{Convergence, FitUpdate, Verdict};
 
     use super::*;
+    use crate::model_torque::tests::estimated;
 
     #[test]
     fn the_plain_word_stands_beside_each_parameter_that_the_model_has() {
-        let estimated = |value: f64, half_width: f64, convergence: Convergence| {
-            let (ci95_low, ci95_high) = (value - half_width, value + half_width);
-            let (verdict, convergence) = (Verdict::Estimated.code(), convergence.code());
-            Estimate { value, ci95_low, ci95_high, verdict, convergence }
-        };
         let mut fit = FitUpdate {
             coulomb_positive: estimated(2.3, 0.012, Convergence::Converged),
             inertia: estimated(0.035, 9.0, Convergence::Open),

@@ -1,8 +1,7 @@
 //! Pages that never read, tried with more data than is kept for anyone.
-#![allow(clippy::unwrap_used, reason = "test")]
 
-use std::io::{Read as _, Write as _};
-use std::net::{Ipv4Addr, SocketAddr, TcpStream};
+use std::io::Read as _;
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,6 +14,7 @@ use crate::frame::{Frame, Points};
 use crate::glance::SharedGlance;
 use crate::layout::Subject;
 use crate::outbox::Outbox;
+use crate::page::server::tests::ask;
 use crate::run::Run;
 use crate::screen::Screen;
 
@@ -31,17 +31,10 @@ const ON_ITS_WAY_MIB: f64 = 120.0;
 /// When the test gives up, not a time that is asserted.
 const GIVEN_UP: Duration = Duration::from_secs(240);
 
-/// A client that has asked for what was drawn, as a page does, and has read nothing yet.
-fn client(address: SocketAddr, query: &str) -> TcpStream {
-    let mut connection = TcpStream::connect(address).unwrap();
-    write!(connection, "GET /drawn?{query} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
-    connection
-}
-
 /// Sends a page's request; returns the answer's metadata, and how many bytes of rerun files came.
 fn fetch(address: SocketAddr, query: &str) -> (Value, usize) {
     let mut answer = Vec::new();
-    client(address, query).read_to_end(&mut answer).unwrap();
+    ask(address, &format!("/drawn?{query}")).read_to_end(&mut answer).unwrap();
     let body = answer.windows(4).position(|four| four == b"\r\n\r\n").unwrap() + 4;
     let line = body + answer[body..].iter().position(|byte| *byte == b'\n').unwrap();
     let head: Value = serde_json::from_slice(&answer[body..line]).unwrap();
@@ -69,10 +62,9 @@ pub(crate) fn resident_mib() -> f64 {
 #[test]
 fn pages_that_never_read_stop_no_other_and_cost_a_bounded_memory() {
     let arguments = ["rerun-viewer", "--web-port", "43000", "--memory-limit", &format!("{KEPT_MIB}MiB")];
-    let run = Run::default();
     let arguments = Arguments::parse_from(arguments);
-    let screen = Screen::open(&arguments, Subject::live(&run), SharedGlance::new(&run)).unwrap();
-    let address = SocketAddr::from((Ipv4Addr::LOCALHOST, screen.port().unwrap()));
+    let screen = Screen::open(&arguments, Subject::live(&Run::default()), SharedGlance::default()).unwrap();
+    let address = screen.page().unwrap();
     let outbox = Arc::new(Outbox::new(4));
     let shown = screen.show_from(Arc::clone(&outbox)).unwrap();
     let deadline = Instant::now() + GIVEN_UP;
@@ -88,7 +80,7 @@ fn pages_that_never_read_stop_no_other_and_cost_a_bounded_memory() {
         outbox.push(frame(number));
         most_mib = most_mib.max(resident_mib() - before_mib);
         if number % (FRAMES / WEDGED) == 0 {
-            wedged.push(client(address, ""));
+            wedged.push(ask(address, "/drawn?"));
         }
         let (instance, next) = (standing["instance"].as_str().unwrap(), &standing["next"]);
         let (head, bytes) = fetch(address, &format!("instance={instance}&from={next}"));

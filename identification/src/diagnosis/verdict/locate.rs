@@ -24,7 +24,7 @@ const HANN_WIDTH: f64 = 1.5;
 const FALSE_DISCOVERIES: f64 = 0.05;
 
 /// How much of the gap a coordinate explains, and its shape.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Location {
     /// What the residual is mapped over.
     pub coordinate: &'static str,
@@ -33,6 +33,7 @@ pub struct Location {
     /// Share of the residual's mean square that the map predicts in stretches that it was not made from, %.
     pub explained_percent: f64,
     /// Probability that a map of nothing would predict as much.
+    #[serde(deserialize_with = "crate::diagnosis::findings::number_or_nan")]
     pub p_value: f64,
     /// Whether it stands with at most one false discovery in twenty (Benjamini and Hochberg 1995).
     pub significant: bool,

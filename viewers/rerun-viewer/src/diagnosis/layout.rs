@@ -1,5 +1,6 @@
 //! How the views of a diagnosis lie.
 
+use identification::diagnosis::Diagnosis;
 use rerun::RecordingStream;
 use rerun::blueprint::components::LinkAxis;
 use rerun::blueprint::{
@@ -7,23 +8,22 @@ use rerun::blueprint::{
 };
 use rerun::external::re_sdk_types::blueprint::archetypes::TimeAxis;
 
-use super::charts::{FORWARD, GAP, map_entity, step_entity};
-use super::input::DiagnosisInput;
+use super::Input;
+use super::charts::{Comparison, comparisons, map_entity};
 use crate::entities::SUMMARY;
 use crate::layout_properties::{self, Properties};
 
-/// Sends the layout and makes it the active one.
-///
-/// # Errors
-/// When rerun refuses a part of it.
-pub fn send(recording: &RecordingStream, input: &DiagnosisInput) -> anyhow::Result<()> {
+pub fn send(recording: &RecordingStream, input: &Input) -> anyhow::Result<()> {
     let mut properties = Properties::default();
-    let tabs = [overview(&mut properties, input), maps(input), effects(input)];
+    let chart = |Comparison { entity, title, .. }| BarChartView::new(title).with_origin(entity).into();
+    let effects: Vec<ContainerLike> = comparisons(&input.diagnosis).into_iter().map(chart).collect();
+    let effects = Grid::new(effects).with_grid_columns(2).with_name("Effects");
+    let tabs = [overview(&mut properties, input), maps(&input.diagnosis), effects.into()];
     layout_properties::send(recording, Tabs::new(tabs), TimePanel::new(), &properties)
 }
 
 /// Torque and residual of both captures, and the words.
-fn overview(properties: &mut Properties, input: &DiagnosisInput) -> ContainerLike {
+fn overview(properties: &mut Properties, input: &Input) -> ContainerLike {
     let quantities = [("torque", "torque: measured and predicted, mNm"), ("residual", "measured minus predicted, mNm")];
     let mut plots: Vec<ContainerLike> = Vec::new();
     for role in input.captures.iter().map(|capture| &capture.role) {
@@ -43,33 +43,14 @@ fn overview(properties: &mut Properties, input: &DiagnosisInput) -> ContainerLik
 }
 
 /// The residual over each coordinate, before and after.
-fn maps(input: &DiagnosisInput) -> ContainerLike {
-    let views = input.diagnosis.locations.iter().map(|location| {
+fn maps(found: &Diagnosis) -> ContainerLike {
+    let views = found.locations.iter().map(|location| {
         let mark = if location.significant { "" } else { ", not significant" };
         let title = format!(
             "{}, {}: {:.0} %{mark}; mean residual before and after, mNm",
             location.coordinate, location.unit, location.explained_percent
         );
-        chart(title, &map_entity(&location.coordinate))
+        BarChartView::new(title).with_origin(map_entity(location.coordinate)).into()
     });
     Grid::new(views.collect::<Vec<_>>()).with_grid_columns(3).with_name("Maps").into()
-}
-
-/// The gap step by step, and each effect beside its rivals.
-fn effects(input: &DiagnosisInput) -> ContainerLike {
-    let mut views = vec![chart("left of the held-out capture, mNm RMS".to_owned(), GAP)];
-    if input.diagnosis.forward_from_command.is_some() {
-        views.push(chart("error of the motion from the command, rad RMS".to_owned(), FORWARD));
-    }
-    for (index, step) in input.diagnosis.steps.iter().enumerate() {
-        let entity = step_entity(index, step);
-        let title = |what: &str| format!("{} and its rivals: {what}", step.effect);
-        views.push(chart(title("left of the held-out capture, mNm RMS"), &format!("{entity}/heldout_rms_mnm")));
-        views.push(chart(title("evidence, nats"), &format!("{entity}/evidence_nats")));
-    }
-    Grid::new(views).with_grid_columns(2).with_name("Effects").into()
-}
-
-fn chart(title: String, origin: &str) -> ContainerLike {
-    BarChartView::new(title).with_origin(origin).into()
 }

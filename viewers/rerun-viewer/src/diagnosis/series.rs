@@ -1,49 +1,40 @@
 //! Torque and residual over time.
 
+use identification::diagnosis::Row;
 use rerun::datatypes::Rgba32;
 use rerun::{RecordingStream, Scalars, TimeColumn};
 
-use super::input::{CaptureRows, Row};
+use super::CaptureRows;
 use crate::drawing::TIMELINE;
 use crate::palette::{MEASURED, MODEL, NEUTRAL};
 use crate::series_styles::line;
 
-/// A series of a capture: its name, its colour, and its value in a row.
-type Series = (&'static str, Rgba32, fn(&Row) -> f64);
+/// A series of a capture: its quantity, its name, its colour, and its value in a row.
+type Series = (&'static str, &'static str, Rgba32, fn(&Row) -> f64);
 
-/// Measured torque and what the first and the final model predict, mNm.
-const TORQUES: [Series; 3] = [
-    ("predicted_before_mnm", NEUTRAL, |row| row.torque_mnm - row.residual_before_mnm),
-    ("predicted_after_mnm", MODEL, |row| row.torque_mnm - row.residual_after_mnm),
-    ("measured_mnm", MEASURED, |row| row.torque_mnm),
+/// Measured torque and what the first and the final model predict, mNm; what they leave, mNm; the motion, rad and rad/s.
+const SERIES: [Series; 7] = [
+    ("torque", "predicted_before_mnm", NEUTRAL, |row| row.torque_mnm - row.residual_before_mnm),
+    ("torque", "predicted_after_mnm", MODEL, |row| row.torque_mnm - row.residual_after_mnm),
+    ("torque", "measured_mnm", MEASURED, |row| row.torque_mnm),
+    ("residual", "before_mnm", NEUTRAL, |row| row.residual_before_mnm),
+    ("residual", "after_mnm", MODEL, |row| row.residual_after_mnm),
+    ("motion", "angle_rad", MEASURED, |row| row.angle_rad),
+    ("motion", "velocity_rad_s", MEASURED, |row| row.velocity_rad_s),
 ];
-
-/// What the first and the final model leave, mNm.
-const RESIDUALS: [Series; 2] =
-    [("before_mnm", NEUTRAL, |row| row.residual_before_mnm), ("after_mnm", MODEL, |row| row.residual_after_mnm)];
-
-/// The motion of the rows.
-const MOTIONS: [Series; 2] =
-    [("angle_rad", MEASURED, |row| row.angle_rad), ("velocity_rad_s", MEASURED, |row| row.velocity_rad_s)];
 
 /// Longest time between two rows that belong together, in usual ones: where the knob may stick there are none.
 const GAP: f64 = 5.0;
 
 /// Draws the series of a capture, each `<role>/<quantity>/<series>`.
-///
-/// # Errors
-/// When rerun refuses one.
 pub fn draw(recording: &RecordingStream, capture: &CaptureRows) -> anyhow::Result<()> {
-    let quantities: [(&str, &[Series]); 3] = [("torque", &TORQUES), ("residual", &RESIDUALS), ("motion", &MOTIONS)];
     let rows = parted(&capture.rows);
-    for (quantity, series) in quantities {
-        for (name, color, of) in series {
-            let entity = format!("{}/{quantity}/{name}", capture.role);
-            recording.log_static(entity.as_str(), &line(name, *color, 1.2))?;
-            let times = TimeColumn::new_duration_secs(TIMELINE, rows.iter().map(|(t_s, _)| *t_s));
-            let values = Scalars::new(rows.iter().map(|(_, row)| row.as_ref().map_or(f64::NAN, of)));
-            recording.send_columns(entity.as_str(), [times], values.columns_of_unit_batches()?)?;
-        }
+    for (quantity, name, color, of) in SERIES {
+        let entity = format!("{}/{quantity}/{name}", capture.role);
+        recording.log_static(entity.as_str(), &line(name, color, 1.2))?;
+        let times = TimeColumn::new_duration_secs(TIMELINE, rows.iter().map(|(t_s, _)| *t_s));
+        let values = Scalars::new(rows.iter().map(|(_, row)| row.as_ref().map_or(f64::NAN, of)));
+        recording.send_columns(entity.as_str(), [times], values.columns_of_unit_batches()?)?;
     }
     Ok(())
 }

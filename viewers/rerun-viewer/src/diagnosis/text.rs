@@ -2,11 +2,13 @@
 
 use std::fmt::Write as _;
 
-use super::input::{DiagnosisInput, Rival};
+use identification::diagnosis::Rival;
+
+use super::{Input, contenders};
 use crate::numbers::three_digits;
 
 /// The diagnosis as Markdown.
-pub fn markdown(input: &DiagnosisInput) -> String {
+pub fn markdown(input: &Input) -> String {
     let found = &input.diagnosis;
     let mut text = format!("# {}\n", found.summary);
     for capture in &input.captures {
@@ -38,7 +40,7 @@ pub fn markdown(input: &DiagnosisInput) -> String {
             let _ = writeln!(text, "\n**A tie** with {}.", step.ties.join(" and "));
         }
         text.push_str("\n| rival | left, mNm | evidence, nats | |\n|---|---|---|---|\n");
-        for Rival { effect, heldout_rms_after, evidence, disqualified } in step.contenders() {
+        for Rival { effect, heldout_rms_after, evidence, disqualified, .. } in contenders(step) {
             let [rms, evidence] = [heldout_rms_after, evidence].map(three_digits);
             let _ = writeln!(text, "| {effect} | {rms} | {evidence} | {} |", disqualified.unwrap_or_default());
         }

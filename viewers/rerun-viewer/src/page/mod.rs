@@ -2,23 +2,23 @@
 //!
 //! rerun's own server gives its stream to every user of the machine, waits for its slowest reader, and its page loses the
 //! stream for good when the process dies. This page asks instead: twice a second `/status` for the figures, and `/drawn`
-//! for what is new whenever its viewer has taken in what it was given. Nothing is held open for it, and when another process
-//! answers than before it goes on with that one, in the same tab.
+//! for what is new whenever its viewer has taken in what it was given. Nothing is held open for it.
 
 pub mod server;
 
 use std::net::{IpAddr, TcpListener};
+use std::sync::Arc;
 
-use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
 use hyper::header;
-use hyper::{Method, Request, Response, StatusCode};
+use hyper::{Method, Request, StatusCode};
 use re_web_viewer_server::WebViewerData;
-use serde::Serialize;
 
 use crate::drawing::TIMELINE;
-use crate::drawn::{Contents, Drawn};
+use crate::drawn::Drawn;
 use crate::glance::SharedGlance;
+use crate::lock::lock;
+use crate::page::server::Reply;
 
 struct Pages {
     /// Whether the page is to be reached from other machines, by whatever name they know this one.
@@ -36,21 +36,18 @@ const SCRIPT: &str = "text/javascript";
 const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; \
                       img-src 'self' data: blob:; worker-src 'self' blob:; frame-ancestors 'self'";
 
-/// Serves the page as long as the process lives.
-///
-/// # Errors
-/// When rerun's program for browsers or a thread is not available.
+/// Serves the page as long as the process lives. Fails when rerun's program for browsers or a thread is not available.
 pub fn serve(listener: TcpListener, glance: SharedGlance, drawn: Drawn) -> anyhow::Result<()> {
     let open_to_network = !listener.local_addr()?.ip().is_loopback();
     let instance = format!("{}-{}", std::process::id(), shared_types::rig::monotonic_time_ns());
     // Kept for as long as the process lives, so that its 40 MB are never copied for an answer.
     let viewer = Box::leak(Box::new(WebViewerData::load(None)?));
     let pages = Pages { open_to_network, viewer, instance, glance, drawn };
-    Ok(server::serve(listener, move |request| pages.answer(request), server::PATIENCE)?)
+    Ok(server::serve(listener, Arc::new(move |request: &_| pages.answer(request)), server::PATIENCE)?)
 }
 
 impl Pages {
-    fn answer(&self, request: &Request<Incoming>) -> Response<Full<Bytes>> {
+    fn answer(&self, request: &Request<Incoming>) -> Reply {
         if !self.open_to_network && !is_asked_by_address(request) {
             return empty(StatusCode::FORBIDDEN);
         }
@@ -89,7 +86,7 @@ impl Pages {
 
     /// The figures, with who answers and the timeline by which the page tells how far it has come.
     fn status(&self) -> String {
-        let mut status = self.glance.get();
+        let mut status = lock(&self.glance).clone();
         status["instance"] = self.instance.as_str().into();
         status["timeline"] = TIMELINE.into();
         status.to_string()
@@ -107,22 +104,15 @@ impl Pages {
             (0, value("to").map(|_| 0))
         };
         let (contents, file) = self.drawn.answer(from, to)?;
-        let mut answer = serde_json::to_vec(&DrawnHead { instance: &self.instance, contents })?;
-        answer.push(b'\n');
+        let mut head = serde_json::to_value(contents)?;
+        head["instance"] = self.instance.as_str().into();
+        let mut answer = format!("{head}\n").into_bytes();
         answer.extend(file);
         Ok(answer)
     }
 }
 
-/// The first line of an answer to `/drawn`.
-#[derive(Serialize)]
-struct DrawnHead<'a> {
-    instance: &'a str,
-    #[serde(flatten)]
-    contents: Contents,
-}
-
-fn empty(status: StatusCode) -> Response<Full<Bytes>> {
+fn empty(status: StatusCode) -> Reply {
     server::response(status, Bytes::new(), [])
 }
 

@@ -1,13 +1,12 @@
 //! The page's server: one thread, hyper, and bounds for whatever is at the other end.
 //!
-//! The page shows what is captured to our own user only ([`peer`]): others are refused. A client that sends no request, or
-//! takes no answer, costs its connection and nobody else's: the header of a request has a size and a deadline, the kernel
-//! ends a connection of which nothing was taken for [`PATIENCE`], and when all connections are in use the next
-//! one takes the place of the one that was idle for longest.
+//! Users other than our own ([`peer`]) are refused. A client that sends no request, or takes no answer, costs its connection
+//! and nobody else's: the header of a request has a size and a deadline, the kernel ends a connection of which nothing was
+//! taken for [`PATIENCE`], and when all are in use the next one takes the place of the one that was idle for longest.
 
 use std::convert::Infallible;
 use std::net::TcpListener;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use http_body_util::Full;
@@ -20,6 +19,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use tokio::net::TcpStream;
 use tokio::task::AbortHandle;
 
+use crate::lock::lock;
 use crate::peer;
 
 /// How long a client may take nothing of what waits for it, and how long it may take to send a request.
@@ -30,43 +30,35 @@ const MOST_CONNECTIONS: usize = 64;
 const MOST_REFUSALS: usize = 8;
 /// Size of a request's header, bytes.
 const MOST_HEADER: usize = 16 << 10;
-/// The answer to other users.
 const REFUSAL: &str = "This live view belongs to another user of this machine. Start the capture as the user of this \
                        browser, or with sudo from him, or reach the page through ssh as the user who captures.\n";
 
+/// What a client is given.
+pub type Reply = Response<Full<Bytes>>;
+/// Gives the reply to a request.
+pub type Answers = Arc<dyn Fn(&Request<Incoming>) -> Reply + Send + Sync>;
+
 /// A response with these headers.
-pub fn response<const N: usize>(
-    status: StatusCode,
-    body: Bytes,
-    headers: [(HeaderName, &'static str); N],
-) -> Response<Full<Bytes>> {
+pub fn response<const N: usize>(status: StatusCode, body: Bytes, headers: [(HeaderName, &'static str); N]) -> Reply {
     let mut response = Response::new(Full::from(body));
     *response.status_mut() = status;
     response.headers_mut().extend(headers.map(|(name, value)| (name, HeaderValue::from_static(value))));
     response
 }
 
-/// Gives the answer to one request.
-pub trait Answer: Fn(&Request<Incoming>) -> Response<Full<Bytes>> + Send + Sync + 'static {}
-
-impl<F: Fn(&Request<Incoming>) -> Response<Full<Bytes>> + Send + Sync + 'static> Answer for F {}
-
 /// Serves everyone who connects to `listener`, on a thread of its own, as long as the process lives.
-///
-/// # Errors
-/// When there is no thread or no file descriptor for it.
-pub fn serve(listener: TcpListener, answers: impl Answer, patience: Duration) -> std::io::Result<()> {
+/// Fails when there is no thread or no file descriptor for it.
+pub fn serve(listener: TcpListener, answers: Answers, patience: Duration) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    let listener = {
-        let _inside = runtime.enter();
-        tokio::net::TcpListener::from_std(listener)?
-    };
-    let accept = move || runtime.block_on(accept(listener, Arc::new(answers), patience));
+    let inside = runtime.enter();
+    let listener = tokio::net::TcpListener::from_std(listener)?;
+    drop(inside);
+    let accept = move || runtime.block_on(accept(listener, answers, patience));
     std::thread::Builder::new().name("page".to_owned()).spawn(accept).map(drop)
 }
 
-async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, patience: Duration) {
+async fn accept(listener: tokio::net::TcpListener, answers: Answers, patience: Duration) {
     let (mut ours, mut others) = (Connections::new(), Connections::new());
     loop {
         let Ok((client, peer)) = listener.accept().await else {
@@ -88,13 +80,17 @@ async fn accept(listener: tokio::net::TcpListener, answers: Arc<impl Answer>, pa
 }
 
 /// Serves one connection to its end; without `answers` whoever is there is sent away.
-async fn attend(client: TcpStream, answers: Option<Arc<impl Answer>>, asked: LastRequest, patience: Duration) {
+async fn attend(client: TcpStream, answers: Option<Answers>, asked: LastRequest, patience: Duration) {
     let socket = socket2::SockRef::from(&client);
     if socket.set_tcp_nodelay(true).and_then(|()| socket.set_tcp_user_timeout(Some(patience))).is_err() {
         return;
     }
+    let refusal = || {
+        let headers = [(CONTENT_TYPE, "text/plain; charset=utf-8"), (CONNECTION, "close")];
+        response(StatusCode::FORBIDDEN, REFUSAL.into(), headers)
+    };
     let answer = |request: Request<Incoming>| {
-        *asked.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        *lock(&asked) = Some(Instant::now());
         let answer = answers.as_ref().map_or_else(refusal, |answers| answers(&request));
         std::future::ready(Ok::<_, Infallible>(answer))
     };
@@ -107,11 +103,6 @@ async fn attend(client: TcpStream, answers: Option<Arc<impl Answer>>, asked: Las
         .await;
 }
 
-fn refusal() -> Response<Full<Bytes>> {
-    let headers = [(CONTENT_TYPE, "text/plain; charset=utf-8"), (CONNECTION, "close")];
-    response(StatusCode::FORBIDDEN, REFUSAL.into(), headers)
-}
-
 /// When a connection sent its last request, if it has sent any.
 type LastRequest = Arc<Mutex<Option<Instant>>>;
 
@@ -121,7 +112,7 @@ type Connections = Vec<(AbortHandle, LastRequest)>;
 /// Ends connections until there are fewer than `most`: those first that never asked, then those that asked long ago.
 fn make_room(open: &mut Connections, most: usize) {
     open.retain(|(task, _)| !task.is_finished());
-    let asked = |(_, asked): &(_, LastRequest)| *asked.lock().unwrap_or_else(PoisonError::into_inner);
+    let asked = |(_, asked): &(_, LastRequest)| *lock(asked);
     while open.len() >= most
         && let Some(idlest) = (0..open.len()).min_by_key(|place| asked(&open[*place]))
     {
@@ -130,8 +121,7 @@ fn make_room(open: &mut Connections, most: usize) {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "test")]
-mod tests {
+pub(crate) mod tests {
     use std::io::{Read as _, Write as _};
     use std::net::{Ipv4Addr, SocketAddr, TcpStream};
     use std::sync::mpsc;
@@ -145,7 +135,7 @@ mod tests {
     fn serving(body: impl Fn() -> Bytes + Send + Sync + 'static, patience: Duration) -> SocketAddr {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let address = listener.local_addr().unwrap();
-        serve(listener, move |_: &Request<Incoming>| Response::new(Full::from(body())), patience).unwrap();
+        serve(listener, Arc::new(move |_: &_| Response::new(Full::from(body()))), patience).unwrap();
         address
     }
 
@@ -161,13 +151,14 @@ mod tests {
         client
     }
 
-    fn ask(address: SocketAddr) -> TcpStream {
-        send(address, &format!("GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"))
+    /// Asks as a page does, and has read nothing yet.
+    pub(crate) fn ask(address: SocketAddr, path: &str) -> TcpStream {
+        send(address, &format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"))
     }
 
     fn answer(address: SocketAddr) -> String {
         let mut text = String::new();
-        ask(address).read_to_string(&mut text).unwrap();
+        ask(address, "/").read_to_string(&mut text).unwrap();
         text
     }
 
@@ -183,7 +174,7 @@ mod tests {
     #[test]
     fn an_answer_on_its_way_outlives_connections_that_ask_nothing() {
         let address = serving(LARGE, FOR_EVER);
-        let mut loading = ask(address);
+        let mut loading = ask(address, "/");
         loading.read_exact(&mut [0; 1000]).unwrap();
         let idle: Vec<_> = (0..2 * MOST_CONNECTIONS).map(|_| send(address, "")).collect();
         let mut rest = Vec::new();
@@ -228,7 +219,7 @@ mod tests {
         let (freed, is_freed) = mpsc::channel();
         let body = move || Bytes::from_owner(Body(vec![0; 100 << 20], freed.clone()));
         let address = serving(body, PATIENCE);
-        let wedged = ask(address);
+        let wedged = ask(address, "/");
         is_freed.recv_timeout(Duration::from_secs(60)).unwrap();
         drop(wedged);
     }
@@ -236,7 +227,7 @@ mod tests {
     #[test]
     fn a_slow_reader_keeps_its_connection() {
         let address = serving(LARGE, PATIENCE);
-        let mut client = ask(address);
+        let mut client = ask(address, "/");
         let (mut portion, mut taken) = (vec![0; 3 << 20], 0);
         while let more @ 1.. = client.read(&mut portion).unwrap() {
             std::thread::sleep(Duration::from_millis(20));
