@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use foreign_files::{Column, Others, read_columns};
+use foreign_files::{Column, OtherColumns, read_columns};
 use shared_types::Axis;
 
 use crate::capture::{Capture, first_bytes};
@@ -18,7 +18,7 @@ pub(crate) fn load(path: &Path) -> Result<Capture, ArchiveError> {
         true => Column::required(column.name_on(axis)),
         false => Column::optional(column.name_on(axis)),
     });
-    let found = read_columns(file, wanted, Others::Refused).map_err(|error| ArchiveError::table(path, error))?;
+    let found = read_columns(file, wanted, OtherColumns::Refused).map_err(|error| ArchiveError::table(path, error))?;
     let mut capture = Capture { source: path.to_owned(), axis, ..Capture::default() };
     for (column, values) in MEASURED.iter().zip(found) {
         if let Some(values) = values {

@@ -38,12 +38,12 @@ impl Axis {
         *self == Self::Rotary
     }
 
-    /// Way of a fingertip that moves the usual knob by 1 rad, in this axis's unit: its rim is 20 mm from its axis.
+    /// Travel of a fingertip that moves the usual knob by 1 rad, in this axis's unit: the rim is 20 mm from the axis.
     ///
-    /// What is known of hands and of what they hold as numbers of a knob holds of what they press or slide as well: positions and speeds
+    /// Numbers known of hands and of knobs hold of what is pressed or slid as well: positions and speeds
     /// times this, loads over it, inertia, damping and stiffness over its square. Energies are the same.
     #[must_use]
-    pub fn fingertip_way(self) -> f64 {
+    pub fn fingertip_travel(self) -> f64 {
         match self {
             Self::Rotary => 1.0,
             Self::Linear => 20.0,

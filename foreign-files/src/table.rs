@@ -36,11 +36,11 @@ impl Column {
 
 /// What becomes of columns that nobody looks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Others {
+pub enum OtherColumns {
     /// A table that has any is refused: its author meant something by them.
     Refused,
-    /// They are passed over.
-    PassedOver,
+    /// They are ignored.
+    Ignored,
 }
 
 /// Why a table cannot be read.
@@ -82,7 +82,7 @@ pub enum TableError {
 pub fn read_columns<const N: usize>(
     text: impl Read,
     wanted: [Column; N],
-    others: Others,
+    others: OtherColumns,
 ) -> Result<[Option<Vec<f64>>; N], TableError> {
     let mut text = BufReader::with_capacity(HEAD, text);
     let separator = separator(header_line(text.fill_buf().map_err(from_io)?));
@@ -118,14 +118,14 @@ pub fn read_columns<const N: usize>(
 fn places<const N: usize>(
     names: &[&str],
     wanted: &[Column; N],
-    others: Others,
+    others: OtherColumns,
 ) -> Result<[Option<usize>; N], TableError> {
     let places = wanted.map(|column| names.iter().position(|name| name.eq_ignore_ascii_case(column.name)));
     let complete = wanted.iter().zip(&places).all(|(column, place)| place.is_some() || !column.required);
     let count = |column: &Column| names.iter().filter(|name| name.eq_ignore_ascii_case(column.name)).count();
     let unique = wanted.iter().all(|column| count(column) <= 1);
     let foreign = names.len() > places.iter().flatten().count();
-    if complete && unique && (others == Others::PassedOver || !foreign) {
+    if complete && unique && (others == OtherColumns::Ignored || !foreign) {
         return Ok(places);
     }
     let expected = wanted.iter().enumerate().map(|(index, Column { name, required })| {

@@ -1,15 +1,15 @@
 //! One reader for every table of numbers.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use foreign_files::{Column, Others, TableError, read_columns};
+use foreign_files::{Column, OtherColumns, TableError, read_columns};
 
-fn read(text: &str, others: Others) -> Result<[Option<Vec<f64>>; 3], TableError> {
+fn read(text: &str, others: OtherColumns) -> Result<[Option<Vec<f64>>; 3], TableError> {
     let wanted = [Column::required("t_s"), Column::required("angle_rad"), Column::optional("torque_mnm")];
     read_columns(text.as_bytes(), wanted, others)
 }
 
 fn refusal(text: &str) -> String {
-    read(text, Others::Refused).unwrap_err().to_string()
+    read(text, OtherColumns::Refused).unwrap_err().to_string()
 }
 
 #[test]
@@ -25,14 +25,14 @@ fn what_spreadsheets_and_people_add_is_passed_over() {
         "t_s;angle_rad\n0;2,5\n1;-3e-1\n",
         "# drawn; by hand\nT_S\tAngle_rad\n0\t2,5\n1\t-0.3\n",
     ] {
-        assert_eq!(read(text, Others::Refused).unwrap(), expected, "{text:?}");
+        assert_eq!(read(text, OtherColumns::Refused).unwrap(), expected, "{text:?}");
     }
 }
 
 #[test]
 fn other_columns_are_passed_over_only_where_that_was_said() {
     let text = "t_s,colour,angle_rad\n0,red,1\n";
-    assert_eq!(read(text, Others::PassedOver).unwrap(), [Some(vec![0.0]), Some(vec![1.0]), None]);
+    assert_eq!(read(text, OtherColumns::Ignored).unwrap(), [Some(vec![0.0]), Some(vec![1.0]), None]);
     assert_eq!(
         refusal(text),
         "it has the columns `t_s,colour,angle_rad`, but they must be `t_s,angle_rad[,torque_mnm]`"
@@ -56,7 +56,7 @@ fn a_wrong_table_is_reported_with_its_line() {
     }
     let bytes: &[u8] = b"t_s,angle_rad\n0,\xff\n";
     let wanted = [Column::required("t_s")];
-    assert!(matches!(read_columns(bytes, wanted, Others::PassedOver), Err(TableError::NotText)));
+    assert!(matches!(read_columns(bytes, wanted, OtherColumns::Ignored), Err(TableError::NotText)));
 }
 
 #[test]

@@ -160,8 +160,8 @@ impl Excitation {
             return self;
         }
         let amplitude = match self.drive {
-            Drive::Position => PRESSED_MM.min(self.amplitude * axis.fingertip_way()),
-            Drive::Torque => self.amplitude / axis.fingertip_way(),
+            Drive::Position => PRESSED_MM.min(self.amplitude * axis.fingertip_travel()),
+            Drive::Torque => self.amplitude / axis.fingertip_travel(),
         };
         let shape = match self.shape {
             // The square of a sine has twice its frequency.

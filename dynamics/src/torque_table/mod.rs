@@ -5,7 +5,7 @@ mod interpolant;
 
 use std::io::Read;
 
-use foreign_files::{Column, Others, read_columns};
+use foreign_files::{Column, OtherColumns, read_columns};
 
 use crate::{Coordinate, TableUse, interned};
 
@@ -86,7 +86,7 @@ impl TorqueTable {
     /// [`TorqueTableError`], also for text that is no such table.
     pub fn kept_from_csv(text: impl Read) -> Result<&'static Self, TorqueTableError> {
         let wanted = ["angle_rad", "torque_mnm"].map(Column::required);
-        let [angle_rad, torque_mnm] = read_columns(text, wanted, Others::Refused)?.map(Option::unwrap_or_default);
+        let [angle_rad, torque_mnm] = read_columns(text, wanted, OtherColumns::Refused)?.map(Option::unwrap_or_default);
         Self::kept(&angle_rad, &torque_mnm, None)
     }
 

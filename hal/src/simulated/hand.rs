@@ -49,7 +49,7 @@ impl Grip {
     #[must_use]
     pub fn on(axis: Axis) -> Self {
         let Self { inertia, damping, stiffness_mnm_rad } = Self::default();
-        let square = axis.fingertip_way().powi(2);
+        let square = axis.fingertip_travel().powi(2);
         Self { inertia: inertia / square, damping: damping / square, stiffness_mnm_rad: stiffness_mnm_rad / square }
     }
 

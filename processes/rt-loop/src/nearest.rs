@@ -165,7 +165,7 @@ fn lower_torque(model: &mut Model, room_mnm: f64, share: f64) -> bool {
         _ => value,
     });
     let mut viscous = false;
-    let fastest_rad_s = FASTEST_RAD_S * model.axis.fingertip_way();
+    let fastest_rad_s = FASTEST_RAD_S * model.axis.fingertip_travel();
     for effect in &mut model.effects {
         if effect.kind().name == dynamics::effects::friction::KIND.name
             && let [coulomb_negative, coulomb_positive, viscous_negative, viscous_positive] = effect.values_mut()

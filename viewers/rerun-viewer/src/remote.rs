@@ -1,7 +1,7 @@
-//! Seeing the page from another machine: it asks nobody there who he is, so ssh carries its port, which knows who may log in.
+//! Seeing the page from another machine. The page has no log-in of its own, so ssh carries its port.
 
-/// Who logs in here and how this machine is reached, as `user@host`: as whoever is logged in came here, or else by the
-/// machine's name; what is unknown is left to fill in.
+/// User and host by which this machine is reached, as `user@host`: the address of the ssh connection, or else the machine's name. `USER` and
+/// `HOST` stand for what is unknown.
 pub fn login() -> String {
     let user = ["USER", "LOGNAME"].into_iter().find_map(|variable| std::env::var(variable).ok());
     // "client address, client port, server address, server port"

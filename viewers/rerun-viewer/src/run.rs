@@ -14,7 +14,7 @@ use crate::source::Reading;
 pub struct Run {
     /// Identity; `None` before a run is known.
     pub id: Option<u64>,
-    /// Whether what is shown turns, once that is known.
+    /// The axis, rotary or linear, once it is known.
     pub axis: Option<Axis>,
     pub description: Option<RunDescription>,
     /// Of the rig; without one the model's torque is drawn as if the rig were ideal.

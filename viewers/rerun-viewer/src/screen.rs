@@ -33,7 +33,7 @@ const CONNECT_LIMIT: Duration = Duration::from_millis(200);
 
 /// Where to show.
 enum Place {
-    /// A web page at that address, where what is drawn is kept.
+    /// The page served at that address, and the picture that it shows.
     Page(SocketAddr, Drawn),
     /// rerun's own window on this machine, which listens at that port.
     Window(u16),

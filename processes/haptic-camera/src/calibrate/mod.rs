@@ -56,7 +56,7 @@ pub enum CalibrationKind {
     Friction,
 }
 
-/// Amplitude of the fast sines with nothing on the gripper, rad; on a linear axis the way of a fingertip at that angle.
+/// Amplitude of the fast sines with nothing on the gripper, rad; on a linear axis the travel of a fingertip at that angle.
 const FAST_AMPLITUDE_RAD: f64 = 0.1;
 
 /// Calibrates from the captures given, or makes one.
@@ -155,13 +155,13 @@ impl CalibrationKind {
     fn capture(self, pace: &Pace, rig: &RigOptions) -> anyhow::Result<(PathBuf, Outcome)> {
         let alone =
             |sweep: &str, duration_s| rig_run::request("none", sweep, duration_s, pace.clone(), rig.request.clone());
-        let way = rt_loop::rigs::file(&rig.request)?.axis.fingertip_way();
+        let travel = rt_loop::rigs::file(&rig.request)?.axis.fingertip_travel();
         let request = match self {
             Self::Friction => alone("linear-chirp", 10.0),
             Self::Gravity | Self::Cogging => alone("slow-turn", 15.0),
             Self::Zero => RunRequest { torque: true, ..alone("hold", 5.0) },
             Self::Gripper | Self::Latency => {
-                RunRequest { amplitude: Some(FAST_AMPLITUDE_RAD * way), ..alone("fast-multisine", 10.0) }
+                RunRequest { amplitude: Some(FAST_AMPLITUDE_RAD * travel), ..alone("fast-multisine", 10.0) }
             }
         };
         let interrupted = listen_for_interrupt()?;

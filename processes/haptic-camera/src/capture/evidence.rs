@@ -44,7 +44,7 @@ fn depends_on_time(found: &Diagnosis) -> bool {
     names.into_iter().any(|name| of_time.contains(name))
 }
 
-/// Captures one after the other as one, with what is known of the first one's rig. A column that one of them lacks is left out.
+/// The samples of several captures in one, and the description of the first one's rig. Columns that one of them lacks are left out.
 ///
 /// Between two captures lies a gap, as if samples had been lost: what spans it is left out of every comparison.
 fn joined(captures: &[&LoadedCapture]) -> LoadedCapture {

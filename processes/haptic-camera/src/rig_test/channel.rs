@@ -45,11 +45,11 @@ impl Channel {
             Self::Acceleration => ("rad/s²", "mm/s²", 0.664, 0.4148),
             Self::Torque => ("Nm", "N", 0.0010, 0.0018),
         };
-        let way = axis.fingertip_way();
+        let travel = axis.fingertip_travel();
         match (axis, self) {
             (Axis::Rotary, _) => (rotary, mean, sd),
-            (Axis::Linear, Self::Torque) => (linear, mean / (NM_PER_MNM * way), sd / (NM_PER_MNM * way)),
-            (Axis::Linear, _) => (linear, mean * way, sd * way),
+            (Axis::Linear, Self::Torque) => (linear, mean / (NM_PER_MNM * travel), sd / (NM_PER_MNM * travel)),
+            (Axis::Linear, _) => (linear, mean * travel, sd * travel),
         }
     }
 

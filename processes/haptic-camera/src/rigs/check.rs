@@ -8,7 +8,7 @@ use dynamics::Axis;
 use hal::RigFile;
 use serde::Serialize;
 
-use super::{span, torque_run};
+use super::{span, torque_request};
 use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, remark, show};
@@ -73,7 +73,7 @@ struct Checked {
 pub fn run(options: &RigCheckOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     let folder = tempfile::tempdir()?;
-    let request = torque_run(&options.file, options.rate_hz, options.duration_s)?;
+    let request = torque_request(&options.file, options.rate_hz, options.duration_s)?;
     let rig = RigOptions { request: request.rig.clone(), offline: false, captures_in: folder.path().to_owned() };
     let (archive, _) = rig_run::archive(request, &rig, "rig-check", &interrupted)?;
     let capture = load::load(&archive)?.capture;

@@ -18,7 +18,7 @@ use rt_loop::request::RunRequest;
 use shared_types::Fault;
 
 use self::in_file::Known;
-use super::{span, torque_run};
+use super::{span, torque_request};
 use crate::command_line::RigOptions;
 use crate::load;
 use crate::outcome::{Outcome, remark, say};
@@ -70,7 +70,7 @@ const VAGUE_SHARE: f64 = 0.2;
 /// Turns the rig, more with every try, until its inertia is known, and writes it into the rig's file.
 pub fn run(options: &RigCommissionOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
-    let request = torque_run(&options.file, options.rate_hz, TRY_S)?;
+    let request = torque_request(&options.file, options.rate_hz, TRY_S)?;
     let file = rt_loop::rigs::file(&request.rig)?;
     let limit_mnm = file.limits.map(|limits| limits.motor_torque_mnm);
     let most_mnm = options.most_torque.or(limit_mnm.map(|limit_mnm| MOST_SHARE * limit_mnm));
@@ -245,7 +245,7 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
 fn find(loaded: &LoadedCapture) -> Option<Found> {
     let capture = &loaded.capture;
     let moved_rad = span(capture.angle_rad.iter().copied());
-    if moved_rad < ENOUGH_RAD * capture.axis.fingertip_way() {
+    if moved_rad < ENOUGH_RAD * capture.axis.fingertip_travel() {
         return None;
     }
     let run = capture.description.as_ref();

@@ -105,8 +105,8 @@ fn scan(options: &RigScanOptions) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// A run on the rig of a file that commands torques, none by default.
-fn torque_run(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow::Result<RunRequest> {
+/// A run that commands torques on the rig of a file: zero, unless the caller sets others.
+fn torque_request(file: &Path, rate_hz: Option<f64>, duration_s: f64) -> anyhow::Result<RunRequest> {
     let rig = RigRequest { rig: Some(PathBuf::from(file)), ..RunRequest::default().rig };
     let described = rt_loop::rigs::file(&rig)?;
     let fastest_hz = described.rates.map(|rates| rates.fastest_hz).or(described.limits.map(|limits| limits.rate_hz));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use analysis::{curve_files, curves};
 use anyhow::{Context as _, bail};
 use clap::Args;
-use foreign_files::{Column, Others, read_columns};
+use foreign_files::{Column, OtherColumns, read_columns};
 use sheet::{FigureKind, Limits, Sheet, Specification, kinds};
 
 use crate::command_line::ColumnOptions;
@@ -89,7 +89,7 @@ fn of_table(table: &Path) -> anyhow::Result<Vec<Unit>> {
     let file = foreign_files::open(table).with_context(|| format!("{} cannot be read", table.display()))?;
     let wanted = [Column::required("value"), Column::optional("part"), Column::optional("operator")];
     let [values, parts, operators] =
-        read_columns(file, wanted, Others::PassedOver).with_context(|| table.display().to_string())?;
+        read_columns(file, wanted, OtherColumns::Ignored).with_context(|| table.display().to_string())?;
     let values = values.unwrap_or_default();
     let label = |column: &Option<Vec<f64>>, row: usize| {
         column.as_ref().and_then(|column| column.get(row)).map(f64::to_string).unwrap_or_default()

@@ -36,7 +36,7 @@ impl Holding<'_> {
     /// Whether every swing dies away at this rate, of the knob as it turns and, unless the gripper is bare, as it sticks.
     #[must_use]
     pub fn is_stable(&self, rate_hz: f64) -> bool {
-        let heaviest = HEAVIEST / self.calibration.axis.fingertip_way().powi(2);
+        let heaviest = HEAVIEST / self.calibration.axis.fingertip_travel().powi(2);
         self.calms(self.knob_inertia, rate_hz) && (self.gains.free_gripper || self.calms(heaviest, rate_hz))
     }
 

@@ -96,7 +96,7 @@ impl ServoGains {
         let speed_lag_s = speed_lag_s(calibration.angle_step_rad, crossover_rad_s, delay_s, rate_hz);
         let slower = slower(crossover_rad_s, delay_s + speed_lag_s);
         Self {
-            integral_limit_mnm: gains.integral_limit_mnm / calibration.axis.fingertip_way(),
+            integral_limit_mnm: gains.integral_limit_mnm / calibration.axis.fingertip_travel(),
             proportional_mnm_rad: heavier * slower * slower * gains.proportional_mnm_rad,
             derivative_mnm_s_rad: heavier * slower * gains.derivative_mnm_s_rad,
             integral_mnm_rad_s: heavier * slower.powi(3) * gains.integral_mnm_rad_s,

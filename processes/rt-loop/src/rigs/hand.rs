@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use dynamics::{Axis, Drive, Excitation};
-use foreign_files::{Column, Others, read_columns};
+use foreign_files::{Column, OtherColumns, read_columns};
 use hal::simulated::{Grip, Hand, Intention};
 
 use crate::plan::PlanError;
@@ -45,7 +45,7 @@ fn recorded_motion(path: &Path) -> Result<Intention, String> {
     let error = |what: &dyn std::fmt::Display| format!("{}: {what}", path.display());
     let file = foreign_files::open(path).map_err(|source| error(&source))?;
     let wanted = ["t_s", "angle_rad"].map(Column::required);
-    let columns = read_columns(file, wanted, Others::PassedOver).map_err(|source| error(&source))?;
+    let columns = read_columns(file, wanted, OtherColumns::Ignored).map_err(|source| error(&source))?;
     let [t_s, angle_rad] = columns.map(Option::unwrap_or_default);
     let duration_s = t_s.last().zip(t_s.first()).map_or(0.0, |(last, first)| last - first);
     let rate_hz = (t_s.len().max(1) - 1) as f64 / duration_s;

@@ -58,8 +58,8 @@ impl std::fmt::Display for Bounded {
 pub struct Bounds {
     port: Port,
     hands: Hands,
-    /// See [`dynamics::Axis::fingertip_way`].
-    fingertip_way: f64,
+    /// See [`dynamics::Axis::fingertip_travel`].
+    fingertip_travel: f64,
     /// Least inertia: rotor and gripper, mNm·s²/rad.
     pub least_inertia: f64,
     /// Largest torque, mNm.
@@ -78,7 +78,7 @@ impl Bounds {
         Self {
             port: Port::new(*gains, calibration, rate_hz),
             hands: Hands::on(calibration.axis),
-            fingertip_way: calibration.axis.fingertip_way(),
+            fingertip_travel: calibration.axis.fingertip_travel(),
             least_inertia: calibration.motor_inertia + calibration.gripper_inertia,
             largest_torque_mnm: MODEL_SHARE * limits.motor_torque_mnm,
         }
@@ -101,8 +101,8 @@ impl Bounds {
     /// accelerations of a hand.
     #[must_use]
     pub fn largest_inertia(&self, damping: f64) -> f64 {
-        let of_motor = self.largest_torque_mnm / (FASTEST_RAD_S2 * self.fingertip_way);
-        let safe = self.largest(self.least_inertia, 10.0 / self.fingertip_way.powi(2), |inertia| {
+        let of_motor = self.largest_torque_mnm / (FASTEST_RAD_S2 * self.fingertip_travel);
+        let safe = self.largest(self.least_inertia, 10.0 / self.fingertip_travel.powi(2), |inertia| {
             LinearModel::Sliding { inertia, damping, stiffness_mnm_rad: 0.0 }
         });
         safe.min(of_motor)
@@ -111,7 +111,7 @@ impl Bounds {
     /// Largest rise of torque with speed at this inertia, mNm·s/rad.
     #[must_use]
     pub fn largest_damping(&self, inertia: f64) -> f64 {
-        let square = self.fingertip_way.powi(2);
+        let square = self.fingertip_travel.powi(2);
         self.largest(1e-3 / square, 1e3 / square, |damping| LinearModel::Sliding {
             inertia,
             damping,
@@ -122,7 +122,7 @@ impl Bounds {
     /// Steepest rise of torque with angle at this inertia and damping, mNm/rad.
     #[must_use]
     pub fn largest_stiffness_mnm_rad(&self, inertia: f64, damping: f64) -> f64 {
-        let square = self.fingertip_way.powi(2);
+        let square = self.fingertip_travel.powi(2);
         self.largest(1.0 / square, 1e5 / square, |stiffness_mnm_rad| LinearModel::Sliding {
             inertia,
             damping,
@@ -231,7 +231,7 @@ fn damping_in_contact(model: &Model) -> f64 {
     let depends_on_both = |effect: &&Effect| {
         [Coordinate::Angle, Coordinate::Velocity].iter().all(|on| effect.kind().depends_on.contains(on))
     };
-    let way = model.axis.fingertip_way();
+    let travel = model.axis.fingertip_travel();
     let steepest = |effect: &Effect| {
         let rise = |angle_rad: f64, speed_rad_s: f64| {
             let at =
@@ -239,7 +239,7 @@ fn damping_in_contact(model: &Model) -> f64 {
             ((at(speed_rad_s) - at(0.0)) / speed_rad_s).max((at(0.0) - at(-speed_rad_s)) / speed_rad_s)
         };
         let angles = (-ANGLES..=ANGLES).map(|step| f64::from(step) / f64::from(ANGLES) * looked_at(model.axis));
-        angles.map(|angle_rad| rise(angle_rad, way * FASTEST_RAD_S / f64::from(SPEEDS))).fold(0.0, f64::max)
+        angles.map(|angle_rad| rise(angle_rad, travel * FASTEST_RAD_S / f64::from(SPEEDS))).fold(0.0, f64::max)
     };
     model.effects.iter().filter(depends_on_both).map(steepest).sum()
 }
@@ -297,7 +297,7 @@ const SPEEDS: u32 = 400;
 impl Demands {
     #[allow(clippy::cast_possible_truncation, reason = "some ten thousand steps")]
     fn of(model: &Model) -> Self {
-        let step_rad = LOOKED_AT_STEP_RAD * model.axis.fingertip_way();
+        let step_rad = LOOKED_AT_STEP_RAD * model.axis.fingertip_travel();
         let steps = (looked_at(model.axis) / step_rad) as i32;
         let (mut free_mnm, mut held_mnm) = (0.0_f64, 0.0_f64);
         for step in -steps..=steps {
@@ -331,7 +331,7 @@ impl Demands {
         // Rendered friction never drives.
         let braking_mnm =
             |speed_rad_s| friction_mnm(speed_rad_s).max(0.0) + direction.sign() * model.drag_mnm(&motion(speed_rad_s));
-        let step_rad_s = model.axis.fingertip_way() * FASTEST_RAD_S / f64::from(SPEEDS);
+        let step_rad_s = model.axis.fingertip_travel() * FASTEST_RAD_S / f64::from(SPEEDS);
         let mut before_mnm = braking_mnm(0.0);
         let mut largest_mnm = before_mnm;
         self.coulomb_mnm = self.coulomb_mnm.min(before_mnm);

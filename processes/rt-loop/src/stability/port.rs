@@ -231,7 +231,7 @@ impl Hands {
     #[must_use]
     pub fn on(axis: Axis) -> Self {
         let hands = Self::default();
-        let square = axis.fingertip_way().powi(2);
+        let square = axis.fingertip_travel().powi(2);
         Self {
             stiffness_mnm_rad: hands.stiffness_mnm_rad / square,
             inertia: hands.inertia / square,

@@ -100,7 +100,7 @@ impl RenderGains {
     /// The same for a rig of that axis: hands and rigs that press are like those that turn, at the fingertips.
     #[must_use]
     pub fn on(self, axis: Axis) -> Self {
-        let square = axis.fingertip_way().powi(2);
+        let square = axis.fingertip_travel().powi(2);
         Self { stiffness_mnm_rad: self.stiffness_mnm_rad / square, damping: self.damping / square, ..self }
     }
 }
