@@ -114,7 +114,7 @@ pub fn diagnose(
         rounds += 1;
         if rounds == MOST_ROUNDS || !EncoderZero::differ(zero, again) {
             let mut diagnosis = search.report(&found, verdict, heldout.is_none());
-            diagnosis.notes.extend(again.map(|zero| zero.note()));
+            diagnosis.notes.extend(again.or(zero).map(|zero| zero.note()));
             diagnosis.notes.extend(within.map(|_| BEYOND.to_owned()));
             diagnosis.notes.extend(undetermined.as_ref().map(Undetermined::note));
             return Ok(diagnosis);

@@ -157,7 +157,9 @@ impl<'a> Nonlinear<'a> {
         let mut damping = DAMPING;
         let mut left = narrowed(&self.residual, share, self.capture);
         let mut tangents = Tangents::default();
-        let mut attempts = 0..rounds;
+        // A band of slow motion has to lead into the right valley, whatever derivatives that takes.
+        let most = if share < 1.0 { usize::MAX } else { rounds };
+        let mut attempts = 0..most;
         refiner::refine(rounds, settled, dot(&left, &left), |before| {
             loop {
                 attempts.next().ok_or(Ended::OutOfSteps)?;
