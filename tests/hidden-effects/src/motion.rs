@@ -82,15 +82,14 @@ impl Motion {
             let way = draw.uniform(-half_travel, half_travel) - from;
             let acceleration = draw.log_uniform(20.0, 200.0);
             let fastest = draw.uniform(1.0, 16.0).min((acceleration * way.abs()).sqrt());
-            let (rising_s, moving_s) = (fastest / acceleration, fastest / acceleration + way.abs() / fastest);
+            let rising_s = fastest / acceleration;
+            let moving_s = rising_s + way.abs() / fastest;
             let rest_s = draw.uniform(0.02, 0.25);
             for index in 0..((moving_s + rest_s) * GRID_HZ) as usize {
                 let time = (index as f64 / GRID_HZ).min(moving_s);
-                // Both ends alike, the middle straight.
-                let ramp = |time: f64| 0.5 * acceleration * time.clamp(0.0, rising_s).powi(2);
-                let straight = fastest * (time.min(moving_s - rising_s) - rising_s).max(0.0);
-                let slowing = fastest * (time - moving_s + rising_s).max(0.0) - ramp(time - moving_s + rising_s);
-                shape.push(from + way.signum() * (ramp(time) + straight + slowing));
+                // What an acceleration that begins at a time adds to the way.
+                let added = |begin: f64| 0.5 * acceleration * (time - begin).max(0.0).powi(2);
+                shape.push(from + way.signum() * (added(0.0) - added(rising_s) - added(moving_s - rising_s)));
             }
             from += way;
         }

@@ -1,4 +1,4 @@
-//! The view of the instrument: what is measured, what is fitted and how the processes fare.
+//! The instrument's viewer: it shows the measured signals, the fitted model and the state of the processes.
 //!
 //! The viewer is last in line. It reads the sample stream, the fitter's updates and the health reports from shared memory,
 //! reduces them to what a screen can show and hands them to [rerun](https://rerun.io). It publishes its own health and

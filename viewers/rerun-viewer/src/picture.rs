@@ -21,7 +21,7 @@ use crate::{numbers, processes, summary};
 const PLOT_PERIOD: Duration = Duration::from_millis(500);
 /// How often the curves and the texts are renewed.
 const SLOW_PERIOD: Duration = Duration::from_millis(2_500);
-/// How often what has not changed is shown again, for pages that are opened late.
+/// How often an unchanged knob, its texts and the histogram are sent again, for pages that are opened late.
 const REDRAW_PERIOD: Duration = Duration::from_secs(20);
 /// How often the other tabs are sent their points.
 const TABS_PERIOD: Duration = Duration::from_millis(5_000);

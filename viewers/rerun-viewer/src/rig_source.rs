@@ -112,7 +112,7 @@ impl Counts {
         }
     }
 
-    /// The viewer's health when it is time for it; what came before its first sample it has not lost.
+    /// The viewer's health, when a report is due. Samples before the first one received do not count as lost.
     fn report(&mut self) -> Option<ProcessHealth> {
         self.health.report(self.received.missing() - self.received.first().unwrap_or(0))
     }

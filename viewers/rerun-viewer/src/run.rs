@@ -40,7 +40,7 @@ impl Run {
         described.or(self.status.map(|status| status.rate_hz)).filter(|rate_hz| *rate_hz > 0.0)
     }
 
-    /// The parameters of the fitted model with what is known of each; none before there is a fit.
+    /// The parameters of the fitted model with their estimates; empty before the first fit.
     pub fn parameters(&self) -> impl Iterator<Item = (&'static ParameterKind, Estimate)> {
         let estimates = self.fit.into_iter().flat_map(|fit| fit.estimates()).map(|(_, estimate)| estimate);
         entities::parameters().zip(estimates).filter(|(_, estimate)| estimate.is_in_model())

@@ -59,13 +59,14 @@ impl EncoderZero {
         }
         // Detents tell the angle but for whole periods: what else goes with the angle tells these.
         let fit = Separable::new(structure.clone(), train);
-        let more = hypotheses::candidates(structure).into_iter().filter(|kind| goes_with_angle(kind));
+        let more =
+            hypotheses::candidates(structure).into_iter().filter(|kind| kind.depends_on.contains(&Coordinate::Angle));
         let with = more.filter_map(|kind| Some((kind, hypotheses::separable(kind, &fit, heldout)?)));
         let best = with.min_by(|(_, a), (_, b)| a.train_rms_mnm.total_cmp(&b.train_rms_mnm));
         let shows = best.filter(|(kind, best)| {
             is_of_angle(kind) && best.train_rms_mnm.powi(2) < SHOWS * base.train_rms_mnm.powi(2)
         });
-        shows.map(|(_, best)| best).and_then(|best| Self::by(&best.structure, heldout)).or(by_base)
+        shows.and_then(|(_, best)| Self::by(&best.structure, heldout)).or(by_base)
     }
 
     /// The same by the torques of the angle in one structure.
@@ -139,11 +140,6 @@ fn is_of_angle(kind: &EffectKind) -> bool {
     kind.steepest_mnm_rad.is_some()
         && kind.depends_on.first() == Some(&Coordinate::Angle)
         && kind.name != effects::return_spring::KIND.name
-}
-
-/// Whether an effect goes with the angle, alone or not.
-fn goes_with_angle(kind: &EffectKind) -> bool {
-    kind.depends_on.contains(&Coordinate::Angle)
 }
 
 /// Those of a structure's effects that are torques of the angle.

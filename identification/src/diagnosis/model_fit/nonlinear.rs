@@ -153,13 +153,12 @@ impl<'a> Nonlinear<'a> {
     }
 
     fn refine_in(&mut self, share: f64, rounds: usize) {
-        let settled = if share < 1.0 { SLOW_SETTLED } else { SETTLED };
+        // A band of slow motion has to lead into the right valley: there derivatives taken anew cost no step.
+        let (settled, attempts) = if share < 1.0 { (SLOW_SETTLED, usize::MAX) } else { (SETTLED, rounds) };
         let mut damping = DAMPING;
         let mut left = narrowed(&self.residual, share, self.capture);
         let mut tangents = Tangents::default();
-        // A band of slow motion has to lead into the right valley, whatever derivatives that takes.
-        let most = if share < 1.0 { usize::MAX } else { rounds };
-        let mut attempts = 0..most;
+        let mut attempts = 0..attempts;
         refiner::refine(rounds, settled, dot(&left, &left), |before| {
             loop {
                 attempts.next().ok_or(Ended::OutOfSteps)?;

@@ -20,7 +20,7 @@ const UNEXPLAINED: f64 = 0.06;
 /// Share of it that a complete explanation may leave, since a contact is never quite as its model has it, and up to which a coupling is not
 /// tried.
 pub(crate) const MOSTLY_EXPLAINED: f64 = 0.15;
-/// Share of the mean square above the floor that leaves no part to another effect.
+/// Share of the mean square above the floor beyond which nothing is left for another effect.
 const NEARLY_ALL: f64 = 0.9;
 /// How far the floor may lie below its estimate, as a share of it.
 const LOWER_FLOOR: f64 = 0.8;
@@ -52,16 +52,18 @@ fn gap_and_closed(before: &Judged, after: &Judged) -> [f64; 2] {
 
 /// Whether an effect more explains as much as one that is worth a name, though perhaps not surely.
 pub(crate) fn explains_enough(before: &Judged, after: &Judged) -> bool {
-    let [gap, closed] = gap_and_closed(before, after);
-    after.evidence - before.evidence > EVIDENCE
-        && after.heldout_rms_mnm < before.heldout_rms_mnm
-        && closed > WORTHWHILE * gap
+    closes(WORTHWHILE, before, after) && after.heldout_rms_mnm < before.heldout_rms_mnm
 }
 
-/// Whether an effect more leaves next to nothing: even where it stands on a bound, no other is a part of the gap then.
-pub(crate) fn explains_nearly_all(before: &Judged, after: &Judged) -> bool {
+/// Whether an effect more brings evidence and takes away more than a share of the mean square above the floor.
+fn closes(share: f64, before: &Judged, after: &Judged) -> bool {
     let [gap, closed] = gap_and_closed(before, after);
-    after.evidence - before.evidence > EVIDENCE && closed > NEARLY_ALL * gap
+    after.evidence - before.evidence > EVIDENCE && closed > share * gap
+}
+
+/// Whether an effect more leaves next to nothing for any other, even where it stands on a bound and is not added.
+pub(crate) fn explains_nearly_all(before: &Judged, after: &Judged) -> bool {
+    closes(NEARLY_ALL, before, after)
 }
 
 /// Whether so little of the first model's gap is left that no further effect could be worth a name, even if the floor

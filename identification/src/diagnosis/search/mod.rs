@@ -336,11 +336,15 @@ impl Search<'_> {
     /// What explains some of the rest without being worth a name.
     fn partial(&self, current: &Judged, tried: &[Judged]) -> Vec<Partial> {
         let gap = current.excess();
-        let each = tried.iter().filter(|judged| judged.evidence - current.evidence > EVIDENCE).map(|judged| Partial {
-            effect: judged.newest(),
-            explains_percent: 100.0 * (gap - judged.excess_above_lower_floor(current)) / gap,
-            disqualified: self.disqualified(judged),
+        let brings_evidence = |judged: &&Judged| judged.evidence - current.evidence > EVIDENCE;
+        let each = tried.iter().filter(brings_evidence).filter_map(|judged| {
+            let explains_percent = 100.0 * (gap - judged.excess_above_lower_floor(current)) / gap;
+            (explains_percent > 5.0).then(|| Partial {
+                effect: judged.newest(),
+                explains_percent,
+                disqualified: self.disqualified(judged),
+            })
         });
-        each.filter(|partial| partial.explains_percent > 5.0).collect()
+        each.collect()
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! rerun's own server gives its stream to every user of the machine, waits for its slowest reader, and its page loses the
 //! stream for good when the process dies. This page asks instead: twice a second `/status` for the figures, and `/drawn`
-//! for what is new whenever its viewer has taken in what it was given. Nothing is held open for it.
+//! for new frames once its viewer has taken in the last ones. No connection stays open.
 
 pub mod server;
 
