@@ -1,20 +1,22 @@
 //! `diagnose`: what a model lacks.
 
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use analysis::{DiagnosisResult, diagnosed_model, refuse_drawn};
+use anyhow::Context as _;
 use clap::Args;
-use dynamics::{Axis, Model};
-use identification::diagnosis::{Diagnosis, Progress};
+use dynamics::Model;
+use identification::diagnosis::{Diagnosis, Progress, Row};
+use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
+use serde_json::json;
 
 use crate::command_line::ColumnOptions;
-use crate::diagnosis_text;
-use crate::load;
 use crate::outcome::Outcome;
 use crate::outputs::{ResultFiles, kind, show_on, write_if_asked};
-use crate::recording;
-use crate::terminal;
+use crate::supervision::program_path;
+use crate::{diagnosis_text, load, terminal};
 
 #[derive(Debug, Args)]
 pub struct DiagnoseOptions {
@@ -40,31 +42,63 @@ pub struct DiagnoseOptions {
 }
 
 /// Diagnoses a capture and writes what was asked for.
-///
-/// # Errors
-/// Why there can be no meaningful verdict, in one sentence, or what is wrong with a file.
 pub fn run(options: &DiagnoseOptions) -> anyhow::Result<Outcome> {
     let load = |path: &Path| load::load_chosen(path, &options.columns);
     let train = load(&options.train)?;
     let heldout = options.heldout.as_deref().map(load).transpose()?;
-    let axis = train.capture.axis;
     let model = options.model.as_deref().map(starting_model).transpose()?;
     let found = with_progress(|progress| Ok(analysis::diagnose(&train, heldout.as_ref(), model, Some(progress))?))?;
-    show_on(axis, diagnosis_text::lines(&found));
+    show_on(train.capture.axis, diagnosis_text::lines(&found));
     write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &train).to_toml())?;
-    let page =
-        DiagnosisPage { found: &found, train: analysis::facts(&train), heldout: heldout.as_ref().map(analysis::facts) };
-    write_results(&options.results, axis, &page)?;
+    write_results(&options.results, &found, &train, heldout.as_ref())?;
     if let Some(path) = &options.recording {
-        recording::write(path, &found, &analysis::title(&train), heldout.as_ref().map(analysis::title).as_deref())?;
+        record(path, &found, &train, heldout.as_ref())?;
     }
     Ok(Outcome::Done)
 }
 
 /// Writes a diagnosis as JSON and as a page, what of them was asked for.
-pub fn write_results(results: &ResultFiles, axis: Axis, page: &DiagnosisPage<'_>) -> anyhow::Result<()> {
-    let result = |figures| DiagnosisResult::of(page, figures);
-    results.write(axis, || report::diagnosis_page_with_numbers(page), result)
+pub fn write_results(
+    results: &ResultFiles,
+    found: &Diagnosis,
+    train: &LoadedCapture,
+    heldout: Option<&LoadedCapture>,
+) -> anyhow::Result<()> {
+    let page = DiagnosisPage { found, train: analysis::facts(train), heldout: heldout.map(analysis::facts) };
+    let result = |figures| DiagnosisResult::of(&page, figures);
+    results.write(train.capture.axis, || report::diagnosis_page_with_numbers(&page), result)
+}
+
+/// Writes a diagnosis as a rerun file, which the viewer's program makes: this one does without rerun.
+///
+/// Without a held-out capture its rows are stretches of the training capture.
+pub fn record(
+    path: &Path,
+    found: &Diagnosis,
+    train: &LoadedCapture,
+    heldout: Option<&LoadedCapture>,
+) -> anyhow::Result<()> {
+    let [of_train, of_heldout] = &found.rows;
+    let capture = |role: &str, loaded: &LoadedCapture, rows: &[Row]| json!({ "role": role, "source": analysis::title(loaded), "rows": rows });
+    let captures = [capture("training", train, of_train), capture("heldout", heldout.unwrap_or(train), of_heldout)];
+    let recording = json!({ "diagnosis": found, "captures": captures });
+    let folder = tempfile::tempdir().context("the recording's rows cannot be stored")?;
+    let json = folder.path().join("diagnosis.json");
+    std::fs::write(&json, serde_json::to_vec(&recording)?).context("the recording's rows cannot be written")?;
+    let program = program_path("rerun-viewer")?;
+    anyhow::ensure!(
+        program.exists(),
+        "the program {} is missing, which writes recordings; build the whole workspace",
+        program.display()
+    );
+    let ended = Command::new(program)
+        .args([Path::new("diagnosis"), &json, Path::new("--out"), path])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .status()
+        .context("the viewer's program cannot be started; build the whole workspace")?;
+    anyhow::ensure!(ended.success(), "{} is not written; see the viewer's error above", path.display());
+    Ok(())
 }
 
 fn starting_model(path: &Path) -> anyhow::Result<Model> {

@@ -33,10 +33,7 @@ pub fn names_model(name: &str) -> bool {
     knobs::is_shipped(name) || Path::new(name).extension().is_some_and(|ending| ending == "toml")
 }
 
-/// The axis of several captures, the turning one of none.
-///
-/// # Errors
-/// Where some turn and others press or slide.
+/// The axis that several captures must have in common; the turning one of none.
 pub fn common_axis(axes: impl IntoIterator<Item = Axis>) -> anyhow::Result<Axis> {
     let mut axes = axes.into_iter();
     let first = axes.next().unwrap_or_default();

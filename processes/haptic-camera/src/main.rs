@@ -16,7 +16,6 @@ mod diagnosis_text;
 mod doctor;
 mod export;
 mod fit;
-mod fit_tables;
 mod judge;
 mod large_job;
 mod list;
@@ -25,8 +24,8 @@ mod manual;
 mod offline_run;
 mod outcome;
 mod outputs;
+mod parquet_file;
 mod recompute;
-mod recording;
 mod recover;
 mod replay;
 mod rig_run;
@@ -46,6 +45,7 @@ mod verify;
 mod view;
 
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
 
 use crate::command_line::{Command, CommandLine};
 use crate::outcome::Outcome;
@@ -58,9 +58,7 @@ fn main() -> ExitCode {
         Err(status) => return status,
     };
     let files = command.files();
-    if files.gives_json {
-        outcome::keep_output_for_json();
-    }
+    outcome::OUTPUT_IS_JSON.store(files.gives_json, Ordering::Relaxed);
     let result = files.check().and_then(|()| match command {
         Command::Capture(options) => capture::run(&options),
         Command::Replay(options) => replay::run(&options),

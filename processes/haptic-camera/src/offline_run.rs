@@ -15,7 +15,7 @@ use shared_types::{Fault, LoopState, LoopStatus, RunDescription, Sample};
 
 use crate::large_job;
 use crate::outcome::remark;
-use crate::supervision::{ModelStart, RigWords, RunEnd};
+use crate::supervision::{ModelStart, RunEnd};
 use crate::until_ci::{Share, StopRule};
 
 /// Time for which the rig is armed before the run begins, s.
@@ -55,16 +55,11 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
     Ok(RunEnd {
         status: LoopStatus { run_id: description.run_id, rate_hz, ..status },
         recorder_exit: Some(0),
-        restarts: Vec::new(),
-        rig: RigWords {
-            name: description.apparatus.clone(),
-            axis: description.axis,
-            codes: description.device_codes.clone(),
-        },
+        run: description,
         models,
         interrupted: stop.load(Ordering::Acquire),
         achieved: watch.map(|watch| watch.rule),
-        loop_failed: false,
+        ..RunEnd::default()
     })
 }
 
@@ -80,7 +75,7 @@ impl Watch {
     fn new(share: Share, plan: &Plan) -> Self {
         let (rate_hz, calibration) = (plan.control.rate_hz, &plan.rig.calibration);
         Self {
-            fit: LiveFit::new(rate_hz, Some(calibration)).converging_to(share.get()),
+            fit: LiveFit::new(rate_hz, Some(calibration)).converging_to(share.0),
             rule: StopRule::new(share),
             rate_hz,
             next_s: ESTIMATES_S,
@@ -92,7 +87,7 @@ impl Watch {
         let time_s = sample.time_s(self.rate_hz);
         let (angle_rad, torque_mnm) = (sample.angle_rad, sample.torque_mnm);
         self.fit.push(&LiveSample { time_s, angle_rad, torque_mnm });
-        if time_s < self.next_s || self.rule.has_ended() {
+        if time_s < self.next_s || self.rule.ended_s.is_some() {
             return false;
         }
         self.next_s = time_s + ESTIMATES_S;

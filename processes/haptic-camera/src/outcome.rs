@@ -12,8 +12,8 @@ use operator::visible;
 /// The panel on the screen: hidden while something else is printed, then drawn again below.
 static PANEL: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// Whether standard output is reserved for one JSON document.
-static OUTPUT_IS_JSON: AtomicBool = AtomicBool::new(false);
+/// Whether standard output is reserved for the result as JSON; everything else then goes to standard error.
+pub static OUTPUT_IS_JSON: AtomicBool = AtomicBool::new(false);
 
 /// The first error of writing to standard output.
 static LOST_OUTPUT: OnceLock<Error> = OnceLock::new();
@@ -34,7 +34,6 @@ pub enum Outcome {
 
 impl Outcome {
     /// The worse of two: a failure before lost data.
-    #[must_use]
     pub fn worse(self, other: Self) -> Self {
         match (self, other) {
             (Self::Failed, _) | (_, Self::Failed) => Self::Failed,
@@ -45,7 +44,6 @@ impl Outcome {
 
     /// The same, or a failure if standard output could not be written. That is reported, unless its reader has closed it, as
     /// `head` does.
-    #[must_use]
     pub fn if_output_was_taken(self) -> Self {
         note_output(std::io::stdout().flush());
         let Some(error) = LOST_OUTPUT.get() else { return self };
@@ -64,11 +62,6 @@ impl From<Outcome> for ExitCode {
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct UsageError(pub anyhow::Error);
-
-/// Reserves standard output for the result as JSON: everything else goes to standard error.
-pub fn keep_output_for_json() {
-    OUTPUT_IS_JSON.store(true, Ordering::Relaxed);
-}
 
 /// Whether standard output is reserved for the result as JSON.
 pub fn is_output_json() -> bool {
@@ -97,12 +90,8 @@ pub fn show<Line: std::fmt::Display>(lines: impl IntoIterator<Item = Line>) {
     }
 }
 
-/// Prints the result as JSON on standard output.
-pub fn print_json(text: &str) {
-    print(&visible(text));
-}
-
-fn print(text: &str) {
+/// Prints on standard output as it is.
+pub fn print(text: &str) {
     with_panel_suspended(|| note_output(writeln!(std::io::stdout(), "{text}")));
 }
 
@@ -118,13 +107,9 @@ fn note_output(printed: std::io::Result<()>) {
     }
 }
 
-/// Registers a panel, which is suspended while anything is printed.
-pub fn hold_panel(panel: &ProgressBar) {
-    *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = Some(panel.clone());
-}
-
-pub fn release_panel() {
-    *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = None;
+/// Registers a panel, which is suspended while anything is printed, or that there is none.
+pub fn hold_panel(panel: Option<ProgressBar>) {
+    *PANEL.lock().unwrap_or_else(PoisonError::into_inner) = panel;
 }
 
 fn with_panel_suspended(print: impl FnOnce()) {

@@ -10,7 +10,7 @@ use dynamics::Axis;
 use report::FigureNumbers;
 use serde::Serialize;
 
-use crate::outcome::{UsageError, print_json, show};
+use crate::outcome::{UsageError, print, show};
 
 /// Kinds of output, each as what it may replace: an earlier one of its kind, known by words that every one has.
 pub mod kind {
@@ -52,17 +52,15 @@ pub struct Files {
 }
 
 impl Files {
-    #[must_use]
     pub fn reading<File: AsRef<Path>>(mut self, paths: impl IntoIterator<Item = File>) -> Self {
         self.inputs.extend(paths.into_iter().map(|path| path.as_ref().to_owned()));
         self
     }
 
     /// With a file that is written, if it was asked for, and what it may replace; standard output is none.
-    #[must_use]
     pub fn writing<'path>(mut self, path: impl Into<Option<&'path PathBuf>>, replace: Replace) -> Self {
         let Some(path) = path.into() else { return self };
-        if to_output(path) {
+        if path == "-" {
             self.gives_json |= replace == kind::JSON;
         } else {
             self.outputs.push((path.clone(), replace));
@@ -71,7 +69,6 @@ impl Files {
     }
 
     /// With a result as JSON and as a page, what of them was asked for.
-    #[must_use]
     pub fn telling(self, results: &ResultFiles) -> Self {
         self.writing(&results.json, kind::JSON).writing(&results.report, kind::PAGE)
     }
@@ -106,10 +103,6 @@ pub fn is_same(one: &Path, other: &Path) -> bool {
         }
         _ => false,
     }
-}
-
-fn to_output(path: &Path) -> bool {
-    path == Path::new("-")
 }
 
 /// Where a result goes beside the terminal.
@@ -158,17 +151,14 @@ pub fn show_on<Line: ToString>(axis: Axis, lines: impl IntoIterator<Item = Line>
 pub fn write_json(axis: Axis, path: &Option<PathBuf>, result: &impl Serialize) -> anyhow::Result<()> {
     let Some(path) = path else { return Ok(()) };
     let text = analysis::to_json_on(axis, result)?;
-    if to_output(path) {
-        print_json(&text);
+    if path == "-" {
+        print(&operator::visible(&text));
         return Ok(());
     }
     write(path, kind::JSON, &(text + "\n"))
 }
 
 /// Writes a text file in the place of what it may replace; whole or not at all.
-///
-/// # Errors
-/// When something lies there that is not to be replaced, or the folder cannot be written to.
 pub fn write(path: &Path, replace: Replace, text: &str) -> anyhow::Result<()> {
     Ok(write_bytes(path, replace, text.as_bytes())?)
 }

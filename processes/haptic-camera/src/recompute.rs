@@ -53,9 +53,6 @@ pub struct Difference {
 }
 
 /// Computes a replay again and says whether all torque commands are equal; failed where they are not.
-///
-/// # Errors
-/// An archive that cannot be read, that is no replay, or that lacks what the control step needs.
 pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     let capture = Capture::load(&options.capture)?;
     let description = capture

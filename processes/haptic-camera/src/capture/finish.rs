@@ -8,20 +8,17 @@ use identification::Fit;
 use identification::live::Convergence;
 use loaded_capture::LoadedCapture;
 
-use crate::fit;
-use crate::load;
 use crate::outcome::{Outcome, remark, say};
 use crate::outputs::{ResultFiles, kind, show_on, write};
 use crate::supervision::{Archived, RunEnd};
 use crate::until_ci::{StopRule, open, share_words};
+use crate::{fit, load};
 
 /// Names that are tried for what is made of a capture.
 const NAMES_TRIED: u32 = 1_000;
 
-/// Tells how the run went, fits the archive and writes model and report beside it.
-///
-/// # Errors
-/// When the archive cannot be read. Results that cannot be written are reported, and make the run a failure.
+/// Tells how the run went, fits the archive and writes model and report beside it: where they cannot be written, the run
+/// counts as a failure.
 pub(super) fn conclude(archive: &Path, end: &RunEnd, planned_s: f64) -> anyhow::Result<Outcome> {
     if let Some(achieved) = &end.achieved {
         say(end_of_sweep(achieved, planned_s));

@@ -1,11 +1,9 @@
 //! `capture`: a knob turned through a sweep, recorded and fitted.
 
-mod budget;
 mod evidence;
 mod finish;
 mod next;
-mod until_certain;
-mod until_named;
+mod series;
 
 use std::path::PathBuf;
 
@@ -18,7 +16,7 @@ use crate::outcome::Outcome;
 use crate::outputs::ResultFiles;
 use crate::supervision::{Shown, SupervisedRun, claim_archive, listen_for_interrupt};
 use crate::until_ci::Share;
-pub(crate) use budget::Budget;
+pub(crate) use next::Budget;
 
 #[derive(Clone, Debug, Args)]
 #[command(mut_arg("json", |json| json.requires("diagnose").help("Write the diagnosis as JSON; `-` for standard output")))]
@@ -69,10 +67,10 @@ pub struct CaptureOptions {
 pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
     let interrupted = listen_for_interrupt()?;
     if options.diagnose {
-        return until_named::run(options, &interrupted);
+        return series::until_named(options, &interrupted);
     }
     if let Some(spec) = &options.spec {
-        return until_certain::run(options, spec, &interrupted);
+        return series::until_certain(options, spec, &interrupted);
     }
     let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
     let run = supervised(options, &claim);

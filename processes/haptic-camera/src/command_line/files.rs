@@ -10,11 +10,15 @@ use crate::export::ExportOptions;
 use crate::outputs::{Files, is_same, kind};
 use crate::rigs::RigCommand;
 use crate::simulate::SimulateOptions;
+use crate::studies::StudyOptions;
 
 impl Command {
     /// The files to check before the command starts.
     pub fn files(&self) -> Files {
         let files = Files::default();
+        let study = |study: &StudyOptions| {
+            Files::default().reading(&study.captures).reading(&study.values).writing(&study.json, kind::JSON)
+        };
         match self {
             Self::Capture(options) => files
                 .reading(&options.request.knob)
@@ -51,17 +55,10 @@ impl Command {
             }
             Self::Compare(options) => files.reading(&options.subjects).telling(&options.results),
             Self::Judge(options) => files.reading(&options.captures).reading([&options.spec]).telling(&options.results),
-            Self::Capability(options) => files
-                .reading(&options.study.captures)
-                .reading(&options.study.values)
-                .reading([&options.spec])
-                .writing(&options.study.json, kind::JSON)
-                .writing(&options.dfq, kind::QDAS),
-            Self::Gauge(options) => files
-                .reading(&options.study.captures)
-                .reading(&options.study.values)
-                .reading(&options.spec)
-                .writing(&options.study.json, kind::JSON),
+            Self::Capability(options) => {
+                study(&options.study).reading([&options.spec]).writing(&options.dfq, kind::QDAS)
+            }
+            Self::Gauge(options) => study(&options.study).reading(&options.spec),
             Self::Sheet(options) => files
                 .reading(&options.captures)
                 .reading(&options.dynamic)
@@ -96,7 +93,6 @@ impl Command {
 
 impl CalibrateOptions {
     /// What the calibration may replace: the one that was given, or an earlier output.
-    #[must_use]
     pub fn replaced(&self) -> Replace {
         let is_given = self.rig.request.calibration.as_deref().is_some_and(|given| is_same(given, &self.out));
         if is_given { Replace::Anything } else { kind::CALIBRATION }
@@ -105,7 +101,6 @@ impl CalibrateOptions {
 
 impl SimulateOptions {
     /// Whether the simulated capture is written as a table.
-    #[must_use]
     pub fn writes_table(&self) -> bool {
         self.out.as_ref().is_some_and(|out| out.extension().is_some_and(|extension| extension == "csv"))
     }
@@ -117,7 +112,6 @@ impl SimulateOptions {
 
 impl ExportOptions {
     /// The file of Isaac Lab's fields, next to a URDF file.
-    #[must_use]
     pub fn isaac_lab(&self) -> Option<PathBuf> {
         let is_urdf = self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"));
         is_urdf.then(|| self.out.with_extension("isaac.json"))

@@ -16,7 +16,7 @@ use sheet::perception::perceived_differences;
 
 use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
-use crate::fit_tables::true_value;
+use crate::fit::true_value;
 use crate::load;
 use crate::outcome::Outcome;
 use crate::outputs::ResultFiles;

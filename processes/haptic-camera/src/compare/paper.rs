@@ -3,7 +3,7 @@
 use dynamics::{Effect, Model, effects, knobs};
 use report::{PaperKnob, PaperValue};
 
-use crate::fit_tables::true_value;
+use crate::fit::true_value;
 
 /// Descriptions of Table 4 and mean sizes of the fits' 95 % intervals in Table 5, mNm.
 const PRINTED: [(&str, f64); 5] = [

@@ -1,7 +1,6 @@
 //! `export`: captures and models in the formats of other programs.
 
 mod firmware;
-mod parquet_file;
 mod simulator;
 mod smartknob;
 mod torque_over_angle;
@@ -10,14 +9,21 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow, bail};
 use archive::attachment;
+use archive::columns::{self, Values};
 use archive::whole_file::write_bytes;
 use clap::Args;
 use dynamics::{Model, knobs};
+use loaded_capture::LoadedCapture;
+use parquet::basic::{Encoding, Repetition, Type as PhysicalType};
+use parquet::data_type::{DoubleType, Int32Type, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::{Outcome, UsageError, say};
 use crate::outputs::{kind, write};
+use crate::parquet_file::{begin, software, write_column};
 use torque_over_angle::TorqueOverAngle;
 
 #[derive(Debug, Args)]
@@ -60,9 +66,6 @@ pub enum TableSpan {
 }
 
 /// Writes a capture or a model in another format.
-///
-/// # Errors
-/// One sentence on what is wrong with the source or the output. An unknown file extension is a [`UsageError`].
 pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -109,9 +112,64 @@ fn capture_as_csv(source: &Path, options: &ExportOptions) -> anyhow::Result<Stri
 fn capture_as_parquet(source: &Path, options: &ExportOptions) -> anyhow::Result<String> {
     let loaded = load::load_chosen(source, &options.columns)?;
     let (bytes, columns) =
-        parquet_file::bytes(&loaded).with_context(|| format!("{} cannot be written as Parquet", source.display()))?;
+        as_parquet(&loaded).with_context(|| format!("{} cannot be written as Parquet", source.display()))?;
     write_bytes(&options.out, kind::DATA, &bytes)?;
     Ok(format!("{} samples, {columns} columns with their units", loaded.capture.len()))
+}
+
+/// Attachments of an archive that go along as metadata.
+const TAKEN_ALONG: [&str; 4] = [attachment::RUN, attachment::CALIBRATION, attachment::EXCITATION, attachment::MODEL];
+
+/// The Parquet file's bytes and the number of its columns: one group of rows, every value there.
+///
+/// Measured numbers hardly repeat, so dictionaries would only add to them.
+fn as_parquet(loaded: &LoadedCapture) -> Result<(Vec<u8>, usize), ParquetError> {
+    let columns: Vec<(&str, Values<'_>)> = columns::of(&loaded.capture).collect();
+    let fields = columns.iter().map(|(name, values)| {
+        let physical = match values {
+            Values::Reals(_) => PhysicalType::DOUBLE,
+            Values::Counts(_) => PhysicalType::INT64,
+            Values::Codes(_) => PhysicalType::INT32,
+        };
+        (*name, physical)
+    });
+    let properties = WriterProperties::builder().set_dictionary_enabled(false).set_encoding(Encoding::PLAIN);
+    let metadata = metadata(loaded, &columns);
+    let mut file = begin(Vec::new(), "capture", fields, Repetition::REQUIRED, metadata, properties)?;
+    let mut group = file.next_row_group()?;
+    for (_, values) in &columns {
+        match values {
+            Values::Reals(values) => write_column::<DoubleType, _>(&mut group, values, None)?,
+            Values::Counts(values) => {
+                let counts: Vec<i64> = values.iter().map(|&count| i64::try_from(count).unwrap_or(i64::MAX)).collect();
+                write_column::<Int64Type, _>(&mut group, &counts, None)?;
+            }
+            Values::Codes(values) => {
+                let codes: Vec<i32> = values.iter().map(|&code| i32::try_from(code).unwrap_or(i32::MAX)).collect();
+                write_column::<Int32Type, _>(&mut group, &codes, None)?;
+            }
+        }
+    }
+    group.close()?;
+    Ok((file.into_inner()?, columns.len()))
+}
+
+/// What the file says of itself: the unit of every column, the rate, and what the archive had attached.
+fn metadata(loaded: &LoadedCapture, columns: &[(&str, Values<'_>)]) -> Vec<(String, String)> {
+    let capture = &loaded.capture;
+    let own = [
+        ("source", capture.source.display().to_string()),
+        ("rate_hz", capture.rate_hz.to_string()),
+        ("missing_samples", capture.gaps.iter().map(|gap| gap.count).sum::<u64>().to_string()),
+    ];
+    let units =
+        columns.iter().filter_map(|(name, _)| Some((format!("unit.{name}"), archive::unit_of(name)?.to_owned())));
+    let attached = TAKEN_ALONG.iter().filter_map(|name| {
+        let text = capture.attached_text(name).filter(|text| !text.is_empty())?;
+        Some(((*name).to_owned(), text.to_owned()))
+    });
+    let own = own.map(|(key, text)| (key.to_owned(), text));
+    [software()].into_iter().chain(own).chain(units).chain(attached).collect()
 }
 
 /// Of a knob without any torque of the angle the header has its inertia and friction alone.
@@ -122,6 +180,3 @@ fn firmware_header(model: &Model, options: &ExportOptions) -> anyhow::Result<Str
     write(&options.out, kind::HEADER, &firmware::header(model, table.as_ref(), &options.source, &guard))?;
     Ok(table.map_or_else(|| "no torque that depends on the angle".to_owned(), |table| table.in_words()))
 }
-
-/// Attachments of an archive that go along as metadata.
-const TAKEN_ALONG: [&str; 4] = [attachment::RUN, attachment::CALIBRATION, attachment::EXCITATION, attachment::MODEL];

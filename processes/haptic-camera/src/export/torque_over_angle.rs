@@ -43,9 +43,6 @@ pub(super) struct Rest {
 
 impl TorqueOverAngle {
     /// Tabulates a model at so many points.
-    ///
-    /// # Errors
-    /// When the model has no torque of the angle, or no single period although one was asked for.
     pub(super) fn of(model: &Model, points: u32, over: Option<TableSpan>) -> anyhow::Result<Self> {
         let period_rad = period_rad(model);
         let span_rad = match over {

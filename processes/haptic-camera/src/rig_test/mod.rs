@@ -19,12 +19,11 @@ use report::{CaptureFacts, ChannelDifference, ChannelLag, RigTest};
 use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
-use crate::load;
 use crate::outcome::{Outcome, say};
 use crate::outputs::ResultFiles;
-use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use crate::terminal::table;
+use crate::{load, rig_run};
 use channel::{Channel, LAG_HZ};
 
 #[derive(Debug, Args)]

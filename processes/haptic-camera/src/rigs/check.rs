@@ -10,12 +10,11 @@ use serde::Serialize;
 
 use super::{span, torque_request};
 use crate::command_line::RigOptions;
-use crate::load;
 use crate::outcome::{Outcome, remark, show};
 use crate::outputs::write_json;
-use crate::rig_run;
 use crate::supervision::listen_for_interrupt;
 use crate::terminal::table;
+use crate::{load, rig_run};
 
 #[derive(Debug, Args)]
 pub struct RigCheckOptions {

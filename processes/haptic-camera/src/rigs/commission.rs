@@ -4,11 +4,11 @@
 //! angle tells, fitted against the torque that was commanded, what the motor drives, and against the torque that was measured, what
 //! lies behind the sensor. Signs, inertia and the encoder's step follow, and go into the rig's file.
 
-mod in_file;
-
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use anyhow::Context as _;
+use archive::whole_file::Replace;
 use clap::Args;
 use dynamics::Axis;
 use hal::RigFile;
@@ -16,15 +16,15 @@ use identification::{AccelerationUse, FitOptions, Samples, encoder_step};
 use loaded_capture::LoadedCapture;
 use rt_loop::request::RunRequest;
 use shared_types::Fault;
+use toml_edit::{DocumentMut, Item, Value};
 
-use self::in_file::Known;
 use super::{span, torque_request};
 use crate::command_line::RigOptions;
-use crate::load;
 use crate::outcome::{Outcome, remark, say};
-use crate::rig_run;
+use crate::outputs::write;
 use crate::supervision::{EndedInFault, listen_for_interrupt};
 use crate::terminal::digits;
+use crate::{load, rig_run};
 
 #[derive(Debug, Args)]
 pub struct RigCommissionOptions {
@@ -233,8 +233,8 @@ fn conclude(tries: &[Found], file: &RigFile, options: &RigCommissionOptions) -> 
              [channels.motor] is wrong: check them, and commission again"
         )));
     }
-    let known = Known { motor_inertia: has_sensor.then_some(motor.value), angle_step_rad: last.angle_step_rad };
-    in_file::write(&options.file, path, axis, &known)?;
+    let known = [("motor_inertia", has_sensor.then_some(motor.value)), ("angle_step_rad", last.angle_step_rad)];
+    enter(&options.file, path, axis, known)?;
     // Without a sensor nothing tells what was on the gripper.
     let (done, condition) = if has_sensor { ("written ", "") } else { ("write   ", ", if nothing was on the gripper") };
     say(format!("{done} motor_inertia = {motor} under [calibration] of {}{condition}", path.display()));
@@ -272,4 +272,70 @@ fn inertia(loaded: &LoadedCapture, torque_mnm: &[f64]) -> Option<Inertia> {
     let turned: Vec<f64> = torque_mnm.iter().map(|torque_mnm| -torque_mnm).collect();
     fit(torque_mnm)
         .or_else(|| fit(&turned).map(|Inertia { value, low, high }| Inertia { value: -value, low: -high, high: -low }))
+}
+
+/// What a commissioning finds out, by its name in a calibration.
+type Known = [(&'static str, Option<f64>); 2];
+
+/// Enters what is known of a rig into its file `file`, as `path`: its numbers change, its comments stay.
+fn enter(file: &Path, path: &Path, axis: Axis, known: Known) -> anyhow::Result<()> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
+    let changed = with(&text, axis, known).with_context(|| format!("{} is not changed", file.display()))?;
+    // In its place it is the file that was read; elsewhere nothing may lie there.
+    let may_replace = if path == file { Replace::Anything } else { Replace::Nothing };
+    write(path, may_replace, &changed)
+}
+
+/// The text of a rig file with what is known in it.
+fn with(text: &str, axis: Axis, known: Known) -> anyhow::Result<String> {
+    let mut document: DocumentMut = text.parse().context("it is no TOML")?;
+    anyhow::ensure!(
+        !document.contains_key("calibration_file"),
+        "its calibration is in another file (calibration_file): enter the values there"
+    );
+    let table = document.entry("calibration").or_insert(toml_edit::table());
+    for (key, number) in known.into_iter().filter_map(|(key, number)| Some((axis.words(key), rounded(number?)))) {
+        let key = key.as_ref();
+        match table.get_mut(key).and_then(Item::as_value_mut) {
+            // What a maker says of an encoder is exacter than what was seen.
+            Some(before) if before.as_float().is_some_and(|before| (before / number - 1.0).abs() < SAME_SHARE) => {}
+            Some(before) => {
+                let comment = before.decor().clone();
+                *before = Value::from(number);
+                *before.decor_mut() = comment;
+            }
+            None => table[key] = toml_edit::value(number),
+        }
+    }
+    Ok(document.to_string())
+}
+
+/// Share by which a number of the file may differ from what was found and stay.
+const SAME_SHARE: f64 = 1e-3;
+
+/// Four digits: no more are known.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+    use dynamics::Axis;
+
+    use super::with;
+
+    #[test]
+    fn numbers_change_and_comments_stay() {
+        let known = [("motor_inertia", Some(0.020_023_4)), ("angle_step_rad", Some(0.001))];
+        let text = "# mine\nname = \"a\"\n\n[calibration]\nmotor_inertia = 0.5   # a guess\n";
+        let changed =
+            "# mine\nname = \"a\"\n\n[calibration]\nmotor_inertia = 0.02002   # a guess\nangle_step_rad = 0.001\n";
+        assert_eq!(with(text, Axis::Rotary, known).unwrap(), changed);
+        assert!(
+            with("name = \"a\"\n", Axis::Rotary, known).unwrap().contains("[calibration]\nmotor_inertia = 0.02002\n")
+        );
+        assert!(with("name = \"a\"\n", Axis::Linear, known).unwrap().contains("\ntravel_step_mm = 0.001\n"));
+        assert!(with("calibration_file = \"b.toml\"\n", Axis::Rotary, known).is_err());
+    }
 }

@@ -1,6 +1,5 @@
 //! `sheet`: the figures of a data sheet, from captures or from other people's testers' files.
 
-mod table;
 mod wall;
 
 use std::fmt::Write as _;
@@ -8,13 +7,15 @@ use std::path::PathBuf;
 
 use analysis::{curve_files, curves, mean_fit};
 use clap::Args;
+use comfy_table::Table;
 use dynamics::Axis;
-use sheet::Sheet;
+use sheet::{Detent, Figure, Sheet};
 
 use crate::command_line::ColumnOptions;
 use crate::load;
 use crate::outcome::Outcome;
 use crate::outputs::{FIGURES_HEADER, ResultFiles, kind, write, write_if_asked};
+use crate::terminal::{by_reason, digits, interval, table};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("report", |report| report.requires("captures")))]
@@ -52,9 +53,8 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     if let Some(fit) = mean_fit(&captures)? {
         sheet = sheet.with_dynamics(&fit)?;
     }
-    options
-        .results
-        .tell(Axis::default(), table::lines(&sheet, &files), &sheet, || analysis::sheet_page(&sheet, &files))?;
+    let page = || analysis::sheet_page(&sheet, &files);
+    options.results.tell(Axis::default(), lines(&sheet, &files), &sheet, page)?;
     write_if_asked(&options.csv, kind::FIGURES, || figures_csv(&sheet))?;
     Ok(Outcome::Done)
 }
@@ -78,4 +78,71 @@ fn figures_csv(sheet: &Sheet) -> String {
         }
     }
     text
+}
+
+/// The sheet for a terminal.
+fn lines(sheet: &Sheet, files: &[PathBuf]) -> Vec<String> {
+    let mut lines = vec![heading(sheet, files), figures(sheet).to_string()];
+    let missing = sheet.in_order().filter_map(|figure| Some((figure.kind.name, figure.reason.as_deref()?)));
+    lines.extend(by_reason(missing).iter().map(|reason| format!("- {reason}")));
+    if !sheet.detents.is_empty() {
+        lines.push(format!("\n{}", detents(sheet)));
+    }
+    lines
+}
+
+fn heading(sheet: &Sheet, files: &[PathBuf]) -> String {
+    let name = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let heading = match files {
+        [only] if sheet.runs > 1 => {
+            format!("{}, mean of {} presses, 95 % intervals of one more of them", name(only), sheet.runs)
+        }
+        [only] => format!("{}, 95 % intervals from the noise of a single curve", name(only)),
+        several => {
+            let folder = several[0].parent().and_then(|folder| folder.file_name());
+            let of = folder.map_or_else(String::new, |folder| format!(" of {}", folder.to_string_lossy()));
+            format!("mean of {} curves{of}, 95 % prediction intervals for another one", sheet.runs)
+        }
+    };
+    operator::one_line(&heading)
+}
+
+/// The figures that have a value, with the digits that their intervals support.
+fn figures(sheet: &Sheet) -> Table {
+    let row = |figure: &Figure| {
+        let (value, [low, high]) = (figure.value?, figure.ci95?);
+        let digits = digits(high - low);
+        let cells = [figure.kind.name, &format!("{value:.digits$}"), &interval(figure.ci95, digits), figure.kind.unit];
+        Some(cells.map(str::to_owned))
+    };
+    table(["figure", "value", "95 % interval", "unit"], [1, 2], sheet.in_order().filter_map(row))
+}
+
+/// What each detent takes in each direction, in degrees, mNm and mJ; its intervals are in the JSON and on the page.
+fn detents(sheet: &Sheet) -> Table {
+    let degree = 1_f64.to_radians();
+    let row = |detent: &Detent| {
+        let cell = |name: &str, unit: f64| {
+            let figure = detent.figures.get(name);
+            figure.map_or_else(String::new, |figure| in_unit(figure.value, figure.ci95, unit))
+        };
+        [
+            in_unit(detent.angle_rad, detent.angle_rad_ci95, degree),
+            detent.direction.to_owned(),
+            cell("detent_pitch", degree),
+            cell("peak_torque", 1.0),
+            cell("trough_torque", 1.0),
+            cell("torque_ratio", 1.0),
+            cell("detent_stiffness", 1.0),
+            cell("detent_energy", 1.0),
+        ]
+    };
+    let header = ["at °", "turning", "pitch °", "peak", "trough", "ratio", "stiffness", "energy"];
+    table(header, [0, 2, 3, 4, 5, 6, 7], sheet.detents.iter().map(row))
+}
+
+/// A value in a unit with the digits that its interval supports.
+fn in_unit(value: f64, [low, high]: [f64; 2], unit: f64) -> String {
+    let digits = digits((high - low) / unit);
+    format!("{:.digits$}", value / unit)
 }

@@ -6,8 +6,7 @@ use std::process::{Command, ExitStatus};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
-use nix::sys::signal::{Signal, kill};
-use nix::unistd::Pid;
+use nix::sys::signal::Signal;
 use shared_types::{lease, rig};
 
 use crate::outcome::is_output_json;
@@ -38,9 +37,12 @@ pub(crate) fn program_path(name: &str) -> anyhow::Result<PathBuf> {
 pub(crate) struct Child {
     process: std::process::Child,
     started: Instant,
-    exit: Option<ExitStatus>,
     /// When it last said something, CLOCK_MONOTONIC, ns, and how long it had waited for a processor until then.
     heard: (u64, Duration),
+    /// Since when it was seen to be stopped.
+    pub(super) stopped: Option<Instant>,
+    /// Whether it was killed. It may be some time in dying, if a thread of it waits for the disk.
+    is_killed: bool,
 }
 
 impl Child {
@@ -49,7 +51,7 @@ impl Child {
             .spawn()
             .with_context(|| format!("{} cannot be started", command.get_program().to_string_lossy()))?;
         let heard = (rig::monotonic_time_ns(), rig::processor_wait(process.id()));
-        Ok(Self { process, started: Instant::now(), exit: None, heard })
+        Ok(Self { process, started: Instant::now(), heard, stopped: None, is_killed: false })
     }
 
     /// Takes note of when it last said something.
@@ -77,21 +79,25 @@ impl Child {
 
     /// Whether it has ended; reaps it.
     pub(crate) fn has_ended(&mut self) -> bool {
-        if self.exit.is_none()
-            && let Ok(Some(status)) = self.process.try_wait()
-        {
-            self.exit = Some(status);
-        }
-        self.exit.is_some()
+        self.exit().is_some()
+    }
+
+    /// Whether it will do nothing more, be it that it cannot be reaped so far.
+    pub(super) fn is_over(&mut self) -> bool {
+        self.is_killed || self.has_ended() || !rig::process_exists(self.id())
+    }
+
+    fn exit(&mut self) -> Option<ExitStatus> {
+        self.process.try_wait().ok().flatten()
     }
 
     /// Its exit code, `None` while it runs or when a signal ended it.
-    pub(crate) fn exit_code(&self) -> Option<i32> {
-        self.exit.and_then(|status| status.code())
+    pub(crate) fn exit_code(&mut self) -> Option<i32> {
+        self.exit()?.code()
     }
 
-    pub(crate) fn end_in_words(&self) -> String {
-        let signal = self.exit.and_then(|status| status.signal()).map(Signal::try_from);
+    pub(crate) fn end_in_words(&mut self) -> String {
+        let signal = self.exit().and_then(|status| status.signal()).map(Signal::try_from);
         match (signal, self.exit_code()) {
             (Some(Ok(signal)), _) => format!("it was killed by {signal}"),
             (_, Some(code)) => format!("its exit status is {code}"),
@@ -114,11 +120,9 @@ impl Child {
     }
 
     /// Kills it, without waiting for its end.
-    pub(crate) fn kill(&mut self) {
-        if !self.has_ended() {
-            let id = i32::try_from(self.id()).unwrap_or(i32::MAX);
-            let _ = kill(Pid::from_raw(id), Signal::SIGKILL);
-        }
+    pub(super) fn kill(&mut self) {
+        let _ = self.process.kill();
+        self.is_killed = true;
     }
 
     /// Waits for its end; `false` when it has not come within `patience`.

@@ -10,7 +10,7 @@ use shared_types::{
     CommandKind, ControlRequest, FitUpdate, LoopStatus, ModelChange, ProcessHealth, ProcessKind, RunDescription, rig,
 };
 
-use super::{ModelStart, RigWords};
+use super::ModelStart;
 
 /// Longest wait for the loop's answer to a request.
 const ANSWER: Duration = Duration::from_secs(2);
@@ -29,9 +29,7 @@ pub(crate) struct LoopLink {
     pub(super) health: Vec<ProcessHealth>,
     /// Longest time without a word of the recorder.
     longest_absence: Duration,
-    torque_zero_mnm: f64,
-    /// What the run's description says of its rig.
-    pub(super) rig: RigWords,
+    pub(super) run: RunDescription,
     /// The models that began to be felt so far.
     pub(super) models: Vec<ModelStart>,
     // Last, since ports go before the node they belong to.
@@ -54,8 +52,7 @@ impl LoopLink {
             fit: None,
             health: Vec::new(),
             longest_absence: Duration::ZERO,
-            torque_zero_mnm: 0.0,
-            rig: RigWords::default(),
+            run: RunDescription::default(),
             models: Vec::new(),
             _node: node,
         })
@@ -79,12 +76,9 @@ impl LoopLink {
             self.health.push(*health);
         }
         while let Ok(Some(json)) = self.descriptions.receive() {
-            let run = serde_json::from_slice::<RunDescription>(json.payload()).ok();
-            let Some(run) = run else { continue };
-            if let Ok(Some(known)) = run.calibration() {
-                self.torque_zero_mnm = known.torque_zero_mnm;
+            if let Ok(run) = serde_json::from_slice(json.payload()) {
+                self.run = run;
             }
-            self.rig = RigWords { name: run.apparatus, axis: run.axis, codes: run.device_codes };
         }
         while let Ok(Some(json)) = self.model_changes.receive() {
             // A message that cannot be read is reported by the recorder, which needs it.
@@ -97,7 +91,8 @@ impl LoopLink {
 
     /// Torque of the hand at the last status, mNm: the opposite of what the sensor reads on a rig that renders.
     pub(crate) fn hand_torque_mnm(&self) -> f64 {
-        self.torque_zero_mnm - self.status.torque_mnm
+        let known = self.run.calibration().ok().flatten();
+        known.map_or(0.0, |known| known.torque_zero_mnm) - self.status.torque_mnm
     }
 
     /// Time in the run at the loop's last status, s.

@@ -1,14 +1,11 @@
 //! A run of the rig: the control loop and its consumers, started, watched and ended together.
 
-mod account;
 mod child;
-mod consumer;
 mod consumers;
 mod loop_link;
 mod panel;
 mod progress;
 mod run_end;
-mod words;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,22 +18,20 @@ use rt_loop::LONGEST_PREPARATION_S;
 use rt_loop::request::RunRequest;
 use shared_types::clean_up::files_in_shared_memory;
 use shared_types::fault_injection::{self, FaultInjection};
-use shared_types::{CommandKind, Fault, LoopState, ProcessKind, realtime, rig};
+use shared_types::{CommandKind, Fault, LoopState, ProcessKind, RunDescription, realtime, rig};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-use crate::large_job;
-use crate::offline_run;
 use crate::outcome::{Outcome, remark, say};
 use crate::until_ci::{Share, StopRule, estimate_of};
-pub(crate) use account::Archived;
+use crate::{large_job, offline_run};
 use child::Child;
-pub(crate) use child::program;
-pub(crate) use child::program_path;
+pub(crate) use child::{program, program_path};
 use consumers::Consumers;
 use loop_link::LoopLink;
 use progress::Progress;
 pub(crate) use progress::Shown;
-pub(crate) use run_end::{EndedInFault, ModelStart, RigWords, RunEnd};
+use run_end::fault_words;
+pub(crate) use run_end::{Archived, EndedInFault, ModelStart, RunEnd};
 
 /// Longest wait for the loop to be ready, beside the time that its rig may take to come up.
 const LOOP_READY: Duration = Duration::from_secs(10);
@@ -114,15 +109,12 @@ impl SupervisedRun {
             && control_loop.exit_code() != Some(0)
         {
             end.loop_failed = true;
-            say_why_unless_said(&control_loop, "the control loop ended with an error", &driving(&end.rig));
+            say_why_unless_said(&mut control_loop, "the control loop ended with an error", &driving(&end.run));
         }
         end
     }
 
-    /// Makes a run that further work rests on; gives its archive, and whether data was lost.
-    ///
-    /// # Errors
-    /// Whatever keeps the run from coming to its planned end, the operator too.
+    /// Makes a run that further work rests on, to its planned end; gives its archive, and whether data was lost.
     pub(crate) fn complete(&self, interrupted: &AtomicBool) -> anyhow::Result<(PathBuf, Outcome)> {
         let Self { in_words, archive, .. } = self;
         let end = self.take(interrupted)?.ok_or(LoopSaidWhy)?;
@@ -179,11 +171,10 @@ impl SupervisedRun {
                 break;
             }
             if has_ended {
-                progress.close();
                 remark(format!(
                     "the control loop ended in the middle of the run ({}){}; what was recorded so far is kept",
                     control_loop.end_in_words(),
-                    driving(&link.rig)
+                    driving(&link.run)
                 ));
                 loop_failed = true;
                 break;
@@ -202,21 +193,21 @@ impl SupervisedRun {
                 control_loop.end(LOOP_ENDS);
             }
         }
-        progress.close();
+        drop(progress);
         let recorder_exit = consumers.finish_recorder(RECORDER_DONE, || {
             link.listen();
             !control_loop.has_ended()
         });
         let restarts = consumers.end();
-        let LoopLink { status, rig, models, .. } = link;
+        let LoopLink { status, run, models, .. } = link;
         let (interrupted, achieved) = (stopped_by_operator, rule);
-        Ok(Some(RunEnd { status, recorder_exit, restarts, rig, models, interrupted, achieved, loop_failed }))
+        Ok(Some(RunEnd { status, recorder_exit, restarts, run, models, interrupted, achieved, loop_failed }))
     }
 }
 
 /// Whether the live fitter's newest word ends a run that goes on until enough is known; true once at most.
 fn is_enough_known(rule: Option<&mut StopRule>, link: &LoopLink) -> bool {
-    let Some((rule, fit)) = rule.filter(|rule| !rule.has_ended()).zip(link.fit()) else { return false };
+    let Some((rule, fit)) = rule.filter(|rule| rule.ended_s.is_none()).zip(link.fit()) else { return false };
     let time_s = fit.latest_tick as f64 / link.status.rate_hz.max(1.0);
     rule.take(time_s, estimate_of(fit))
 }
@@ -243,12 +234,12 @@ pub(crate) fn clear_shared_memory() {
 }
 
 /// Which rig the loop drove when it ended: what crashed may be the rig's library.
-fn driving(rig: &RigWords) -> String {
-    format!(", driving the rig '{}'", rig.name)
+fn driving(run: &RunDescription) -> String {
+    format!(", driving the rig '{}'", run.apparatus)
 }
 
 /// Says how a loop ended that has not said so itself, and what to do next.
-fn say_why_unless_said(control_loop: &Child, what: &str, next: &str) {
+fn say_why_unless_said(control_loop: &mut Child, what: &str, next: &str) {
     if control_loop.exit_code().is_none_or(|code| !SAID_WHY.contains(&code)) {
         remark(format!("{what} ({}){next}", control_loop.end_in_words()));
     }
@@ -283,9 +274,9 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
                 match LoopState::from_code(open.status.state) {
                     Some(LoopState::Armed) => return Ok(link),
                     // The description comes a little after the status.
-                    Some(LoopState::Fault) if open.rig.name.is_empty() && Instant::now() < deadline => {}
+                    Some(LoopState::Fault) if open.run.apparatus.is_empty() && Instant::now() < deadline => {}
                     Some(LoopState::Fault) => {
-                        let fault = open.rig.fault_words(&open.status).unwrap_or_default();
+                        let fault = fault_words(&open.run, &open.status).unwrap_or_default();
                         remark(format!("the run did not begin: {fault}"));
                         return Ok(None);
                     }

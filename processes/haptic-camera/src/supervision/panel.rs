@@ -34,11 +34,11 @@ pub(super) fn below(link: &LoopLink, until: Option<Share>) -> String {
     let residual = link.fit().map(|fit| fit.residual_rms_mnm).filter(|residual| residual.is_finite());
     let residual = residual.map_or_else(|| "-".to_owned(), |residual| format!("{residual:.3} mNm RMS"));
     let _ = write!(text, "residual  {residual}\nlateness  {}\nlosses    {}", lateness(&link.status), losses(link));
-    link.rig.axis.words(&text).into_owned()
+    link.run.axis.words(&text).into_owned()
 }
 
 fn table(fit: Option<&FitUpdate>, until: Option<Share>) -> String {
-    let asked = 100.0 * until.map_or(USUAL_SHARE, Share::get);
+    let asked = 100.0 * until.map_or(USUAL_SHARE, |share| share.0);
     let mut text =
         format!("{:<18}{:>12}{:>13}{:>9}  {:<12}needs ± {asked} %\n", "parameter", "so far", "95 %", "share", "unit");
     let estimate = fit.map(estimate_of);

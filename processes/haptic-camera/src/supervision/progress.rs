@@ -10,7 +10,7 @@ use shared_types::Sample;
 use super::SupervisedRun;
 use super::loop_link::LoopLink;
 use super::panel::{self, FIT_LINES, losses};
-use crate::outcome::{hold_panel, release_panel, say};
+use crate::outcome::{hold_panel, say};
 use crate::terminal::{self, WIDTH};
 use crate::until_ci::{Share, estimate_of, open, share_words};
 
@@ -40,7 +40,7 @@ pub(crate) struct Progress {
     bar: Option<ProgressBar>,
     whole_panel: bool,
     next: Instant,
-    line_interval: Duration,
+    interval: Duration,
 }
 
 impl Progress {
@@ -59,21 +59,21 @@ impl Progress {
                 (None, _) => "{msg}",
             };
             let bar = terminal::bar(duration_s.map(steps), template);
-            hold_panel(&bar);
+            hold_panel(Some(bar.clone()));
             bar
         });
-        let line_interval = duration_s.map_or(LINE_INTERVAL, |duration_s| {
-            Duration::try_from_secs_f64(duration_s / LINES_PER_RUN).map_or(LINE_INTERVAL, |one| one.max(LINE_INTERVAL))
-        });
-        let next = Instant::now() + if bar.is_some() { Duration::ZERO } else { line_interval };
-        Self { shown, until: run.until, bar, whole_panel, next, line_interval }
+        let lines = duration_s.and_then(|duration_s| Duration::try_from_secs_f64(duration_s / LINES_PER_RUN).ok());
+        let line_interval = lines.map_or(LINE_INTERVAL, |interval| interval.max(LINE_INTERVAL));
+        let (first, interval) =
+            if bar.is_some() { (Duration::ZERO, PANEL_INTERVAL) } else { (line_interval, line_interval) };
+        Self { shown, until: run.until, bar, whole_panel, next: Instant::now() + first, interval }
     }
 
     pub(crate) fn show(&mut self, link: &LoopLink) {
         if Instant::now() < self.next {
             return;
         }
-        self.next = Instant::now() + if self.bar.is_some() { PANEL_INTERVAL } else { self.line_interval };
+        self.next = Instant::now() + self.interval;
         let line = || match self.shown {
             Shown::Fit => fit_line(link, self.until),
             Shown::Rendering => rendering_line(link),
@@ -92,19 +92,15 @@ impl Progress {
             }
         }
     }
-
-    pub(crate) fn close(&self) {
-        if let Some(bar) = &self.bar {
-            release_panel();
-            bar.finish_and_clear();
-        }
-    }
 }
 
 /// However the run ends, the terminal is left as it was.
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.close();
+        if let Some(bar) = &self.bar {
+            hold_panel(None);
+            bar.finish_and_clear();
+        }
     }
 }
 
@@ -114,7 +110,7 @@ fn steps(time_s: f64) -> u64 {
 
 /// How far run and fit are, how late the loop was and what was lost.
 fn fit_line(link: &LoopLink, until: Option<Share>) -> String {
-    let axis = link.rig.axis;
+    let axis = link.run.axis;
     let known = link.fit().map_or_else(String::new, |fit| {
         let residual = if fit.residual_rms_mnm.is_finite() {
             axis.words(&format!(", residual {:.*} mNm", 2 + finer(axis), fit.residual_rms_mnm)).into_owned()
@@ -153,7 +149,7 @@ fn rendering_line(link: &LoopLink) -> String {
     let status = &link.status;
     let contact = if status.flags & Sample::STUCK == 0 { "sliding" } else { "stuck" };
     let model = link.models.last().map_or("", |model| model.name.as_str());
-    let axis = link.rig.axis;
+    let axis = link.run.axis;
     let felt =
         format!("{:+.3} rad, {contact}, hand {:+.*} mNm", status.angle_rad, 1 + finer(axis), link.hand_torque_mnm());
     format!(

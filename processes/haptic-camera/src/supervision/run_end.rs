@@ -1,24 +1,23 @@
-//! How a run ended, and the report to the operator.
+//! How a run ended, what became of each of its ticks, and the report to the operator.
 
 use std::path::{Path, PathBuf};
 
 use archive::parts::fallback_dir;
-use dynamics::Axis;
+use archive::{ArchiveError, Capture, Gap, Overview, RigAccount};
 use hal::ApparatusError;
-use shared_types::{Fault, LoopStatus, ProcessKind};
+use shared_types::{Fault, LoopStatus, ProcessKind, RunDescription};
 
-use super::account::{self, Archived};
 use crate::outcome::{Outcome, remark, say};
 use crate::until_ci::StopRule;
 
+#[derive(Default)]
 pub(crate) struct RunEnd {
     pub(crate) status: LoopStatus,
     /// Exit code of the recorder that closed the archive.
     pub(crate) recorder_exit: Option<i32>,
     /// Restarts of recorder, live fitter and viewer.
     pub(crate) restarts: Vec<(ProcessKind, u32)>,
-    /// What the rig's own codes mean, and its name.
-    pub(crate) rig: RigWords,
+    pub(crate) run: RunDescription,
     /// The models that were rendered, in the order in which they began to be felt.
     pub(crate) models: Vec<ModelStart>,
     pub(crate) interrupted: bool,
@@ -28,29 +27,16 @@ pub(crate) struct RunEnd {
     pub(crate) loop_failed: bool,
 }
 
-/// What a run's description says of its rig.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct RigWords {
-    pub(crate) name: String,
-    /// Whether it turns.
-    pub(crate) axis: Axis,
-    /// What its own codes mean.
-    pub(crate) codes: Vec<(i32, String)>,
-}
-
-impl RigWords {
-    /// The fault of a loop that drives it, in words.
-    pub(crate) fn fault_words(&self, status: &LoopStatus) -> Option<String> {
-        let fault = Fault::from_code(status.fault)?;
-        let reason = match (fault, status.device_code.cast_signed()) {
-            (Fault::Apparatus, code) if code != 0 => ApparatusError::Device(code).reason(&self.codes),
-            (Fault::Apparatus | Fault::Sensor | Fault::Stale | Fault::Jump | Fault::Clock, _) => {
-                self.axis.words(&fault.to_string()).into_owned()
-            }
-            _ => return Some(self.axis.words(&fault.to_string()).into_owned()),
-        };
-        Some(format!("the rig '{}': {reason}", self.name))
-    }
+/// The fault of a run's loop, in words.
+pub(super) fn fault_words(run: &RunDescription, status: &LoopStatus) -> Option<String> {
+    let fault = Fault::from_code(status.fault)?;
+    let words = run.axis.words(&fault.to_string()).into_owned();
+    let reason = match (fault, status.device_code.cast_signed()) {
+        (Fault::Apparatus, code) if code != 0 => ApparatusError::Device(code).reason(&run.device_codes),
+        (Fault::Apparatus | Fault::Sensor | Fault::Stale | Fault::Jump | Fault::Clock, _) => words,
+        _ => return Some(words),
+    };
+    Some(format!("the rig '{}': {reason}", run.apparatus))
 }
 
 /// A run on which further work was to rest ended in a fault.
@@ -84,7 +70,7 @@ impl RunEnd {
             "samples  {at_least}{taken} taken, {} ticks missed in {} stalls, longest lateness {:.3} ms",
             status.missed_ticks,
             status.overruns,
-            ns_to_ms(status.max_lateness_ns)
+            status.max_lateness_ns as f64 / 1e6
         ));
         for (kind, restarts) in self.restarts.iter().filter(|(_, restarts)| *restarts > 0) {
             say(format!("{} died and was restarted {restarts} times", kind.name()));
@@ -114,10 +100,10 @@ impl RunEnd {
 
     /// Tells how the rig kept up, and what was lost of the run, planned, taken or archived; how the command that made it ended.
     pub(crate) fn settle(&self, archived: &Archived) -> Outcome {
-        let account = archived.rig_in_words(self.status.device_code.cast_signed());
+        let account = archived.rig.in_words(&self.run, self.status.device_code.cast_signed());
         account.iter().for_each(|line| say(format!("rig      {line}")));
         let is_cut = self.is_ended_on_purpose() || self.loop_failed || self.fault_words().is_some();
-        let losses = account::losses(&self.status, archived, is_cut);
+        let losses = losses(&self.status, archived, is_cut);
         losses.iter().for_each(remark);
         self.outcome(!losses.is_empty() || self.recorder_exit == Some(3))
     }
@@ -138,10 +124,122 @@ impl RunEnd {
 
     /// The fault that ended the run, in words.
     pub(crate) fn fault_words(&self) -> Option<String> {
-        self.rig.fault_words(&self.status)
+        fault_words(&self.run, &self.status)
     }
 }
 
-fn ns_to_ms(nanoseconds: u64) -> f64 {
-    nanoseconds as f64 / 1e6
+const LISTED_GAPS: usize = 5;
+
+/// What lies in the archive of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Archived {
+    /// Samples that are there.
+    pub(crate) samples: u64,
+    /// Samples that the archive itself knows to be missing …
+    missing: u64,
+    /// … and where, as far as this was read.
+    gaps: Vec<Gap>,
+    /// How the rig kept up with the ticks.
+    rig: RigAccount,
+}
+
+impl Archived {
+    /// Counts what is in an archive, in memory that does not grow with it.
+    pub(crate) fn read(archive: &Path) -> Result<Self, ArchiveError> {
+        let Overview { samples, lost_samples, rig, .. } = Overview::read(archive)?;
+        Ok(Self { samples, missing: lost_samples, gaps: Vec::new(), rig })
+    }
+}
+
+impl From<&Capture> for Archived {
+    fn from(capture: &Capture) -> Self {
+        Self {
+            samples: capture.len() as u64 + capture.unmeasured_samples,
+            missing: capture.gaps.iter().map(|gap| gap.count).sum(),
+            gaps: capture.gaps.clone(),
+            rig: capture.rig.clone(),
+        }
+    }
+}
+
+/// What is not as it should be after a run, one sentence for each; empty when nothing was lost.
+///
+/// `is_cut`: the run was ended on purpose, or by a reported fault, so that it may be shorter than planned.
+fn losses(status: &LoopStatus, archived: &Archived, is_cut: bool) -> Vec<String> {
+    let mut losses = Vec::new();
+    let LoopStatus { planned_ticks: planned, missed_ticks, dropped_samples: dropped, .. } = *status;
+    let taken = status.taken_samples();
+    let come_to = taken + missed_ticks;
+    if !is_cut && come_to < planned {
+        losses.push(format!(
+            "the control loop was terminated from outside after {come_to} of {planned} ticks: ticks {come_to} to {} \
+             ({}) were never taken",
+            planned - 1,
+            planned - come_to
+        ));
+    }
+    if dropped > 0 {
+        losses.push(format!(
+            "{dropped} samples were taken but not published: the publishing thread had no processor for longer than \
+             its ring holds"
+        ));
+    }
+    // The archive knows nothing of what came after its end.
+    let known = archived.samples + archived.missing;
+    let missing = archived.missing + taken.saturating_sub(known);
+    if missing > 0 {
+        let listed = &archived.gaps[..archived.gaps.len().min(LISTED_GAPS)];
+        let mut places: Vec<String> = listed.iter().map(ToString::to_string).collect();
+        if listed.iter().map(|gap| gap.count).sum::<u64>() < archived.missing {
+            places.push("...; the archive lists them all".to_owned());
+        }
+        if taken > known {
+            places.push(format!("samples {known} to {} ({})", taken - 1, taken - known));
+        }
+        losses.push(format!("{missing} of {taken} samples are missing in the archive: {}", places.join(", ")));
+    }
+    losses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(published_samples: u64, missed_ticks: u64, dropped_samples: u64) -> LoopStatus {
+        LoopStatus { planned_ticks: 1_000, published_samples, missed_ticks, dropped_samples, ..LoopStatus::default() }
+    }
+
+    fn archived(samples: u64, gaps: &[(u64, u64)]) -> Archived {
+        let gaps: Vec<Gap> = gaps
+            .iter()
+            .map(|&(first, last)| Gap { first_missing_seq: first, last_missing_seq: last, count: last - first + 1 })
+            .collect();
+        Archived { samples, missing: gaps.iter().map(|gap| gap.count).sum(), gaps, ..Archived::default() }
+    }
+
+    #[test]
+    fn samples_and_missed_ticks_that_add_up_to_the_plan_and_lie_in_the_archive_are_all_there_is() {
+        assert_eq!(losses(&status(990, 10, 0), &archived(990, &[]), false), Vec::<String>::new());
+    }
+
+    #[test]
+    fn an_archive_that_ends_before_the_run_is_reported_with_the_samples_after_its_end() {
+        let losses = losses(&status(1_000, 0, 0), &archived(300, &[]), false);
+        assert_eq!(losses, ["700 of 1000 samples are missing in the archive: samples 300 to 999 (700)"]);
+    }
+
+    #[test]
+    fn a_run_that_was_cut_short_is_reported_and_one_that_the_operator_ended_is_not() {
+        let [cut]: [String; 1] = losses(&status(400, 5, 0), &archived(400, &[]), false).try_into().unwrap_or_default();
+        assert!(cut.contains("after 405 of 1000 ticks: ticks 405 to 999 (595)"), "{cut}");
+        assert_eq!(losses(&status(400, 5, 0), &archived(400, &[]), true), Vec::<String>::new());
+    }
+
+    #[test]
+    fn samples_that_were_never_published_are_reported_though_the_archive_has_all_that_were() {
+        let losses = losses(&status(800, 0, 200), &archived(800, &[(600, 799)]), false);
+        assert_eq!(losses.len(), 2, "{losses:?}");
+        assert!(losses[0].contains("200 samples were taken but not published"), "{losses:?}");
+        assert_eq!(losses[1], "200 of 1000 samples are missing in the archive: samples 600 to 799 (200)");
+    }
 }

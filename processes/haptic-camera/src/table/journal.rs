@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use analysis::{Cell, Row};
 use anyhow::{Context as _, bail};
 use archive::ArchiveError;
-use archive::whole_file::{Replace, write_whole};
+use archive::whole_file::{Replace, beside, write_whole};
 use sheet::Specification;
 
-use super::files::Seen;
+use super::Seen;
 use super::parquet_file::Table;
 
 /// Rows that are written at once: what memory holds of a table of any length.
@@ -37,14 +37,11 @@ type Line = (PathBuf, u64, String, Vec<Option<String>>);
 impl<'spec> Journal<'spec> {
     /// The journal of a table, with the files whose rows it has; a line that was cut off is written again, and so is everything
     /// that was made by another specification, which the first line names.
-    ///
-    /// # Errors
-    /// When there is a table already, or the journal cannot be read and written.
     pub(super) fn open(
         table: &Path,
         specification: Option<&'spec Specification>,
     ) -> anyhow::Result<(Self, HashSet<Seen>)> {
-        let place = super::journal_beside(table);
+        let place = beside(table, ".incomplete");
         let unusable = || format!("{} cannot be used; choose another --out", place.display());
         let mut file = File::options().read(true).append(true).create(true).open(&place).with_context(unusable)?;
         if file.try_lock().is_err() {
@@ -90,10 +87,7 @@ impl<'spec> Journal<'spec> {
         Ok(())
     }
 
-    /// Writes the table of these files in their order and removes the journal; gives the number of rows with an error.
-    ///
-    /// # Errors
-    /// When the table cannot be written; the journal then stays.
+    /// Writes the table of these files in their order and only then removes the journal; gives the number of rows with an error.
     pub(super) fn into_table(mut self, files: &[Seen]) -> anyhow::Result<usize> {
         let columns = Row::columns(self.specification);
         let mut write_rows = |place| -> anyhow::Result<usize> {

@@ -3,26 +3,24 @@
 //! Each core holds one capture at a time; rows go into a journal beside the table as they are made, so that a call which is
 //! killed goes on where it was when it is made again. The journal becomes the table, sorted by file.
 
-mod files;
 mod journal;
 mod parquet_file;
 
 use std::num::NonZero;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
+use std::time::UNIX_EPOCH;
 
 use analysis::{Row, load_specification};
-use anyhow::ensure;
+use anyhow::{Context as _, ensure};
 use clap::Args;
 use indicatif::ProgressBar;
 use sheet::Specification;
 
 use crate::outcome::{Outcome, remark, say};
 use crate::terminal;
-use files::{Seen, captures};
 use journal::Journal;
-pub(crate) use parquet_file::write_column;
 
 #[derive(Debug, Args)]
 pub struct TableOptions {
@@ -40,10 +38,7 @@ pub struct TableOptions {
     pub jobs: Option<NonZero<usize>>,
 }
 
-/// Makes the table.
-///
-/// # Errors
-/// When a folder cannot be read or the table not be written; a capture that cannot is a row.
+/// Makes the table; a capture that cannot be read or fitted is a row.
 pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
     let files = captures(&options.folders)?;
     ensure!(!files.is_empty(), "no .mcap or .csv file in the folders; give folders of captures");
@@ -106,6 +101,40 @@ fn add_rows(
     })
 }
 
-pub fn journal_beside(table: &std::path::Path) -> PathBuf {
-    archive::whole_file::beside(table, ".incomplete")
+/// A file as it was seen; one that was changed since is another.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+struct Seen {
+    path: PathBuf,
+    bytes: u64,
+    written_ns: u128,
+}
+
+/// All `.mcap` and `.csv` files, by their paths, each once.
+fn captures(folders: &[PathBuf]) -> anyhow::Result<Vec<Seen>> {
+    let mut files = Vec::new();
+    for folder in folders {
+        add(folder, &mut files)?;
+    }
+    files.sort();
+    files.dedup();
+    Ok(files)
+}
+
+fn add(folder: &Path, files: &mut Vec<Seen>) -> anyhow::Result<()> {
+    let unreadable = || format!("the folder {} cannot be read; give folders of captures", folder.display());
+    for entry in std::fs::read_dir(folder).with_context(unreadable)? {
+        let entry = entry.with_context(unreadable)?;
+        let path = entry.path();
+        // A link may lead back to where it lies.
+        if entry.file_type().with_context(unreadable)?.is_dir() {
+            add(&path, files)?;
+        } else if path.extension().is_some_and(|ending| ["mcap", "csv", "mf4"].iter().any(|known| ending == *known)) {
+            let (bytes, written_ns) = entry.metadata().map_or((0, 0), |metadata| {
+                let written = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+                (metadata.len(), written.map_or(0, |time| time.as_nanos()))
+            });
+            files.push(Seen { path, bytes, written_ns });
+        }
+    }
+    Ok(())
 }

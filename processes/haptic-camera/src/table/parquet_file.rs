@@ -1,18 +1,17 @@
 //! The rows as an Apache Parquet file, a group of rows at a time.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::sync::Arc;
+use std::io::BufWriter;
 
 use analysis::{Cell, Row};
-use parquet::basic::{Compression, ConvertedType, Repetition, Type as PhysicalType};
+use parquet::basic::{Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::Type;
 use sheet::Specification;
+
+use crate::parquet_file::{begin, software, write_column};
 
 pub(super) struct Table<'spec> {
     specification: Option<&'spec Specification>,
@@ -26,17 +25,12 @@ impl<'spec> Table<'spec> {
         specification: Option<&'spec Specification>,
     ) -> Result<Self, ParquetError> {
         let columns = Row::columns(specification);
-        let fields = columns.iter().map(|(name, empty)| field(name, empty)).collect::<Result<Vec<_>, _>>()?;
-        let schema = Arc::new(Type::group_type_builder("captures").with_fields(fields).build()?);
-        let units = columns.iter().filter_map(|(name, _)| {
-            Some(KeyValue::new(format!("unit.{name}"), Row::unit_of(name, specification)?.to_owned()))
-        });
-        let software = KeyValue::new("software".to_owned(), format!("haptic-camera {}", env!("CARGO_PKG_VERSION")));
-        let properties = WriterProperties::builder()
-            .set_compression(Compression::SNAPPY)
-            .set_key_value_metadata(Some(units.chain([software]).collect()))
-            .build();
-        Ok(Self { specification, file: SerializedFileWriter::new(place, schema, Arc::new(properties))? })
+        let fields = columns.iter().map(|(name, empty)| (name.as_str(), physical(empty)));
+        let unit =
+            |(name, _): &(String, Cell)| Some((format!("unit.{name}"), Row::unit_of(name, specification)?.to_owned()));
+        let metadata = columns.iter().filter_map(unit).chain([software()]);
+        let file = begin(place, "captures", fields, Repetition::OPTIONAL, metadata, WriterProperties::builder())?;
+        Ok(Self { specification, file })
     }
 
     /// Adds rows, each with a cell for every column.
@@ -59,14 +53,12 @@ impl<'spec> Table<'spec> {
     }
 }
 
-fn field(name: &str, empty: &Cell) -> Result<Arc<Type>, ParquetError> {
-    let (physical, converted) = match empty {
-        Cell::Text(_) => (PhysicalType::BYTE_ARRAY, ConvertedType::UTF8),
-        Cell::Count(_) => (PhysicalType::INT64, ConvertedType::NONE),
-        Cell::Real(_) => (PhysicalType::DOUBLE, ConvertedType::NONE),
-    };
-    let field = Type::primitive_type_builder(name, physical).with_converted_type(converted);
-    Ok(Arc::new(field.with_repetition(Repetition::OPTIONAL).build()?))
+fn physical(empty: &Cell) -> PhysicalType {
+    match empty {
+        Cell::Text(_) => PhysicalType::BYTE_ARRAY,
+        Cell::Count(_) => PhysicalType::INT64,
+        Cell::Real(_) => PhysicalType::DOUBLE,
+    }
 }
 
 fn text(cell: &Cell) -> Option<ByteArray> {
@@ -92,17 +84,4 @@ fn write<Kind: DataType>(
         values.extend(cell);
     }
     write_column::<Kind, _>(group, &values, Some(&there))
-}
-
-/// Writes a column of values, and for each row whether it has one where not all have.
-pub(crate) fn write_column<Kind: DataType, To: Write + Send>(
-    group: &mut SerializedRowGroupWriter<'_, To>,
-    values: &[Kind::T],
-    there: Option<&[i16]>,
-) -> Result<(), ParquetError> {
-    let Some(mut column) = group.next_column()? else {
-        return Err(ParquetError::General("there are more columns than the schema has".to_owned()));
-    };
-    column.typed::<Kind>().write_batch(values, there, None)?;
-    column.close()
 }

@@ -3,15 +3,85 @@
 use analysis::{along_motion, torque_at_knob};
 use dynamics::{Effect, Model, Motion, ParameterKind, Part, effects};
 use identification::Fit;
+use identification::checks::{FreeTravel, breakaways, free_travel};
+use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
-use report::RenderedParameter;
+use report::{AddedByRendering, LostMotion, RenderedParameter, Rendering};
 
 use super::LIMITS;
 use crate::check::Threshold;
-use crate::fit_tables::true_value;
+use crate::fit::true_value;
+
+/// Compares the captures of a sweep, another motion and a creep with a model of one body.
+pub(super) fn one_body(
+    model: &Model,
+    fit: &Fit,
+    [train, heldout, creep]: [&LoadedCapture; 3],
+) -> anyhow::Result<Rendering> {
+    let thresholds = Threshold::of(&breakaways(&creep.samples(), creep.calibration.as_ref())?, Some(model));
+    let mut notes = fit.notes.clone();
+    let is_drawn = model.effects.iter().any(|effect| effect.table().is_some());
+    let found = if is_drawn {
+        Err(anyhow::anyhow!("a diagnosis cannot start from a model with a drawn table"))
+    } else {
+        diagnosed(model, train, heldout)
+    };
+    let unknown = |error| notes.push(format!("what the rendering adds cannot be determined: {error:#}"));
+    let added = found.map_err(unknown).ok().map(|found| added(&found));
+    let [torque_error_rms_mnm, torque_rms_mnm] = torque_error_mnm(model, fit);
+    let parameters = parameters(model, fit, &thresholds);
+    Ok(Rendering { parameters, torque_error_rms_mnm, torque_rms_mnm, added, notes, ..Rendering::default() })
+}
+
+/// Compares the captures of a sweep, another motion and a creep with a model of two bodies.
+///
+/// The model is refined on the sweep, its inner body simulated behind the measured motion of the cap: that tells the
+/// parameters with their intervals. The torque error is the intended model's, not refined, along the measured motion.
+pub(super) fn two_bodies(model: &Model, [train, heldout, creep]: [&LoadedCapture; 3]) -> anyhow::Result<Rendering> {
+    let whole = diagnosed(model, train, heldout)?;
+    let gap = model.coupling().filter(|coupling| coupling.half_gap_rad > 0.0);
+    let lost_motion = gap.map(|coupling| -> anyhow::Result<LostMotion> {
+        let mut stiff = model.clone();
+        stiff.effects.retain(|effect| !matches!(effect.kind().part, Part::Coupling(_)));
+        let without = diagnosed(&stiff, train, heldout)?;
+        let ways = free_travel(&creep.samples(), creep.calibration.as_ref())?;
+        Ok(LostMotion {
+            intended_rad: 2.0 * coupling.half_gap_rad,
+            free_ways_rad: ways.iter().map(FreeTravel::travel_rad).collect(),
+            named: added(&without),
+            partly: without.partial.iter().map(|one| (one.effect.to_owned(), one.explains_percent)).collect(),
+        })
+    });
+    let [torque_error_rms_mnm, torque_rms_mnm] = along_motion_mnm(model, train)?;
+    Ok(Rendering {
+        parameters: refined_parameters(model, &whole),
+        torque_error_rms_mnm,
+        torque_rms_mnm,
+        lost_motion: lost_motion.transpose()?,
+        added: Some(added(&whole)),
+        notes: whole.notes,
+        ..Rendering::default()
+    })
+}
+
+/// A diagnosis of the rendered knob that starts from a model.
+fn diagnosed(model: &Model, train: &LoadedCapture, heldout: &LoadedCapture) -> anyhow::Result<Diagnosis> {
+    Ok(analysis::diagnose(train, Some(heldout), Some(model.clone()), None)?)
+}
+
+/// What a diagnosis that starts from the intended model found.
+fn added(found: &Diagnosis) -> AddedByRendering {
+    AddedByRendering {
+        verdict: found.verdict,
+        effects: found.effects.iter().map(ToString::to_string).collect(),
+        heldout_rms_before: found.heldout_rms_before,
+        heldout_rms_after: found.heldout_rms_after,
+        noise_floor_rms: found.noise_floor_rms,
+    }
+}
 
 /// A parameter with its value in the rendered knob and the interval of that, or why there is none.
-pub(super) fn verified(
+fn verified(
     kind: &ParameterKind,
     intended: f64,
     rendered: Result<(f64, Option<[f64; 2]>), String>,
@@ -43,8 +113,13 @@ pub(super) fn further_effects(model: &Model) -> Vec<Effect> {
     model.effects.iter().filter(fits).copied().collect()
 }
 
+/// Every parameter of every effect of a model, with its value.
+fn every(model: &Model) -> impl Iterator<Item = (&Effect, &'static ParameterKind, f64)> {
+    model.effects.iter().flat_map(|effect| effect.parameters().map(move |(kind, value)| (effect, kind, value)))
+}
+
 /// Every parameter of the model beside what the fit of the rendered knob and its breakaways tell.
-pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshold>; 2]) -> Vec<RenderedParameter> {
+fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshold>; 2]) -> Vec<RenderedParameter> {
     // A knob bears at rest at least the friction with which it slides off.
     let borne = model.stick_limits(&Motion::default());
     let stick = |kind: &ParameterKind, borne_mnm, threshold: &Option<Threshold>| {
@@ -64,15 +139,30 @@ pub(super) fn parameters(model: &Model, fit: &Fit, thresholds: &[Option<Threshol
             Some(verified(kind, true_value(model, kind.name).unwrap_or(value), rendered))
         }
     };
-    let all = model.effects.iter().flat_map(|effect| effect.parameters().map(move |parameter| (effect, parameter)));
-    all.filter_map(|(effect, (kind, value))| compared(effect, kind, value)).collect()
+    every(model).filter_map(|(effect, kind, value)| compared(effect, kind, value)).collect()
+}
+
+/// Every parameter of the model beside its value refined on the sweep.
+fn refined_parameters(model: &Model, found: &Diagnosis) -> Vec<RenderedParameter> {
+    let compared = |effect: &Effect, kind: &ParameterKind, intended: f64| {
+        let rendered = match effect.kind().part {
+            // The speed at which a knob comes to rest shows in no torque.
+            Part::Stick(_) if kind.unit != "mNm" => return None,
+            Part::Stick(_) => Err("the encoder does not measure the inner body's breakaway"),
+            _ => found.refined.get(kind.name).ok_or("a refinement does not estimate this effect"),
+        };
+        let rendered = rendered.map(|value| (value.value, value.ci95)).map_err(str::to_owned);
+        Some(verified(kind, intended, rendered))
+    };
+    let told = every(model).filter(|(.., intended)| *intended != 0.0);
+    told.filter_map(|(effect, kind, intended)| compared(effect, kind, intended)).collect()
 }
 
 /// RMS of rendered minus intended torque over the fit's rows, and of the intended torque, mNm.
 ///
 /// A row is a mean over samples, some of them left out where the knob may stick: rendered minus fitted torque is the fit's
 /// residual there, to which comes what the fitted model differs from the intended one for the row's motion.
-pub(super) fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
+fn torque_error_mnm(model: &Model, fit: &Fit) -> [f64; 2] {
     let mut fitted = fit.model(&model.name);
     // Parameters that are not separately identifiable make up the torque together: their fitted values are used as they are.
     for effect in fitted.effects.iter_mut().filter(|effect| !matches!(effect.kind().part, Part::Inertia(_))) {
@@ -94,7 +184,7 @@ const MEAN_S: f64 = 0.0025;
 
 /// RMS of captured minus simulated torque over means of the capture, and of the captured torque, mNm: the model as it is, its inner
 /// body simulated behind the measured motion of the cap.
-pub(super) fn along_motion_mnm(model: &Model, capture: &LoadedCapture) -> anyhow::Result<[f64; 2]> {
+fn along_motion_mnm(model: &Model, capture: &LoadedCapture) -> anyhow::Result<[f64; 2]> {
     let gripper_inertia = capture.calibration.as_ref().map_or(0.0, |known| known.gripper_inertia);
     let motions = identification::knob_motion(&capture.samples(), capture.calibration.as_ref())?;
     let simulated_mnm = along_motion(model, gripper_inertia, &motions).torque_mnm;

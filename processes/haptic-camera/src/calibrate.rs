@@ -1,7 +1,6 @@
 //! `calibrate`: what is known of the rig, found out from captures.
 
-mod file;
-
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
@@ -9,16 +8,15 @@ use clap::Args;
 use comfy_table::Table;
 use dynamics::Calibration;
 use identification::calibration::{self, CalibrateError, Calibrated, CoggingEstimate};
-use loaded_capture::LoadedCapture;
+use loaded_capture::{CALIBRATION_MARK, LoadedCapture};
 use rt_loop::request::{Pace, RunRequest};
 
 use crate::command_line::RigOptions;
-use crate::load;
 use crate::outcome::{Outcome, say};
-use crate::outputs::show_on;
-use crate::rig_run;
+use crate::outputs::{show_on, write};
 use crate::supervision::listen_for_interrupt;
 use crate::terminal::{self, digits, number};
+use crate::{load, rig_run};
 
 #[derive(Debug, Args)]
 #[command(mut_arg("calibration", |calibration| calibration
@@ -105,7 +103,7 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     lines.extend(cogging.map(|line| format!("cogging  {line}")));
     lines.extend(calibrated.notes.iter().map(|note| format!("- {note}")));
     show_on(known.axis, lines);
-    file::write(&options.out, options.replaced(), &calibrated, &known, given, &captures)?;
+    write_file(options, &calibrated, &known, &captures)?;
     say(format!("calibration  {}", options.out.display()));
     Ok(outcome)
 }
@@ -167,6 +165,47 @@ impl CalibrationKind {
         let interrupted = listen_for_interrupt()?;
         rig_run::archive(request, rig, &format!("calibrate-{}", self.subject()), &interrupted)
     }
+}
+
+/// Writes the known calibration with the newly found values, in comments how well each is known and from where, and the
+/// comments of the previous file on the others.
+fn write_file(
+    options: &CalibrateOptions,
+    calibrated: &Calibrated,
+    known: &Calibration,
+    captures: &[PathBuf],
+) -> anyhow::Result<()> {
+    let previous = options.rig.request.calibration.as_deref();
+    let before = previous.map(foreign_files::read_text).transpose()?.unwrap_or_default();
+    let learnt = |comment: &&str| {
+        calibrated
+            .estimates
+            .iter()
+            .any(|estimate| comment.starts_with(&format!("# {}:", known.axis.words(estimate.quantity))))
+            || (calibrated.cogging.is_some() && comment.starts_with("# motor_cogging"))
+    };
+    let mut text = CALIBRATION_MARK.to_owned();
+    for comment in before.lines().filter(|line| line.starts_with("# ") && !learnt(line)) {
+        let _ = writeln!(text, "{comment}");
+    }
+    let date = jiff::Zoned::now().strftime("%Y-%m-%d %H:%M:%S %Z");
+    let sources = captures.iter().map(|capture| capture.display().to_string()).collect::<Vec<_>>().join(", ");
+    for estimate in &calibrated.estimates {
+        let (digits, half_width) = (digits(estimate.half_width), estimate.half_width);
+        let [quantity, unit] = [estimate.quantity, estimate.unit].map(|text| known.axis.words(text));
+        let value = format!("{:.digits$} ± {half_width:.digits$} {unit}", estimate.value);
+        let _ = writeln!(text, "# {quantity}: {value}, 95 %, {date} from {sources}");
+    }
+    for line in calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging)) {
+        let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {sources}");
+    }
+    let learnt = calibrated.applied_to(known);
+    let out = &options.out;
+    learnt.check().with_context(|| {
+        format!("{} is not written: the captures give a calibration that no rig can have", out.display())
+    })?;
+    text += &learnt.to_toml();
+    write(out, options.replaced(), &text)
 }
 
 /// Each quantity as it was believed and as it was found, with its interval.

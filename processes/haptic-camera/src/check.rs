@@ -1,13 +1,13 @@
 //! `check`: what captures show without a fit, beside a fitted model.
 
-mod breakaway;
-
+use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
 use clap::Args;
 use comfy_table::Table;
-use dynamics::{Axis, Model};
-use identification::checks::{DetentCount, FreeTravel, breakaways, count_detents, free_travel};
+use dynamics::{Axis, Direction, Model, Motion};
+use identification::checks::{Breakaway, DetentCount, FreeTravel, breakaways, count_detents, free_travel};
+use identification::statistics::{MEDIAN_MAGNITUDE, median, student_95};
 use loaded_capture::LoadedCapture;
 use serde::Serialize;
 
@@ -16,7 +16,6 @@ use crate::load;
 use crate::outcome::{Outcome, show};
 use crate::outputs::write_json;
 use crate::terminal::{self, digits, interval, number};
-pub use breakaway::Threshold;
 
 #[derive(Debug, Args)]
 pub struct CheckOptions {
@@ -47,6 +46,47 @@ struct Shown {
     free_travel: Vec<FreeTravel>,
     #[serde(skip_serializing_if = "Option::is_none")]
     no_static: Option<String>,
+}
+
+/// The torque at which the knob breaks away in one direction.
+#[derive(Clone, Debug, Serialize)]
+pub struct Threshold {
+    /// Median magnitude, mNm; without the model's detents, if there is a model.
+    pub torque_mnm: f64,
+    /// Its 95 % interval from the scatter; `None` for a single breakaway.
+    pub ci95_mnm: Option<[f64; 2]>,
+    pub times: usize,
+}
+
+impl Threshold {
+    /// In the negative and the positive direction.
+    pub fn of(seen: &[Breakaway], model: Option<&Model>) -> [Option<Self>; 2] {
+        [Direction::Negative, Direction::Positive].map(|direction| {
+            let torques: Vec<f64> = seen
+                .iter()
+                .filter(|breakaway| breakaway.direction == direction)
+                .map(|breakaway| {
+                    let rest = Motion { angle_rad: breakaway.angle_rad, ..Motion::default() };
+                    direction.sign() * (breakaway.torque_mnm - model.map_or(0.0, |model| model.free_torque_mnm(&rest)))
+                })
+                .collect();
+            Self::from_torques(torques)
+        })
+    }
+
+    fn from_torques(mut torques: Vec<f64>) -> Option<Self> {
+        if torques.is_empty() {
+            return None;
+        }
+        let torque_mnm = median(&mut torques);
+        let count = torques.len() as f64;
+        let mut distances: Vec<f64> = torques.iter().map(|torque| (torque - torque_mnm).abs()).collect();
+        let scatter = median(&mut distances) / MEDIAN_MAGNITUDE;
+        // A median is √(π/2) times as uncertain as a mean.
+        let half = student_95(count - 1.0) * FRAC_PI_2.sqrt() * scatter / count.sqrt();
+        let ci95_mnm = (torques.len() > 1).then_some([torque_mnm - half, torque_mnm + half]);
+        Some(Self { torque_mnm, ci95_mnm, times: torques.len() })
+    }
 }
 
 /// A quantity by its check and by the model.
@@ -90,14 +130,13 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
 
 fn look(loaded: &LoadedCapture, model: Option<&Model>) -> anyhow::Result<Shown> {
     let samples = loaded.samples();
-    let (detents, no_detents) = match count_detents(&samples) {
-        Ok(count) => (Some(count), None),
-        Err(error) => (None, Some(error.to_string())),
-    };
+    let counted = count_detents(&samples);
+    let no_detents = counted.as_ref().err().map(ToString::to_string);
     let seen = breakaways(&samples, loaded.calibration.as_ref())?;
     let [static_negative, static_positive] = Threshold::of(&seen, model);
     let free_travel = free_travel(&samples, loaded.calibration.as_ref())?;
     let capture = analysis::title(loaded);
+    let detents = counted.ok();
     Ok(Shown { capture, detents, no_detents, static_negative, static_positive, free_travel, no_static: None })
 }
 
@@ -136,18 +175,14 @@ fn times_in_words(times: usize) -> String {
 
 impl Shown {
     fn in_words(&self, axis: Axis) -> String {
-        let mut words = Vec::new();
-        match (&self.detents, &self.no_detents) {
-            (Some(count), _) => {
-                let way = match axis {
-                    Axis::Rotary => format!("{:.0}°", count.turned_rad.to_degrees()),
-                    Axis::Linear => way_in_words(axis, count.turned_rad),
-                };
-                words.push(format!("{} detents in {way}", count.detents));
-            }
-            (None, Some(reason)) => words.push(reason.clone()),
-            (None, None) => {}
-        }
+        let mut words: Vec<String> = self.no_detents.iter().cloned().collect();
+        words.extend(self.detents.as_ref().map(|count| {
+            let way = match axis {
+                Axis::Rotary => format!("{:.0}°", count.turned_rad.to_degrees()),
+                Axis::Linear => way_in_words(axis, count.turned_rad),
+            };
+            format!("{} detents in {way}", count.detents)
+        }));
         for (threshold, direction) in [(&self.static_negative, "negative"), (&self.static_positive, "positive")] {
             let times = threshold.as_ref().map(|threshold| times_in_words(threshold.times));
             words.extend(times.map(|times| format!("broke away {times} in the {direction} direction")));
@@ -197,4 +232,18 @@ fn table(agreement: &[Agreement]) -> Table {
         ]
     });
     terminal::table(["quantity", "seen", "95 % interval", "fitted", "difference", "unit"], 1..5, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may stop at a failure")]
+
+    use super::Threshold;
+
+    #[test]
+    fn the_interval_of_two_breakaways_is_students_of_one_degree_of_freedom() {
+        // Median 2, magnitudes of the differences 0.1: 12.706 · √(π/2) · 0.1/0.67449 / √2.
+        let [low, high] = Threshold::from_torques(vec![1.9, 2.1]).unwrap().ci95_mnm.unwrap();
+        assert!((0.5 * (high - low) - 1.669_5).abs() < 1e-3, "{low} to {high}");
+    }
 }

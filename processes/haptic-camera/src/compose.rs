@@ -1,7 +1,5 @@
 //! `compose`: one knob's inertia, another's friction, a third one's detents, and any number changed.
 
-mod arguments;
-
 use std::path::PathBuf;
 
 use anyhow::bail;
@@ -10,8 +8,6 @@ use clap::Args;
 use comfy_table::Table;
 use dynamics::{Composition, CompositionError, Effect, Model, ModelError, Parts, Role, Source, composition_notes};
 
-pub use self::arguments::name_and_number;
-use self::arguments::{knob_and_effect, name_and_knob};
 use crate::outcome::{Outcome, UsageError, remark, say};
 use crate::outputs::{is_same, kind, write};
 use crate::terminal::table;
@@ -48,10 +44,31 @@ pub struct ComposeOptions {
     pub overwrite: bool,
 }
 
-/// Composes a model and writes it.
-///
-/// # Errors
-/// One sentence on what is wrong with a source or the output. Parts and values that do not fit are a [`UsageError`].
+/// A parameter and its value.
+pub fn name_and_number(text: &str) -> Result<(String, f64), String> {
+    let example = "it must be a parameter and a number, as in detent_amplitude=1.5";
+    let (name, value) = halves(text.split_once('=')).ok_or(example)?;
+    let value = value.parse().map_err(|_| format!("'{value}' is not a number; {example}"))?;
+    Ok((name, value))
+}
+
+/// A parameter and the source of its value.
+fn name_and_knob(text: &str) -> Result<(String, String), &'static str> {
+    halves(text.split_once('='))
+        .ok_or("it must be a parameter and a shipped knob or model file, as in detent_amplitude=4")
+}
+
+/// A shipped knob's number or a model file, and an effect to take from it.
+fn knob_and_effect(text: &str) -> Result<(String, String), &'static str> {
+    halves(text.rsplit_once(':')).ok_or("it must be a shipped knob or model file and an effect, as in 5:backlash")
+}
+
+fn halves(halves: Option<(&str, &str)>) -> Option<(String, String)> {
+    let (one, other) = halves.map(|(one, other)| (one.trim(), other.trim()))?;
+    (!one.is_empty() && !other.is_empty()).then(|| (one.to_owned(), other.to_owned()))
+}
+
+/// Composes a model and writes it; parts and values that do not fit are a [`UsageError`].
 pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     let sources = Sources::load(options)?;
     let replaced = replaced(options)?;

@@ -1,25 +1,24 @@
-//! Capture after capture until one name is left: the rig runs the experiments that a diagnosis asks for.
+//! Capture after capture, until one name is left for what the knob lacks, or the verdict on it is certain.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use dynamics::Model;
+use archive::testers::Curve;
+use dynamics::{Axis, Model};
 use identification::diagnosis::Diagnosis;
 use loaded_capture::LoadedCapture;
-use report::DiagnosisPage;
 use rt_loop::request::RunRequest;
+use sheet::{Judgement, Sheet, Verdict};
 
 use super::CaptureOptions;
 use super::evidence::diagnosed;
 use super::next::{Experiment, Next, next};
 use super::{finish, supervised};
-use crate::diagnose;
-use crate::diagnosis_text;
 use crate::outcome::{Outcome, remark, say, show};
 use crate::outputs::{ResultFiles, kind, show_on, write};
-use crate::recording;
 use crate::supervision::{claim_archive, ending_signals};
+use crate::{diagnose, diagnosis_text, judge};
 
 /// The motion that is held out, unless it is the sweep asked for …
 const HELD_OUT: &str = "multisine";
@@ -30,17 +29,25 @@ const HELD_OUT_OF_MULTISINE: &str = "stepped-amplitude";
 const STOPPED: i32 = 1;
 
 /// A finished capture and the motion that it was made with.
-pub(super) struct Taken {
+struct Taken {
     experiment: Experiment,
-    pub(super) loaded: LoadedCapture,
-    path: PathBuf,
+    loaded: LoadedCapture,
 }
 
+/// Captures that are made one after the other.
+struct Series<'run> {
+    options: &'run CaptureOptions,
+    interrupted: &'run AtomicBool,
+    made: u64,
+    /// The worst end of one of them.
+    worst: Outcome,
+}
+
+/// The motion from which static figures are read, and how long it takes there and back, s.
+const TURN: (&str, f64) = ("slow-turn", 15.0);
+
 /// Turns the knob until its missing effects have names that nothing rivals, or the budget is spent.
-///
-/// # Errors
-/// Whatever keeps a run from being made, and why there can be no meaningful diagnosis, in one sentence.
-pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
+pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow::Result<Outcome> {
     if let Some(reach) = options.reach {
         anyhow::ensure!(reach.is_finite() && reach > 0.0, "--reach is {reach} rad, but it must be greater than zero");
     }
@@ -52,18 +59,13 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
     let held_out = if options.request.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
     let first = [options.request.sweep.as_str(), held_out]
         .map(|sweep| Experiment { sweep: sweep.to_owned(), amplitude_rad: options.request.amplitude });
+    let mut series = Series { options, interrupted, made: 0, worst: Outcome::Done };
     let mut taken: Vec<Taken> = Vec::new();
-    let mut worst = Outcome::Done;
     for experiment in first {
-        let Some((one, outcome)) = one_more(options, experiment, taken.len(), interrupted)? else {
-            return Ok(Outcome::Failed);
-        };
-        taken.push(one);
-        if outcome == Outcome::Failed || interrupted.load(Ordering::Acquire) {
-            remark("no diagnosis: it needs two complete captures");
-            return Ok(outcome);
+        match series.add(experiment)? {
+            Ok(one) => taken.push(one),
+            Err(cut) => return Ok(cut_short(cut, "no diagnosis: it needs two complete captures")),
         }
-        worst = worst.worse(outcome);
     }
     let mut before: Option<Diagnosis> = None;
     loop {
@@ -93,44 +95,73 @@ pub(super) fn run(options: &CaptureOptions, interrupted: &AtomicBool) -> anyhow:
         };
         let Some(experiment) = next else {
             conclude(options, &taken, &found)?;
-            return Ok(worst);
+            return Ok(series.worst);
         };
-        let more = one_more(options, experiment, taken.len(), interrupted)?;
-        match more {
-            Some((one, outcome)) if outcome != Outcome::Failed && !interrupted.load(Ordering::Acquire) => {
+        match series.add(experiment)? {
+            Ok(one) => {
                 taken.push(one);
                 before = Some(found);
-                worst = worst.worse(outcome);
             }
             // What was found before stands; the cut capture is kept, and is no evidence.
-            cut => {
+            Err(cut) => {
                 remark("the last experiment did not finish: the diagnosis uses the earlier ones");
                 conclude(options, &taken, &found)?;
-                return Ok(cut.map_or(Outcome::Failed, |(_, outcome)| worst.worse(outcome)));
+                return Ok(cut.map_or(Outcome::Failed, |outcome| series.worst.worse(outcome)));
             }
         }
     }
 }
 
-/// Makes one capture more; `None` when there is no archive.
-pub(super) fn one_more(
+/// Turns or presses the unit until it passes or fails, or the turns are spent.
+pub(super) fn until_certain(
     options: &CaptureOptions,
-    experiment: Experiment,
-    index: usize,
+    spec: &Path,
     interrupted: &AtomicBool,
-) -> anyhow::Result<Option<(Taken, Outcome)>> {
+) -> anyhow::Result<Outcome> {
+    let specification = analysis::load_specification(spec)?;
     let mut options = options.clone();
-    let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
-    (*sweep, *amplitude) = (experiment.sweep.clone(), experiment.amplitude_rad);
-    // Another run has other noise.
-    if rt_loop::rigs::file(rig).is_ok_and(|file| file.driver == "simulated") {
-        rig.simulated.seed = Some(rig.simulated.seed.unwrap_or(1).wrapping_add(index as u64));
+    options.request.duration_s = TURN.1;
+    let mut series = Series { options: &options, interrupted, made: 0, worst: Outcome::Done };
+    let mut curves: Vec<Curve> = Vec::new();
+    let mut verdict = Verdict::Undecided;
+    while verdict == Verdict::Undecided && curves.len() < options.turns as usize {
+        match series.add(Experiment { sweep: TURN.0.to_owned(), amplitude_rad: options.request.amplitude })? {
+            Ok(taken) => curves.push(taken.loaded.curve()),
+            Err(cut) => return Ok(cut_short(cut, "no verdict: it needs a complete slow turn")),
+        }
+        let judgement = specification.judge(&Sheet::of(&evidence(&curves))?);
+        tell(curves.len(), &judgement);
+        verdict = judgement.verdict;
     }
-    let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
-    let run = supervised(&options, &claim);
-    let Some(end) = run.take(interrupted)? else { return Ok(None) };
-    let read = finish::read_back(&run.archive, &end)?;
-    Ok(read.map(|(loaded, outcome)| (Taken { experiment, path: loaded.capture.source.clone(), loaded }, outcome)))
+    Ok(if series.worst == Outcome::Done { judge::outcome(verdict) } else { series.worst })
+}
+
+impl Series<'_> {
+    /// Makes one capture more; of one that was cut short gives how it ended, if it left an archive.
+    fn add(&mut self, experiment: Experiment) -> anyhow::Result<Result<Taken, Option<Outcome>>> {
+        let mut options = self.options.clone();
+        let RunRequest { sweep, amplitude, rig, .. } = &mut options.request;
+        (*sweep, *amplitude) = (experiment.sweep.clone(), experiment.amplitude_rad);
+        // Another run has other noise.
+        if rt_loop::rigs::file(rig).is_ok_and(|file| file.driver == "simulated") {
+            rig.simulated.seed = Some(rig.simulated.seed.unwrap_or(1).wrapping_add(self.made));
+        }
+        let claim = claim_archive(&options.run.out, options.request.knob_name(), "")?;
+        let run = supervised(&options, &claim);
+        let Some(end) = run.take(self.interrupted)? else { return Ok(Err(None)) };
+        let Some((loaded, outcome)) = finish::read_back(&run.archive, &end)? else { return Ok(Err(None)) };
+        if outcome == Outcome::Failed || self.interrupted.load(Ordering::Acquire) {
+            return Ok(Err(Some(outcome)));
+        }
+        self.made += 1;
+        self.worst = self.worst.worse(outcome);
+        Ok(Ok(Taken { experiment, loaded }))
+    }
+}
+
+/// How a command ends one of whose captures was cut short, so that it cannot say what it was made for.
+fn cut_short(cut: Option<Outcome>, lacks: &str) -> Outcome {
+    cut.inspect(|_| remark(lacks)).unwrap_or(Outcome::Failed)
 }
 
 fn tell_end(end: &Next, taken: &[Taken], floor_is_doubtful: bool) {
@@ -155,11 +186,12 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     let axis = first.loaded.capture.axis;
     show([""]);
     show_on(axis, diagnosis_text::lines(found));
+    let path = &first.loaded.capture.source;
     let beside = |extension: &str| {
-        let stem = first.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        first.path.with_file_name(format!("{stem}-diagnosis.{extension}"))
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        path.with_file_name(format!("{stem}-diagnosis.{extension}"))
     };
-    let files: Vec<String> = taken.iter().map(|one| one.path.display().to_string()).collect();
+    let files: Vec<String> = taken.iter().map(|one| one.loaded.capture.source.display().to_string()).collect();
     let model = Model {
         name: analysis::title(&first.loaded),
         description: format!("diagnosed from {}: {}", files.join(", "), axis.words(&found.summary)),
@@ -168,18 +200,35 @@ fn conclude(options: &CaptureOptions, taken: &[Taken], found: &Diagnosis) -> any
     };
     write(&beside("toml"), kind::DIAGNOSED_MODEL, &model.to_toml())?;
     say(format!("model    {}", beside("toml").display()));
-    let page = DiagnosisPage {
-        found,
-        train: analysis::facts(&first.loaded),
-        heldout: Some(analysis::facts(&held_out.loaded)),
-    };
     let report = options.results.report.clone().unwrap_or_else(|| beside("html"));
     let results = ResultFiles { report: Some(report.clone()), ..options.results.clone() };
-    diagnose::write_results(&results, axis, &page)?;
+    diagnose::write_results(&results, found, &first.loaded, Some(&held_out.loaded))?;
     say(format!("report   {}", report.display()));
     if let Some(path) = &options.recording {
-        recording::write(path, found, &analysis::title(&first.loaded), Some(&analysis::title(&held_out.loaded)))?;
+        diagnose::record(path, found, &first.loaded, Some(&held_out.loaded))?;
         say(format!("recording  {}", path.display()));
     }
     Ok(())
+}
+
+/// All turns as one curve, whose figures are known the better the longer it is; presses each by itself, as testers read them.
+fn evidence(curves: &[Curve]) -> Vec<Curve> {
+    let mut all = curves.iter().cloned();
+    let Some(mut whole) = all.next().filter(|curve| curve.axis == Axis::Rotary) else { return curves.to_vec() };
+    for curve in all {
+        let before_s = whole.t_s.as_ref().and_then(|t_s| t_s.last().copied()).unwrap_or(0.0);
+        if let (Some(t_s), Some(more)) = (&mut whole.t_s, &curve.t_s) {
+            let step_s = more.get(1).copied().unwrap_or(0.0) - more.first().copied().unwrap_or(0.0);
+            t_s.extend(more.iter().map(|time_s| before_s + step_s + time_s));
+        }
+        whole.position.extend(&curve.position);
+        whole.load.extend(&curve.load);
+    }
+    vec![whole]
+}
+
+fn tell(turns: usize, Judgement { verdict, reasons, .. }: &Judgement) {
+    let after = if turns == 1 { "after the first slow turn".to_owned() } else { format!("after {turns} slow turns") };
+    let reasons: String = reasons.iter().map(|reason| format!("; {reason}")).collect();
+    say(format!("{} {after}{reasons}", verdict.word()));
 }
