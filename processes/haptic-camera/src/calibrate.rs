@@ -67,30 +67,22 @@ pub fn run(options: &CalibrateOptions) -> anyhow::Result<Outcome> {
     } else {
         (options.captures.clone(), Outcome::Done)
     };
-    let mut found = Vec::new();
+    let (what, mut found) = (options.what, Vec::new());
     for path in &captures {
         let loaded = load::load(path)?;
-        let base = match (&known, &loaded.calibration) {
-            (Some(known), _) => known.clone(),
-            (None, Some(own)) => own.clone(),
-            (None, None) => anyhow::bail!(
-                "{} has no calibration of its rig; give one with --calibration PREVIOUS.toml",
-                path.display()
-            ),
-        };
-        let of_angle = matches!(options.what, CalibrationKind::Gravity | CalibrationKind::Cogging);
+        let base = known.clone().or_else(|| loaded.calibration.clone()).with_context(|| {
+            format!("{} has no calibration of its rig; give one with --calibration PREVIOUS.toml", path.display())
+        })?;
+        let of_angle = matches!(what, CalibrationKind::Gravity | CalibrationKind::Cogging);
         anyhow::ensure!(
             base.axis.is_rotary() || !of_angle,
             "a rig with a linear axis has no {} that repeats with every turn; use `calibrate zero` for what is \
              constant over the travel",
-            options.what.subject()
+            what.subject()
         );
-        let calibrated = options
-            .what
-            .calibrate(&loaded, &base)
-            .with_context(|| format!("{} does not calibrate the {}", path.display(), options.what.subject()))?;
+        let useless = || format!("{} does not calibrate the {}", path.display(), what.subject());
+        found.push(what.calibrate(&loaded, &base).with_context(useless)?);
         known.get_or_insert(base);
-        found.push(calibrated);
     }
     let (Some(known), Some(calibrated)) = (known, calibration::combine(&found)) else {
         anyhow::bail!("there is no capture to calibrate from");
@@ -177,27 +169,22 @@ fn write_file(
 ) -> anyhow::Result<()> {
     let previous = options.rig.request.calibration.as_deref();
     let before = previous.map(foreign_files::read_text).transpose()?.unwrap_or_default();
-    let learnt = |comment: &&str| {
-        calibrated
-            .estimates
-            .iter()
-            .any(|estimate| comment.starts_with(&format!("# {}:", known.axis.words(estimate.quantity))))
-            || (calibrated.cogging.is_some() && comment.starts_with("# motor_cogging"))
-    };
+    let estimates = calibrated.estimates.iter().map(|estimate| {
+        let (digits, half_width) = (digits(estimate.half_width), estimate.half_width);
+        let [quantity, unit] = [estimate.quantity, estimate.unit].map(|text| known.axis.words(text));
+        (quantity, format!("{:.digits$} ± {half_width:.digits$} {unit}", estimate.value))
+    });
+    let cogging = calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging));
+    let found: Vec<_> = estimates.chain(cogging.map(|line| ("motor_cogging".into(), line))).collect();
+    let is_kept = |line: &&str| !found.iter().any(|(quantity, _)| line.starts_with(&format!("# {quantity}:")));
     let mut text = CALIBRATION_MARK.to_owned();
-    for comment in before.lines().filter(|line| line.starts_with("# ") && !learnt(line)) {
+    for comment in before.lines().filter(|line| line.starts_with("# ")).filter(is_kept) {
         let _ = writeln!(text, "{comment}");
     }
     let date = jiff::Zoned::now().strftime("%Y-%m-%d %H:%M:%S %Z");
     let sources = captures.iter().map(|capture| capture.display().to_string()).collect::<Vec<_>>().join(", ");
-    for estimate in &calibrated.estimates {
-        let (digits, half_width) = (digits(estimate.half_width), estimate.half_width);
-        let [quantity, unit] = [estimate.quantity, estimate.unit].map(|text| known.axis.words(text));
-        let value = format!("{:.digits$} ± {half_width:.digits$} {unit}", estimate.value);
+    for (quantity, value) in found {
         let _ = writeln!(text, "# {quantity}: {value}, 95 %, {date} from {sources}");
-    }
-    for line in calibrated.cogging.iter().flat_map(|cogging| cogging_lines(cogging)) {
-        let _ = writeln!(text, "# motor_cogging: {line}, 95 %, {date} from {sources}");
     }
     let learnt = calibrated.applied_to(known);
     let out = &options.out;

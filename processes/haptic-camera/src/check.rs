@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, show};
+use crate::outcome::show;
 use crate::outputs::write_json;
 use crate::terminal::{self, digits, interval, number};
 
@@ -62,15 +62,12 @@ impl Threshold {
     /// In the negative and the positive direction.
     pub fn of(seen: &[Breakaway], model: Option<&Model>) -> [Option<Self>; 2] {
         [Direction::Negative, Direction::Positive].map(|direction| {
-            let torques: Vec<f64> = seen
-                .iter()
-                .filter(|breakaway| breakaway.direction == direction)
-                .map(|breakaway| {
-                    let rest = Motion { angle_rad: breakaway.angle_rad, ..Motion::default() };
-                    direction.sign() * (breakaway.torque_mnm - model.map_or(0.0, |model| model.free_torque_mnm(&rest)))
-                })
-                .collect();
-            Self::from_torques(torques)
+            let torque_mnm = |breakaway: &Breakaway| {
+                let rest = Motion { angle_rad: breakaway.angle_rad, ..Motion::default() };
+                direction.sign() * (breakaway.torque_mnm - model.map_or(0.0, |model| model.free_torque_mnm(&rest)))
+            };
+            let seen = seen.iter().filter(|breakaway| breakaway.direction == direction);
+            Self::from_torques(seen.map(torque_mnm).collect())
         })
     }
 
@@ -106,7 +103,7 @@ struct Check {
     agreement: Vec<Agreement>,
 }
 
-pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &CheckOptions) -> anyhow::Result<()> {
     let model = options.model.as_deref().map(load::model).transpose()?;
     let (mut captures, mut axes) = (Vec::new(), Vec::new());
     for path in &options.captures {
@@ -124,8 +121,7 @@ pub fn run(options: &CheckOptions) -> anyhow::Result<Outcome> {
     };
     let shown = |shown: &Shown| format!("- {}: {}", shown.capture, axis.words(&shown.in_words(axis)));
     show(std::iter::once(found).chain(check.captures.iter().map(shown)));
-    write_json(axis, &options.json, &check)?;
-    Ok(Outcome::Done)
+    write_json(axis, &options.json, &check)
 }
 
 fn look(loaded: &LoadedCapture, model: Option<&Model>) -> anyhow::Result<Shown> {

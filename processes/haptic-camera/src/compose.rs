@@ -6,9 +6,9 @@ use anyhow::bail;
 use archive::whole_file::Replace;
 use clap::Args;
 use comfy_table::Table;
-use dynamics::{Composition, CompositionError, Effect, Model, ModelError, Parts, Role, Source, composition_notes};
+use dynamics::{Composition, CompositionError, Model, ModelError, Parts, Role, Source, composition_notes};
 
-use crate::outcome::{Outcome, UsageError, remark, say};
+use crate::outcome::{UsageError, remark, say};
 use crate::outputs::{is_same, kind, write};
 use crate::terminal::table;
 
@@ -69,7 +69,7 @@ fn halves(halves: Option<(&str, &str)>) -> Option<(String, String)> {
 }
 
 /// Composes a model and writes it; parts and values that do not fit are a [`UsageError`].
-pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &ComposeOptions) -> anyhow::Result<()> {
     let sources = Sources::load(options)?;
     let replaced = replaced(options)?;
     let composed = || {
@@ -91,7 +91,7 @@ pub fn run(options: &ComposeOptions) -> anyhow::Result<Outcome> {
     for note in composition_notes(&model) {
         remark(format!("note: {}", model.axis.words(&note.to_string())));
     }
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 /// The models that parts and values come from.
@@ -126,7 +126,10 @@ fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
         return Ok(Replace::Anything);
     }
     let shown = out.display();
-    if sources(options).any(|source| is_same(source.as_ref(), out)) {
+    let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
+    let parts = [inertia, friction, detents].into_iter().flatten();
+    let mut sources = parts.chain(extra.iter().map(|(source, _)| source)).chain(from.iter().map(|(_, source)| source));
+    if sources.any(|source| is_same(source.as_ref(), out)) {
         bail!("{shown} is itself a source of the model; choose another name for --out, or give --overwrite");
     }
     let what = match out.is_file().then(|| Model::load(out)) {
@@ -137,12 +140,6 @@ fn replaced(options: &ComposeOptions) -> anyhow::Result<Replace> {
     bail!("{shown} exists and {what}; choose another name for --out, or give --overwrite")
 }
 
-fn sources(options: &ComposeOptions) -> impl Iterator<Item = &String> {
-    let ComposeOptions { inertia, friction, detents, extra, from, .. } = options;
-    let parts = [inertia, friction, detents].into_iter().flatten();
-    parts.chain(extra.iter().map(|(source, _)| source)).chain(from.iter().map(|(_, source)| source))
-}
-
 /// Parameters of one effect beyond which zeros are left out: harmonics that are not there.
 const MANY: usize = 8;
 
@@ -150,7 +147,9 @@ const MANY: usize = 8;
 fn parts_table(composition: &Composition, model: &Model) -> Table {
     let rows = model.effects.iter().flat_map(|effect| {
         let mut name = effect.kind().name;
-        let parameters = shown(effect).map(move |(parameter, value)| {
+        let many = effect.values().len() > MANY;
+        let shown = effect.parameters().filter(move |(_, value)| !many || *value != 0.0);
+        let parameters = shown.map(move |(parameter, value)| {
             let from = composition.origin_of(parameter.name).unwrap_or_default();
             [std::mem::take(&mut name), parameter.name, &value.to_string(), parameter.unit, from].map(str::to_owned)
         });
@@ -161,9 +160,4 @@ fn parts_table(composition: &Composition, model: &Model) -> Table {
         parameters.chain(points)
     });
     table(["effect", "parameter", "value", "unit", "from"], [2], rows)
-}
-
-fn shown(effect: &Effect) -> impl Iterator<Item = (&'static dynamics::ParameterKind, f64)> + '_ {
-    let many = effect.values().len() > MANY;
-    effect.parameters().filter(move |(_, value)| !many || *value != 0.0)
 }

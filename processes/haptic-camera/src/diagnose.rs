@@ -13,7 +13,6 @@ use report::DiagnosisPage;
 use serde_json::json;
 
 use crate::command_line::ColumnOptions;
-use crate::outcome::Outcome;
 use crate::outputs::{ResultFiles, kind, show_on, write_if_asked};
 use crate::supervision::program_path;
 use crate::{diagnosis_text, load, terminal};
@@ -42,7 +41,7 @@ pub struct DiagnoseOptions {
 }
 
 /// Diagnoses a capture and writes what was asked for.
-pub fn run(options: &DiagnoseOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
     let load = |path: &Path| load::load_chosen(path, &options.columns);
     let train = load(&options.train)?;
     let heldout = options.heldout.as_deref().map(load).transpose()?;
@@ -54,7 +53,7 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<Outcome> {
     if let Some(path) = &options.recording {
         record(path, &found, &train, heldout.as_ref())?;
     }
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 /// Writes a diagnosis as JSON and as a page, what of them was asked for.

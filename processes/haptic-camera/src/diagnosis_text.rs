@@ -42,17 +42,16 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         lines.extend(terminal::lines(&steps(&found.steps, decimals)));
         lines.push(String::new());
         lines.extend(terminal::lines(&parameters(&found.steps)));
-        found
-            .steps
-            .iter()
-            .filter(|step| !step.detents.is_empty())
-            .for_each(|step| lines.extend(terminal::lines(&detents(step))));
-        lines.extend(ties(&found.steps));
+        let detented = found.steps.iter().filter(|step| !step.detents.is_empty());
+        lines.extend(detented.flat_map(|step| terminal::lines(&detents(step))));
+        let tied = found.steps.iter().filter(|step| !step.ties.is_empty());
+        lines.extend(tied.flat_map(|step| {
+            let rivals = step.ties.join(" or ");
+            paragraph("", &format!("A tie: the captures cannot discriminate between {} and {rivals}.", step.effect))
+        }));
     }
-    lines.extend(
-        found.characteristics.iter().flat_map(|characteristic| paragraph("", &measured(characteristic, decimals))),
-    );
-    lines.extend(forward(found).iter().flat_map(|text| paragraph("", text)));
+    let measured = found.characteristics.iter().map(|characteristic| measured(characteristic, decimals));
+    lines.extend(measured.chain(forward(found)).flat_map(|text| paragraph("", &text)));
     match (found.verdict, goes_with(&found.where_after)) {
         (Verdict::None, _) | (Verdict::Effects, None) => {}
         (Verdict::OutsideLibrary, None) => {
@@ -77,7 +76,7 @@ pub fn lines(found: &Diagnosis) -> Vec<String> {
         let [one, other] = &next.tells_apart;
         lines.extend(paragraph("", &format!("To discriminate between {one} and {other}: {}.", next.reason)));
     }
-    found.notes.iter().for_each(|note| lines.extend(paragraph("-", note)));
+    lines.extend(found.notes.iter().flat_map(|note| paragraph("-", note)));
     lines
 }
 
@@ -100,7 +99,7 @@ fn measured(characteristic: &Characteristic, decimals: usize) -> String {
 }
 
 /// How well motion follows from torque, measured and commanded.
-fn forward(found: &Diagnosis) -> Vec<String> {
+fn forward(found: &Diagnosis) -> Option<String> {
     let from_sensor = found.forward_angle_rms_rad.map(|[before, after]| {
         let after = if found.steps.is_empty() { String::new() } else { format!(", then {after:.2e} rad") };
         format!("from the measured torque {before:.2e} rad{after}")
@@ -112,30 +111,15 @@ fn forward(found: &Diagnosis) -> Vec<String> {
         format!("from the commanded torque {first}{}", then.collect::<String>())
     });
     let errors: Vec<String> = from_sensor.into_iter().chain(from_command).collect();
-    if errors.is_empty() {
-        return errors;
-    }
-    let window_s = FORWARD_WINDOW_S;
-    vec![format!("RMS error of the held-out angle predicted over {window_s} s: {}.", errors.join("; "))]
+    let words = format!("RMS error of the held-out angle predicted over {FORWARD_WINDOW_S} s: {}.", errors.join("; "));
+    (!errors.is_empty()).then_some(words)
 }
 
 fn goes_with(locations: &[Location]) -> Option<String> {
-    let significant: Vec<String> = locations
-        .iter()
-        .filter(|location| location.significant)
-        .take(NAMED)
-        .map(|location| format!("{} ({:.0} %)", location.coordinate, location.explained_percent))
-        .collect();
+    let significant = locations.iter().filter(|location| location.significant).take(NAMED);
+    let named = |location: &Location| format!("{} ({:.0} %)", location.coordinate, location.explained_percent);
+    let significant: Vec<String> = significant.map(named).collect();
     (!significant.is_empty()).then(|| significant.join(", "))
-}
-
-fn ties(steps: &[Step]) -> Vec<String> {
-    let tied = steps.iter().filter(|step| !step.ties.is_empty());
-    tied.flat_map(|step| {
-        let rivals = step.ties.join(" or ");
-        paragraph("", &format!("A tie: the captures cannot discriminate between {} and {rivals}.", step.effect))
-    })
-    .collect()
 }
 
 fn steps(steps: &[Step], decimals: usize) -> Table {

@@ -15,7 +15,7 @@ use report::AveragePage;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
+use crate::outcome::say;
 use crate::outputs::{ResultFiles, kind, show_on, write, write_if_asked};
 use crate::terminal::{by_reason, digits, interval, table};
 
@@ -56,7 +56,7 @@ pub enum Preparation {
     CentralDifferences,
 }
 
-pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &FitOptions) -> anyhow::Result<()> {
     let captures = options.captures.iter().map(|path| load::load_measured(path, &options.columns));
     let captures = captures.collect::<anyhow::Result<Vec<_>>>()?;
     load::common_axis(captures.iter().map(|one| one.capture.axis))?;
@@ -70,8 +70,7 @@ pub fn run(options: &FitOptions) -> anyhow::Result<Outcome> {
         _ => of_several(&captures, &fits, options)?,
     };
     write_if_asked(&options.out, kind::FITTED_MODEL, || model.to_toml())?;
-    write_into(options, &model)?;
-    Ok(Outcome::Done)
+    write_into(options, &model)
 }
 
 fn fit_as_asked(loaded: &LoadedCapture, options: &FitOptions) -> anyhow::Result<Fit> {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, ensure};
 use archive::memory;
+use archive::whole_file::folder_of;
 
 use crate::outcome::remark;
 
@@ -34,7 +35,7 @@ pub fn admit(ticks: u64, rate_hz: f64, archive: &Path) -> anyhow::Result<()> {
     let duration_s = ticks as f64 / rate_hz;
     let archived = ticks as f64 * ARCHIVED_BYTES;
     let analysed = archived * memory::OF_FILE;
-    let folder = archive.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(archive);
     let disk = nix::sys::statvfs::statvfs(folder).with_context(|| format!("{} cannot be used", folder.display()))?;
     let on_disk = (disk.blocks_available() as f64) * disk.fragment_size() as f64;
     let fits = |what: &str, needed: f64, free: f64| -> anyhow::Result<()> {

@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use clap::{Args, CommandFactory as _};
 
 use crate::command_line::CommandLine;
-use crate::outcome::{Outcome, say};
+use crate::outcome::say;
 use crate::outputs::{kind, write};
 
 #[derive(Debug, Args)]
@@ -24,17 +24,17 @@ pub struct ManOptions {
 }
 
 /// Prints the completions of a shell on standard output.
-pub fn completions(options: &CompletionsOptions) -> anyhow::Result<Outcome> {
+pub fn completions(options: &CompletionsOptions) -> anyhow::Result<()> {
     let mut command = CommandLine::command();
     let name = command.get_name().to_owned();
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut command, name, &mut script);
     say(String::from_utf8_lossy(&script).trim_end());
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 /// Writes a manual page for the program and one for each command.
-pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
+pub fn pages(options: &ManOptions) -> anyhow::Result<()> {
     let folder = &options.folder;
     let refused = || format!("the manual pages cannot be written to {}; choose another folder", folder.display());
     let made = tempfile::tempdir()?;
@@ -46,5 +46,5 @@ pub fn pages(options: &ManOptions) -> anyhow::Result<Outcome> {
         write(&folder.join(page.file_name()), kind::MANUAL_PAGE, &text).with_context(refused)?;
     }
     say(format!("the manual pages are in {}; `man {0}/haptic-camera.1` shows the first", folder.display()));
-    Ok(Outcome::Done)
+    Ok(())
 }

@@ -11,7 +11,7 @@ use identification::live::{LiveFit, LiveSample};
 use rt_loop::control::{ControlState, Reading, Request};
 use rt_loop::plan::{Plan, Rendering};
 use rt_loop::request::RunRequest;
-use shared_types::{Fault, LoopState, LoopStatus, RunDescription, Sample};
+use shared_types::{Fault, LoopState, LoopStatus, Sample};
 
 use crate::large_job;
 use crate::outcome::remark;
@@ -32,23 +32,42 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
     anyhow::ensure!(plan.simulated_knob.is_some(), "the {} only runs in real time; omit --offline", plan.rig.name);
     let mut description = plan.description()?;
     description.notes.push(("time".to_owned(), "offline: simulated time".to_owned()));
-    let felt = plan.rendering.iter().map(|rendering| ModelStart { tick: 0, name: rendering.model.name.clone() });
-    let models = felt.collect();
+    let felt = |rendering: &Rendering| ModelStart { tick: 0, name: rendering.model.name.clone() };
+    let models = plan.rendering.iter().map(felt).collect();
     plan.rendering.iter().flat_map(Rendering::remarks_to_print).for_each(remark);
-    let mut watch = until.map(|share| Watch::new(share, &plan));
     let (planned, rate_hz) = (plan.control.planned_ticks, plan.control.rate_hz);
     large_job::tell(planned);
     if until.is_none() {
         large_job::admit(planned, rate_hz, path)?;
     }
+    let mut rule = until.map(StopRule::new);
+    let mut fit = until.map(|share| LiveFit::new(rate_hz, Some(&plan.rig.calibration)).converging_to(share.0));
+    let mut next_s = ESTIMATES_S;
+    // Fits what is captured as it comes, as the live fitter does.
+    let mut is_enough_known = |sample: &Sample| {
+        let (Some(fit), Some(rule)) = (&mut fit, &mut rule) else { return false };
+        let time_s = sample.time_s(rate_hz);
+        fit.push(&LiveSample { time_s, angle_rad: sample.angle_rad, torque_mnm: sample.torque_mnm });
+        if time_s < next_s || rule.ended_s.is_some() {
+            return false;
+        }
+        next_s = time_s + ESTIMATES_S;
+        rule.take(time_s, fit.estimate())
+    };
     let armed = armed(plan)?;
     let status = whole_file::write_whole(path, Replace::Nothing, |place| {
         let mut writer = CaptureWriter::new(place, &description)?;
         if let Some(model) = description.first_model() {
             writer.model(&model)?;
         }
-        let keep = |sample: &Sample| writer.sample(&dated(sample, &description)).map(drop);
-        let status = turn(armed, rate_hz, stop, watch.as_mut(), keep)?;
+        let keep = |sample: &Sample| {
+            // The time that its tick would have had.
+            let since_start_ns = (sample.time_s(description.rate_hz) * 1e9).round() as u64;
+            let monotonic_time_ns = description.clock.monotonic_time_ns.saturating_add(since_start_ns);
+            writer.sample(&Sample { monotonic_time_ns, ..*sample })?;
+            Ok(is_enough_known(sample))
+        };
+        let status = turn(armed, rate_hz, stop, keep)?;
         writer.finish()?;
         Ok(status)
     })?;
@@ -58,47 +77,9 @@ pub fn archive(request: &RunRequest, path: &Path, stop: &AtomicBool, until: Opti
         run: description,
         models,
         interrupted: stop.load(Ordering::Acquire),
-        achieved: watch.map(|watch| watch.rule),
+        achieved: rule,
         ..RunEnd::default()
     })
-}
-
-/// Fits what is captured as it comes, as the live fitter does, and says when enough is known.
-struct Watch {
-    fit: LiveFit,
-    rule: StopRule,
-    rate_hz: f64,
-    next_s: f64,
-}
-
-impl Watch {
-    fn new(share: Share, plan: &Plan) -> Self {
-        let (rate_hz, calibration) = (plan.control.rate_hz, &plan.rig.calibration);
-        Self {
-            fit: LiveFit::new(rate_hz, Some(calibration)).converging_to(share.0),
-            rule: StopRule::new(share),
-            rate_hz,
-            next_s: ESTIMATES_S,
-        }
-    }
-
-    /// Takes a sample; true once the run may end.
-    fn take(&mut self, sample: &Sample) -> bool {
-        let time_s = sample.time_s(self.rate_hz);
-        let (angle_rad, torque_mnm) = (sample.angle_rad, sample.torque_mnm);
-        self.fit.push(&LiveSample { time_s, angle_rad, torque_mnm });
-        if time_s < self.next_s || self.rule.ended_s.is_some() {
-            return false;
-        }
-        self.next_s = time_s + ESTIMATES_S;
-        self.rule.take(time_s, self.fit.estimate())
-    }
-}
-
-/// The sample with the time that its tick would have had.
-fn dated(sample: &Sample, run: &RunDescription) -> Sample {
-    let since_start_ns = (sample.time_s(run.rate_hz) * 1e9).round() as u64;
-    Sample { monotonic_time_ns: run.clock.monotonic_time_ns.saturating_add(since_start_ns), ..*sample }
 }
 
 /// The simulated rig with its amplifier switched on, and the control step that drives it.
@@ -113,13 +94,13 @@ fn armed(plan: Plan) -> anyhow::Result<(Box<dyn Apparatus>, ControlState)> {
     Ok((apparatus, state))
 }
 
-/// Makes the run tick by tick; every sample goes to `keep` as it comes, so that memory does not grow with the run.
+/// Makes the run tick by tick; every sample goes to `keep` as it comes, so that memory does not grow with the run, and which says
+/// whether the run may end.
 fn turn(
     (mut apparatus, mut state): (Box<dyn Apparatus>, ControlState),
     rate_hz: f64,
     stop: &AtomicBool,
-    mut watch: Option<&mut Watch>,
-    mut keep: impl FnMut(&Sample) -> Result<(), ArchiveError>,
+    mut keep: impl FnMut(&Sample) -> Result<bool, ArchiveError>,
 ) -> Result<LoopStatus, ArchiveError> {
     let start = (ARMED_S * rate_hz) as u64;
     let mut made = LoopStatus { finished: 1, ..LoopStatus::default() };
@@ -134,16 +115,14 @@ fn turn(
         let output = state.step(&Reading { elapsed_ticks: 1, measurement });
         let _ = apparatus.write_torque(output.torque_mnm);
         if let Some(sample) = &output.sample {
-            if watch.as_mut().is_some_and(|watch| watch.take(sample)) {
-                state.request(Request::Stop);
-            }
             made.published_samples += 1;
             made.guarded_ticks += u64::from(sample.flags & Sample::GUARDED != 0);
-            keep(sample)?;
+            if keep(sample)? {
+                state.request(Request::Stop);
+            }
         }
-        match state.state() {
-            LoopState::Armed | LoopState::Running | LoopState::Stopping => {}
-            LoopState::Idle | LoopState::Fault => break,
+        if matches!(state.state(), LoopState::Idle | LoopState::Fault) {
+            break;
         }
     }
     apparatus.disable();

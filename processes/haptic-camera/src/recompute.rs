@@ -55,15 +55,11 @@ pub struct Difference {
 /// Computes a replay again and says whether all torque commands are equal; failed where they are not.
 pub fn run(options: &RecomputeOptions) -> anyhow::Result<Outcome> {
     let capture = Capture::load(&options.capture)?;
-    let description = capture
-        .description
-        .as_ref()
-        .context("the capture is a table; only the archive of a replay holds what is needed")?;
-    if description.software_version != env!("CARGO_PKG_VERSION") {
-        remark(format!(
-            "the replay was made by version {}, which may compute differently",
-            description.software_version
-        ));
+    let table = "the capture is a table; only the archive of a replay holds what is needed";
+    let description = capture.description.as_ref().context(table)?;
+    let version = &description.software_version;
+    if version != env!("CARGO_PKG_VERSION") {
+        remark(format!("the replay was made by version {version}, which may compute differently"));
     }
     let recomputed = recompute(&capture, description)?;
     show(lines(&recomputed, description.rate_hz));
@@ -118,12 +114,8 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
             result.equal = false;
             result.different_ticks += 1;
             result.largest_difference_mnm = result.largest_difference_mnm.max((recorded_mnm - computed_mnm).abs());
-            result.first_difference.get_or_insert(Difference {
-                tick,
-                t_s: capture.t_s[row],
-                recorded_mnm,
-                computed_mnm,
-            });
+            let t_s = capture.t_s[row];
+            result.first_difference.get_or_insert(Difference { tick, t_s, recorded_mnm, computed_mnm });
         }
     }
     Ok(result)
@@ -131,10 +123,8 @@ fn recompute(capture: &Capture, run: &RunDescription) -> anyhow::Result<Recomput
 
 fn lines(result: &Recomputed, rate_hz: f64) -> Vec<String> {
     let Recomputed { ticks, models, different_ticks, largest_difference_mnm, .. } = result;
-    let mut lines = vec![format!(
-        "recomputed {ticks} ticks at {rate_hz} Hz of {models} {}",
-        if *models == 1 { "model" } else { "models" }
-    )];
+    let noun = if *models == 1 { "model" } else { "models" };
+    let mut lines = vec![format!("recomputed {ticks} ticks at {rate_hz} Hz of {models} {noun}")];
     if let Some(missing) = result.missing_from_sample {
         lines.push(format!("missing  sample {missing} is not in the archive: nothing can be computed after it"));
     }

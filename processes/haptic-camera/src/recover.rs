@@ -27,14 +27,13 @@ pub fn run(options: &RecoverOptions) -> anyhow::Result<Outcome> {
     let RecoverOptions { broken, out, keep_unchecked } = options;
     let unchecked = if *keep_unchecked { Unchecked::Keep } else { Unchecked::LeaveOut };
     let parts = if broken.exists() { Vec::new() } else { parts_of(broken) };
-    let summary = match parts.as_slice() {
-        [] => archive::recover(broken, out, unchecked)?,
-        [part] => {
-            remark(format!("{} was never closed; recovering its part {}", broken.display(), part.display()));
-            archive::recover(part, out, unchecked)?
-        }
-        _ => return merge(broken, &parts, out),
-    };
+    if parts.len() > 1 {
+        return merge(broken, &parts, out);
+    }
+    if let [part] = parts.as_slice() {
+        remark(format!("{} was never closed; recovering its part {}", broken.display(), part.display()));
+    }
+    let summary = archive::recover(parts.first().unwrap_or(broken), out, unchecked)?;
     say(format!("{}: {summary}", out.display()));
     Ok(if summary.lossy { Outcome::DataLost } else { Outcome::Done })
 }

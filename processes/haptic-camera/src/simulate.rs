@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, say};
+use crate::outcome::say;
 use crate::outputs::kind;
 
 #[derive(Debug, Args)]
@@ -38,13 +38,10 @@ pub enum SimulationDrive {
 }
 
 /// Simulates the model, says how far it is from the capture, and writes one of the same length and rate if asked to.
-pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &SimulateOptions) -> anyhow::Result<()> {
     let model = load::model(&options.model)?;
     let like = load::load_chosen(&options.like, &options.columns)?;
-    let drive = match options.drive {
-        SimulationDrive::Motion => Drive::Motion,
-        SimulationDrive::Torque => Drive::Torque,
-    };
+    let drive = if options.drive == SimulationDrive::Motion { Drive::Motion } else { Drive::Torque };
     let Simulation { capture, rms_difference, captured_rms } = analysis::simulate(&model, &like, drive)?;
     let differs = match options.drive {
         SimulationDrive::Motion => format!(
@@ -65,5 +62,5 @@ pub fn run(options: &SimulateOptions) -> anyhow::Result<Outcome> {
         }
         say(format!("{}: {} samples", out.display(), capture.len()));
     }
-    Ok(Outcome::Done)
+    Ok(())
 }

@@ -66,14 +66,10 @@ impl SmartKnob {
         self.width_deg.to_radians()
     }
 
-    /// The position farthest from the lower end that is shown.
-    fn last(&self) -> u32 {
-        if self.positions == 0 { 3 } else { (self.positions - 1).min(3) }
-    }
-
-    /// Angle over which it is shown, rad.
+    /// Angle over which it is shown, rad: four positions at most.
     pub fn reach_rad(&self) -> f64 {
-        (f64::from(self.last()) + 1.6) * self.width_rad()
+        let last = if self.positions == 0 { 3 } else { (self.positions - 1).min(3) };
+        (f64::from(last) + 1.6) * self.width_rad()
     }
 
     /// Largest voltage against leaving a position, V.

@@ -12,7 +12,7 @@ use foreign_files::{Column, OtherColumns, read_columns};
 use sheet::{Capability, Design, FigureKind, Gauge, Index, Limits, QdasRow, Sheet, Specification, kinds};
 
 use crate::command_line::ColumnOptions;
-use crate::outcome::{Outcome, show};
+use crate::outcome::show;
 use crate::outputs::{kind, write_if_asked, write_json};
 use crate::terminal;
 
@@ -62,7 +62,7 @@ pub struct GaugeOptions {
 }
 
 /// Whether a process keeps its units within their limits.
-pub fn run_capability(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
+pub fn run_capability(options: &CapabilityOptions) -> anyhow::Result<()> {
     let specification = load_specification(&options.spec)?;
     let Study { figures, units } = &Study::of(&options.study, Some(&specification))?;
     let results = each(figures, units, |kind, limits, values| {
@@ -74,12 +74,11 @@ pub fn run_capability(options: &CapabilityOptions) -> anyhow::Result<Outcome> {
         let row = |unit: &Unit| QdasRow { measured_at: measured_at(unit.file.as_deref()), values: unit.values.clone() };
         let rows: Vec<QdasRow> = units.iter().map(row).collect();
         sheet::qdas(&specification.name, figures, &rows)
-    })?;
-    Ok(Outcome::Done)
+    })
 }
 
 /// Whether a tester is good enough to tell the units apart.
-pub fn run_gauge(options: &GaugeOptions) -> anyhow::Result<Outcome> {
+pub fn run_gauge(options: &GaugeOptions) -> anyhow::Result<()> {
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let Study { figures, units } = &Study::of(&options.study, specification.as_ref())?;
     let design = if options.nested { Design::Nested } else { Design::Crossed };
@@ -89,8 +88,7 @@ pub fn run_gauge(options: &GaugeOptions) -> anyhow::Result<Outcome> {
         Gauge::of(&values, design, tolerance).context(kind.name)
     })?;
     show(results.iter().map(|(name, gauge)| words(name, gauge)));
-    write_json(Axis::default(), &options.study.json, &results)?;
-    Ok(Outcome::Done)
+    write_json(Axis::default(), &options.study.json, &results)
 }
 
 /// A figure with its limits.
@@ -148,16 +146,13 @@ fn units(options: &StudyOptions, studied: &[Studied]) -> anyhow::Result<Vec<Unit
         let sheet = Sheet::of(&curves(std::slice::from_ref(&file), choice.as_ref())?)?;
         let values = studied.iter().map(|(kind, _)| sheet.figure(kind).and_then(|figure| figure.value)).collect();
         // A capture lies in its operator's folder, and that in its part's.
-        let [operator, part] = [1, 2].map(|above| folder(&file, above));
+        let [operator, part] = [1, 2].map(|above| {
+            let name = file.ancestors().nth(above).and_then(Path::file_name);
+            name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+        });
         Ok(Unit { part, operator, file: Some(file), values })
     };
     curve_files(&options.captures)?.into_iter().map(unit).collect()
-}
-
-/// Name of the folder so many above the file.
-fn folder(file: &Path, above: usize) -> String {
-    let name = file.ancestors().nth(above).and_then(Path::file_name);
-    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 fn of_table(table: &Path) -> anyhow::Result<Vec<Unit>> {

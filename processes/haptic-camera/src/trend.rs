@@ -11,7 +11,6 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::Field;
 use report::{Trend, TrendGroup, TrendParameter, TrendPoint};
 
-use crate::outcome::Outcome;
 use crate::outputs::ResultFiles;
 
 #[derive(Debug, Args)]
@@ -41,15 +40,14 @@ const ENDS: [&str; 2] = ["_ci95_low", "_ci95_high"];
 /// A parameter in a capture: when it was captured, ns since 1970, and value with both ends of its interval.
 type Point = (f64, [Option<f64>; 3]);
 
-pub fn run(options: &TrendOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &TrendOptions) -> anyhow::Result<()> {
     let by = match options.by {
         TrendGroups::Knob => "knob",
         TrendGroups::Rig => "rig",
     };
     let trend = read(&options.table, by)?;
     let lines = trend.groups.iter().map(|group| words(by, group));
-    options.results.tell(Axis::default(), lines, &trend, || report::trend_page(&trend))?;
-    Ok(Outcome::Done)
+    options.results.tell(Axis::default(), lines, &trend, || report::trend_page(&trend))
 }
 
 fn words(by: &str, group: &TrendGroup) -> String {
@@ -71,12 +69,9 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
     // A table with verdicts has more of them behind those of every table.
     let of_every_table = Row::columns(None).into_iter().map(|(name, _)| name);
     ensure!(of_every_table.eq(columns.iter().take(Row::columns(None).len()).cloned()), foreign());
-    let units: HashMap<&str, &str> = about
-        .key_value_metadata()
-        .into_iter()
-        .flatten()
-        .filter_map(|pair| Some((pair.key.strip_prefix("unit.")?, pair.value.as_deref()?)))
-        .collect();
+    let metadata = about.key_value_metadata().into_iter().flatten();
+    let units: HashMap<&str, &str> =
+        metadata.filter_map(|pair| Some((pair.key.strip_prefix("unit.")?, pair.value.as_deref()?))).collect();
     let mut trend = Trend {
         source: table.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         by,
@@ -117,17 +112,15 @@ fn read(table: &Path, by: &'static str) -> anyhow::Result<Trend> {
         let ci95 = low.zip(*high).map(|(low, high)| [low, high]);
         Some(TrendPoint { days: (captured_at_ns - first_ns) / DAY_NS, value: (*value)?, ci95 })
     };
-    trend.groups = groups
-        .into_iter()
-        .map(|(name, columns)| {
-            let parameter = |(name, points): (&&String, &Vec<_>)| {
-                let points: Vec<TrendPoint> = points.iter().filter_map(point).collect();
-                let unit = units.get(name.as_str()).copied().or_else(|| Row::unit_of(name, None)).unwrap_or_default();
-                (!points.is_empty()).then(|| TrendParameter::of(name, unit, points))
-            };
-            let parameters = parameters.iter().zip(&columns).filter_map(parameter).collect();
-            TrendGroup { parameters, verdicts: verdicts.remove(&name).unwrap_or_default(), name }
-        })
-        .collect();
+    let parameter = |(name, points): (&&String, &Vec<Point>)| {
+        let points: Vec<TrendPoint> = points.iter().filter_map(point).collect();
+        let unit = units.get(name.as_str()).copied().or_else(|| Row::unit_of(name, None)).unwrap_or_default();
+        (!points.is_empty()).then(|| TrendParameter::of(name, unit, points))
+    };
+    for (name, columns) in &groups {
+        let parameters = parameters.iter().zip(columns).filter_map(parameter).collect();
+        let verdicts = verdicts.remove(name).unwrap_or_default();
+        trend.groups.push(TrendGroup { parameters, verdicts, name: name.clone() });
+    }
     Ok(trend)
 }

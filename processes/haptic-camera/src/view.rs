@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use clap::Args;
 
-use crate::outcome::Outcome;
 use crate::supervision::program_path;
 
 #[derive(Debug, Args)]
@@ -23,7 +22,7 @@ pub struct ViewOptions {
 }
 
 /// Becomes the viewer, which so has the terminal's Ctrl-C to itself and gives its own exit status.
-pub fn run(options: &ViewOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     let mut command = std::process::Command::new(program_path("rerun-viewer")?);
     command.arg(if options.native { "--native" } else { "--web" });
     if options.remote {

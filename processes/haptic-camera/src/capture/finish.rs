@@ -53,36 +53,29 @@ fn keep(loaded: &LoadedCapture, fitted: &Fit) -> anyhow::Result<()> {
     let stem = archive.file_stem().unwrap_or_default().to_string_lossy();
     let results = [("toml", kind::FITTED_MODEL), ("html", kind::PAGE), ("json", kind::JSON)];
     let named = |number, ending: &str| archive.with_file_name(format!("{}.{ending}", numbered(&stem, number)));
-    let is_free = |number: &u32| {
-        let mut checked = results.iter().map(|(ending, kind)| whole_file::check(&named(*number, ending), *kind));
-        checked.all(|free| free.is_ok())
-    };
+    let is_free =
+        |number: &u32| results.iter().all(|(ending, kind)| whole_file::check(&named(*number, ending), *kind).is_ok());
     let number = (1..NAMES_TRIED).find(is_free).unwrap_or(1);
-    let beside = |extension| named(number, extension);
-    let model = beside("toml");
+    let [model, report, json] = results.map(|(ending, _)| named(number, ending));
     write(&model, kind::FITTED_MODEL, &fitted.model(&analysis::title(loaded)).to_toml())?;
     say(format!("model    {}", model.display()));
     // The JSON is for `list`, and for whoever computes with the intervals.
-    fit::write_results(&ResultFiles { json: Some(beside("json")), report: Some(beside("html")) }, loaded, fitted)?;
-    say(format!("report   {}", beside("html").display()));
+    fit::write_results(&ResultFiles { json: Some(json), report: Some(report.clone()) }, loaded, fitted)?;
+    say(format!("report   {}", report.display()));
     Ok(())
 }
 
 /// What a run that goes on until enough is known came to, and how long it took of the planned sweep.
-pub(super) fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
+fn end_of_sweep(achieved: &StopRule, planned_s: f64) -> String {
     let share = achieved.asked;
     let Some(ended_s) = achieved.ended_s else {
         let open: Vec<String> = achieved.last.iter().flat_map(|last| open(&last.parameters)).map(share_words).collect();
-        return format!(
-            "not known within {share} by the end: {}; give a longer --duration-s, or a larger share",
-            if open.is_empty() { "there was no steady estimate".to_owned() } else { open.join(", ") }
-        );
+        let open = if open.is_empty() { "there was no steady estimate".to_owned() } else { open.join(", ") };
+        return format!("not known within {share} by the end: {open}; give a longer --duration-s, or a larger share");
     };
     let saved_s = planned_s - ended_s;
-    format!(
-        "known within {share} after {ended_s:.2} s of {planned_s} s planned: {saved_s:.2} s saved, {:.0} %",
-        100.0 * saved_s / planned_s
-    )
+    let percent = 100.0 * saved_s / planned_s;
+    format!("known within {share} after {ended_s:.2} s of {planned_s} s planned: {saved_s:.2} s saved, {percent:.0} %")
 }
 
 /// Holds the fit of the archive against what the sweep was ended for.

@@ -57,8 +57,8 @@ pub(super) fn until_named(options: &CaptureOptions, interrupted: &AtomicBool) ->
         signal_hook::flag::register_conditional_shutdown(signal, STOPPED, Arc::clone(&at_rest))?;
     }
     let held_out = if options.request.sweep == HELD_OUT { HELD_OUT_OF_MULTISINE } else { HELD_OUT };
-    let first = [options.request.sweep.as_str(), held_out]
-        .map(|sweep| Experiment { sweep: sweep.to_owned(), amplitude_rad: options.request.amplitude });
+    let experiment = |sweep: &str| Experiment { sweep: sweep.to_owned(), amplitude_rad: options.request.amplitude };
+    let first = [options.request.sweep.as_str(), held_out].map(experiment);
     let mut series = Series { options, interrupted, made: 0, worst: Outcome::Done };
     let mut taken: Vec<Taken> = Vec::new();
     for experiment in first {

@@ -4,12 +4,13 @@ mod paper;
 mod table;
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
 use dynamics::{Model, knobs};
-use identification::{Fit, Parameters};
+use identification::{Fit, Parameter, Parameters};
 use loaded_capture::LoadedCapture;
 use report::{ComparedCapture, ComparedKnob, ComparedParameters, ComparedQuality, ComparedValue, Comparison};
 use sheet::perception::perceived_differences;
@@ -18,7 +19,6 @@ use crate::command_line::ColumnOptions;
 use crate::fit::fit_capture;
 use crate::fit::true_value;
 use crate::load;
-use crate::outcome::Outcome;
 use crate::outputs::ResultFiles;
 
 #[derive(Debug, Args)]
@@ -35,13 +35,12 @@ pub struct CompareOptions {
 /// Longest name of a model that stands over a column, letters.
 const LONGEST_NAME: usize = 24;
 
-pub fn run(options: &CompareOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
     let compared = compare(&options.subjects, &options.columns)?;
     let mut axes = compared.knobs.iter().filter_map(|knob| knob.model.as_ref()).map(|model| model.axis);
     let axis = axes.next().unwrap_or_default();
     anyhow::ensure!(axes.all(|other| other == axis), "some of these are rotary and some linear; compare one kind");
-    options.results.tell(axis, table::lines(&compared), &compared, || report::comparison_page(&compared))?;
-    Ok(Outcome::Done)
+    options.results.tell(axis, table::lines(&compared), &compared, || report::comparison_page(&compared))
 }
 
 /// A column to be: a model, or the captures of one knob.
@@ -68,12 +67,15 @@ impl Group {
     }
 
     fn name(&self) -> String {
-        let file = Path::new(&self.knob).file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        let knob = match self.knob.parse::<u32>() {
-            Ok(number) => format!("Knob {number}"),
-            Err(_) => file.unwrap_or_else(|| self.knob.clone()),
-        };
+        let file = Path::new(&self.knob).file_stem().map_or(self.knob.as_str().into(), OsStr::to_string_lossy);
+        let knob = self.knob.parse::<u32>().map_or(file.into_owned(), |number| format!("Knob {number}"));
         if self.rendered { format!("{knob}, rendered") } else { knob }
+    }
+
+    /// Whether the paper's knob of that number was mounted: by its name, and on a simulated rig by its model.
+    fn is_paper_knob(&self) -> bool {
+        let shipped = self.knob.parse().ok().and_then(|number| knobs::paper_knob(number).ok());
+        shipped.is_some_and(|shipped| self.truth.as_ref().is_none_or(|truth| truth.effects == shipped.effects))
     }
 }
 
@@ -113,14 +115,10 @@ fn compare(given: &[String], columns: &ColumnOptions) -> anyhow::Result<Comparis
 
 /// Tells by how many thresholds of perception each knob differs from the first of them.
 fn feel(compared: &mut Comparison) {
-    let Some((Some(reference), others)) = compared.knobs.split_first_mut().map(|(first, rest)| (&first.model, rest))
-    else {
-        return;
-    };
+    let Some((ComparedKnob { model: Some(reference), .. }, others)) = compared.knobs.split_first_mut() else { return };
     for knob in others {
-        let model = knob.model.as_ref().filter(|model| model.axis == reference.axis);
-        knob.felt =
-            model.map(|model| perceived_differences(reference, model).into_iter().collect()).unwrap_or_default();
+        let model = knob.model.iter().filter(|model| model.axis == reference.axis);
+        knob.felt = model.flat_map(|model| perceived_differences(reference, model)).collect();
     }
 }
 
@@ -164,15 +162,13 @@ fn of_model(file: &str, model: Model) -> ComparedKnob {
 
 fn of_captures(group: Option<&Group>, fitted: &[(LoadedCapture, Fit)]) -> anyhow::Result<ComparedKnob> {
     let fits: Vec<Fit> = fitted.iter().map(|(_, fit)| fit.clone()).collect();
-    let captures: Vec<ComparedCapture> = fitted
-        .iter()
-        .map(|(loaded, fit)| ComparedCapture {
-            number: 0,
-            facts: analysis::facts(loaded),
-            parameters: values(&fit.parameters),
-            quality: quality(fit),
-        })
-        .collect();
+    let capture = |(loaded, fit): &(LoadedCapture, Fit)| ComparedCapture {
+        number: 0,
+        facts: analysis::facts(loaded),
+        parameters: values(&fit.parameters),
+        quality: quality(fit),
+    };
+    let captures: Vec<ComparedCapture> = fitted.iter().map(capture).collect();
     let name = group.map_or_else(|| captures[0].facts.source.clone(), Group::name);
     let (fit, agreement, repeatability) = match fits.as_slice() {
         [only] => (only.clone(), None, BTreeMap::new()),
@@ -198,20 +194,9 @@ fn of_captures(group: Option<&Group>, fitted: &[(LoadedCapture, Fit)]) -> anyhow
     Ok(knob.with_model(model))
 }
 
-impl Group {
-    /// Whether the paper's knob of that number was mounted: by its name, and on a simulated rig by its model.
-    fn is_paper_knob(&self) -> bool {
-        let shipped = self.knob.parse().ok().and_then(|number| knobs::paper_knob(number).ok());
-        shipped.is_some_and(|shipped| self.truth.as_ref().is_none_or(|truth| truth.effects == shipped.effects))
-    }
-}
-
 fn values(parameters: &Parameters) -> ComparedParameters {
-    let compared = parameters
-        .0
-        .iter()
-        .map(|found| (found.name, ComparedValue::new(found.value, found.unit, found.ci95, found.reason.clone())));
-    compared.collect()
+    let value = |found: &Parameter| ComparedValue::new(found.value, found.unit, found.ci95, found.reason.clone());
+    parameters.0.iter().map(|found| (found.name, value(found))).collect()
 }
 
 fn quality(fit: &Fit) -> ComparedQuality {

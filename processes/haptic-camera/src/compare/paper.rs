@@ -78,10 +78,4 @@ mod tests {
         assert!(knob.parameters.keys().all(|name| !name.starts_with("harmonic") && !name.starts_with("backlash")));
         assert_eq!(knob.parameters.len(), 11);
     }
-
-    #[test]
-    fn only_the_papers_numbers_name_its_knobs() {
-        assert!(super::knob("6").is_none());
-        assert!(super::knob("knob-3.toml").is_none());
-    }
 }

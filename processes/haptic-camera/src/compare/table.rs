@@ -118,18 +118,11 @@ fn significant(value: f64, digits: f64) -> String {
 
 /// The captures or the model file of a column, and what a reader should know of it.
 fn origins(knob: &ComparedKnob) -> Vec<String> {
-    let captures: Vec<String> =
-        knob.captures.iter().map(|capture| format!("{}  {}", capture.number, capture.facts.source)).collect();
-    let from = match &knob.model_file {
-        Some(file) => file.clone(),
-        None => captures.join("\n    "),
-    };
+    let captures = knob.captures.iter().map(|capture| format!("{}  {}", capture.number, capture.facts.source));
+    let from = knob.model_file.clone().unwrap_or_else(|| captures.collect::<Vec<_>>().join("\n    "));
     let agreement = knob.agreement.map(|agreement| {
-        format!(
-            "    the captures {} their intervals: Birge ratio {:.2}",
-            if agreement.agrees() { "agree within" } else { "differ by more than" },
-            agreement.birge_ratio
-        )
+        let words = if agreement.agrees() { "agree within" } else { "differ by more than" };
+        format!("    the captures {words} their intervals: Birge ratio {:.2}", agreement.birge_ratio)
     });
     let reasons = by_reason(knob.parameters.iter().filter_map(|(name, own)| Some((*name, own.reason.as_deref()?))));
     let notes = reasons.into_iter().chain(knob.notes.iter().cloned()).flat_map(|note| paragraph(&note));

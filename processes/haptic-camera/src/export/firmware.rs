@@ -160,7 +160,7 @@ fn identifier(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{float, identifier, macro_name};
+    use super::macro_name;
 
     #[test]
     fn names_carry_the_unit() {
@@ -171,14 +171,5 @@ mod tests {
             assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
         }
         assert!(names.iter().all(|name| name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')), "{names:?}");
-    }
-
-    #[test]
-    fn what_a_file_is_called_becomes_a_name_that_c_takes() {
-        assert_eq!(identifier("knob-3"), "knob_3");
-        assert_eq!(identifier("3"), "knob_3");
-        assert_eq!(identifier(""), "knob_");
-        assert_eq!(float(0.1), "0.1f");
-        assert_eq!(float(2.0), "2.0f");
     }
 }

@@ -21,7 +21,7 @@ use parquet::file::properties::WriterProperties;
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::{Outcome, UsageError, say};
+use crate::outcome::{UsageError, say};
 use crate::outputs::{kind, write};
 use crate::parquet_file::{begin, software, write_column};
 use torque_over_angle::TorqueOverAngle;
@@ -66,7 +66,7 @@ pub enum TableSpan {
 }
 
 /// Writes a capture or a model in another format.
-pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &ExportOptions) -> anyhow::Result<()> {
     let source = Path::new(&options.source);
     let ending = options.out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let is_model = load::names_model(&options.source);
@@ -95,7 +95,7 @@ pub fn run(options: &ExportOptions) -> anyhow::Result<Outcome> {
         }
     };
     say(format!("{}: {done}", options.out.display()));
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 /// The columns that `fit` reads, with what it must know of the rig beside them: it then finds the same.

@@ -58,7 +58,8 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<String> {
     let middle_rad = rest.map_or(0.0, |rest| rest.angle_rad);
     let [first, positions] = positions(&model, middle_rad, width_deg.to_radians());
     let knob = SmartKnob {
-        name: text(&model.name).into(),
+        // As much of it as the firmware takes.
+        name: model.name[..model.name.floor_char_boundary(LONGEST_TEXT)].to_owned().into(),
         positions: u32::try_from(positions).unwrap_or(0),
         width_deg,
         detent_strength: rest.map_or(0.0, |rest| strength(rest.stiffness_mnm_rad)),
@@ -109,13 +110,4 @@ fn left_out(model: &Model, table: Option<&TorqueOverAngle>) -> Vec<String> {
     let others = model.effects.iter().map(|effect| effect.kind().name);
     let others = others.filter(|name| !detents.contains(name) && *name != end_stop::KIND.name);
     shape.chain(others.map(str::to_owned)).collect()
-}
-
-/// As much of a name as the firmware takes.
-fn text(name: &str) -> String {
-    let mut end = name.len().min(LONGEST_TEXT);
-    while !name.is_char_boundary(end) {
-        end -= 1;
-    }
-    name[..end].to_owned()
 }

@@ -58,11 +58,10 @@ impl TorqueOverAngle {
             effect.kind().steepest_mnm_rad.is_some() && (!is_period || effect.kind().role == Role::Detents)
         };
         let effects: Vec<&Effect> = model.effects.iter().filter(taken).collect();
+        let name = &model.name;
         anyhow::ensure!(
             !effects.is_empty(),
-            "{} has no torque that depends on the angle, so there is nothing to \
-            tabulate",
-            model.name
+            "{name} has no torque that depends on the angle, so there is nothing to tabulate"
         );
         let torque_mnm = |angle_rad: f64| -> f64 {
             let motion = Motion { angle_rad, ..Motion::default() };
@@ -86,27 +85,26 @@ impl TorqueOverAngle {
         })
     }
 
-    /// Angle of a point, rad.
-    pub(super) fn angle_rad(&self, index: usize) -> f64 {
-        self.span_rad * index as f64 / self.torque_mnm.len() as f64
-    }
-
     /// Two columns; over a period the last point repeats the first, as `compose --detents` reads it.
     pub(super) fn to_csv(&self) -> String {
         let mut text = self.axis.words("angle_rad,torque_mnm\n").into_owned();
         let points = self.torque_mnm.len();
         let repeated = usize::from(self.is_period);
         for index in 0..points + repeated {
-            let _ = writeln!(text, "{},{}", self.angle_rad(index), self.torque_mnm[index % points]);
+            let angle_rad = self.span_rad * index as f64 / points as f64;
+            let _ = writeln!(text, "{angle_rad},{}", self.torque_mnm[index % points]);
         }
         text
     }
 
     pub(super) fn in_words(&self) -> String {
-        let over = if self.is_period { "one period of the detents" } else { "one turn" };
+        let over = match self.axis {
+            Axis::Linear => "its travel",
+            Axis::Rotary if self.is_period => "one period of the detents",
+            Axis::Rotary => "one turn",
+        };
         let (points, span_rad) = (self.torque_mnm.len(), self.span_rad);
         let span = self.axis.words(&format!("{span_rad:.6} rad")).into_owned();
-        let over = if self.axis.is_rotary() { over } else { "its travel" };
         format!("{} at {points} points over {over}, {span}", self.effects.join(" + "))
     }
 }

@@ -66,7 +66,7 @@ pub(super) struct Entry {
     pub(super) quality: Quality,
     /// When, ns since 1970: what the list is sorted by.
     #[serde(skip)]
-    captured_at_ns: u128,
+    pub(super) captured_at_ns: u128,
 }
 
 impl Entry {
@@ -130,10 +130,6 @@ impl Entry {
             ..Self::default()
         }
     }
-
-    pub(super) fn order(&self) -> (u128, &str) {
-        (self.captured_at_ns, &self.file)
-    }
 }
 
 /// How good a capture's fit is: what the JSON beside it says, or a fit that is made for the purpose.
@@ -157,14 +153,11 @@ impl Quality {
         if samples > MOST_SAMPLES {
             return Self::default();
         }
-        let fitted = load::load(path).and_then(|loaded| fit_capture(&loaded));
-        fitted.map_or_else(
-            |_| Self::default(),
-            |fit| Self {
-                relative_error_percent: Some(fit.relative_error_percent),
-                mean_ci95_mnm: Some(fit.mean_ci95_mnm),
-            },
-        )
+        let fitted = load::load(path).and_then(|loaded| fit_capture(&loaded)).ok();
+        Self {
+            relative_error_percent: fitted.as_ref().map(|fit| fit.relative_error_percent),
+            mean_ci95_mnm: fitted.map(|fit| fit.mean_ci95_mnm),
+        }
     }
 }
 

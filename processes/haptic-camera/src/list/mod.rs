@@ -10,7 +10,7 @@ use clap::Args;
 use dynamics::Axis;
 use operator::one_line;
 
-use crate::outcome::{Outcome, show};
+use crate::outcome::show;
 use crate::outputs::write_json;
 use crate::terminal;
 use entry::{Entry, Health};
@@ -29,7 +29,7 @@ pub struct ListOptions {
 const RESULTS: [&str; 7] = ["toml", "json", "html", "rrd", "parquet", "h", "incomplete"];
 
 /// Lists the captures of a folder by time; a file that cannot be read is an entry.
-pub fn run(options: &ListOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &ListOptions) -> anyhow::Result<()> {
     let folder = options.folder.as_path();
     let files = std::fs::read_dir(folder)
         .with_context(|| format!("the folder {} cannot be read; name the folder of the captures", folder.display()))?;
@@ -41,14 +41,13 @@ pub fn run(options: &ListOptions) -> anyhow::Result<Outcome> {
             entries.push(Entry::of(&path));
         }
     }
-    entries.sort_by(|one, other| one.order().cmp(&other.order()));
+    entries.sort_by(|a, b| (a.captured_at_ns, &a.file).cmp(&(b.captured_at_ns, &b.file)));
     if entries.is_empty() {
         show([format!("{} holds no captures; `haptic-camera capture --out {0}` makes one", folder.display())]);
     } else {
         show(lines(&entries));
     }
-    write_json(Axis::default(), &options.json, &BTreeMap::from([("captures", &entries)]))?;
-    Ok(Outcome::Done)
+    write_json(Axis::default(), &options.json, &BTreeMap::from([("captures", &entries)]))
 }
 
 const NAME_LETTERS: usize = 27;
@@ -115,17 +114,15 @@ fn remark(entry: &Entry) -> Option<String> {
         return Some(format!("- {problem}"));
     }
     let some = |count: Option<u64>| count.filter(|&count| count > 0);
-    let words: Vec<String> = [
+    let words = [
         some(entry.lost_samples).zip(entry.gaps).map(|(lost, gaps)| format!("{lost} samples lost in {gaps} gaps")),
         some(entry.missed_ticks).map(|ticks| format!("{ticks} ticks missed")),
         some(entry.stale_ticks).map(|ticks| format!("{ticks} ticks without new data")),
         entry.clock_drift_ppm.map(|drift_ppm| format!("the rig's clock drifted by {drift_ppm:+.1} ppm")),
         (entry.health == Health::Fault).then(|| "the run ended in a fault".to_owned()),
         entry.recovered.then(|| "recovered from a broken archive".to_owned()),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
+    let words: Vec<String> = words.into_iter().flatten().collect();
     (!words.is_empty()).then(|| format!("- {}: {}", one_line(&entry.file), words.join(", ")))
 }
 

@@ -62,28 +62,27 @@ impl Channel {
             commanded.first().map_or(0.0, |first| first - excitation.at(capture.t_s[0]).value)
         });
         let column = |column: &Option<Vec<f64>>, row: usize| column.as_ref().map_or(f64::NAN, |column| column[row]);
-        (0..capture.len())
-            .map(|row| {
-                let time_s = capture.t_s[row];
-                let set = excitation.at(time_s);
-                let (original, measured) = match self {
-                    Self::Position => (start_rad + set.value, capture.angle_rad[row]),
-                    Self::Velocity => (set.rate, column(&capture.velocity_rad_s, row)),
-                    Self::Acceleration => {
-                        let seen = column(&capture.acceleration_rad_s2, row);
-                        let still = known.map_or(0.0, |known| {
-                            known.acceleration_zero_rad_s2 + known.gravity_rad_s2(capture.angle_rad[row])
-                        });
-                        (set.acceleration, seen - still)
-                    }
-                    Self::Torque => {
-                        let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
-                        (load * set.value, load * (capture.torque_mnm[row] - zero_mnm))
-                    }
-                };
-                [time_s, original, measured]
-            })
-            .collect()
+        let of_row = |row: usize| {
+            let time_s = capture.t_s[row];
+            let set = excitation.at(time_s);
+            let (original, measured) = match self {
+                Self::Position => (start_rad + set.value, capture.angle_rad[row]),
+                Self::Velocity => (set.rate, column(&capture.velocity_rad_s, row)),
+                Self::Acceleration => {
+                    let seen = column(&capture.acceleration_rad_s2, row);
+                    let still = known.map_or(0.0, |known| {
+                        known.acceleration_zero_rad_s2 + known.gravity_rad_s2(capture.angle_rad[row])
+                    });
+                    (set.acceleration, seen - still)
+                }
+                Self::Torque => {
+                    let zero_mnm = known.map_or(0.0, |known| known.torque_zero_mnm);
+                    (load * set.value, load * (capture.torque_mnm[row] - zero_mnm))
+                }
+            };
+            [time_s, original, measured]
+        };
+        (0..capture.len()).map(of_row).collect()
     }
 
     /// Edge of the low-pass through which the paper takes the channel before a fit, Hz.
@@ -113,17 +112,10 @@ impl Channel {
         let filtered = chebyshev2_low_pass(3, 20.0, self.filter_edge_hz(), loaded.capture.rate_hz)
             .map_or_else(|_| differences.clone(), |filter| filter.filter_zero_phase(&differences));
         let axis = loaded.capture.axis;
+        let channel = self.name(axis);
         let (unit, paper_mean, paper_sd) = self.paper(axis);
-        let (mean, sd) = mean_and_sd(&differences);
-        ChannelDifference {
-            channel: self.name(axis),
-            unit,
-            mean,
-            sd,
-            sd_filtered: mean_and_sd(&filtered).1,
-            paper_mean,
-            paper_sd,
-        }
+        let ((mean, sd), (_, sd_filtered)) = (mean_and_sd(&differences), mean_and_sd(&filtered));
+        ChannelDifference { channel, unit, mean, sd, sd_filtered, paper_mean, paper_sd }
     }
 
     /// Phase and gain at 30 Hz, over a whole number of periods.

@@ -102,12 +102,11 @@ fn check(capture: &Capture) -> Checked {
         amiss.push("the acceleration is constant; check it, or omit [channels.acceleration]".to_owned());
     }
     if missed_ticks as f64 > MISSED_SHARE * ticks {
-        let exchange_s = capture.rig.mean_exchange_s;
-        let cause = if exchange_s * capture.rate_hz > SLOW_SHARE {
+        let (exchange_ms, period_ms) = (1e3 * capture.rig.mean_exchange_s, 1e3 / capture.rate_hz);
+        let cause = if exchange_ms > SLOW_SHARE * period_ms {
             format!(
-                "an exchange with the rig takes {:.2} ms of a period of {:.2} ms: its driver or library waits; have it return at once, or",
-                1e3 * exchange_s,
-                1e3 / capture.rate_hz
+                "an exchange with the rig takes {exchange_ms:.2} ms of a period of {period_ms:.2} ms: its driver or library waits; have it \
+                 return at once, or"
             )
         } else {
             "this machine cannot hold the rate;".to_owned()
@@ -120,9 +119,8 @@ fn check(capture: &Capture) -> Checked {
             "{stale} of {ticks} ticks had no new data: the device is slower than the rate; lower [rates] fastest_hz"
         ));
     }
-    let note = |name: &str| {
-        run.and_then(|run| run.notes.iter().find(|(known, _)| known == name)).map(|(_, value)| value.clone())
-    };
+    let notes = run.map(|run| run.notes.as_slice()).unwrap_or_default();
+    let note = |name: &str| notes.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone());
     let watchdog = note("watchdog");
     if watchdog.is_none() {
         amiss.push(
@@ -193,12 +191,8 @@ fn lines(found: &Checked, axis: Axis) -> Vec<String> {
     lines.push(format!(
         "rate     {rate_hz} Hz: {samples} ticks read, {missed_ticks} missed, {stale_ticks} without new data"
     ));
-    lines.extend(
-        found
-            .read_after_us
-            .zip(found.read_after_sd_us)
-            .map(|(mean_us, deviation_us)| format!("read     {mean_us:.1} µs after the tick, ± {deviation_us:.1} µs")),
-    );
+    let read = found.read_after_us.zip(found.read_after_sd_us);
+    lines.extend(read.map(|(mean, sd)| format!("read     {mean:.1} µs after the tick, ± {sd:.1} µs")));
     lines.extend(found.watchdog.iter().map(|watchdog| format!("watchdog {watchdog}")));
     lines
 }

@@ -13,7 +13,6 @@ use sheet::{Detent, Figure, Sheet};
 
 use crate::command_line::ColumnOptions;
 use crate::load;
-use crate::outcome::Outcome;
 use crate::outputs::{FIGURES_HEADER, ResultFiles, kind, write, write_if_asked};
 use crate::terminal::{by_reason, digits, interval, table};
 
@@ -38,12 +37,12 @@ pub struct SheetOptions {
     pub wall: Option<PathBuf>,
 }
 
-pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
+pub fn run(options: &SheetOptions) -> anyhow::Result<()> {
     if let Some(path) = &options.wall {
         write(path, kind::PAGE, &report::wall_page(&wall::page()?))?;
     }
     if options.captures.is_empty() {
-        return Ok(Outcome::Done);
+        return Ok(());
     }
     let choice = options.columns.choice()?;
     let files = curve_files(&options.captures)?;
@@ -55,8 +54,7 @@ pub fn run(options: &SheetOptions) -> anyhow::Result<Outcome> {
     }
     let page = || analysis::sheet_page(&sheet, &files);
     options.results.tell(Axis::default(), lines(&sheet, &files), &sheet, page)?;
-    write_if_asked(&options.csv, kind::FIGURES, || figures_csv(&sheet))?;
-    Ok(Outcome::Done)
+    write_if_asked(&options.csv, kind::FIGURES, || figures_csv(&sheet))
 }
 
 /// One row a figure; after those of the whole control, those of each detent with its angle and direction.

@@ -78,11 +78,10 @@ fn slow_turn(model: &Model) -> Curve {
     };
     let back: Vec<_> = turn(Direction::Negative).collect();
     let rows = turn(Direction::Positive).chain(back.into_iter().rev().skip(1));
-    let (position, load) = rows
-        .map(|(angle_rad, motion, direction)| {
-            (angle_rad, model.place_torque_mnm(&motion) + model.friction_mnm(&motion, direction))
-        })
-        .unzip();
+    let felt = |(angle_rad, motion, direction)| {
+        (angle_rad, model.place_torque_mnm(&motion) + model.friction_mnm(&motion, direction))
+    };
+    let (position, load) = rows.map(felt).unzip();
     Curve { axis: Axis::Rotary, position, load, ..Curve::default() }
 }
 

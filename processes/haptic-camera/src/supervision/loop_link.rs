@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
 use shared_types::services::{
     self, ControlClient, FIT_UPDATES, LOOP_STATUS, MessageSubscriber, PROCESS_HEALTH, RigNode, TextSubscriber,
 };
@@ -14,6 +13,11 @@ use super::ModelStart;
 
 /// Longest wait for the loop's answer to a request.
 const ANSWER: Duration = Duration::from_secs(2);
+
+/// Why a request did not go out.
+pub(crate) fn unsent(error: impl std::fmt::Debug) -> anyhow::Error {
+    anyhow::anyhow!("{error:?}").context("the request could not be sent to the control loop")
+}
 
 pub(crate) struct LoopLink {
     control: ControlClient,
@@ -127,11 +131,8 @@ impl LoopLink {
     }
 
     pub(crate) fn request(&self, kind: CommandKind) -> anyhow::Result<()> {
-        let pending = self
-            .control
-            .send_copy(ControlRequest { kind: kind.code(), reserved: 0 })
-            .map_err(|error| anyhow::anyhow!("{error:?}"))
-            .context("the request could not be sent to the control loop")?;
+        let request = ControlRequest { kind: kind.code(), reserved: 0 };
+        let pending = self.control.send_copy(request).map_err(unsent)?;
         let deadline = Instant::now() + ANSWER;
         while Instant::now() < deadline {
             if let Ok(Some(answer)) = pending.receive() {

@@ -28,6 +28,7 @@ use child::Child;
 pub(crate) use child::{program, program_path};
 use consumers::Consumers;
 use loop_link::LoopLink;
+pub(crate) use loop_link::unsent;
 use progress::Progress;
 pub(crate) use progress::Shown;
 use run_end::fault_words;
@@ -148,11 +149,8 @@ impl SupervisedRun {
             let had_ended = control_loop.has_ended();
             control_loop.end(LOOP_ENDS);
             consumers.end();
-            anyhow::ensure!(
-                !had_ended,
-                "the control loop ended before the run began ({})",
-                control_loop.end_in_words()
-            );
+            let how = control_loop.end_in_words();
+            anyhow::ensure!(!had_ended, "the control loop ended before the run began ({how})");
             return Err(error);
         }
         let mut rule = self.until.map(StopRule::new);
@@ -181,12 +179,11 @@ impl SupervisedRun {
             }
             consumers.revive(&link);
             progress.show(&link);
-            if !stopped_by_operator && is_enough_known(rule.as_mut(), &link) {
-                stop(&link, control_loop);
-            }
-            if interrupted.load(Ordering::Acquire) && !stopped_by_operator {
-                stopped_by_operator = true;
-                stop(&link, control_loop);
+            if !stopped_by_operator {
+                stopped_by_operator = interrupted.load(Ordering::Acquire);
+                if is_enough_known(rule.as_mut(), &link) || stopped_by_operator {
+                    stop(&link, control_loop);
+                }
             }
             if control_loop.silence() > LOOP_HUNG {
                 remark("the control loop does not respond and is killed");
@@ -261,27 +258,24 @@ fn wait_for_loop(control_loop: &mut Child, interrupted: &AtomicBool) -> anyhow::
             say_why_unless_said(control_loop, "the control loop ended before it was ready", next);
             return Ok(None);
         }
-        match &mut link {
+        if let Some(open) = &mut link {
+            open.listen();
+            match LoopState::from_code(open.status.state) {
+                Some(LoopState::Armed) => return Ok(link),
+                // The description comes a little after the status.
+                Some(LoopState::Fault) if !open.run.apparatus.is_empty() || Instant::now() >= deadline => {
+                    let fault = fault_words(&open.run, &open.status).unwrap_or_default();
+                    remark(format!("the run did not begin: {fault}"));
+                    return Ok(None);
+                }
+                _ => {}
+            }
+        } else if control_loop.age() > HOLDS_RIG {
             // Only once the loop holds the rig are its services its own.
-            None if control_loop.age() > HOLDS_RIG => match LoopLink::open(control_loop.id()) {
+            match LoopLink::open(control_loop.id()) {
                 // The loop may be making them just now.
                 Err(error) if control_loop.age() > SERVICES_THERE => return Err(error),
                 opened => link = opened.ok(),
-            },
-            None => {}
-            Some(open) => {
-                open.listen();
-                match LoopState::from_code(open.status.state) {
-                    Some(LoopState::Armed) => return Ok(link),
-                    // The description comes a little after the status.
-                    Some(LoopState::Fault) if open.run.apparatus.is_empty() && Instant::now() < deadline => {}
-                    Some(LoopState::Fault) => {
-                        let fault = fault_words(&open.run, &open.status).unwrap_or_default();
-                        remark(format!("the run did not begin: {fault}"));
-                        return Ok(None);
-                    }
-                    _ => {}
-                }
             }
         }
         anyhow::ensure!(!interrupted.load(Ordering::Acquire), "stopped before the run began");

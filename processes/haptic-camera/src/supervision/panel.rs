@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use dynamics::effects::{detent, friction, inertia};
 use identification::live::{Convergence, LiveParameter, USUAL_SHARE};
 use shared_types::{FitUpdate, LATENESS_BIN_EDGES_NS, LoopStatus, ProcessKind};
 
@@ -20,12 +21,9 @@ const STREAM_HISTORY: Duration = Duration::from_secs(8);
 
 /// Time in the run, beside the bar.
 pub(super) fn time(link: &LoopLink, planned_steps: Option<u64>) -> String {
-    let rate_hz = link.status.rate_hz.max(1.0);
-    let planned_s = planned_steps.map(|_| link.status.planned_ticks as f64 / rate_hz);
-    match planned_s {
-        Some(planned_s) if planned_s > 0.0 => format!("{:.1} of {planned_s:.1} s", link.elapsed_s()),
-        _ => format!("{:.1} s", link.elapsed_s()),
-    }
+    let planned_s = planned_steps.map(|_| link.status.planned_ticks as f64 / link.status.rate_hz.max(1.0));
+    let planned = planned_s.filter(|planned_s| *planned_s > 0.0);
+    format!("{:.1}{} s", link.elapsed_s(), planned.map_or_else(String::new, |planned_s| format!(" of {planned_s:.1}")))
 }
 
 /// All below the bar.
@@ -42,7 +40,9 @@ fn table(fit: Option<&FitUpdate>, until: Option<Share>) -> String {
     let mut text =
         format!("{:<18}{:>12}{:>13}{:>9}  {:<12}needs ± {asked} %\n", "parameter", "so far", "95 %", "share", "unit");
     let estimate = fit.map(estimate_of);
-    for kind in parameters() {
+    // The parameters of equation 1 in its order.
+    let effects = [&inertia::KIND, &friction::KIND, &detent::KIND];
+    for kind in effects.into_iter().flat_map(|kind| kind.parameters) {
         let known = estimate.as_ref().and_then(|estimate| estimate.parameter(kind.name));
         let [value, half_width, share] = cells(known);
         let word = known.map_or("", word);
@@ -50,12 +50,6 @@ fn table(fit: Option<&FitUpdate>, until: Option<Share>) -> String {
         let _ = writeln!(text, "{}", line.trim_end());
     }
     text
-}
-
-/// The parameters of equation 1 in its order.
-fn parameters() -> impl Iterator<Item = &'static dynamics::ParameterKind> {
-    use dynamics::effects::{detent, friction, inertia};
-    [&inertia::KIND, &friction::KIND, &detent::KIND].into_iter().flat_map(|kind| kind.parameters)
 }
 
 /// Value, half width and its share of the value.
@@ -113,13 +107,10 @@ fn time_in_words(ns: u64) -> String {
 /// Ticks missed and samples lost, by whom.
 pub(super) fn losses(link: &LoopLink) -> String {
     let status = &link.status;
-    let lost_by = |kind: ProcessKind| link.health_of(kind).map_or(0, |health| health.lost_samples);
-    let lost: Vec<(&str, u64)> = [ProcessKind::Recorder, ProcessKind::LiveFitter, ProcessKind::Viewer]
-        .into_iter()
-        .map(|kind| (kind.name(), lost_by(kind)))
-        .chain([("control loop", status.dropped_samples)])
-        .filter(|(_, samples)| *samples > 0)
-        .collect();
+    let lost_by = |kind: ProcessKind| (kind.name(), link.health_of(kind).map_or(0, |health| health.lost_samples));
+    let consumers = [ProcessKind::Recorder, ProcessKind::LiveFitter, ProcessKind::Viewer].map(lost_by);
+    let mut lost = [consumers.as_slice(), &[("control loop", status.dropped_samples)]].concat();
+    lost.retain(|(_, samples)| *samples > 0);
     let restarts: u32 = link.health.iter().map(|health| health.restarts).sum();
     let mut words = format!("{} ticks missed", status.missed_ticks);
     let (absence, longest) = (link.absence_of_recorder(), link.longest_absence_of_recorder());

@@ -102,14 +102,11 @@ impl RunEnd {
     pub(crate) fn settle(&self, archived: &Archived) -> Outcome {
         let account = archived.rig.in_words(&self.run, self.status.device_code.cast_signed());
         account.iter().for_each(|line| say(format!("rig      {line}")));
-        let is_cut = self.is_ended_on_purpose() || self.loop_failed || self.fault_words().is_some();
+        let is_enough_known = self.achieved.as_ref().is_some_and(|achieved| achieved.ended_s.is_some());
+        let is_cut = self.interrupted || is_enough_known || self.loop_failed || self.fault_words().is_some();
         let losses = losses(&self.status, archived, is_cut);
         losses.iter().for_each(remark);
         self.outcome(!losses.is_empty() || self.recorder_exit == Some(3))
-    }
-
-    fn is_ended_on_purpose(&self) -> bool {
-        self.interrupted || self.achieved.as_ref().is_some_and(|achieved| achieved.ended_s.is_some())
     }
 
     fn outcome(&self, is_data_lost: bool) -> Outcome {

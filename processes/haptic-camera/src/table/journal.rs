@@ -1,18 +1,24 @@
-//! The rows that are there before the table is, a line each: what a killed call leaves and the next one goes on from.
+//! The rows that are there before the table is, a line each: what a killed call leaves and the next one goes on from. At the end
+//! they become the table, an Apache Parquet file.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
-use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};
+use std::io::{BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use analysis::{Cell, Row};
 use anyhow::{Context as _, bail};
 use archive::ArchiveError;
 use archive::whole_file::{Replace, beside, write_whole};
+use parquet::basic::{Repetition, Type as PhysicalType};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use sheet::Specification;
 
 use super::Seen;
-use super::parquet_file::Table;
+use crate::parquet_file::{begin, software, write_column};
 
 /// Rows that are written at once: what memory holds of a table of any length.
 const ROWS_AT_ONCE: usize = 4096;
@@ -24,15 +30,15 @@ const ERROR: usize = 1;
 pub(super) struct Journal<'spec> {
     specification: Option<&'spec Specification>,
     table: PathBuf,
-    place: PathBuf,
+    pub(super) place: PathBuf,
     file: File,
     /// Where each file's line begins.
     lines: HashMap<Seen, u64>,
     end: u64,
 }
 
-/// A line: path, bytes and time of the file, then the row's cells as text, in which a number reads back to the last bit.
-type Line = (PathBuf, u64, String, Vec<Option<String>>);
+/// A line: the file, then the row's cells as text, in which a number reads back to the last bit.
+type Line = (Seen, Vec<Option<String>>);
 
 impl<'spec> Journal<'spec> {
     /// The journal of a table, with the files whose rows it has; a line that was cut off is written again, and so is everything
@@ -71,14 +77,10 @@ impl<'spec> Journal<'spec> {
         Ok((Self { specification, table: table.to_owned(), place, file, lines, end }, done))
     }
 
-    pub(super) fn place(&self) -> &Path {
-        &self.place
-    }
-
     /// Keeps a row: it is there whatever happens afterwards.
     pub(super) fn add(&mut self, seen: &Seen, row: &Row) -> anyhow::Result<()> {
         let cells = row.cells().iter().map(|(_, cell)| written(cell)).collect();
-        let line: Line = (seen.path.clone(), seen.bytes, seen.written_ns.to_string(), cells);
+        let line: Line = (seen.clone(), cells);
         let text = serde_json::to_string(&line)? + "\n";
         let full = || format!("{} cannot be written; free some space and run again", self.place.display());
         self.file.write_all(text.as_bytes()).with_context(full)?;
@@ -92,14 +94,14 @@ impl<'spec> Journal<'spec> {
         let columns = Row::columns(self.specification);
         let mut write_rows = |place| -> anyhow::Result<usize> {
             let mut wrong = 0;
-            let mut table = Table::begin(place, self.specification)?;
+            let mut table = begin_table(place, &columns, self.specification)?;
             for files in files.chunks(ROWS_AT_ONCE) {
                 let rows = files.iter().map(|file| read_back(&mut self.file, self.lines[file], &columns));
                 let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
                 wrong += rows.iter().filter(|cells| matches!(cells[ERROR], Cell::Text(Some(_)))).count();
-                table.add(&rows)?;
+                add_group(&mut table, &columns, &rows)?;
             }
-            table.end()?;
+            table.close()?;
             Ok(wrong)
         };
         let failed = |error| ArchiveError::File { path: self.table.clone(), error: std::io::Error::other(error) };
@@ -118,7 +120,7 @@ fn written(cell: &Cell) -> Option<String> {
 }
 
 fn parsed(line: &str, columns: &[(String, Cell)]) -> Option<(Seen, Vec<Cell>)> {
-    let (path, bytes, written_ns, texts): Line = serde_json::from_str(line).ok()?;
+    let (seen, texts): Line = serde_json::from_str(line).ok()?;
     if texts.len() != columns.len() {
         return None;
     }
@@ -130,8 +132,7 @@ fn parsed(line: &str, columns: &[(String, Cell)]) -> Option<(Seen, Vec<Cell>)> {
             Cell::Real(_) => Cell::Real(Some(text.parse().ok()?)),
         })
     };
-    let cells = texts.into_iter().zip(columns).map(cell).collect::<Option<Vec<_>>>()?;
-    Some((Seen { path, bytes, written_ns: written_ns.parse().ok()? }, cells))
+    Some((seen, texts.into_iter().zip(columns).map(cell).collect::<Option<Vec<_>>>()?))
 }
 
 fn read_back(journal: &mut File, start: u64, columns: &[(String, Cell)]) -> anyhow::Result<Vec<Cell>> {
@@ -140,4 +141,68 @@ fn read_back(journal: &mut File, start: u64, columns: &[(String, Cell)]) -> anyh
     BufReader::new(journal).read_line(&mut line)?;
     let (_, cells) = parsed(&line, columns).context("the journal was changed in the meantime; make the table again")?;
     Ok(cells)
+}
+
+/// Begins the table; the units of its columns go into its key-value metadata.
+fn begin_table(
+    place: BufWriter<File>,
+    columns: &[(String, Cell)],
+    specification: Option<&Specification>,
+) -> Result<SerializedFileWriter<BufWriter<File>>, ParquetError> {
+    let fields = columns.iter().map(|(name, empty)| (name.as_str(), physical(empty)));
+    let unit =
+        |(name, _): &(String, Cell)| Some((format!("unit.{name}"), Row::unit_of(name, specification)?.to_owned()));
+    let metadata = columns.iter().filter_map(unit).chain([software()]);
+    begin(place, "captures", fields, Repetition::OPTIONAL, metadata, WriterProperties::builder())
+}
+
+/// Adds a group of rows, each with a cell for every column.
+fn add_group(
+    table: &mut SerializedFileWriter<BufWriter<File>>,
+    columns: &[(String, Cell)],
+    rows: &[Vec<Cell>],
+) -> Result<(), ParquetError> {
+    let mut group = table.next_row_group()?;
+    for (place, (_, empty)) in columns.iter().enumerate() {
+        let cells = rows.iter().map(|row| &row[place]);
+        match empty {
+            Cell::Text(_) => write::<ByteArrayType>(&mut group, cells.map(text))?,
+            Cell::Count(_) => write::<Int64Type>(&mut group, cells.map(count))?,
+            Cell::Real(_) => write::<DoubleType>(&mut group, cells.map(real))?,
+        }
+    }
+    group.close().map(drop)
+}
+
+fn physical(empty: &Cell) -> PhysicalType {
+    match empty {
+        Cell::Text(_) => PhysicalType::BYTE_ARRAY,
+        Cell::Count(_) => PhysicalType::INT64,
+        Cell::Real(_) => PhysicalType::DOUBLE,
+    }
+}
+
+fn text(cell: &Cell) -> Option<ByteArray> {
+    if let Cell::Text(Some(text)) = cell { Some(ByteArray::from(text.as_str())) } else { None }
+}
+
+fn count(cell: &Cell) -> Option<i64> {
+    if let Cell::Count(Some(count)) = cell { i64::try_from(*count).ok() } else { None }
+}
+
+fn real(cell: &Cell) -> Option<f64> {
+    if let Cell::Real(real) = cell { *real } else { None }
+}
+
+/// Writes a column: the values that are there, and for each row whether it has one.
+fn write<Kind: DataType>(
+    group: &mut SerializedRowGroupWriter<'_, BufWriter<File>>,
+    cells: impl Iterator<Item = Option<Kind::T>>,
+) -> Result<(), ParquetError> {
+    let (mut there, mut values) = (Vec::new(), Vec::new());
+    for cell in cells {
+        there.push(i16::from(cell.is_some()));
+        values.extend(cell);
+    }
+    write_column::<Kind, _>(group, &values, Some(&there))
 }

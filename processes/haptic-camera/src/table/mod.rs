@@ -4,7 +4,6 @@
 //! killed goes on where it was when it is made again. The journal becomes the table, sorted by file.
 
 mod journal;
-mod parquet_file;
 
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -16,9 +15,10 @@ use analysis::{Row, load_specification};
 use anyhow::{Context as _, ensure};
 use clap::Args;
 use indicatif::ProgressBar;
+use serde::{Deserialize, Serialize};
 use sheet::Specification;
 
-use crate::outcome::{Outcome, remark, say};
+use crate::outcome::{remark, say};
 use crate::terminal;
 use journal::Journal;
 
@@ -39,29 +39,28 @@ pub struct TableOptions {
 }
 
 /// Makes the table; a capture that cannot be read or fitted is a row.
-pub fn run(options: &TableOptions) -> anyhow::Result<Outcome> {
-    let files = captures(&options.folders)?;
+pub fn run(options: &TableOptions) -> anyhow::Result<()> {
+    let mut files = Vec::new();
+    options.folders.iter().try_for_each(|folder| add(folder, &mut files))?;
+    files.sort();
+    files.dedup();
     ensure!(!files.is_empty(), "no .mcap or .csv file in the folders; give folders of captures");
     let specification = options.spec.as_deref().map(load_specification).transpose()?;
     let (mut journal, done) = Journal::open(&options.out, specification.as_ref())?;
     let left: Vec<&Seen> = files.iter().filter(|file| !done.contains(*file)).collect();
-    if left.len() < files.len() {
-        remark(format!(
-            "{} of {} captures are in {} already",
-            files.len() - left.len(),
-            files.len(),
-            journal.place().display()
-        ));
+    let made = files.len() - left.len();
+    if made > 0 {
+        remark(format!("{made} of {} captures are in {} already", files.len(), journal.place.display()));
     }
     let bar = terminal::bar(Some(files.len() as u64), "{bar:24} {pos}/{len} captures, {per_sec}, {eta} left");
-    bar.set_position((files.len() - left.len()) as u64);
+    bar.set_position(made as u64);
     let jobs = options.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
     let added = add_rows(&left, specification.as_ref(), jobs, &mut journal, &bar);
     bar.finish_and_clear();
     added?;
     let wrong = journal.into_table(&files)?;
     say(format!("{}: {} captures, {wrong} of them with an error", options.out.display(), files.len()));
-    Ok(Outcome::Done)
+    Ok(())
 }
 
 /// Fits the captures on so many threads and keeps each row as it comes.
@@ -102,24 +101,14 @@ fn add_rows(
 }
 
 /// A file as it was seen; one that was changed since is another.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 struct Seen {
     path: PathBuf,
     bytes: u64,
-    written_ns: u128,
+    written_ns: u64,
 }
 
-/// All `.mcap` and `.csv` files, by their paths, each once.
-fn captures(folders: &[PathBuf]) -> anyhow::Result<Vec<Seen>> {
-    let mut files = Vec::new();
-    for folder in folders {
-        add(folder, &mut files)?;
-    }
-    files.sort();
-    files.dedup();
-    Ok(files)
-}
-
+/// Adds all captures in a folder and in the folders in it.
 fn add(folder: &Path, files: &mut Vec<Seen>) -> anyhow::Result<()> {
     let unreadable = || format!("the folder {} cannot be read; give folders of captures", folder.display());
     for entry in std::fs::read_dir(folder).with_context(unreadable)? {
@@ -129,11 +118,10 @@ fn add(folder: &Path, files: &mut Vec<Seen>) -> anyhow::Result<()> {
         if entry.file_type().with_context(unreadable)?.is_dir() {
             add(&path, files)?;
         } else if path.extension().is_some_and(|ending| ["mcap", "csv", "mf4"].iter().any(|known| ending == *known)) {
-            let (bytes, written_ns) = entry.metadata().map_or((0, 0), |metadata| {
-                let written = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-                (metadata.len(), written.map_or(0, |time| time.as_nanos()))
-            });
-            files.push(Seen { path, bytes, written_ns });
+            let metadata = entry.metadata().ok();
+            let written = metadata.as_ref().and_then(|file| file.modified().ok()?.duration_since(UNIX_EPOCH).ok());
+            let written_ns = written.map_or(0, |time| time.as_nanos() as u64);
+            files.push(Seen { path, bytes: metadata.map_or(0, |file| file.len()), written_ns });
         }
     }
     Ok(())
