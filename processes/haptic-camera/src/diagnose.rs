@@ -6,7 +6,6 @@ use std::process::{Command, Stdio};
 use analysis::{DiagnosisResult, diagnosed_model, refuse_drawn};
 use anyhow::Context as _;
 use clap::Args;
-use dynamics::Model;
 use identification::diagnosis::{Diagnosis, Progress, Row};
 use loaded_capture::LoadedCapture;
 use report::DiagnosisPage;
@@ -45,7 +44,10 @@ pub fn run(options: &DiagnoseOptions) -> anyhow::Result<()> {
     let load = |path: &Path| load::load_chosen(path, &options.columns);
     let train = load(&options.train)?;
     let heldout = options.heldout.as_deref().map(load).transpose()?;
-    let model = options.model.as_deref().map(starting_model).transpose()?;
+    let model = options.model.as_deref().map(load::model).transpose()?;
+    if let Some((model, path)) = model.as_ref().zip(options.model.as_ref()) {
+        refuse_drawn(model, &path.display().to_string())?;
+    }
     let found = with_progress(|progress| Ok(analysis::diagnose(&train, heldout.as_ref(), model, Some(progress))?))?;
     show_on(train.capture.axis, diagnosis_text::lines(&found));
     write_if_asked(&options.out, kind::DIAGNOSED_MODEL, || diagnosed_model(&found, &train).to_toml())?;
@@ -98,12 +100,6 @@ pub fn record(
         .context("the viewer's program cannot be started; build the whole workspace")?;
     anyhow::ensure!(ended.success(), "{} is not written; see the viewer's error above", path.display());
     Ok(())
-}
-
-fn starting_model(path: &Path) -> anyhow::Result<Model> {
-    let model = load::model(path)?;
-    refuse_drawn(&model, &path.display().to_string())?;
-    Ok(model)
 }
 
 /// Makes a diagnosis while a bar shows how far it is.

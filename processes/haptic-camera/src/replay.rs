@@ -51,7 +51,6 @@ pub struct ReplayOptions {
 }
 
 impl ReplayOptions {
-    #[must_use]
     pub fn request(&self) -> RunRequest {
         let Self { model, name, nearest, hand, amplitude, duration_s, pace, rig, run, .. } = self;
         let mut request = RunRequest {
@@ -80,15 +79,9 @@ pub fn run(options: &ReplayOptions) -> anyhow::Result<Outcome> {
     let request = options.request();
     let claim = claim_archive(&options.run.out, request.knob_name(), "replay-")?;
     let axis = rt_loop::rigs::file(&request.rig)?.axis;
-    let run = SupervisedRun {
-        in_words: in_words(options, axis, &request),
-        request,
-        offline: options.run.offline,
-        viewer: options.run.viewer(),
-        archive: claim.archive().to_owned(),
-        until: None,
-        shown: Shown::Rendering,
-    };
+    let in_words = in_words(options, axis, &request);
+    let run = SupervisedRun::new(in_words, request, claim.archive().to_owned(), options.run.offline);
+    let run = SupervisedRun { viewer: options.run.viewer(), shown: Shown::Rendering, ..run };
     match run.take(&interrupted)? {
         Some(end) => conclude(&run.archive, &end),
         None => Ok(Outcome::Failed),

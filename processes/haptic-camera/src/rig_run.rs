@@ -9,7 +9,7 @@ use rt_loop::request::{Pace, RigRequest, RunRequest};
 
 use crate::command_line::RigOptions;
 use crate::outcome::Outcome;
-use crate::supervision::{Shown, SupervisedRun};
+use crate::supervision::SupervisedRun;
 
 /// A run through a sweep with something else on the rig than a knob: `none`, or `locked`.
 pub fn request(on_it: &str, sweep: &str, duration_s: f64, pace: Pace, rig: RigRequest) -> RunRequest {
@@ -37,14 +37,7 @@ pub fn archive(
         "hold" if request.torque => "reading the rig without torque".to_owned(),
         sweep => format!("{turned} with {sweep}"),
     };
-    let run = SupervisedRun {
-        in_words: format!("{done} for {} s", request.duration_s),
-        archive: folder.join(format!("{}.mcap", request.knob_name())),
-        request,
-        offline: rig.offline,
-        viewer: None,
-        until: None,
-        shown: Shown::Time,
-    };
-    run.complete(interrupted)
+    let in_words = format!("{done} for {} s", request.duration_s);
+    let archive = folder.join(format!("{}.mcap", request.knob_name()));
+    SupervisedRun::new(in_words, request, archive, rig.offline).complete(interrupted)
 }

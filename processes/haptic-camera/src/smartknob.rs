@@ -8,6 +8,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use serde::Serialize;
 use shared_types::Axis;
 use sheet::{Branch, Sheet};
 
@@ -22,28 +23,39 @@ const SUPPLY_V: f64 = 5.0;
 /// Steps from one position to the next.
 const STEPS: u32 = 60;
 
-/// A configuration of the firmware.
+/// A configuration of the firmware: the message `SmartKnobConfig` of `proto/smartknob.proto`, field by field.
+#[derive(Serialize)]
 pub struct SmartKnob {
-    /// Its text.
-    pub name: Cow<'static, str>,
     /// Number of positions; 0 for no bounds.
-    pub positions: u32,
-    /// Width of a position, degrees.
-    pub width_deg: f64,
-    pub detent_strength: f64,
-    pub endstop_strength: f64,
+    pub num_positions: u32,
+    /// The position that it begins in.
+    pub position: i32,
+    pub position_width_radians: f64,
+    pub detent_strength_unit: f64,
+    pub endstop_strength_unit: f64,
     /// Widths from the middle at which the position changes.
     pub snap_point: f64,
+    pub text: Cow<'static, str>,
 }
 
 const fn knob(
-    name: &'static str,
-    positions: u32,
+    text: &'static str,
+    num_positions: u32,
     width_deg: f64,
-    [detent_strength, endstop_strength]: [f64; 2],
+    [detent_strength_unit, endstop_strength_unit]: [f64; 2],
     snap_point: f64,
 ) -> SmartKnob {
-    SmartKnob { name: Cow::Borrowed(name), positions, width_deg, detent_strength, endstop_strength, snap_point }
+    let (position, position_width_radians) = (0, width_deg.to_radians());
+    let text = Cow::Borrowed(text);
+    SmartKnob {
+        num_positions,
+        position,
+        position_width_radians,
+        detent_strength_unit,
+        endstop_strength_unit,
+        snap_point,
+        text,
+    }
 }
 
 /// The configurations that the firmware ships. The last has detents at 4 of its 32 positions only; one of these is shown.
@@ -61,30 +73,25 @@ pub const ALL: [SmartKnob; 10] = [
 ];
 
 impl SmartKnob {
-    /// Width of a position, rad.
-    pub fn width_rad(&self) -> f64 {
-        self.width_deg.to_radians()
-    }
-
     /// Angle over which it is shown, rad: four positions at most.
     pub fn reach_rad(&self) -> f64 {
-        let last = if self.positions == 0 { 3 } else { (self.positions - 1).min(3) };
-        (f64::from(last) + 1.6) * self.width_rad()
+        let last = if self.num_positions == 0 { 3 } else { (self.num_positions - 1).min(3) };
+        (f64::from(last) + 1.6) * self.position_width_radians
     }
 
     /// Largest voltage against leaving a position, V.
     pub fn peak_v(&self) -> f64 {
-        self.volts(self.snap_point * self.width_rad(), self.detent_strength)
+        self.volts(self.snap_point * self.position_width_radians, self.detent_strength_unit)
     }
 
     fn volts(&self, off_rad: f64, strength: f64) -> f64 {
-        let dead = (DEAD_SHARE * self.width_rad()).min(DEAD_RAD);
+        let dead = (DEAD_SHARE * self.position_width_radians).min(DEAD_RAD);
         (V_PER_RAD * strength * (off_rad - off_rad.clamp(-dead, dead))).clamp(-SUPPLY_V, SUPPLY_V)
     }
 
     /// The volts that a slow hand feels against it, there and back from below the first position.
     pub fn sheet(&self) -> Sheet {
-        let width = self.width_rad();
+        let width = self.position_width_radians;
         let step = width / f64::from(STEPS);
         let steps = (0..).take_while(|index| f64::from(*index) * step <= self.reach_rad()).count();
         let first = -0.8 * width;
@@ -117,8 +124,8 @@ impl Turned<'_> {
     /// The volts against leaving the position at that angle, rad.
     pub fn volts_at(&mut self, angle_rad: f64) -> f64 {
         let knob = self.knob;
-        let width = knob.width_rad();
-        let ends = (knob.positions > 0).then(|| [0, i32::try_from(knob.positions - 1).unwrap_or(i32::MAX)]);
+        let width = knob.position_width_radians;
+        let ends = (knob.num_positions > 0).then(|| [0, i32::try_from(knob.num_positions - 1).unwrap_or(i32::MAX)]);
         let off = |position: i32| angle_rad - f64::from(position) * width;
         if off(self.position) > knob.snap_point * width && ends.is_none_or(|[_, last]| self.position < last) {
             self.position += 1;
@@ -128,6 +135,6 @@ impl Turned<'_> {
         let off = off(self.position);
         let beyond =
             ends.is_some_and(|[first, last]| self.position == first && off < 0.0 || self.position == last && off > 0.0);
-        knob.volts(off, if beyond { knob.endstop_strength } else { knob.detent_strength })
+        knob.volts(off, if beyond { knob.endstop_strength_unit } else { knob.detent_strength_unit })
     }
 }

@@ -81,15 +81,9 @@ pub fn run(options: &CaptureOptions) -> anyhow::Result<Outcome> {
 }
 
 fn supervised(options: &CaptureOptions, claim: &Claim) -> SupervisedRun {
-    SupervisedRun {
-        in_words: in_words(options),
-        request: options.request.clone(),
-        offline: options.run.offline,
-        viewer: options.run.viewer(),
-        archive: claim.archive().to_owned(),
-        until: options.until_ci,
-        shown: Shown::Fit,
-    }
+    let CaptureOptions { request, run, .. } = options;
+    let plain = SupervisedRun::new(in_words(options), request.clone(), claim.archive().to_owned(), run.offline);
+    SupervisedRun { viewer: run.viewer(), until: options.until_ci, shown: Shown::Fit, ..plain }
 }
 
 fn in_words(options: &CaptureOptions) -> String {

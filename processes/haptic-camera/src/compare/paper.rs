@@ -35,7 +35,8 @@ pub fn knob(name: &str) -> Option<PaperKnob> {
     let parameters = printed.flat_map(Effect::parameters).map(|(kind, value)| {
         let printed = PaperValue {
             value: true_value(&shipped, kind.name).unwrap_or(value),
-            printed: as_printed(kind.name, value),
+            // The tables give what resists turning negatively as a signed torque; a shipped knob keeps every other sign.
+            printed: if matches!(kind.name, "coulomb_negative" | "static_negative") { -value } else { value },
             unit: kind.unit,
         };
         (kind.name, printed)
@@ -47,11 +48,6 @@ pub fn knob(name: &str) -> Option<PaperKnob> {
 pub fn knob_of(model: &Model) -> Option<PaperKnob> {
     let same = |number: &u32| knobs::paper_knob(*number).is_ok_and(|shipped| shipped.effects == model.effects);
     (1..=5).find(same).and_then(|number| knob(&number.to_string()))
-}
-
-/// The tables give what resists turning negatively as a signed torque; a shipped knob keeps every other sign.
-fn as_printed(name: &str, value: f64) -> f64 {
-    if matches!(name, "coulomb_negative" | "static_negative") { -value } else { value }
 }
 
 #[cfg(test)]

@@ -24,24 +24,12 @@ const LONGEST_TEXT: usize = 50;
 /// What is written: the message, in protobuf's own JSON, and what it leaves out.
 #[derive(Serialize)]
 struct Exported {
-    smartknob_config: Configuration,
+    smartknob_config: SmartKnob,
     motor_mnm_per_v: f64,
     /// RMS torque that is left out along the motion.
     left_out_rms_mnm: f64,
     along: String,
     left_out: Vec<String>,
-}
-
-/// The message, field by field.
-#[derive(Serialize)]
-struct Configuration {
-    num_positions: u32,
-    position: i32,
-    position_width_radians: f64,
-    detent_strength_unit: f64,
-    endstop_strength_unit: f64,
-    snap_point: f64,
-    text: String,
 }
 
 /// Writes the configuration; gives what it leaves out, in words.
@@ -58,16 +46,18 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<String> {
     let middle_rad = rest.map_or(0.0, |rest| rest.angle_rad);
     let [first, positions] = positions(&model, middle_rad, width_deg.to_radians());
     let knob = SmartKnob {
-        // As much of it as the firmware takes.
-        name: model.name[..model.name.floor_char_boundary(LONGEST_TEXT)].to_owned().into(),
-        positions: u32::try_from(positions).unwrap_or(0),
-        width_deg,
-        detent_strength: rest.map_or(0.0, |rest| strength(rest.stiffness_mnm_rad)),
-        endstop_strength: stiffest_end_stop_mnm_rad(&model).map_or(0.0, strength),
+        num_positions: u32::try_from(positions).unwrap_or(0),
+        // The firmware counts against the angle.
+        position: (positions - 1 + first).max(0),
+        position_width_radians: width_deg.to_radians(),
+        detent_strength_unit: rest.map_or(0.0, |rest| strength(rest.stiffness_mnm_rad)),
+        endstop_strength_unit: stiffest_end_stop_mnm_rad(&model).map_or(0.0, strength),
         snap_point: SNAP_POINT,
+        // As much of it as the firmware takes.
+        text: model.name[..model.name.floor_char_boundary(LONGEST_TEXT)].to_owned().into(),
     };
     let (motions, along) = motion(options, model.axis)?;
-    let first_rad = middle_rad + f64::from(first) * knob.width_rad();
+    let first_rad = middle_rad + f64::from(first) * knob.position_width_radians;
     let mut turned = Turned { knob: &knob, position: -first };
     let said: Vec<f64> =
         motions.iter().map(|motion| motor_mnm_per_v * turned.volts_at(motion.angle_rad - first_rad)).collect();
@@ -76,16 +66,7 @@ pub(super) fn write(options: &ExportOptions) -> anyhow::Result<String> {
         left_out: left_out(&model, table.as_ref()),
         motor_mnm_per_v,
         along,
-        smartknob_config: Configuration {
-            num_positions: knob.positions,
-            // The firmware counts against the angle.
-            position: (positions - 1 + first).max(0),
-            position_width_radians: knob.width_rad(),
-            detent_strength_unit: knob.detent_strength,
-            endstop_strength_unit: knob.endstop_strength,
-            snap_point: knob.snap_point,
-            text: knob.name.clone().into_owned(),
-        },
+        smartknob_config: knob,
     };
     write_json(model.axis, &Some(options.out.clone()), &exported)?;
     let mut words = format!("leaves out {:.6} mNm RMS along {}", exported.left_out_rms_mnm, exported.along);

@@ -294,6 +294,8 @@ fn with(text: &str, axis: Axis, known: Known) -> anyhow::Result<String> {
         "its calibration is in another file (calibration_file): enter the values there"
     );
     let table = document.entry("calibration").or_insert(toml_edit::table());
+    // Four digits: no more are known.
+    let rounded = |number: f64| format!("{number:.3e}").parse().unwrap_or(number);
     for (key, number) in known.into_iter().filter_map(|(key, number)| Some((axis.words(key), rounded(number?)))) {
         let key = key.as_ref();
         match table.get_mut(key).and_then(Item::as_value_mut) {
@@ -312,11 +314,6 @@ fn with(text: &str, axis: Axis, known: Known) -> anyhow::Result<String> {
 
 /// Share by which a number of the file may differ from what was found and stay.
 const SAME_SHARE: f64 = 1e-3;
-
-/// Four digits: no more are known.
-fn rounded(number: f64) -> f64 {
-    format!("{number:.3e}").parse().unwrap_or(number)
-}
 
 #[cfg(test)]
 mod tests {

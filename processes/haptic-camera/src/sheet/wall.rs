@@ -86,17 +86,17 @@ fn slow_turn(model: &Model) -> Curve {
 }
 
 fn of_smartknob(knob: &smartknob::SmartKnob) -> WallKnob {
-    let positions = if knob.positions == 0 { "any number".to_owned() } else { knob.positions.to_string() };
+    let positions = if knob.num_positions == 0 { "any number".to_owned() } else { knob.num_positions.to_string() };
     let facts = [
         ("positions", positions),
-        ("width", format!("{}°", short(knob.width_deg))),
-        ("detent strength", short(knob.detent_strength)),
-        ("end stop strength", short(knob.endstop_strength)),
+        ("width", format!("{}°", short(knob.position_width_radians.to_degrees()))),
+        ("detent strength", short(knob.detent_strength_unit)),
+        ("end stop strength", short(knob.endstop_strength_unit)),
         ("snap point", short(knob.snap_point)),
         ("peak", format!("{} V", short(knob.peak_v()))),
     ];
     WallKnob {
-        name: knob.name.clone().into_owned(),
+        name: knob.text.clone().into_owned(),
         description: String::new(),
         sheet: knob.sheet(),
         reach_rad: knob.reach_rad(),

@@ -3,7 +3,6 @@
 mod child;
 mod consumers;
 mod loop_link;
-mod panel;
 mod progress;
 mod run_end;
 
@@ -90,6 +89,11 @@ pub(crate) fn archive_stem(knob: &str, before: &str) -> String {
 }
 
 impl SupervisedRun {
+    /// A run to its planned end without a live view, which shows how far it is.
+    pub(crate) fn new(in_words: String, request: RunRequest, archive: PathBuf, offline: bool) -> Self {
+        Self { in_words, request, offline, viewer: None, archive, until: None, shown: Shown::Time }
+    }
+
     /// Makes the run and its archive; `None` when the control loop itself said why it cannot run.
     pub(crate) fn take(&self, interrupted: &AtomicBool) -> anyhow::Result<Option<RunEnd>> {
         if self.offline {

@@ -57,17 +57,10 @@ pub fn run(options: &ReplayOptions, interrupted: &AtomicBool) -> anyhow::Result<
         |name: &str, hand: HandRequest, amplitude_rad: Option<f64>, duration_s: f64| -> anyhow::Result<PathBuf> {
             asked.duration_s = duration_s;
             (asked.rig.simulated.hand, asked.amplitude) = (Some(hand), amplitude_rad);
-            let run = SupervisedRun {
-                in_words: format!("rendering {} for the {name}, {duration_s} s", model.name),
-                request: asked.clone(),
-                offline: options.run.offline,
-                // Nobody watches four captures in a row.
-                viewer: None,
-                archive: folder.join(format!("{name}.mcap")),
-                until: None,
-                shown: Shown::Rendering,
-            };
-            let (archive, outcome) = run.complete(interrupted)?;
+            let in_words = format!("rendering {} for the {name}, {duration_s} s", model.name);
+            let archive = folder.join(format!("{name}.mcap"));
+            let run = SupervisedRun::new(in_words, asked.clone(), archive, options.run.offline);
+            let (archive, outcome) = SupervisedRun { shown: Shown::Rendering, ..run }.complete(interrupted)?;
             whole = whole.worse(outcome);
             // Once is enough.
             asked.rendering.iter_mut().for_each(|rendering| rendering.without_remarks = true);
