@@ -80,7 +80,10 @@ pub fn record(
     heldout: Option<&LoadedCapture>,
 ) -> anyhow::Result<()> {
     let [of_train, of_heldout] = &found.rows;
-    let capture = |role: &str, loaded: &LoadedCapture, rows: &[Row]| json!({ "role": role, "source": analysis::title(loaded), "rows": rows });
+    let capture = |role: &str, loaded: &LoadedCapture, rows: &[Row]| {
+        let source = analysis::title(loaded);
+        json!({ "role": role, "source": source, "rows": rows })
+    };
     let captures = [capture("training", train, of_train), capture("heldout", heldout.unwrap_or(train), of_heldout)];
     let recording = json!({ "diagnosis": found, "captures": captures });
     let folder = tempfile::tempdir().context("the recording's rows cannot be stored")?;

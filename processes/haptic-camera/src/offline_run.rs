@@ -94,8 +94,8 @@ fn armed(plan: Plan) -> anyhow::Result<(Box<dyn Apparatus>, ControlState)> {
     Ok((apparatus, state))
 }
 
-/// Makes the run tick by tick; every sample goes to `keep` as it comes, so that memory does not grow with the run, and which says
-/// whether the run may end.
+/// Makes the run tick by tick. Every sample goes to `keep` as it comes, so that memory does not grow with the run; true from it
+/// ends the run.
 fn turn(
     (mut apparatus, mut state): (Box<dyn Apparatus>, ControlState),
     rate_hz: f64,

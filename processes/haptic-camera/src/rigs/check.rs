@@ -91,7 +91,8 @@ fn check(capture: &Capture) -> Checked {
     let torque = reading("torque", "mNm", &capture.torque_mnm);
     let acceleration = capture.acceleration_rad_s2.as_ref().map(|column| reading("acceleration", "rad/s²", column));
     let contact = capture.contact.as_ref().map(|column| reading("contact", "1 if closed", column));
-    let after_us = capture.measured_after_s.as_ref().map(|after_s| (1e6 * mean(after_s), 1e6 * deviation(after_s)));
+    let after_us = |after_s: &Vec<f64>| (1e6 * mean(after_s), 1e6 * deviation(after_s));
+    let (read_after_us, read_after_sd_us) = capture.measured_after_s.as_ref().map(after_us).unzip();
     let missed_ticks = capture.ticks_without_sample().saturating_sub(capture.unmeasured_samples);
     let ticks = capture.len() as f64 + capture.unmeasured_samples as f64 + missed_ticks as f64;
     let mut amiss = Vec::new();
@@ -105,8 +106,8 @@ fn check(capture: &Capture) -> Checked {
         let (exchange_ms, period_ms) = (1e3 * capture.rig.mean_exchange_s, 1e3 / capture.rate_hz);
         let cause = if exchange_ms > SLOW_SHARE * period_ms {
             format!(
-                "an exchange with the rig takes {exchange_ms:.2} ms of a period of {period_ms:.2} ms: its driver or library waits; have it \
-                 return at once, or"
+                "an exchange with the rig takes {exchange_ms:.2} ms of a period of {period_ms:.2} ms: its driver or library \
+                 waits; have it return at once, or"
             )
         } else {
             "this machine cannot hold the rate;".to_owned()
@@ -133,8 +134,8 @@ fn check(capture: &Capture) -> Checked {
         samples: capture.len() as u64,
         missed_ticks,
         stale_ticks: capture.unmeasured_samples,
-        read_after_us: after_us.map(|(mean_us, _)| mean_us),
-        read_after_sd_us: after_us.map(|(_, deviation_us)| deviation_us),
+        read_after_us,
+        read_after_sd_us,
         watchdog,
         doubts: note("delay").into_iter().collect(),
         channels: [angle, torque].into_iter().chain(acceleration).chain(contact).collect(),

@@ -1,5 +1,5 @@
-//! The rows that are there before the table is, a line each: what a killed call leaves and the next one goes on from. At the end
-//! they become the table, an Apache Parquet file.
+//! The rows that are there before the table is, a line each: what a killed call leaves and the next one goes on from. At the
+//! end they become the table, an Apache Parquet file.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
@@ -89,7 +89,8 @@ impl<'spec> Journal<'spec> {
         Ok(())
     }
 
-    /// Writes the table of these files in their order and only then removes the journal; gives the number of rows with an error.
+    /// Writes the table of these files in their order, and only then removes the journal; gives the number of rows with an
+    /// error.
     pub(super) fn into_table(mut self, files: &[Seen]) -> anyhow::Result<usize> {
         let columns = Row::columns(self.specification);
         let mut write_rows = |place| -> anyhow::Result<usize> {
