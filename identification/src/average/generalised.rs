@@ -10,8 +10,8 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::observation::Observation;
-use super::{Agreement, position, scalar};
+use super::observation::{Observation, position};
+use super::{Agreement, scalar};
 
 /// Added to the ones of each correlation matrix, so that rounding does not make it indefinite.
 const RIDGE: f64 = 1e-9;

@@ -70,12 +70,11 @@ pub fn gravity(samples: &Samples<'_>, known: &Calibration) -> Result<Calibrated,
     };
     let square = amplitude * amplitude;
     Ok(Calibrated {
-        cogging: None,
         estimates: vec![
             estimate("gravity_amplitude_rad_s2", amplitude, "rad/s²", [0.0, sine / amplitude, cosine / amplitude]),
             estimate("gravity_phase_rad", cosine.atan2(sine), "rad", [0.0, -cosine / square, sine / square]),
             estimate("acceleration_zero_rad_s2", zero, "rad/s²", [1.0, 0.0, 0.0]),
         ],
-        notes: Vec::new(),
+        ..Calibrated::default()
     })
 }

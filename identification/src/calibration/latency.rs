@@ -13,7 +13,7 @@
 
 use dynamics::Calibration;
 
-use super::estimate::{CalibrateError, Calibrated, Estimate};
+use super::estimate::{CalibrateError, Calibrated, Estimate, check_command};
 use super::regression::{Band, Solved};
 use crate::Samples;
 use crate::preparation::compliance::knob_angle_rad;
@@ -90,9 +90,7 @@ pub fn command_latency(
     late_ticks: f64,
 ) -> Result<Estimate, CalibrateError> {
     samples.check()?;
-    if commanded_mnm.len() != samples.torque_mnm.len() || commanded_mnm.iter().any(|command| !command.is_finite()) {
-        return Err(CalibrateError::NoCommand);
-    }
+    check_command(samples, commanded_mnm)?;
     let driven = Samples { torque_mnm: commanded_mnm, acceleration_rad_s2: None, velocity_rad_s: None, ..*samples };
     let uniform = Uniform::of(&driven, None);
     let band = band(&uniform);

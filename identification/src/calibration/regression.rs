@@ -60,8 +60,7 @@ impl Band {
         };
         let mut columns: Vec<Vec<f64>> = columns.iter().map(|column| rows(column)).collect();
         let mut target = rows(target);
-        let free = vec![false; columns.len()];
-        let mut solution = LeastSquares::solve(&columns, &target, &free);
+        let mut solution = LeastSquares::solve(&columns, &target);
         let mut used = target.len();
         for _ in 0..ROUNDS {
             let mut distances: Vec<f64> = solution.residual.iter().map(|left| left.abs()).collect();
@@ -76,7 +75,7 @@ impl Band {
                 target[row] = 0.0;
                 columns.iter_mut().for_each(|column| column[row] = 0.0);
             }
-            solution = LeastSquares::solve(&columns, &target, &free);
+            solution = LeastSquares::solve(&columns, &target);
         }
         let RobustCovariance { matrix: covariance, degrees_of_freedom, .. } = solution.robust(&columns);
         let unexplained = rms(&solution.residual) / rms(&target).max(f64::MIN_POSITIVE);

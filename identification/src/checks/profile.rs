@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use dynamics::Direction;
 
-use super::series::{bridged, centred, longest_run, smoothed, without_shocks};
+use crate::preparation::spectrum::line;
 use crate::samples::{Samples, span};
-use crate::uncertainty::statistics::median;
+use crate::uncertainty::statistics::{mean, median, running, runs};
 
 /// Bins of angle in one turn: a detent needs some ten of them.
 pub(super) const BINS_PER_TURN: f64 = 1440.0;
@@ -14,6 +14,12 @@ pub(super) const BINS_PER_TURN: f64 = 1440.0;
 const CATCHING_UP_S: f64 = 0.02;
 /// A crossing counts once the torque has passed this share of the detents' amplitude on both sides.
 const HYSTERESIS: f64 = 0.4;
+/// Bins on either side over which the torque's median is taken, so that single shocks do not count, …
+const MEDIAN_REACH: usize = 2;
+/// … and over which it is then averaged before it is counted.
+const MEAN_REACH: usize = 1;
+/// Longest hole in the passed angles that is bridged, bins: 2°.
+const LONGEST_BRIDGE: usize = 8;
 
 /// Torque over angle where the knob passed both ways.
 pub(super) struct Profile {
@@ -75,17 +81,19 @@ impl Profile {
             bridged(&passed.map(|(sum, count)| (*count > 0.0).then(|| sum / count)).collect::<Vec<_>>())
         });
         let both: Vec<bool> = (0..bins).map(|at| sides[0][at].is_some() && sides[1][at].is_some()).collect();
-        let (first, length) = longest_run(&both);
+        let passed = runs(&both, |one, other| one == other).filter(|run| both[run.start]);
+        let run = passed.reduce(|longest, run| if run.len() > longest.len() { run } else { longest }).unwrap_or(0..0);
         let side = |side: usize| {
-            let torque: Vec<f64> = sides[side][first..first + length].iter().copied().flatten().collect();
-            centred(&smoothed(&without_shocks(&torque)))
+            let torque: Vec<f64> = sides[side][run.clone()].iter().copied().flatten().collect();
+            let without_shocks = running(&torque, MEDIAN_REACH, |near| median(&mut near.to_vec()));
+            without_line(&running(&without_shocks, MEAN_REACH, |near| mean(near)))
         };
         let (back, there) = (side(0), side(1));
         let product = |left: &[f64], right: &[f64]| left.iter().zip(right).map(|(a, b)| a * b).sum::<f64>();
         let scale = (product(&back, &back) * product(&there, &there)).sqrt();
         let mean: Vec<f64> = back.iter().zip(&there).map(|(a, b)| 0.5 * (a + b)).collect();
         Self {
-            first_rad: lowest + (first as f64 + 0.5) * width,
+            first_rad: lowest + (run.start as f64 + 0.5) * width,
             mean_mnm: mean,
             correlation: if scale > 0.0 { product(&back, &there) / scale } else { 0.0 },
         }
@@ -118,4 +126,31 @@ impl Profile {
         }
         crossings
     }
+}
+
+/// The values with short holes bridged by straight lines: missed ticks and slips leave such.
+#[allow(clippy::cast_precision_loss, reason = "a few bins")]
+fn bridged(values: &[Option<f64>]) -> Vec<Option<f64>> {
+    let mut bridged = values.to_vec();
+    let mut before: Option<(usize, f64)> = None;
+    for (index, value) in values.iter().enumerate() {
+        let Some(value) = *value else { continue };
+        if let Some((from, start)) = before
+            && index - from <= LONGEST_BRIDGE
+        {
+            let slope = (value - start) / (index - from) as f64;
+            (from + 1..index).for_each(|at| bridged[at] = Some(start + slope * (at - from) as f64));
+        }
+        before = Some((index, value));
+    }
+    bridged
+}
+
+/// The signal without its straight line.
+#[allow(clippy::cast_precision_loss, reason = "bins of some turns")]
+fn without_line(signal: &[f64]) -> Vec<f64> {
+    let places: Vec<f64> = (0..signal.len()).map(|at| at as f64).collect();
+    let (mean, slope) = line(signal, &places);
+    let middle = 0.5 * (signal.len() as f64 - 1.0);
+    signal.iter().zip(&places).map(|(value, at)| value - mean - slope * (at - middle)).collect()
 }

@@ -12,9 +12,9 @@ use realfft::{RealToComplex, num_complex::Complex};
 
 use crate::numerics::fourier;
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::{Band, KnobMotion};
+use crate::preparation::motion::Band;
 use crate::preparation::row_filter::RowFilter;
-use crate::regression::problem::Column;
+use crate::regression::problem::Problem;
 use crate::uncertainty::statistics::{median, quantile};
 
 /// Fewest periods that the travel must hold for a period to be estimated.
@@ -58,22 +58,15 @@ pub(crate) struct Scan {
 }
 
 impl Scan {
-    /// `base_rows` are the base columns as rows, `inverse` the inverse of their Gram matrix. `None` if
-    /// the travel supports no period at all.
+    /// `inverse` is the inverse of the Gram matrix of the base problem's columns. `None` if the travel supports no period at all.
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "indices of wavenumbers"
     )]
-    pub(crate) fn new(
-        row_filter: &RowFilter,
-        motion: &KnobMotion,
-        band: &Band,
-        angle_step_rad: f64,
-        base_rows: &[Column],
-        inverse: &DMatrix<f64>,
-    ) -> Option<Self> {
+    pub(crate) fn new(base: &Problem<'_>, inverse: &DMatrix<f64>, band: &Band, angle_step_rad: f64) -> Option<Self> {
+        let Problem { row_filter, motion, columns, .. } = base;
         let (offset_rad, _) = vector::extent(&motion.angle_rad)?;
         let (lowest, highest) = vector::extent_where(&motion.angle_rad, &row_filter.mask)?;
         let travel_rad = highest - lowest;
@@ -98,8 +91,7 @@ impl Scan {
         // A base column varies slowly, and low wavenumbers pass the rows' filter: rows alone will do.
         let angles: Vec<f64> = at_rows().map(|index| motion.angle_rad[index]).collect();
         let masks: Vec<f64> = at_rows().map(|index| row_filter.mask[index]).collect();
-        let mut columns: Vec<&[f64]> = base_rows.iter().map(|rows| &**rows).collect();
-        columns.push(&masks);
+        let columns: Vec<&[f64]> = columns.iter().map(|rows| &**rows).chain([&masks[..]]).collect();
         let mut base = coarse.sums_of(&columns, &angles);
         let weights = base.pop()?;
         let mut scan = Self {
@@ -134,8 +126,8 @@ impl Scan {
     }
 
     /// What a detent at each wavenumber would take off the residual's sum of squares, mNm².
-    pub(crate) fn powers(&self, row_filter: &RowFilter, motion: &KnobMotion, residual: &[f64]) -> Vec<f64> {
-        let target = self.fine.sums(&row_filter.spread(residual), &motion.angle_rad);
+    pub(crate) fn powers(&self, base: &Problem<'_>, residual: &[f64]) -> Vec<f64> {
+        let target = self.fine.sums(&base.row_filter.spread(residual), &base.motion.angle_rad);
         let found = target.get(self.first..).unwrap_or_default().iter().zip(&self.inverses);
         found.map(|(sum, inverse)| power(inverse, *sum)).collect()
     }

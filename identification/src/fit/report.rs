@@ -1,17 +1,18 @@
 //! Values, intervals and reasons from the settled problem.
 
+use std::ops::Deref;
+
 use dynamics::{Calibration, Effect, Part, effects};
 use nalgebra::{DMatrix, RowDVector};
 
 use super::misfit::Misfit;
 use super::trimmed::{RefusedDelay, Rows, Trimmed};
-use crate::estimate::{Covariance, Parameter, Parameters, Point};
+use crate::estimate::{Covariance, Fit, Parameter, Parameters, Point};
 use crate::numerics::vector::{self, dot};
-use crate::preparation::motion::{Band, KnobMotion};
-use crate::preparation::row_filter::RowFilter;
+use crate::preparation::motion::Band;
 use crate::regression::least_squares::RobustCovariance;
-use crate::regression::problem::Column;
-use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, plus_minus, rms, student_95};
+use crate::regression::problem::Problem;
+use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, mean, plus_minus, rms, student_95};
 
 /// A parameter whose interval spans this share of the torque's RMS, times its column, is not estimated.
 const HOPELESS: f64 = 0.5;
@@ -29,26 +30,15 @@ const ENTANGLED: f64 = 0.01;
 /// The settled problem with all that its words need.
 pub(crate) struct Report<'a> {
     pub(crate) trimmed: &'a Trimmed<'a>,
-    pub(crate) motion: &'a KnobMotion,
-    pub(crate) row_filter: &'a RowFilter,
     pub(crate) band: &'a Band,
     pub(crate) calibration: Option<&'a Calibration>,
     /// The rows, together with those next to standstill that the fit leaves out; `None` if it leaves out none.
     pub(crate) near: Option<Rows>,
 }
 
-/// Measured against model, row by row, and in sum.
-pub(crate) struct Comparison {
-    pub(crate) residual_rms_mnm: f64,
-    pub(crate) relative_error_percent: f64,
-    pub(crate) mean_ci95_mnm: f64,
-    pub(crate) mean_ci95_textbook_mnm: f64,
-    pub(crate) points: Vec<Point>,
-}
-
 impl Report<'_> {
-    /// All parameters, their covariance, and the comparison on the rows; `no_detents` is the reason if there are none.
-    pub(crate) fn parameters(&self, no_detents: Option<String>) -> (Parameters, Covariance, Comparison) {
+    /// All that the settled problem tells; `no_detents` is the reason if there are none.
+    pub(crate) fn fit(&self, no_detents: Option<String>) -> Fit {
         let Trimmed { columns, solution, .. } = self.trimmed;
         let textbook = solution.textbook_covariance();
         let instruments = self.trimmed.instruments.as_ref().unwrap_or(columns);
@@ -56,31 +46,43 @@ impl Report<'_> {
         if let Some(curves) = &self.trimmed.curves {
             robust.enlarge(curves.count());
         }
-        let degrees_of_freedom = robust.degrees_of_freedom;
-        let critical = student_95(degrees_of_freedom);
-        let misfit = Misfit::of(self.trimmed, self.near.as_ref(), self.motion, &robust);
+        let misfit = Misfit::of(self.trimmed, self.near.as_ref(), &robust);
+        let effects = self.trimmed.effects();
         let mut parameters = Vec::new();
-        for (index, effect) in self.trimmed.effects().iter().enumerate() {
+        for (index, effect) in effects.iter().enumerate() {
             self.effect_parameters(index, effect, &robust, &textbook, &misfit, &mut parameters);
         }
         if let Some(reason) = no_detents {
-            for parameter in effects::detent::KIND.parameters {
-                parameters.push(Parameter::not_identifiable(parameter.name, parameter.unit, reason.clone()));
-            }
+            let of = |kind| Parameter::not_identifiable(kind, reason.clone());
+            parameters.extend(effects::detent::KIND.parameters.iter().map(of));
         }
-        let covariance = Covariance { critical, degrees_of_freedom, ..self.covariance(&parameters, &robust.matrix) };
-        (Parameters(parameters), covariance, self.compare([&robust.matrix, &textbook], critical))
+        let parameters = Parameters(parameters);
+        let covariance = self.covariance(&effects, &parameters, &robust);
+        let rows = self.sliding_rows();
+        let points = self.points(&rows, &prediction_sd(columns, &robust.matrix), covariance.critical);
+        let textbook_sd = prediction_sd(columns, &textbook);
+        Fit {
+            mean_ci95_textbook_mnm: NORMAL_95 * mean(rows.iter().map(|row| textbook_sd[*row])),
+            torque_delay_s: self.trimmed.delay_s,
+            notes: self.notes(&parameters),
+            parameters,
+            covariance,
+            effects,
+            ..Fit::default()
+        }
+        .compared(points)
     }
 
     /// Covariance of the parameters that are told and not held at zero, from that of the coefficients.
-    fn covariance(&self, parameters: &[Parameter], coefficients: &DMatrix<f64>) -> Covariance {
+    fn covariance(&self, effects: &[Effect], parameters: &Parameters, robust: &RobustCovariance) -> Covariance {
+        let coefficients = &robust.matrix;
         let mut order = Vec::new();
         let mut derivatives = Vec::new();
-        for (index, effect) in self.trimmed.effects().iter().enumerate() {
+        for (index, effect) in effects.iter().enumerate() {
             let jacobian = self.jacobian(index, effect, coefficients);
             for (position, (kind, _)) in effect.parameters().enumerate() {
                 // The textbook's interval is left out where a parameter is held at zero.
-                if parameters.iter().any(|estimated| estimated.name == kind.name && estimated.ci95_textbook.is_some()) {
+                if parameters.get(kind.name).is_some_and(|estimated| estimated.ci95_textbook.is_some()) {
                     order.push(kind.name);
                     derivatives.push(jacobian.row(position).into_owned());
                 }
@@ -90,11 +92,16 @@ impl Report<'_> {
             let product = left * coefficients;
             derivatives.iter().map(|right| product.dot(right)).collect()
         };
-        Covariance { rows: derivatives.iter().map(row).collect(), order, ..Covariance::default() }
+        Covariance {
+            rows: derivatives.iter().map(row).collect(),
+            order,
+            critical: student_95(robust.degrees_of_freedom),
+            degrees_of_freedom: robust.degrees_of_freedom,
+        }
     }
 
     /// What a reader should know besides.
-    pub(crate) fn notes(&self, parameters: &Parameters) -> Vec<String> {
+    fn notes(&self, parameters: &Parameters) -> Vec<String> {
         let mut notes: Vec<String> = parameters.0.iter().filter_map(negative_friction).collect();
         notes.extend(one_sided_friction_of(parameters));
         if let Some(RefusedDelay { delay_s, is_worth_a_note: true, .. }) = self.trimmed.refused {
@@ -140,7 +147,7 @@ impl Report<'_> {
                     .or_else(|| self.why_not_identifiable(column, kind.name, half))
             });
             if let Some(reason) = reason {
-                parameters.push(Parameter::not_identifiable(kind.name, kind.unit, reason));
+                parameters.push(Parameter::not_identifiable(kind, reason));
                 continue;
             }
             let value = value - gripper;
@@ -148,12 +155,8 @@ impl Report<'_> {
             let low = if held { 0.0 } else { value - half.max(-below) };
             let half = if held { self.half_width_at_zero(range.start + position, critical) } else { half };
             parameters.push(Parameter {
-                name: kind.name,
-                value: Some(value),
-                unit: kind.unit,
-                ci95: Some([low, value + half.max(above)]),
                 ci95_textbook: (!held).then_some([value - half_textbook, value + half_textbook]),
-                reason: None,
+                ..Parameter::estimated(kind, value, Some([low, value + half.max(above)]))
             });
         }
     }
@@ -274,7 +277,7 @@ impl Report<'_> {
             ));
         }
         if name == effects::inertia::KIND.parameters[0].name {
-            let noise = self.motion.acceleration_noise_rad_s2(self.band.edge_hz);
+            let noise = problem.motion.acceleration_noise_rad_s2(self.band.edge_hz);
             let seen = rms(&columns[column]);
             if noise * noise > NOISY_ACCELERATION * seen * seen {
                 return Some(format!(
@@ -331,43 +334,29 @@ impl Report<'_> {
         })
     }
 
-    fn compare(&self, covariances: [&DMatrix<f64>; 2], critical: f64) -> Comparison {
-        let Trimmed { columns, solution, problem, .. } = self.trimmed;
-        let half_widths = covariances.map(|covariance| prediction_sd(columns, covariance));
-        let rows = self.sliding_rows();
-        let count: f64 = rows.iter().map(|_| 1.0).sum();
-        let mean = |widths: &[f64]| rows.iter().map(|row| widths[*row]).sum::<f64>() / f64::max(count, 1.0);
-        let points = rows
-            .iter()
-            .map(|row| {
-                let sample = row * self.row_filter.step;
-                Point {
-                    t_s: self.motion.time_s[sample],
-                    angle_rad: self.motion.angle_rad[sample],
-                    velocity_rad_s: self.motion.velocity_rad_s[sample],
-                    acceleration_rad_s2: self.motion.acceleration_rad_s2[sample],
-                    torque_mnm: problem.target[*row],
-                    torque_model_mnm: problem.target[*row] - solution.residual[*row],
-                    torque_model_ci95_mnm: critical * half_widths[0][*row],
-                    residual_mnm: solution.residual[*row],
-                }
-            })
-            .collect();
-        let of = |values: &[f64]| rms(&rows.iter().map(|row| values[*row]).collect::<Vec<_>>());
-        Comparison {
-            residual_rms_mnm: of(&solution.residual),
-            relative_error_percent: 100.0 * of(&solution.residual) / of(&problem.target),
-            mean_ci95_mnm: critical * mean(&half_widths[0]),
-            mean_ci95_textbook_mnm: NORMAL_95 * mean(&half_widths[1]),
-            points,
-        }
+    /// Measured against model in these rows, with the model's standard deviation in every row.
+    fn points(&self, rows: &[usize], deviation_mnm: &[f64], critical: f64) -> Vec<Point> {
+        let Trimmed { solution, problem, .. } = self.trimmed;
+        let point = |row: &usize| {
+            let motion = problem.motion.at(row * problem.row_filter.step);
+            Point {
+                t_s: motion.time_s,
+                angle_rad: motion.angle_rad,
+                velocity_rad_s: motion.velocity_rad_s,
+                acceleration_rad_s2: motion.acceleration_rad_s2,
+                torque_mnm: problem.target[*row],
+                torque_model_mnm: problem.target[*row] - solution.residual[*row],
+                torque_model_ci95_mnm: critical * deviation_mnm[*row],
+                residual_mnm: solution.residual[*row],
+            }
+        };
+        rows.iter().map(point).collect()
     }
 
     /// Rows whose middle is not masked at all.
     fn sliding_rows(&self) -> Vec<usize> {
-        (0..self.trimmed.problem.target.len())
-            .filter(|row| self.row_filter.mask[row * self.row_filter.step] >= 1.0)
-            .collect()
+        let Problem { row_filter, target, .. } = &self.trimmed.problem;
+        (0..target.len()).filter(|row| row_filter.mask[row * row_filter.step] >= 1.0).collect()
     }
 }
 
@@ -402,7 +391,7 @@ pub(crate) fn one_sided_friction([negative, positive]: [f64; 2]) -> Option<Strin
 }
 
 /// Standard deviation of the predicted torque, row by row.
-fn prediction_sd(columns: &[Column], covariance: &DMatrix<f64>) -> Vec<f64> {
+pub(crate) fn prediction_sd<C: Deref<Target = [f64]>>(columns: &[C], covariance: &DMatrix<f64>) -> Vec<f64> {
     let rows = columns.first().map_or(0, |column| column.len());
     let mut deviation = vec![0.0; rows];
     vector::quadratic_form(columns, covariance, &mut deviation);

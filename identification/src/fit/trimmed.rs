@@ -137,7 +137,7 @@ impl<'a> Trimmed<'a> {
             beyond.iter_mut().zip(&*columns[index]).for_each(|(sum, value)| *sum += value);
         }
         *target = beyond.into();
-        let mut nonnegative = problem.nonnegative().to_vec();
+        let mut nonnegative = problem.nonnegative.clone();
         nonnegative.resize(columns.len(), false);
         let share = 1.0 - curves.count() as f64 / target.len() as f64;
         let noise = problem.column_noise().into_iter();

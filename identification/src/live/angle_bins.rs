@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::DMatrix;
-use realfft::{RealFftPlanner, num_complex::Complex};
+use nalgebra::{DMatrix, DVector, DVectorView};
+use realfft::num_complex::Complex;
 
 use crate::detents::scan::{FEWEST_PERIODS, background_of, gram_inverse, power, vertex_of};
 use crate::detents::{WORTHWHILE_AMPLITUDE, WORTHWHILE_SHARE};
+use crate::numerics::fourier;
 
 /// Most bins; when the travel outgrows them, neighbours merge.
 const MOST_BINS: usize = 8192;
@@ -19,10 +20,9 @@ const BINS_PER_PERIOD: f64 = 20.0;
 /// What the best period must stand above the background.
 const MARGIN: f64 = 14.0;
 
-/// What a transform takes besides its work, kept from scan to scan: its plan, and pages that need not be mapped anew.
-#[derive(Default)]
+/// What a transform takes besides its work, kept from scan to scan: pages that need not be mapped anew.
+#[derive(Debug, Default)]
 struct Transform {
-    planner: RealFftPlanner<f64>,
     input: Vec<f64>,
     output: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,
@@ -31,7 +31,7 @@ struct Transform {
 impl Transform {
     /// The first `count` of Σ value·exp(ikn), the values padded with zeros to `length`.
     fn start_of(&mut self, values: impl Iterator<Item = f64>, length: usize, count: usize) -> Vec<Complex<f64>> {
-        let plan = self.planner.plan_fft_forward(length);
+        let plan = fourier::forward(length);
         self.input.clear();
         self.input.extend(values);
         self.input.resize(length, 0.0);
@@ -41,12 +41,6 @@ impl Transform {
             self.output.fill(Complex::ZERO);
         }
         self.output[..count].iter().map(Complex::conj).collect()
-    }
-}
-
-impl std::fmt::Debug for Transform {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Transform").field("length", &self.input.len()).finish_non_exhaustive()
     }
 }
 
@@ -60,7 +54,8 @@ pub(super) struct AngleBins {
     /// Per bin: number of samples, then the columns' sums.
     sums: Vec<f64>,
     bins: usize,
-    gram: Vec<f64>,
+    /// Inner products of the rows' columns.
+    gram: DMatrix<f64>,
     transform: Transform,
 }
 
@@ -82,7 +77,7 @@ impl AngleBins {
             first: 0,
             sums: Vec::new(),
             bins: 0,
-            gram: vec![0.0; width * width],
+            gram: DMatrix::zeros(width, width),
             transform: Transform::default(),
         }
     }
@@ -107,11 +102,8 @@ impl AngleBins {
         reason = "indices of bins"
     )]
     pub(super) fn add(&mut self, angle_rad: f64, row: &[f64]) {
-        for (index, left) in row.iter().enumerate() {
-            for (other, right) in row.iter().enumerate() {
-                self.gram[index * self.width + other] += left * right;
-            }
-        }
+        let columns = DVectorView::from_slice(row, row.len());
+        self.gram.ger(1.0, &columns, &columns, 1.0);
         self.make_room(angle_rad);
         // Shared between the two nearest bin middles, so that a bin's width hardly shows.
         let place = angle_rad / self.bin_rad - 0.5 - self.first as f64;
@@ -198,8 +190,7 @@ impl AngleBins {
         if last <= first + 2 * OVERSAMPLING {
             return None;
         }
-        let gram = DMatrix::from_fn(columns, columns, |row, column| self.gram[row * self.width + column]);
-        let inverse = ridge_inverse(&gram);
+        let inverse = ridge_inverse(&self.gram.view((0, 0), (columns, columns)).into_owned());
         let mut spectra = self.spectra(length, 2 * last + 1);
         let mut residual = spectra.pop()?;
         let weights = spectra.remove(0);
@@ -219,7 +210,7 @@ impl AngleBins {
             .collect();
         let background = background_of(&mut elsewhere);
         let total = self.residual_square(coefficients);
-        let torque_square = self.gram[self.width * self.width - 1];
+        let torque_square = self.gram[(columns, columns)];
         let samples = weights[0].re;
         let amplitude = (2.0 * powers[best] / samples).sqrt();
         let clear = powers[best] > (2.0 * (powers.len() as f64 / peak).max(1.0).ln() + MARGIN) * background;
@@ -231,14 +222,9 @@ impl AngleBins {
     /// Sum of squares that the base coefficients leave of the unfiltered torque.
     fn residual_square(&self, coefficients: &[f64]) -> f64 {
         // The residual is the sum of all columns, the torque's the last, with these weights.
-        let weights: Vec<f64> = coefficients.iter().map(|value| -value).chain([1.0]).collect();
-        let mut sum = 0.0;
-        for (row, left) in weights.iter().enumerate() {
-            for (column, right) in weights.iter().enumerate() {
-                sum += left * right * self.gram[row * self.width + column];
-            }
-        }
-        sum.max(0.0)
+        let weights = coefficients.iter().map(|value| -value).chain([1.0]);
+        let weights = DVector::from_iterator(self.width, weights);
+        weights.dot(&(&self.gram * &weights)).max(0.0)
     }
 
     /// Σ value·exp(ikθ) for the counts and every column, θ from the middle of the first bin: the `count` longest waves.

@@ -1,6 +1,6 @@
 //! Gram matrices of blocks of rows: all that least squares and its intervals need, in bounded memory.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 
 use crate::regression::gram;
 use crate::uncertainty::statistics::student_95;
@@ -17,9 +17,7 @@ const COLLINEAR: f64 = 1e-7;
 /// The Gram matrices of consecutive blocks of rows; the last column of a row is the torque.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks {
-    width: usize,
-    /// Packed lower triangles.
-    blocks: Vec<Vec<f64>>,
+    blocks: Vec<DMatrix<f64>>,
     length: u64,
     in_last: u64,
     rows: u64,
@@ -52,53 +50,40 @@ impl Solution {
 
 impl Blocks {
     pub(super) fn new(width: usize) -> Self {
-        Self { width, blocks: vec![vec![0.0; packed(width)]], length: FIRST_LENGTH, in_last: 0, rows: 0 }
+        Self { blocks: vec![DMatrix::zeros(width, width)], length: FIRST_LENGTH, in_last: 0, rows: 0 }
+    }
+
+    fn width(&self) -> usize {
+        self.blocks[0].nrows()
     }
 
     /// Columns without the torque.
     pub(super) fn columns(&self) -> usize {
-        self.width - 1
+        self.width() - 1
     }
 
     /// Adds a row.
     pub(super) fn add(&mut self, row: &[f64]) {
         if self.in_last == self.length {
             if self.blocks.len() == MOST_BLOCKS {
-                self.merge();
-            } else {
-                self.blocks.push(vec![0.0; packed(self.width)]);
-                self.in_last = 0;
+                self.blocks = self.blocks.chunks_exact(2).map(|pair| &pair[0] + &pair[1]).collect();
+                self.length *= 2;
             }
+            self.blocks.push(DMatrix::zeros(self.width(), self.width()));
+            self.in_last = 0;
         }
         if let Some(last) = self.blocks.last_mut() {
-            let mut slot = last.iter_mut();
-            for (index, left) in row.iter().enumerate() {
-                for (right, sum) in row[..=index].iter().zip(&mut slot) {
-                    *sum += left * right;
-                }
-            }
+            let row = DVectorView::from_slice(row, row.len());
+            last.ger(1.0, &row, &row, 1.0);
         }
         self.in_last += 1;
         self.rows += 1;
     }
 
-    fn merge(&mut self) {
-        for index in 0..MOST_BLOCKS / 2 {
-            let second = std::mem::take(&mut self.blocks[2 * index + 1]);
-            let mut first = std::mem::take(&mut self.blocks[2 * index]);
-            first.iter_mut().zip(&second).for_each(|(sum, value)| *sum += value);
-            self.blocks[index] = first;
-        }
-        self.blocks.truncate(MOST_BLOCKS / 2);
-        self.blocks.push(vec![0.0; packed(self.width)]);
-        self.length *= 2;
-        self.in_last = 0;
-    }
-
     /// Solves with the first `columns` columns.
     pub(super) fn solve(&self, columns: usize) -> Option<Solution> {
-        let mut map = DMatrix::zeros(columns + 1, self.width);
-        map[(0, self.width - 1)] = 1.0;
+        let mut map = DMatrix::zeros(columns + 1, self.width());
+        map[(0, self.width() - 1)] = 1.0;
         (0..columns).for_each(|index| map[(index + 1, index)] = 1.0);
         self.solve_mapped(&map)
     }
@@ -107,8 +92,7 @@ impl Blocks {
     #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
     pub(super) fn solve_mapped(&self, map: &DMatrix<f64>) -> Option<Solution> {
         let columns = map.nrows() - 1;
-        let blocks: Vec<DMatrix<f64>> =
-            self.blocks.iter().map(|block| map * self.unpacked(block) * map.transpose()).collect();
+        let blocks: Vec<DMatrix<f64>> = self.blocks.iter().map(|block| map * block * map.transpose()).collect();
         let total = gram::sum(blocks.iter(), columns + 1);
         if self.rows == 0 || total[(0, 0)] <= 0.0 {
             return None;
@@ -129,15 +113,4 @@ impl Blocks {
             coefficients: solved.coefficients,
         })
     }
-
-    fn unpacked(&self, block: &[f64]) -> DMatrix<f64> {
-        DMatrix::from_fn(self.width, self.width, |row, column| {
-            let (high, low) = if row >= column { (row, column) } else { (column, row) };
-            block[packed(high) + low]
-        })
-    }
-}
-
-fn packed(width: usize) -> usize {
-    width * (width + 1) / 2
 }

@@ -37,7 +37,7 @@ use dynamics::{Calibration, Effect, effects};
 use angle_bins::AngleBins;
 use blocks::Blocks;
 pub use convergence::{Convergence, Criterion, MotionRms, USUAL_SHARE, relative_half_width};
-use estimate::{Detent, Excitation, estimate};
+use estimate::{Excitation, estimate};
 pub use estimate::{LiveEstimate, LiveParameter, Verdict};
 use pipeline::{Pipeline, Sliding};
 use ring::RowFilter;
@@ -211,11 +211,6 @@ impl LiveFit {
     #[allow(clippy::cast_precision_loss, reason = "a number of samples")]
     pub fn estimate(&mut self) -> LiveEstimate {
         self.rescan();
-        let found = self.joint.as_ref().map(|joint| Detent {
-            wavenumber: joint.wavenumber,
-            centre_rad: joint.centre_rad,
-            blocks: &joint.blocks,
-        });
         let long = !self.is_rotary || self.sliding as f64 > ABSENT_AFTER_S * self.rate_hz;
         let evidence = self.evidence.filter(|detents| *detents || long);
         let excitation = Excitation {
@@ -223,7 +218,8 @@ impl LiveFit {
             backward: self.backward as f64,
             enough: ENOUGH_S * self.rate_hz,
         };
-        let mut estimate = estimate(&self.base_effects, &self.base, found, evidence, self.gripper_inertia, &excitation);
+        let joint = self.joint.as_ref();
+        let mut estimate = estimate(&self.base_effects, &self.base, joint, evidence, self.gripper_inertia, &excitation);
         estimate.samples = self.samples;
         estimate.ignored_samples = self.ignored;
         estimate.newest_s = self.newest_s;

@@ -10,7 +10,7 @@ use super::motion::{Band, KnobMotion, ROWS_PER_EDGE};
 use super::uniform::{Uniform, whole};
 use crate::numerics::fourier::Response;
 use crate::numerics::vector;
-use crate::uncertainty::statistics::rms;
+use crate::uncertainty::statistics::{rms, runs};
 
 /// Time around stick and reversals that is left out besides what the filters reach, s: the smoothed speed rises
 /// before the knob breaks away, and contact rings.
@@ -166,14 +166,10 @@ fn mask(uniform: &Uniform, motion: &KnobMotion, threshold_rad_s: f64, guard: imp
 
 /// Sets the mask to zero at every run of samples that are to be `left_out`, and as far around it as `guard` says for its length.
 fn blank_runs<T>(mask: &mut [f64], samples: &[T], left_out: impl Fn(&T) -> bool, guard: impl Fn(usize) -> usize) {
-    let mut start = 0;
-    for run in samples.chunk_by(|one, other| left_out(one) == left_out(other)) {
-        let end = start + run.len();
-        if left_out(&run[0]) {
-            let guard = guard(run.len());
-            mask[start.saturating_sub(guard)..(end + guard).min(samples.len())].fill(0.0);
-        }
-        start = end;
+    let runs = runs(samples, |one, other| left_out(one) == left_out(other));
+    for run in runs.filter(|run| left_out(&samples[run.start])) {
+        let guard = guard(run.len());
+        mask[run.start.saturating_sub(guard)..(run.end + guard).min(samples.len())].fill(0.0);
     }
 }
 

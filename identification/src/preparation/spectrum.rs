@@ -1,10 +1,11 @@
 //! Power spectra: where a signal ends and its noise begins.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
 use crate::numerics::fourier;
 use crate::numerics::vector::{self, dot};
-use crate::uncertainty::statistics::{mean, median};
+use crate::uncertainty::statistics::{mean, median, running};
 
 /// One-sided power spectral density.
 #[derive(Clone, Debug)]
@@ -57,13 +58,13 @@ impl Spectrum {
 
     /// Median density between two frequencies.
     pub(crate) fn median(&self, from_hz: f64, to_hz: f64) -> f64 {
-        let mut part: Vec<f64> = self
-            .frequencies()
-            .zip(&self.density)
-            .filter(|(frequency, _)| (from_hz..=to_hz).contains(frequency))
-            .map(|(_, density)| *density)
-            .collect();
-        median(&mut part)
+        self.median_of(from_hz..=to_hz, |_, density| density)
+    }
+
+    /// Median of what `of` makes of the frequencies in a range and of their densities.
+    pub(crate) fn median_of(&self, range_hz: RangeInclusive<f64>, of: impl Fn(f64, f64) -> f64) -> f64 {
+        let within = self.frequencies().zip(&self.density).filter(|(frequency, _)| range_hz.contains(frequency));
+        median(&mut within.map(|(frequency, density)| of(frequency, *density)).collect::<Vec<_>>())
     }
 
     /// The frequencies of the densities, Hz.
@@ -78,24 +79,16 @@ impl Spectrum {
             self.smooth().iter().map(|density| if *density > floor { *density } else { 0.0 }).collect();
         let total: f64 = excess.iter().sum();
         let mut sum = 0.0;
-        for (frequency, power) in self.frequencies().zip(&excess) {
-            sum += power;
-            if sum >= share * total {
-                return frequency;
-            }
-        }
-        0.0
+        let reaches = |(_, power): &(f64, &f64)| {
+            sum += *power;
+            sum >= share * total
+        };
+        self.frequencies().zip(&excess).find(reaches).map_or(0.0, |(frequency, _)| frequency)
     }
 
     /// Running mean over five bins.
     pub(crate) fn smooth(&self) -> Vec<f64> {
-        let last = self.density.len().saturating_sub(1);
-        (0..self.density.len())
-            .map(|index| {
-                let (from, to) = (index.saturating_sub(2), (index + 2).min(last));
-                mean(&self.density[from..=to])
-            })
-            .collect()
+        running(&self.density, 2, |near| mean(near))
     }
 }
 
@@ -104,19 +97,14 @@ impl Spectrum {
 /// The second difference takes away the slow motion, which would otherwise leak over the noise.
 pub(crate) fn white_density(signal: &[f64], rate_hz: f64) -> f64 {
     let second: Vec<f64> = signal.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]).collect();
-    let spectrum = Spectrum::welch(&second, rate_hz);
-    let mut part: Vec<f64> = spectrum
-        .frequencies()
-        .zip(&spectrum.density)
-        .filter(|(frequency, _)| (0.3 * rate_hz..=0.45 * rate_hz).contains(frequency))
-        .map(|(frequency, density)| density / (2.0 * (PI * frequency / rate_hz).sin()).powi(4))
-        .collect();
-    median(&mut part)
+    Spectrum::welch(&second, rate_hz).median_of(0.3 * rate_hz..=0.45 * rate_hz, |frequency_hz, density| {
+        density / (2.0 * (PI * frequency_hz / rate_hz).sin()).powi(4)
+    })
 }
 
 /// Mean and slope per sample of the straight line through a signal at `places` 0, 1, ….
 #[allow(clippy::cast_precision_loss, reason = "window lengths are small")]
-fn line(signal: &[f64], places: &[f64]) -> (f64, f64) {
+pub(crate) fn line(signal: &[f64], places: &[f64]) -> (f64, f64) {
     let count = signal.len() as f64;
     let middle = 0.5 * (count - 1.0);
     let mean = vector::sum(signal) / count;

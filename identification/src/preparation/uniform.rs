@@ -70,7 +70,7 @@ impl Uniform {
         let count = time.len();
         let (typical, is_regular) = typical_step(time);
         if is_regular {
-            return Self::regular(samples, typical);
+            return Self::of_columns(samples, typical, vec![true; count], <[f64]>::to_vec);
         }
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let gaps = steps.iter().filter(|step| **step > GAP * typical).count();
@@ -79,7 +79,7 @@ impl Uniform {
         let scatter =
             (regular.iter().map(|s| (s / step - 1.0).powi(2)).sum::<f64>() / regular.len().max(1) as f64).sqrt();
         if gaps == 0 && scatter < JITTER {
-            return Self::regular(samples, step);
+            return Self::of_columns(samples, step, vec![true; count], <[f64]>::to_vec);
         }
         // Time without the excess of long gaps, so that a pause does not fill memory.
         let longest_s = LONGEST_GAP_S.min((count as f64 + GAP_POINTS) / gaps.max(1) as f64 * step).max(GAP * step);
@@ -106,18 +106,27 @@ impl Uniform {
         let sampled = |column: &[f64]| {
             places.iter().map(|(i, share, _)| column[*i] + share * (column[*i + 1] - column[*i])).collect::<Vec<_>>()
         };
-        let present: Vec<bool> = places.iter().map(|place| place.2).collect();
+        Self::of_columns(samples, step, places.iter().map(|place| place.2).collect(), sampled)
+    }
+
+    /// The columns as `sampled` puts them on the grid.
+    fn of_columns(
+        samples: &Samples<'_>,
+        step_s: f64,
+        present: Vec<bool>,
+        sampled: impl Fn(&[f64]) -> Vec<f64> + Copy,
+    ) -> Self {
         Self {
-            rate_hz: 1.0 / step,
-            time_s: sampled(time),
+            rate_hz: 1.0 / step_s,
+            time_s: sampled(samples.t_s),
             angle_rad: sampled(samples.angle_rad),
             velocity_rad_s: samples.velocity_rad_s.map(sampled),
             acceleration_rad_s2: samples.acceleration_rad_s2.map(sampled),
             acceleration_lag_s: 0.0,
+            torque_mnm: sampled(samples.torque_mnm),
             received_mnm: Vec::new(),
             torque_delay: 0.0,
             torque_density: 0.0,
-            torque_mnm: sampled(samples.torque_mnm),
             lost: present.iter().filter(|present| !**present).count(),
             present,
             notes: Vec::new(),
@@ -134,7 +143,7 @@ impl Uniform {
         // Interpolation between samples looks at two neighbours besides.
         let margin = 2 + delay.ceil() as usize;
         let mut faulty = vec![false; samples.t_s.len()];
-        for run in torque.runs().iter().chain(&frozen) {
+        for run in torque.runs.iter().chain(&frozen) {
             let last = (run.end + margin).min(faulty.len());
             faulty[run.start.saturating_sub(margin)..last].fill(true);
         }
@@ -169,28 +178,14 @@ impl Uniform {
         }
     }
 
-    /// Samples that lie on a grid already.
-    fn regular(samples: &Samples<'_>, step_s: f64) -> Self {
-        Self {
-            rate_hz: 1.0 / step_s,
-            time_s: samples.t_s.to_vec(),
-            angle_rad: samples.angle_rad.to_vec(),
-            velocity_rad_s: samples.velocity_rad_s.map(<[f64]>::to_vec),
-            acceleration_rad_s2: samples.acceleration_rad_s2.map(<[f64]>::to_vec),
-            acceleration_lag_s: 0.0,
-            torque_mnm: samples.torque_mnm.to_vec(),
-            received_mnm: Vec::new(),
-            torque_delay: 0.0,
-            torque_density: 0.0,
-            present: vec![true; samples.t_s.len()],
-            lost: 0,
-            notes: Vec::new(),
-        }
-    }
-
     /// The torque as it was received, mNm, and by how many samples that is late.
     pub(crate) fn received_torque(&self) -> (&[f64], f64) {
         if self.received_mnm.is_empty() { (&self.torque_mnm, 0.0) } else { (&self.received_mnm, self.torque_delay) }
+    }
+
+    /// Noise of the torque channel at full rate, if it is white as the upper end of its spectrum says, mNm.
+    pub(crate) fn torque_noise_mnm(&self) -> f64 {
+        (self.torque_density * 0.5 * self.rate_hz).sqrt()
     }
 
     /// Takes out zeros, gravity and the channels' delays.

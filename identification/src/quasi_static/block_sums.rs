@@ -1,6 +1,6 @@
 //! Least squares from sums over stretches of the capture: a further column costs little, and every stretch can be left out.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::numerics::vector::dot;
 use crate::regression::gram::{self, COLLINEAR, Solution};
@@ -13,7 +13,7 @@ pub(super) const BLOCKS: usize = 32;
 /// Target and columns with their inner products, stretch by stretch.
 pub(super) struct BlockSums {
     target: Vec<f64>,
-    columns: Vec<Vec<f64>>,
+    pub(super) columns: Vec<Vec<f64>>,
     blocks: Vec<DMatrix<f64>>,
 }
 
@@ -108,11 +108,6 @@ impl BlockSums {
             textbook: solution.inverse() * variance,
             coefficients: solution.coefficients,
         })
-    }
-
-    /// The columns' values in a row.
-    pub(super) fn row(&self, index: usize, row: &mut DVector<f64>) {
-        row.iter_mut().zip(&self.columns).for_each(|(slot, column)| *slot = column[index]);
     }
 
     fn all(&self) -> Vec<usize> {

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::block_sums::BlockSums;
 use crate::detents::scan::background_of;
-use crate::numerics::fourier;
+use crate::numerics::{fourier, vector};
 use crate::regression::refiner::{self, Ended, longest_improving};
 use crate::samples::span;
 use crate::uncertainty::statistics::median;
@@ -64,7 +64,7 @@ impl Grid {
             angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
         // Two steps in a period, at least.
         let finest = (PI / median(&mut steps) / unit).min(HIGHEST as f64) as usize;
-        let start_rad = angle_rad.iter().copied().fold(f64::INFINITY, f64::min);
+        let start_rad = vector::extent(angle_rad).map_or(0.0, |(lowest, _)| lowest);
         Self { unit, lowest, highest: finest.max(lowest), start_rad, whole_turn }
     }
 
@@ -151,8 +151,7 @@ fn push(sums: &mut BlockSums, angle_rad: &[f64], wavenumber: f64) {
 
 /// The derivative of a·sin(kθ) + b·cos(kθ) by k, with θ from the middle of the travel, where k and phase are independent.
 pub(super) fn tangent(angle_rad: &[f64], wavenumber: f64, coefficients: [f64; 2]) -> Vec<f64> {
-    let middle = 0.5 * angle_rad.iter().copied().fold(f64::INFINITY, f64::min)
-        + 0.5 * angle_rad.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let middle = vector::extent(angle_rad).map_or(0.0, |(lowest, highest)| 0.5 * (lowest + highest));
     angle_rad
         .iter()
         .map(|angle| {

@@ -10,17 +10,18 @@ mod matching_pursuit;
 mod passes;
 mod sinusoids;
 
-use dynamics::{Axis, Effect, effects};
-use nalgebra::{DMatrix, DVector};
+use dynamics::{Effect, ParameterKind, effects};
+use nalgebra::DMatrix;
 
-use crate::estimate::{Covariance, Fit, Harmonic, Parameter, Parameters, Point, Preparation};
+use crate::estimate::{Fit, Harmonic, Parameter, Parameters, Point, Preparation};
+use crate::fit::report::prediction_sd;
 use crate::numerics::vector::smallest_step;
 use crate::options::FitOptions;
 use crate::preparation::motion::scatter;
 use crate::preparation::saturation::Saturation;
 use crate::samples::{FEWEST_SAMPLES, Samples};
-use crate::uncertainty::statistics::{NORMAL_95, deviation_of_sum, median, rms};
-use block_sums::{BlockSums, critical};
+use crate::uncertainty::statistics::{NORMAL_95, mean, median};
+use block_sums::{BlockSums, Estimate, critical};
 use matching_pursuit::Grid;
 pub(crate) use sinusoids::of_turns;
 
@@ -126,25 +127,17 @@ impl Map {
     fn notes(&self, saturation: &Saturation) -> Vec<String> {
         let mut notes = vec![format!(
             "the knob turned too slowly for its speed to be measured: torque against angle and direction was fitted, from {} passes",
-            self.passes()
+            self.directions.chunk_by(|one, other| one == other).count()
         )];
         notes.extend(saturation.note("torque", "mNm"));
         notes
-    }
-
-    /// Number of passes: runs of one direction.
-    fn passes(&self) -> usize {
-        1 + self.directions.windows(2).filter(|pair| pair[0] != pair[1]).count()
     }
 }
 
 /// The settled map: friction columns first, then sine and cosine of each sinusoid.
 struct Fitted {
     sums: BlockSums,
-    coefficients: Vec<f64>,
-    covariance: DMatrix<f64>,
-    textbook: DMatrix<f64>,
-    residual: Vec<f64>,
+    estimate: Estimate,
     /// Strongest first.
     harmonics: Vec<Harmonic>,
     /// Half widths of the strongest one's period, phase-independent: as estimated, and by the textbook, rad.
@@ -155,7 +148,7 @@ impl Fitted {
     fn of(mut sums: BlockSums, map: &Map, frictions: usize, wavenumbers: &[f64]) -> Option<Self> {
         let estimate = sums.estimate()?;
         let (order, harmonics) = sinusoids::ranked(&sums, &estimate, frictions, wavenumbers)?;
-        let coefficients = estimate.coefficients;
+        let coefficients = &estimate.coefficients;
         let pair =
             |position: usize| [coefficients[frictions + 2 * position], coefficients[frictions + 2 * position + 1]];
         let mut period_half_widths_rad = [0.0; 2];
@@ -169,15 +162,7 @@ impl Fitted {
             }
             sums.truncate(base);
         }
-        Some(Self {
-            residual: sums.residual(&coefficients),
-            sums,
-            coefficients,
-            covariance: estimate.covariance,
-            textbook: estimate.textbook,
-            harmonics,
-            period_half_widths_rad,
-        })
+        Some(Self { sums, estimate, harmonics, period_half_widths_rad })
     }
 
     /// The fit as it is told.
@@ -190,24 +175,16 @@ impl Fitted {
         notes: Vec<String>,
     ) -> Fit {
         Fit {
-            covariance: Covariance::default(),
             parameters: self.parameters(frictions, no_detents),
-            residual_rms_mnm: rms(&self.residual),
-            relative_error_percent: 100.0 * rms(&self.residual) / rms(&map.torque_mnm),
-            mean_ci95_mnm: critical() * self.mean_prediction_sd(&self.covariance),
-            mean_ci95_textbook_mnm: NORMAL_95 * self.mean_prediction_sd(&self.textbook),
+            mean_ci95_textbook_mnm: NORMAL_95 * mean(prediction_sd(&self.sums.columns, &self.estimate.textbook)),
             samples: samples.t_s.len(),
-            rows: map.torque_mnm.len(),
-            torque_delay_s: 0.0,
             detent_harmonics: self.harmonics.clone(),
-            detent_aliases_rad: Vec::new(),
             preparation: preparation(samples, map.torque_mnm.len()),
             notes,
-            points: self.points(samples, map),
-            characteristics: Vec::new(),
-            axis: Axis::default(),
             effects: self.effects(frictions),
+            ..Fit::default()
         }
+        .compared(self.points(samples, map))
     }
 
     fn no_detents(&self, grid: &Grid) -> String {
@@ -221,68 +198,53 @@ impl Fitted {
         let slow = "the knob turned too slowly: its speed and acceleration do not stand out of the sensors' noise; \
                     sweep faster"
             .to_owned();
+        let Estimate { coefficients, covariance, textbook } = &self.estimate;
         let mut parameters = Vec::new();
         for kind in effects::inertia::KIND.parameters.iter().chain(effects::friction::KIND.parameters) {
             let direction = if kind.name.ends_with("_negative") { "negative" } else { "positive" };
             parameters.push(match frictions.iter().position(|(name, _)| *name == kind.name) {
-                Some(at) if self.coefficients[at] >= 0.0 => Parameter {
-                    name: kind.name,
-                    value: Some(self.coefficients[at]),
-                    unit: kind.unit,
-                    ci95: Some(interval(self.coefficients[at], critical() * self.covariance[(at, at)].max(0.0).sqrt())),
-                    ci95_textbook: Some(interval(
-                        self.coefficients[at],
-                        NORMAL_95 * self.textbook[(at, at)].max(0.0).sqrt(),
-                    )),
-                    reason: None,
-                },
+                Some(at) if coefficients[at] >= 0.0 => {
+                    let around = |half: f64| Some(interval(coefficients[at], half));
+                    let ci95 = around(critical() * covariance[(at, at)].max(0.0).sqrt());
+                    let ci95_textbook = around(NORMAL_95 * textbook[(at, at)].max(0.0).sqrt());
+                    Parameter { ci95_textbook, ..Parameter::estimated(kind, coefficients[at], ci95) }
+                }
                 Some(at) => Parameter::not_identifiable(
-                    kind.name,
-                    kind.unit,
+                    kind,
                     format!(
                         "the mean torque in the {direction} direction is {:.3} mNm against friction: the torque channel has \
                          an offset; calibrate its zero",
-                        self.coefficients[at].abs()
+                        coefficients[at].abs()
                     ),
                 ),
                 None if kind.name.starts_with("coulomb") => Parameter::not_identifiable(
-                    kind.name,
-                    kind.unit,
+                    kind,
                     format!("the knob never turned in the {direction} direction for long enough; sweep both ways"),
                 ),
-                None => Parameter::not_identifiable(kind.name, kind.unit, slow.clone()),
+                None => Parameter::not_identifiable(kind, slow.clone()),
             });
         }
-        let [amplitude, period, phase] = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
+        let detent = [0, 1, 2].map(|index| &effects::detent::KIND.parameters[index]);
         if let Some(strongest) = self.harmonics.first() {
-            let estimated = |kind: &dynamics::ParameterKind, value: f64, ci95: Option<[f64; 2]>| Parameter {
-                name: kind.name,
-                value: Some(value),
-                unit: kind.unit,
-                ci95,
-                ci95_textbook: None,
-                reason: None,
-            };
+            let [amplitude, period, phase] = detent;
             let period_rad = 1.0 / strongest.per_turn;
-            parameters.push(estimated(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
-            parameters.push(estimated(period, period_rad, Some(interval(period_rad, self.period_half_widths_rad[0]))));
-            parameters.push(estimated(phase, strongest.phase_rad, strongest.phase_ci95_rad));
+            let period_ci95_rad = Some(interval(period_rad, self.period_half_widths_rad[0]));
+            parameters.push(Parameter::estimated(amplitude, strongest.amplitude_mnm, strongest.amplitude_ci95_mnm));
+            parameters.push(Parameter::estimated(period, period_rad, period_ci95_rad));
+            parameters.push(Parameter::estimated(phase, strongest.phase_rad, strongest.phase_ci95_rad));
         } else {
-            let absent = |kind: &dynamics::ParameterKind| {
-                Parameter::not_identifiable(kind.name, kind.unit, no_detents.to_owned())
-            };
-            parameters.extend([amplitude, period, phase].map(absent));
+            parameters.extend(detent.map(|kind| Parameter::not_identifiable(kind, no_detents.to_owned())));
         }
-        for kind in effects::karnopp_stick::KIND.parameters {
-            parameters.push(Parameter::not_identifiable(kind.name, kind.unit, slow.clone()));
-        }
+        let unknown = |kind: &ParameterKind| Parameter::not_identifiable(kind, slow.clone());
+        parameters.extend(effects::karnopp_stick::KIND.parameters.iter().map(unknown));
         Parameters(parameters)
     }
 
     /// Inertia (not estimated), friction and one detent for each sinusoid.
     fn effects(&self, frictions: &[(&'static str, i8)]) -> Vec<Effect> {
         let coulomb = |name: &str| {
-            frictions.iter().position(|(known, _)| *known == name).map_or(0.0, |at| self.coefficients[at].max(0.0))
+            let place = frictions.iter().position(|(known, _)| *known == name);
+            place.map_or(0.0, |at| self.estimate.coefficients[at].max(0.0))
         };
         let friction = [coulomb("coulomb_negative"), coulomb("coulomb_positive"), 0.0, 0.0];
         let mut effects =
@@ -296,36 +258,20 @@ impl Fitted {
 
     /// The rows; of the speed only its direction and its mean over the passes can be estimated.
     fn points(&self, samples: &Samples<'_>, map: &Map) -> Vec<Point> {
-        let mut row = DVector::zeros(self.sums.width());
-        let speed_rad_s = map.mean_speed_rad_s(samples);
-        (0..map.index.len())
-            .map(|at| {
-                self.sums.row(at, &mut row);
-                Point {
-                    t_s: samples.t_s[map.index[at]],
-                    angle_rad: map.angle_rad[at],
-                    velocity_rad_s: f64::from(map.directions[at]) * speed_rad_s,
-                    acceleration_rad_s2: 0.0,
-                    torque_mnm: map.torque_mnm[at],
-                    torque_model_mnm: map.torque_mnm[at] - self.residual[at],
-                    torque_model_ci95_mnm: critical() * deviation_of_sum(&self.covariance, row.as_slice()),
-                    residual_mnm: self.residual[at],
-                }
-            })
-            .collect()
-    }
-
-    #[allow(clippy::cast_precision_loss, reason = "a number of rows")]
-    fn mean_prediction_sd(&self, covariance: &DMatrix<f64>) -> f64 {
-        let mut row = DVector::zeros(self.sums.width());
-        let rows = self.residual.len();
-        let sum: f64 = (0..rows)
-            .map(|at| {
-                self.sums.row(at, &mut row);
-                deviation_of_sum(covariance, row.as_slice())
-            })
-            .sum();
-        sum / rows as f64
+        let residual = self.sums.residual(&self.estimate.coefficients);
+        let deviation_mnm = prediction_sd(&self.sums.columns, &self.estimate.covariance);
+        let (speed_rad_s, critical) = (map.mean_speed_rad_s(samples), critical());
+        let point = |at: usize| Point {
+            t_s: samples.t_s[map.index[at]],
+            angle_rad: map.angle_rad[at],
+            velocity_rad_s: f64::from(map.directions[at]) * speed_rad_s,
+            acceleration_rad_s2: 0.0,
+            torque_mnm: map.torque_mnm[at],
+            torque_model_mnm: map.torque_mnm[at] - residual[at],
+            torque_model_ci95_mnm: critical * deviation_mnm[at],
+            residual_mnm: residual[at],
+        };
+        (0..map.index.len()).map(point).collect()
     }
 }
 
@@ -348,14 +294,11 @@ fn preparation(samples: &Samples<'_>, rows: usize) -> Preparation {
     Preparation {
         method: "quasi-static",
         rate_hz,
-        lost_samples: 0,
-        exact_motion: false,
-        accelerometer: false,
         angle_cutoff_hz: 0.5 * rate_hz,
         band_hz: 0.5 * rate_hz,
-        stick_threshold_rad_s: 0.0,
         sliding_percent: 100.0 * used,
         angle_noise_rad: scatter(samples.angle_rad),
         torque_noise_mnm: scatter(samples.torque_mnm),
+        ..Preparation::default()
     }
 }

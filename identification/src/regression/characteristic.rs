@@ -4,7 +4,7 @@
 use dynamics::{Effect, EffectKind, Motion, Part, TableUse, TorqueTable, effects};
 use nalgebra::DMatrix;
 
-use super::gram::Correction;
+use super::gram::{COLLINEAR, Correction};
 use super::least_squares::LeastSquares;
 use crate::numerics::vector::{self, dot};
 use crate::uncertainty::statistics::{NORMAL_95, mean};
@@ -219,7 +219,7 @@ impl CurveProjection {
     /// What the points cannot do of a column; nothing where only rounding is left.
     pub(crate) fn remainder(&self, column: &[f64]) -> Vec<f64> {
         let free = vec![false; self.points.len()];
-        let left = LeastSquares::of_products(&self.points, &self.products, column, &free, &[]).residual;
+        let left = LeastSquares::of_products(&self.points, &self.products, column, &free, &[], COLLINEAR).residual;
         if dot(&left, &left) > ROUNDING * dot(column, column) { left } else { vec![0.0; column.len()] }
     }
 }

@@ -4,7 +4,9 @@
 //! first-order autocorrelations. Parzen's kernel is a triangle convolved with itself, and a triangle is a box convolved
 //! with itself: with running sums the cost does not depend on the bandwidth, and the result has no negative eigenvalue.
 
-use crate::numerics::vector::dot;
+use nalgebra::DMatrix;
+
+use crate::numerics::vector::{self, dot};
 
 /// Places at which half of the kernel is told apart.
 const PLACES_PER_HALF: usize = 16;
@@ -15,30 +17,21 @@ const SHARE: f64 = 0.02;
 /// ∫k² of Parzen's kernel from −1 to 1.
 pub(crate) const PARZEN_SQUARES: f64 = 151.0 / 280.0;
 
-/// Scores summed over triangles, whose inner products are the long-run covariance but for [`kernel_scale`]; half the
-/// bandwidth in their own places, and the bandwidth in rows.
+/// The long-run covariance of scores, and the bandwidth of its kernel in rows.
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a number of rows"
 )]
-pub(crate) fn smooth_scores(scores: &[Vec<f64>]) -> (Vec<Vec<f64>>, usize, f64) {
+pub(crate) fn covariance(scores: &[Vec<f64>]) -> (DMatrix<f64>, f64) {
     let rows = scores.first().map_or(0, Vec::len);
     let half = (0.5 * parzen_bandwidth(scores, rows)).round().max(1.0) as usize;
     // Neighbours far closer than the bandwidth count as one.
     let group = (half / PLACES_PER_HALF).max(1);
     let width = half.div_ceil(group);
-    let smooth = scores.chunks(TOGETHER).flat_map(|scores| {
-        let mut places = vec![[0.0; TOGETHER]; rows.div_ceil(group)];
-        for (lane, score) in scores.iter().enumerate() {
-            for (place, part) in places.iter_mut().zip(score.chunks(group)) {
-                place[lane] = part.iter().sum();
-            }
-        }
-        triangles(&places, width).into_iter().take(scores.len())
-    });
-    (smooth.collect(), width, 2.0 * (width * group) as f64)
+    let covariance = vector::gram(&triangles(scores, group, width)) * kernel_scale(width);
+    (covariance, 2.0 * (width * group) as f64)
 }
 
 /// One over the triangle's sum of squares: what the kernel would else be at lag zero.
@@ -48,8 +41,22 @@ pub(crate) fn kernel_scale(width: usize) -> f64 {
     3.0 / (width * (2.0 * width * width + 1.0))
 }
 
-/// Sums of `width` neighbours, and of those sums again, at every place that any of the values reaches.
-fn triangles(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
+/// Every series with each `group` of its values summed, then `width` neighbours of those, and these sums again, at every place that
+/// any of the values reaches.
+pub(super) fn triangles(series: &[Vec<f64>], group: usize, width: usize) -> Vec<Vec<f64>> {
+    let smooth = series.chunks(TOGETHER).flat_map(|series| {
+        let mut places = vec![[0.0; TOGETHER]; series[0].len().div_ceil(group)];
+        for (lane, values) in series.iter().enumerate() {
+            for (place, part) in places.iter_mut().zip(values.chunks(group)) {
+                place[lane] = part.iter().sum();
+            }
+        }
+        triangles_together(&places, width).into_iter().take(series.len())
+    });
+    smooth.collect()
+}
+
+fn triangles_together(values: &[[f64; TOGETHER]], width: usize) -> [Vec<f64>; TOGETHER] {
     const NOTHING: [f64; TOGETHER] = [0.0; TOGETHER];
     let length = values.len() + 2 * (width - 1);
     let mut smooth = [const { Vec::new() }; TOGETHER];
@@ -89,4 +96,15 @@ fn parzen_bandwidth(scores: &[Vec<f64>], rows: usize) -> f64 {
     let plug_in = if below > 0.0 { 2.6614 * (above / below * rows as f64).powf(0.2) } else { 0.0 };
     // First-order autocorrelations do not see all: a share of the rows.
     plug_in.max((SHARE * rows as f64).clamp(8.0, 64.0)).min((rows as f64 / 8.0).max(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::triangles;
+
+    #[test]
+    fn a_single_value_becomes_a_triangle() {
+        assert_eq!(triangles(&[vec![1.0]], 1, 3), [[1.0, 2.0, 3.0, 2.0, 1.0]]);
+        assert_eq!(triangles(&[vec![2.0, 1.0]], 1, 1), [[2.0, 1.0]]);
+    }
 }

@@ -1,6 +1,7 @@
 //! Quantiles, and the factors between a standard deviation and a 95 % interval.
 
 use std::borrow::Borrow;
+use std::ops::Range;
 
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -119,6 +120,20 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     }
     let index = (share * (values.len() - 1) as f64).round() as usize;
     *values.select_nth_unstable_by(index, f64::total_cmp).1
+}
+
+/// What `of` makes of every value and up to `reach` neighbours on either side of it.
+pub(crate) fn running(values: &[f64], reach: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let near = |at: usize| &values[at.saturating_sub(reach)..(at + reach + 1).min(values.len())];
+    (0..values.len()).map(|at| of(near(at))).collect()
+}
+
+/// All runs of neighbours that are alike.
+pub(crate) fn runs<T>(values: &[T], alike: impl FnMut(&T, &T) -> bool) -> impl Iterator<Item = Range<usize>> {
+    values.chunk_by(alike).scan(0, |start, run| {
+        *start += run.len();
+        Some(*start - run.len()..*start)
+    })
 }
 
 /// Root of the mean square; 0 for no values.

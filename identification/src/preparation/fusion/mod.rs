@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 
 use crate::preparation::motion::{gradient, low_pass, prompt};
 use crate::preparation::spectrum::{Spectrum, white_density};
-use crate::uncertainty::statistics::{mean, median, rms};
+use crate::uncertainty::statistics::{mean, rms};
 
 pub(crate) use blend::blend;
 pub(crate) use kalman_smoother::kalman_smoother;
@@ -43,11 +43,11 @@ pub(crate) struct Sensors<'a> {
     lag_s: f64,
     rate_hz: f64,
     /// White density of the encoder's noise, rad²/Hz.
-    angle_density: f64,
+    pub(crate) angle_density: f64,
     /// White density of the accelerometer's noise, rad²/s⁴ per Hz.
-    sensor_density: f64,
+    pub(crate) sensor_density: f64,
     /// Frequency at which both sensors are equally noisy, Hz.
-    equal_hz: f64,
+    pub(crate) equal_hz: f64,
 }
 
 impl<'a> Sensors<'a> {
@@ -89,17 +89,11 @@ impl<'a> Sensors<'a> {
     fn with_density_in_band(mut self, cutoff_hz: f64) -> Self {
         let difference: Vec<f64> =
             self.prompt_rad_s2.iter().zip(&self.second_derivative_rad_s2).map(|(a, b)| a - b).collect();
-        let spectrum = Spectrum::welch(&difference, self.rate_hz);
-        let mut densities: Vec<f64> = spectrum
-            .frequencies()
-            .zip(&spectrum.density)
-            .filter(|(frequency, _)| (CLEAR_OF_SENSOR * self.equal_hz..=cutoff_hz).contains(frequency))
-            .map(|(frequency, density)| {
-                let square = (TAU * frequency).powi(2);
-                (density - self.sensor_density * (1.0 + square * self.lag_s.powi(2))) / (square * square)
-            })
-            .collect();
-        let density = median(&mut densities);
+        let turns = CLEAR_OF_SENSOR * self.equal_hz..=cutoff_hz;
+        let density = Spectrum::welch(&difference, self.rate_hz).median_of(turns, |frequency_hz, density| {
+            let square = (TAU * frequency_hz).powi(2);
+            (density - self.sensor_density * (1.0 + square * self.lag_s.powi(2))) / (square * square)
+        });
         if density > 0.0 {
             self.angle_density = density;
             self.equal_hz = (self.sensor_density / density).powf(0.25) / TAU;
@@ -118,18 +112,6 @@ impl<'a> Sensors<'a> {
             square += (a - encoder_mean).powi(2);
         }
         rms(&encoder) > 0.0 && (product / square - 1.0).abs() <= DISAGREEMENT
-    }
-
-    pub(crate) fn sensor_density(&self) -> f64 {
-        self.sensor_density
-    }
-
-    pub(crate) fn angle_density(&self) -> f64 {
-        self.angle_density
-    }
-
-    pub(crate) fn equal_hz(&self) -> f64 {
-        self.equal_hz
     }
 }
 
@@ -184,7 +166,7 @@ mod tests {
             let sensors = Sensors::of(&encoder, &encoder, &sensor, &present, 0.0, RATE_HZ, 300.0).expect("they agree");
             let twice = |angle: &[f64]| gradient(&gradient(angle, RATE_HZ), RATE_HZ);
             blended += error(&twice(&blend(&sensors)), &truth);
-            smoothed += error(&kalman_smoother(&sensors).acceleration_rad_s2, &truth);
+            smoothed += error(&kalman_smoother(&sensors)[2], &truth);
             encoder_alone += error(&twice(&encoder), &truth);
             sensor_alone += error(&sensor, &truth);
         }
